@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+namespace clearway {
+
+/// Where a command speaks: results to `out`, log and progress to `log`. Commands end with an ExitStatus and
+/// never touch the process's streams themselves.
+class Console {
+ public:
+  /// @param is_terminal progress bars are drawn only when `log` is a terminal.
+  Console(std::ostream& out, std::ostream& log, bool is_terminal = false);
+
+  bool quiet = false;  ///< no log, no progress; warnings and results still appear
+  bool json = false;   ///< one JSON object on `out`, nothing else there
+
+  std::ostream& out() { return *out_; }
+  /// One line of log, unless quiet.
+  void log(std::string_view line);
+  /// One line that is shown even when quiet.
+  void warn(std::string_view line);
+  /// Redraws the bar of `stage` at `fraction` (0..1); ends the line at 1.
+  void progress(std::string_view stage, double fraction);
+  /// `progress` bound to a stage, for functions that report a fraction.
+  std::function<void(double)> bar(std::string stage);
+
+ private:
+  void clear_bar();
+  std::ostream* out_;
+  std::ostream* log_;
+  bool is_terminal_ = false;
+  int drawn_ = -1;  ///< last permille drawn, -1 none
+};
+
+/// Exit statuses of the program, fixed by the design page.
+enum ExitStatus : int { exit_done = 0, exit_no = 1, exit_bad_input = 2, exit_damaged = 3 };
+
+}  // namespace clearway

@@ -1,0 +1,15 @@
+#include <unistd.h>
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "apps/command_line.hpp"
+
+int main(int argc, char** argv) {
+  std::ios::sync_with_stdio(false);
+  clearway::Console console(std::cout, std::cerr, isatty(STDERR_FILENO) == 1);
+  const int status = clearway::run_command_line(std::vector<std::string>(argv + 1, argv + argc), console);
+  std::cout.flush();
+  return std::cout ? status : clearway::exit_bad_input;
+}

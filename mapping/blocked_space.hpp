@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+
+#include "mapping/voxel_state.hpp"
+
+namespace clearway {
+
+/// How far the nearest blocked voxel cube is, and which way.
+struct NearestBlocked {
+  double distance = 0.0;                                ///< exact distance to the cube; 0 inside one
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();      ///< nearest point of the cube
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, from the query to the cube; zero inside
+  Eigen::Vector3d voxel = Eigen::Vector3d::Zero();      ///< centre of that voxel
+  bool found = false;                                   ///< false: nothing within the search distance
+};
+
+/// The voxels that one requirement forbids, inside one region, ready for geometric queries.
+/// Immutable and safe to read from many threads. Everything here is derived from the map's tree.
+///
+/// Outside the region: under `not_occupied` a voxel there counts as its tree says only if the region was
+/// grown to hold it; the region is the part of the map that the caller asked for, and everything beyond it
+/// counts as free under `not_occupied` and as blocked under `painted` and `known_free`.
+class BlockedSpace {
+ public:
+  virtual ~BlockedSpace() = default;
+
+  virtual const Requirement& requirement() const = 0;
+  virtual double resolution() const = 0;           ///< edge of a voxel cube, metres
+  virtual double max_distance() const = 0;         ///< where the field is truncated, metres
+  virtual const Eigen::AlignedBox3d& region() const = 0;
+  virtual std::size_t blocked_count() const = 0;   ///< blocked voxels inside the region
+
+  virtual bool is_blocked(const Eigen::Vector3d& point) const = 0;
+
+  /// Conservative lower bound of the distance from `point` to the nearest blocked voxel cube, never larger
+  /// than the true distance; 0 inside a blocked voxel and for a non-finite point; at most max_distance().
+  virtual double clearance(const Eigen::Vector3d& point) const = 0;
+
+  /// The exact nearest blocked cube no farther than `limit` (<= max_distance()).
+  virtual NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const = 0;
+
+  /// Calls `visit(centre)` for each blocked voxel whose closed cube meets the closed `box`, in a fixed order,
+  /// until it returns false. Returns false when it was stopped. (Blocked space beyond the region, where the
+  /// requirement blocks it, is visited as voxels too.)
+  virtual bool visit_blocked(const Eigen::AlignedBox3d& box,
+                             const std::function<bool(const Eigen::Vector3d&)>& visit) const = 0;
+};
+
+}  // namespace clearway

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "mapping/snapshot.hpp"
+
+namespace clearway {
+
+/// A file that exists and can be opened, but whose content is broken; the message says what and where.
+class DamagedFile : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a map: a directory written by `clearway replay` (map.ot and painted.csv), or a .ot (ours or any
+/// registered OctoMap tree), .bt, .pcd or .ply file. A bare tree has no exact balls: then the voxels alone
+/// decide. Points of a cloud become occupied voxels of `cloud_resolution`.
+/// @throws std::invalid_argument when the file is missing, unreadable or of an unknown kind.
+/// @throws DamagedFile when it is truncated or corrupt; nothing half-read is ever returned.
+Snapshot load_map(const std::filesystem::path& path, double cloud_resolution = 0.02);
+
+/// Writes DIR/map.ot and DIR/painted.csv, each to a temporary name, synced and renamed.
+/// @throws std::runtime_error naming the file that could not be written; the old file is then intact.
+void save_map(const Snapshot& map, const std::filesystem::path& directory);
+
+/// Writes one file for other programs: .ot (octomap::ColorOcTree, coloured by state), .bt (occupied against
+/// free), .pcd or .ply (centres of occupied and conflict voxels, PCL).
+/// @throws std::invalid_argument for another extension, std::runtime_error when it cannot be written.
+void export_map(const Snapshot& map, const std::filesystem::path& file);
+
+/// SHA-256 of a file's bytes as 64 hexadecimal digits; for a map directory, of its map.ot.
+std::string map_sha256(const std::filesystem::path& path);
+
+}  // namespace clearway

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mapping/blocked_space.hpp"
+#include "mapping/painted_volume.hpp"
+#include "mapping/voxel_state.hpp"
+
+namespace clearway {
+
+class FusedTree;
+
+/// Voxels of the map by state, at the finest resolution (a pruned leaf counts as all its voxels).
+/// `unknown` voxels are not stored and so not counted.
+struct VoxelCounts {
+  std::size_t painted = 0, seen_free = 0, occupied = 0, conflict = 0;
+};
+
+/// Everything known of one voxel.
+struct Voxel {
+  VoxelState state = VoxelState::unknown;
+  std::uint16_t volumes = 0;   ///< painted volumes (bit i = volume i) that contain the voxel
+  bool observed = false;       ///< some ray ended in it or passed through it
+  double log_odds = 0.0;       ///< of the sensors only; meaningless when not observed
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double size = 0.0;           ///< edge of the leaf that answered, metres (a pruned leaf is larger)
+};
+
+/// An immutable view of a map: cheap to copy, safe to read from many threads. Frame: the map frame.
+class Snapshot {
+ public:
+  /// An empty map of 1 m voxels; real ones come from FreeSpaceMap::snapshot() and load_map().
+  Snapshot();
+  Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes);
+
+  double resolution() const;                            ///< metres
+  const std::vector<PaintedVolume>& volumes() const;    ///< exact balls; empty for a bare tree
+  const FusedTree& tree() const;                        ///< include mapping/fused_tree.hpp to use it
+  VoxelCounts counts() const;
+  Eigen::AlignedBox3d bounds() const;                   ///< of all stored leaves' cubes; empty for an empty map
+
+  Voxel voxel(const Eigen::Vector3d& point) const;      ///< unknown for a non-finite or far point
+  VoxelState state(const Eigen::Vector3d& point) const { return voxel(point).state; }
+
+  /// Calls `visit` for each stored leaf with a state other than unknown, in the tree's order.
+  void visit_leaves(const std::function<void(const Voxel&)>& visit) const;
+
+  /// Bit mask of the volumes whose critical parts include `part`; 0 when none does.
+  std::uint16_t volumes_of_part(const std::string& part) const;
+
+  /// The blocked voxels and distance field of `requirement` inside `region` (snapped outwards to voxels).
+  /// Built once for equal arguments and shared afterwards.
+  /// @param max_distance where the field is truncated, metres, > 0.
+  /// @throws std::invalid_argument when the region is empty or its field would exceed the memory limit; the
+  ///         sentence says which size would fit.
+  std::shared_ptr<const BlockedSpace> blocked_space(const Requirement& requirement,
+                                                    const Eigen::AlignedBox3d& region,
+                                                    double max_distance) const;
+
+ private:
+  struct State;
+  std::shared_ptr<const State> state_;
+};
+
+}  // namespace clearway

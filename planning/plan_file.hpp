@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planning/path_check.hpp"
+#include "planning/planner.hpp"
+
+namespace clearway {
+
+/// One plan of one or several legs, as plan.json stores it (keys fixed by the design page).
+struct Plan {
+  std::string robot;                       ///< name or path, as given
+  double robot_scale = 1.0;
+  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  std::vector<std::string> joints;
+  std::string planner;
+  PlannerOptions options;
+  std::uint64_t seed = 1;
+  std::string map_file, map_sha256;
+  double map_resolution = 0.0;
+  std::map<std::string, Policy> policies;  ///< per part
+  double padding = 0.0;
+  std::vector<PlanResult> legs;            ///< each starts where the one before it ended
+  std::vector<Configuration> goals;        ///< as asked
+  double time_s = 0.0;
+  PathVerdict validation;                  ///< of the whole path; `valid == false` and empty contact: not checked
+
+  PlanStatus status() const;               ///< of the first leg that is not solved, else solved
+  std::string explanation() const;
+  std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
+};
+
+/// plan.json text, keys in fixed order, numbers with full precision.
+std::string to_json(const Plan& plan);
+
+/// @throws std::invalid_argument naming file, field and what was expected.
+Plan load_plan(const std::filesystem::path& file);
+
+/// Waypoints as CSV with a header of joint names.
+std::string to_csv(const Plan& plan);
+
+}  // namespace clearway

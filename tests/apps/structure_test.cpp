@@ -1,0 +1,64 @@
+// The floors of the design page, held: who may include whom, and which headers stay light.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, std::set<std::string>> allowed = {
+    {"mapping", {"mapping"}},
+    {"planning", {"planning", "mapping"}},
+    {"tracking", {"tracking"}},
+    {"datasets", {"datasets"}},
+    {"apps", {"apps", "planning", "mapping", "tracking", "datasets"}},
+};
+
+void for_each_include(const std::string& floor,
+                      const std::function<void(const fs::path&, const std::string&, bool quoted)>& visit) {
+  const std::regex include(R"rx(^\s*#\s*include\s*([<"])([^>"]+)[>"])rx");
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(CLEARWAY_SOURCE_DIR) / floor)) {
+    const auto extension = entry.path().extension();
+    if (extension != ".hpp" && extension != ".cpp") continue;
+    std::ifstream file(entry.path());
+    for (std::string line; std::getline(file, line);) {
+      std::smatch match;
+      if (std::regex_search(line, match, include)) visit(entry.path(), match[2], match[1] == "\"");
+    }
+  }
+}
+
+TEST(Structure, floors_include_only_the_floors_below_them) {
+  int includes = 0;
+  for (const auto& [floor, may] : allowed) {
+    for_each_include(floor, [&](const fs::path& file, const std::string& name, bool quoted) {
+      if (!quoted) return;
+      ++includes;
+      EXPECT_TRUE(may.count(name.substr(0, name.find('/')))) << file << " includes " << name;
+    });
+  }
+  EXPECT_GT(includes, 50);
+}
+
+TEST(Structure, headers_include_nothing_heavier_than_eigen) {
+  const std::regex heavy(R"(^(pcl|mrpt|ompl|fcl|nlohmann|CLI|yaml-cpp|assimp|kdl|urdf_|boost|apriltag)\b.*)");
+  for (const auto& [floor, may] : allowed) {
+    for_each_include(floor, [&](const fs::path& file, const std::string& name, bool quoted) {
+      if (quoted || file.extension() != ".hpp") return;
+      EXPECT_FALSE(std::regex_match(name, heavy)) << file << " includes " << name;
+      const bool opencv = name.rfind("opencv2/", 0) == 0;
+      EXPECT_TRUE(!opencv || (floor == "tracking" && name == "opencv2/core.hpp")) << file << " includes " << name;
+      const bool octomap = name.rfind("octomap/", 0) == 0;
+      EXPECT_TRUE(!octomap || file.filename() == "fused_tree.hpp") << file << " includes " << name;
+    });
+  }
+}
+
+}  // namespace
