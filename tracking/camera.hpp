@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+namespace clearway {
+
+/// A pinhole camera with Brown-Conrady ("plumb bob") lens distortion, as OpenCV and MRPT calibrate it.
+///
+/// Camera frame: x right, y down, z forward, metres. Pixels: the centre of the upper left pixel is
+/// (0, 0), as everywhere in OpenCV; the image covers [-0.5, width - 0.5] x [-0.5, height - 0.5].
+/// Normalised points are (x/z, y/z) of the ray in the camera frame, free of distortion.
+struct Camera {
+  int width = 0;
+  int height = 0;
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< pixels
+  std::array<double, 5> distortion{};             ///< k1, k2, p1, p2, k3 (OpenCV's order)
+
+  /// Throws std::invalid_argument naming the field and what was expected: sizes in [32, 20000], focal
+  /// lengths finite and > 0, principal point inside the image, finite distortion that maps the whole
+  /// image one to one (a polynomial that folds back inside the image is a wrong calibration).
+  void validate() const;
+
+  /// The pixel at which a point of the camera frame is seen, possibly outside the image. Empty when the
+  /// point is not in front of the camera (z <= 1e-9 m), is not finite, or lies beyond the angle at which
+  /// the distortion polynomial folds back (where the formula gives a pixel but the lens sees nothing).
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const;
+
+  /// As `project`; also the derivative of the pixel by the point, pixels per metre.
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point,
+                                         Eigen::Matrix<double, 2, 3>& pixel_by_point) const;
+
+  /// The normalised point seen at `pixel`, to 1e-12 (Newton). Empty where no ray of the lens ends there.
+  std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
+
+  /// True when the pixel lies on the image and at least `margin` pixels inside its border.
+  bool sees(const Eigen::Vector2d& pixel, double margin = 0.0) const;
+};
+
+}  // namespace clearway

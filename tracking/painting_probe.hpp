@@ -1,0 +1,36 @@
+#pragma once
+
+#include "tracking/tag_body.hpp"
+
+namespace clearway {
+
+/// The hand-held probe: a tag body with a physical ball on it.
+struct PaintingProbe {
+  TagBody body;
+  Eigen::Vector3d ball_in_probe = Eigen::Vector3d::Zero();  ///< W_T_W' of eq. 1: the ball's centre, metres
+  double ball_radius = 0.0;                                 ///< r, metres
+
+  /// Throws std::invalid_argument naming the field and what was expected.
+  void validate() const;
+};
+
+/// What eq. 3 takes off the ball's radius, metres each.
+struct ErrorBudget {
+  double robot = 0.001;      ///< the robot's position error while it moves along a path
+  double tracking = 0.005;   ///< the error of a painted centre; samples less sure than this are refused
+  double modelling = 0.001;  ///< of the probe (ball, tag mounting) and of the robot's bodies
+
+  double sum() const { return robot + tracking + modelling; }
+};
+
+/// Eq. 3 of Chong et al. 2008: r0 = r - (robot + tracking + modelling), metres. Throws std::invalid_argument
+/// when an error is negative or not finite, or when nothing is left of the ball.
+double painted_radius(double ball_radius, const ErrorBudget& budget);
+
+/// A ball of free space in the base frame, metres: S_i(c_i, r0) of eq. 2.
+struct PaintedBall {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
+}  // namespace clearway

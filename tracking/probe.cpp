@@ -1,0 +1,171 @@
+#include "tracking/probe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+constexpr const char* kNames[kRefusals] = {"accepted",           "image_refused",  "time_not_rising",
+                                           "base_not_seen",      "probe_not_seen", "too_few_tags",
+                                           "reprojection_error", "ambiguous_pose", "base_moved",
+                                           "uncertain_center",   "too_fast"};
+
+template <typename... Parts>
+std::string sentence(const Parts&... parts) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(4);
+  (text << ... << parts);
+  return text.str();
+}
+
+void check(bool ok, const char* field, const char* expected) {
+  if (!ok) throw std::invalid_argument(std::string("acceptance: ") + field + " must be " + expected);
+}
+
+void validate(const AcceptanceOptions& o) {
+  check(o.min_base_tags >= 1, "min_base_tags", "1 or more");
+  check(o.min_probe_tags >= 1, "min_probe_tags", "1 or more");
+  check(o.max_rms_px > 0.0, "max_rms_px", "> 0 pixels");
+  check(o.min_ambiguity_ratio >= 1.0, "min_ambiguity_ratio", "1 or more");
+  check(o.min_separation >= 0.0, "min_separation", "0 or more");
+  check(o.confidence_sigmas > 0.0, "confidence_sigmas", "> 0");
+  check(o.max_speed > 0.0, "max_speed", "> 0 metres per second");
+}
+
+}  // namespace
+
+std::string to_string(Refusal refusal) { return kNames[static_cast<std::size_t>(refusal)]; }
+
+Probe::Probe(const Camera& camera, const TagBody& base, const PaintingProbe& probe, const ErrorBudget& budget,
+             const AcceptanceOptions& acceptance, const BodyPoseOptions& pose)
+    : camera_(camera),
+      base_(base),
+      probe_(probe),
+      budget_(budget),
+      acceptance_(acceptance),
+      pose_(pose),
+      radius_(clearway::painted_radius(probe.ball_radius, budget)),
+      board_(acceptance.static_board) {
+  camera.validate();
+  base.validate();
+  probe.validate();
+  validate(acceptance);
+  pose.validate();
+  for (const auto& [id, tag] : base.tags)
+    if (probe.body.tags.count(id))
+      throw std::invalid_argument("tag " + std::to_string(id) + " is on the base '" + base.name +
+                                  "' and on the probe '" + probe.body.name + "', expected each tag on one");
+}
+
+PaintingSample Probe::sample(const std::vector<TagDetection>& detections, double time) {
+  PaintingSample sample;
+  sample.time = time;
+  if (const Verdict verdict = judge_time(time); verdict.refusal != Refusal::none)
+    return finish(std::move(sample), verdict);
+  last_time_ = time;
+  sample.base = estimate_body_pose(base_, detections, camera_, pose_);
+  sample.probe = estimate_body_pose(probe_.body, detections, camera_, pose_);
+  Verdict verdict = judge_poses(sample);
+  if (verdict.refusal == Refusal::none) verdict = judge_center(sample);
+  remember(sample, verdict.refusal);
+  return finish(std::move(sample), verdict);
+}
+
+PaintingSample Probe::refuse_image(const std::string& reason, double time) {
+  PaintingSample sample;
+  sample.time = time;
+  return finish(std::move(sample), {Refusal::image_refused, reason});
+}
+
+std::map<std::string, std::int64_t> Probe::counts() const {
+  std::map<std::string, std::int64_t> by_name;
+  for (int i = 0; i < kRefusals; ++i) by_name[kNames[i]] = counts_[i];
+  return by_name;
+}
+
+Probe::Verdict Probe::judge_time(double time) const {
+  if (!std::isfinite(time)) return {Refusal::time_not_rising, "the image's time is not finite"};
+  if (last_time_ && time <= *last_time_)
+    return {Refusal::time_not_rising,
+            sentence("the image's time is ", *last_time_ - time, " s before the image before it")};
+  return {};
+}
+
+Probe::Verdict Probe::judge_body(const BodyPose& pose, const TagBody& body, int min_tags) const {
+  const std::string who = "'" + body.name + "' ";
+  if (static_cast<int>(pose.tags.size()) < min_tags)
+    return {Refusal::too_few_tags, sentence(who, "shows ", pose.tags.size(), " tags, at least ", min_tags)};
+  if (!(pose.rms_px <= acceptance_.max_rms_px))
+    return {Refusal::reprojection_error, sentence(who, "reprojects with an rms error of ", pose.rms_px,
+                                                  " px, at most ", acceptance_.max_rms_px)};
+  if (!(pose.ambiguity_ratio >= acceptance_.min_ambiguity_ratio))
+    return {Refusal::ambiguous_pose,
+            sentence(who, "has another pose with only ", pose.ambiguity_ratio, " times the error, at least ",
+                     acceptance_.min_ambiguity_ratio)};
+  if (!(pose.separation >= acceptance_.min_separation))
+    return {Refusal::ambiguous_pose, sentence(who, "has another pose that is worse by ", pose.separation,
+                                              " only (chi-square), at least ", acceptance_.min_separation)};
+  return {};
+}
+
+// Eq. 1, and whether its two poses may be trusted.
+Probe::Verdict Probe::judge_poses(PaintingSample& sample) {
+  if (!sample.base) return {Refusal::base_not_seen, "base '" + base_.name + "' is not seen"};
+  const Verdict base = judge_body(*sample.base, base_, acceptance_.min_base_tags);
+  UncertainPose camera_from_base = sample.base->camera_from_body;
+  bool base_moved = false;
+  if (acceptance_.fixed_camera && base.refusal == Refusal::none) {
+    const auto mean = board_.add(camera_from_base);
+    base_moved = !mean;
+    if (mean) camera_from_base = *mean;
+  }
+  if (!sample.probe) return {Refusal::probe_not_seen, "probe '" + probe_.body.name + "' is not seen"};
+  sample.base_from_probe = clearway::base_from_probe(camera_from_base, sample.probe->camera_from_body);
+  const UncertainPoint center = transform(sample.base_from_probe, probe_.ball_in_probe);
+  sample.ball = {center.point, radius_};
+  sample.center_sigma = center.largest_sigma();
+  if (base.refusal != Refusal::none) return base;
+  const Verdict probe = judge_body(*sample.probe, probe_.body, acceptance_.min_probe_tags);
+  if (probe.refusal != Refusal::none) return probe;
+  if (base_moved) return {Refusal::base_moved, "base '" + base_.name + "' is not where it was"};
+  return {};
+}
+
+Probe::Verdict Probe::judge_center(PaintingSample& sample) const {
+  const double error = acceptance_.confidence_sigmas * sample.center_sigma;
+  if (!(error <= budget_.tracking))
+    return {Refusal::uncertain_center,
+            sentence("the ball's centre is known to ", 1e3 * error, " mm (", acceptance_.confidence_sigmas,
+                     " sigma), at most ", 1e3 * budget_.tracking)};
+  double fastest = 0.0;
+  for (const std::optional<Place>& last : {last_measured_, last_accepted_})
+    if (last)
+      fastest = std::max(fastest, (sample.ball.center - last->center).norm() / (sample.time - last->time));
+  sample.speed = fastest;
+  if (!(fastest <= acceptance_.max_speed))
+    return {Refusal::too_fast,
+            sentence("the ball moved at ", fastest, " m/s, at most ", acceptance_.max_speed)};
+  return {};
+}
+
+void Probe::remember(const PaintingSample& sample, Refusal refusal) {
+  const Place place{sample.time, sample.ball.center};
+  if (refusal == Refusal::none || refusal == Refusal::too_fast) last_measured_ = place;
+  if (refusal == Refusal::none) last_accepted_ = place;
+}
+
+PaintingSample Probe::finish(PaintingSample sample, const Verdict& verdict) {
+  sample.accepted = verdict.refusal == Refusal::none;
+  sample.refusal = verdict.refusal;
+  sample.reason = verdict.reason;
+  ++counts_[static_cast<std::size_t>(verdict.refusal)];
+  return sample;
+}
+
+}  // namespace clearway

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tracking/painting_probe.hpp"
+#include "tracking/static_board.hpp"
+#include "tracking/tag_body.hpp"
+
+namespace clearway {
+
+/// Why an image painted nothing, in the order in which the rules are asked.
+enum class Refusal {
+  none,                ///< accepted
+  image_refused,       ///< not 8-bit grey, or not of the camera's size
+  time_not_rising,     ///< not later than the image before, or not finite
+  base_not_seen,       ///< no pose of the base board
+  probe_not_seen,      ///< no pose of the probe
+  too_few_tags,        ///< of the base board or of the probe
+  reprojection_error,  ///< a pose does not explain its corners: moved or bent tags, blur, wrong calibration
+  ambiguous_pose,      ///< another pose explains the corners nearly as well
+  base_moved,          ///< fixed camera only: the base board is not where it was
+  uncertain_center,    ///< the ball's centre may be off by more than the tracking error of eq. 3 allows
+  too_fast             ///< the ball moved too fast: blur, or a jump
+};
+constexpr int kRefusals = 11;
+
+/// The word used in reports: the enumerator's name, "accepted" for `none`.
+std::string to_string(Refusal refusal);
+
+/// When an image's poses are good enough to call space free.
+struct AcceptanceOptions {
+  int min_base_tags = 1;    ///< 1 or more
+  int min_probe_tags = 1;   ///< 1 or more; a single tag passes only near the camera, see `separation`
+  double max_rms_px = 1.0;  ///< reprojection error of either body, pixels
+  double min_ambiguity_ratio = 2.0;  ///< rms of the next best pose over that of the best
+  double min_separation = 36.0;  ///< see BodyPose::separation; 36 leaves room for 1.4 times the noise stated
+  double confidence_sigmas = 3.0;   ///< the centre's worst standard deviation times this <= tracking error
+  double max_speed = 0.5;           ///< of the ball's centre, metres per second
+  bool fixed_camera = false;        ///< camera and base board stand still: average the board's pose over time
+  StaticBoardOptions static_board;  ///< how, when fixed_camera
+};
+
+/// What one image said about the probe.
+struct PaintingSample {
+  bool accepted = false;
+  Refusal refusal = Refusal::none;
+  std::string reason;             ///< one sentence with the figures; empty when accepted
+  double time = 0.0;              ///< seconds, of the image
+  PaintedBall ball;               ///< base frame; meaningful when base and probe were seen
+  double center_sigma = 0.0;      ///< standard deviation of the centre in its worst direction, metres
+  double speed = 0.0;             ///< of the centre since the last trusted image, m/s; 0 without one
+  UncertainPose base_from_probe;  ///< eq. 1
+  std::optional<BodyPose> base;   ///< as seen in this image
+  std::optional<BodyPose> probe;  ///< as seen in this image
+};
+
+/// Turns detections into balls of free space: eq. 1 and 3 of Chong et al. 2008 and the rules of acceptance.
+/// One accepted image gives one ball where the ball was. Nothing is interpolated between images: space
+/// between two samples was never shown to be free. Deterministic; not to be shared between threads.
+class Probe {
+ public:
+  /// Throws std::invalid_argument when a part is invalid, base and probe share a tag id, or eq. 3 leaves no
+  /// ball.
+  Probe(const Camera& camera, const TagBody& base, const PaintingProbe& probe, const ErrorBudget& budget,
+        const AcceptanceOptions& acceptance = {}, const BodyPoseOptions& pose = {});
+
+  /// The sample of one image, taken at `time` (seconds, must rise). Never throws for what an image shows.
+  PaintingSample sample(const std::vector<TagDetection>& detections, double time);
+
+  /// Counts an image that could not be searched for tags.
+  PaintingSample refuse_image(const std::string& reason, double time);
+
+  std::int64_t count(Refusal refusal) const { return counts_[static_cast<std::size_t>(refusal)]; }
+  /// Counts by `to_string`, every reason present: what a report prints.
+  std::map<std::string, std::int64_t> counts() const;
+  double painted_radius() const { return radius_; }  ///< r0 of eq. 3, metres
+
+ private:
+  struct Verdict {
+    Refusal refusal = Refusal::none;
+    std::string reason;
+  };
+  Verdict judge_time(double time) const;
+  Verdict judge_body(const BodyPose& pose, const TagBody& body, int min_tags) const;
+  Verdict judge_poses(PaintingSample& sample);
+  Verdict judge_center(PaintingSample& sample) const;
+  void remember(const PaintingSample& sample, Refusal refusal);
+  PaintingSample finish(PaintingSample sample, const Verdict& verdict);
+
+  struct Place {
+    double time = 0.0;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  };
+
+  Camera camera_;
+  TagBody base_;
+  PaintingProbe probe_;
+  ErrorBudget budget_;
+  AcceptanceOptions acceptance_;
+  BodyPoseOptions pose_;
+  double radius_ = 0.0;
+  StaticBoard board_;
+  std::optional<double> last_time_;
+  std::optional<Place> last_measured_;  // all rules held but perhaps the speed
+  std::optional<Place> last_accepted_;
+  std::array<std::int64_t, kRefusals> counts_{};
+};
+
+}  // namespace clearway

@@ -1,0 +1,132 @@
+#include "tracking/tag_body.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "tracking/pose_refinement.hpp"
+#include "tracking/tag_pose.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr int kLastId = 586;  // of tag36h11
+
+struct SeenTag {
+  int id = 0;
+  const MountedTag* mounted = nullptr;
+  const TagDetection* detection = nullptr;
+};
+
+std::vector<SeenTag> seen_tags(const TagBody& body, const std::vector<TagDetection>& detections) {
+  std::vector<SeenTag> seen;
+  for (const auto& [id, mounted] : body.tags) {
+    const auto found = std::find_if(detections.begin(), detections.end(),
+                                    [wanted = id](const TagDetection& tag) { return tag.id == wanted; });
+    if (found != detections.end()) seen.push_back({id, &mounted, &*found});
+  }
+  return seen;
+}
+
+std::vector<CornerMatch> all_corners(const std::vector<SeenTag>& seen) {
+  std::vector<CornerMatch> corners;
+  for (const SeenTag& tag : seen) {
+    const auto points = tag_corners(tag.mounted->size);
+    for (int i = 0; i < 4; ++i)
+      corners.push_back({tag.mounted->body_from_tag * points[i], tag.detection->corners[i]});
+  }
+  return corners;
+}
+
+bool all_face_camera(const std::vector<SeenTag>& seen, const Eigen::Isometry3d& camera_from_body) {
+  return std::all_of(seen.begin(), seen.end(), [&](const SeenTag& tag) {
+    return faces_camera(camera_from_body * tag.mounted->body_from_tag);
+  });
+}
+
+// All minima of the reprojection error over `corners` that some tag's IPPE solution leads to, best first.
+std::vector<RefinedPose> minima(const std::vector<SeenTag>& seen, const std::vector<CornerMatch>& corners,
+                                const Camera& camera) {
+  std::vector<RefinedPose> found;
+  for (const SeenTag& tag : seen) {
+    for (const TagPoseSolution& solution :
+         estimate_tag_pose(tag.detection->corners, tag.mounted->size, camera).solutions) {
+      const Eigen::Isometry3d camera_from_body =
+          solution.camera_from_tag * tag.mounted->body_from_tag.inverse();
+      const auto refined = refine_pose(camera, corners, camera_from_body);
+      if (refined && all_face_camera(seen, refined->camera_from_body)) found.push_back(*refined);
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const RefinedPose& a, const RefinedPose& b) {
+    return a.squared_error < b.squared_error;
+  });
+  return found;
+}
+
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return difference(a, b).tail<3>().norm();
+}
+
+// The variance of a corner: as stated, or as the residuals show where they exceed it by three sigma.
+double corner_variance(double squared_error, std::size_t corners, double stated_sigma) {
+  const double freedom = 2.0 * static_cast<double>(corners) - 6.0;
+  const double stated = stated_sigma * stated_sigma;
+  const double excess = squared_error / (stated * freedom);
+  return excess > 1.0 + 3.0 * std::sqrt(2.0 / freedom) ? stated * excess : stated;
+}
+
+void check(bool ok, const std::string& where, const char* expected) {
+  if (!ok) throw std::invalid_argument(where + " must be " + expected);
+}
+
+}  // namespace
+
+void TagBody::validate() const {
+  const std::string where = "tag body '" + name + "': ";
+  check(!tags.empty(), where + "tags", "at least one");
+  for (const auto& [id, tag] : tags) {
+    const std::string which = where + "tag " + std::to_string(id);
+    const Eigen::Matrix3d r = tag.body_from_tag.linear();
+    check(id >= 0 && id <= kLastId, which, "an id of tag36h11, 0 to 586");
+    check(std::isfinite(tag.size) && tag.size > 0.0, which + " size", "> 0 metres");
+    check(tag.body_from_tag.matrix().allFinite() &&
+              (r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6 && r.determinant() > 0.0,
+          which + " body_from_tag", "a rotation and a translation, all finite");
+  }
+}
+
+void BodyPoseOptions::validate() const {
+  check(std::isfinite(pixel_noise) && pixel_noise > 0.0, "body pose: pixel_noise", "> 0 pixels");
+  check(distinct_angle > 0.0 && distinct_angle < 1.0, "body pose: distinct_angle", "between 0 and 1 radian");
+}
+
+std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,
+                                           const Camera& camera, const BodyPoseOptions& options) {
+  options.validate();
+  const std::vector<SeenTag> seen = seen_tags(body, detections);
+  const std::vector<CornerMatch> corners = all_corners(seen);
+  const std::vector<RefinedPose> answers = minima(seen, corners, camera);
+  if (answers.empty()) return std::nullopt;
+  const RefinedPose& best = answers.front();
+  const Eigen::LLT<Matrix6d> information(best.information);
+  if (information.info() != Eigen::Success) return std::nullopt;
+
+  BodyPose pose;
+  const double variance = corner_variance(best.squared_error, corners.size(), options.pixel_noise);
+  pose.camera_from_body = {best.camera_from_body, variance * information.solve(Matrix6d::Identity())};
+  if (!pose.camera_from_body.covariance.allFinite()) return std::nullopt;
+  pose.rms_px = std::sqrt(best.squared_error / static_cast<double>(corners.size()));
+  for (const SeenTag& tag : seen) pose.tags.push_back(tag.id);
+  const auto other = std::find_if(answers.begin(), answers.end(), [&](const RefinedPose& answer) {
+    return angle_between(answer.camera_from_body, best.camera_from_body) > options.distinct_angle;
+  });
+  if (other != answers.end()) {
+    pose.alternative = other->camera_from_body;
+    pose.separation = (other->squared_error - best.squared_error) / variance;
+    if (best.squared_error > 0.0) pose.ambiguity_ratio = std::sqrt(other->squared_error / best.squared_error);
+  }
+  return pose;
+}
+
+}  // namespace clearway

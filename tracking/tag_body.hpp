@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tracking/camera.hpp"
+#include "tracking/tag_detector.hpp"
+#include "tracking/uncertain_pose.hpp"
+
+namespace clearway {
+
+/// One tag glued to a body.
+struct MountedTag {
+  double size = 0.0;  ///< side of the black square, metres
+  Eigen::Isometry3d body_from_tag = Eigen::Isometry3d::Identity();
+};
+
+/// A rigid body that carries tags: the base board, the probe.
+struct TagBody {
+  std::string name;
+  std::map<int, MountedTag> tags;  ///< by tag36h11 id
+
+  /// Throws std::invalid_argument naming the body, the tag and what was expected: at least one tag, ids 0 to
+  /// 586, finite sizes > 0, rigid transforms.
+  void validate() const;
+};
+
+struct BodyPoseOptions {
+  double pixel_noise = 0.3;     ///< standard deviation of a corner per axis, pixels, > 0: state it honestly
+  double distinct_angle = 0.1;  ///< radians: two minima that differ by more are two answers
+
+  void validate() const;  ///< throws std::invalid_argument naming the option and its range
+};
+
+/// Where a body is, how well that is known, and how sure it is that no other answer fits.
+struct BodyPose {
+  UncertainPose camera_from_body;
+  double rms_px = 0.0;    ///< root mean square reprojection error over all corners used
+  std::vector<int> tags;  ///< ids used, rising
+
+  /// The best answer that is another one (see distinct_angle), when there is one.
+  std::optional<Eigen::Isometry3d> alternative;
+  /// rms of that answer over rms_px; infinity without one.
+  double ambiguity_ratio = std::numeric_limits<double>::infinity();
+  /// How much worse that answer explains the image: difference of the summed squared errors over the variance
+  /// of a corner, that is twice the log likelihood ratio; infinity without one. If the noise is what was
+  /// stated, the wrong answer wins by s or more with a probability below Q(sqrt(s)): 3e-7 for s = 25.
+  double separation = std::numeric_limits<double>::infinity();
+};
+
+/// The pose of `body` from every one of its tags among `detections`; empty when none is seen or no pose
+/// explains them with all tags facing the camera. At most one detection per id is expected; further ones of
+/// an id are ignored.
+///
+/// Each tag's two IPPE-square poses start a refinement over all corners of the body; the best minimum is the
+/// answer, the best other one is kept for the ambiguity. No prediction from earlier frames takes part: it
+/// would decide silently what the image leaves open. Covariance = s^2 (J^T J)^-1 with s the stated pixel
+/// noise, or the noise seen in the residuals where that is larger beyond chance (3 sigma of its chi-square).
+std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,
+                                           const Camera& camera, const BodyPoseOptions& options = {});
+
+}  // namespace clearway

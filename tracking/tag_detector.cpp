@@ -1,0 +1,138 @@
+#include "tracking/tag_detector.hpp"
+
+#include <apriltag/apriltag.h>
+#include <apriltag/tag36h11.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace clearway {
+namespace {
+
+constexpr int kMinSide = 32, kMaxSide = 20000;
+constexpr std::int64_t kMaxPixels = 64'000'000;
+constexpr double kPixelCentre = 0.5;  // apriltag's pixel (0, 0) covers [0, 1): its centre is at 0.5
+
+struct FamilyDeleter {
+  void operator()(apriltag_family_t* family) const { tag36h11_destroy(family); }
+};
+struct DetectorDeleter {
+  void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
+};
+struct DetectionsDeleter {
+  void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
+};
+
+void check(bool ok, const char* option, const char* expected) {
+  if (!ok) throw std::invalid_argument(std::string("tag detector: ") + option + " must be " + expected);
+}
+
+void validate(const TagDetectorOptions& o) {
+  check(o.decimate == 1 || o.decimate == 2, "decimate", "1 or 2");
+  check(o.threads >= 1 && o.threads <= 64, "threads", "1 to 64");
+  check(o.sigma >= 0.0 && o.sigma <= 5.0, "sigma", "0 to 5 pixels");
+  check(o.sharpening >= 0.0 && o.sharpening <= 10.0, "sharpening", "0 to 10");
+  check(o.max_hamming >= 0 && o.max_hamming <= 2, "max_hamming", "0 to 2 bits");
+  check(o.min_margin >= 0.0 && o.min_margin <= 255.0, "min_margin", "0 to 255 grey levels");
+  check(o.border >= 0.0 && std::isfinite(o.border), "border", "0 pixels or more");
+}
+
+TagDetection from_apriltag(const apriltag_detection_t& found) {
+  TagDetection tag{found.id, found.hamming, found.decision_margin, {}};
+  for (int i = 0; i < 4; ++i)
+    tag.corners[i] = Eigen::Vector2d(found.p[3 - i][0] - kPixelCentre, found.p[3 - i][1] - kPixelCentre);
+  return tag;
+}
+
+bool is_inside(const TagDetection& tag, const cv::Mat& image, double border) {
+  return std::all_of(tag.corners.begin(), tag.corners.end(), [&](const Eigen::Vector2d& c) {
+    return c.x() >= border - kPixelCentre && c.x() <= image.cols - kPixelCentre - border &&
+           c.y() >= border - kPixelCentre && c.y() <= image.rows - kPixelCentre - border;
+  });
+}
+
+bool comes_before(const TagDetection& a, const TagDetection& b) {
+  if (a.id != b.id) return a.id < b.id;
+  if (a.corners[0].x() != b.corners[0].x()) return a.corners[0].x() < b.corners[0].x();
+  return a.corners[0].y() < b.corners[0].y();
+}
+
+// Drops every detection of an id that was seen more than once in `tags` (sorted); returns how many.
+std::int64_t drop_duplicates(std::vector<TagDetection>& tags) {
+  std::vector<TagDetection> single;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const bool as_before = i > 0 && tags[i - 1].id == tags[i].id;
+    const bool as_next = i + 1 < tags.size() && tags[i + 1].id == tags[i].id;
+    if (!as_before && !as_next) single.push_back(tags[i]);
+  }
+  const auto dropped = static_cast<std::int64_t>(tags.size() - single.size());
+  tags = std::move(single);
+  return dropped;
+}
+
+}  // namespace
+
+struct TagDetector::Impl {
+  TagDetectorOptions options;
+  TagDetectorCounts counts;
+  std::unique_ptr<apriltag_family_t, FamilyDeleter> family{tag36h11_create()};
+  std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector{apriltag_detector_create()};
+};
+
+TagDetector::TagDetector(const TagDetectorOptions& options) {
+  validate(options);
+  impl_ = std::make_unique<Impl>();
+  impl_->options = options;
+  apriltag_detector_t& detector = *impl_->detector;
+  detector.nthreads = options.threads;
+  detector.quad_decimate = static_cast<float>(options.decimate);
+  detector.quad_sigma = static_cast<float>(options.sigma);
+  detector.refine_edges = options.refine_edges;
+  detector.decode_sharpening = options.sharpening;
+  apriltag_detector_add_family_bits(&detector, impl_->family.get(), options.max_hamming);
+}
+
+TagDetector::~TagDetector() = default;
+TagDetector::TagDetector(TagDetector&&) noexcept = default;
+TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
+
+const TagDetectorCounts& TagDetector::counts() const { return impl_->counts; }
+const TagDetectorOptions& TagDetector::options() const { return impl_->options; }
+
+bool is_detectable(const cv::Mat& gray, int decimate) {
+  const int smallest = std::min(gray.rows, gray.cols), largest = std::max(gray.rows, gray.cols);
+  return gray.dims == 2 && gray.type() == CV_8UC1 && gray.data && smallest >= kMinSide * decimate &&
+         largest <= kMaxSide && static_cast<std::int64_t>(gray.rows) * gray.cols <= kMaxPixels;
+}
+
+std::vector<TagDetection> TagDetector::detect(const cv::Mat& gray) {
+  const TagDetectorOptions& options = impl_->options;
+  if (!is_detectable(gray, options.decimate))
+    throw std::invalid_argument("tag detector: image of " + std::to_string(gray.cols) + " x " +
+                                std::to_string(gray.rows) + " pixels, type " + std::to_string(gray.type()) +
+                                ", expected 8-bit grey of 32 to 20000 pixels a side after decimation");
+  image_u8_t image{gray.cols, gray.rows, static_cast<int>(gray.step[0]), gray.data};
+  const std::unique_ptr<zarray_t, DetectionsDeleter> found(
+      apriltag_detector_detect(impl_->detector.get(), &image));
+  std::vector<TagDetection> tags;
+  for (int i = 0; i < zarray_size(found.get()); ++i) {
+    const apriltag_detection_t* detection = nullptr;
+    zarray_get(found.get(), i, &detection);
+    const TagDetection tag = from_apriltag(*detection);
+    if (tag.decision_margin < options.min_margin) {
+      ++impl_->counts.low_margin;
+    } else if (!is_inside(tag, gray, options.border)) {
+      ++impl_->counts.at_border;
+    } else {
+      tags.push_back(tag);
+    }
+  }
+  std::sort(tags.begin(), tags.end(), comes_before);
+  if (options.drop_duplicates) impl_->counts.duplicate += drop_duplicates(tags);
+  impl_->counts.detected += static_cast<std::int64_t>(tags.size());
+  return tags;
+}
+
+}  // namespace clearway

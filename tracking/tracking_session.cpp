@@ -1,0 +1,28 @@
+#include "tracking/tracking_session.hpp"
+
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace clearway {
+
+TrackingSession::TrackingSession(const TrackingSetup& setup, const TrackingOptions& options)
+    : camera_(setup.camera),
+      detector_(options.detector),
+      probe_(setup.camera, setup.base, setup.probe, setup.budget, options.acceptance, options.pose) {}
+
+TrackedImage TrackingSession::step(const cv::Mat& gray, double time) {
+  const bool is_cameras = gray.cols == camera_.width && gray.rows == camera_.height;
+  if (!is_cameras || !is_detectable(gray, detector_.options().decimate))
+    return {{},
+            probe_.refuse_image("the image has " + std::to_string(gray.cols) + " x " +
+                                    std::to_string(gray.rows) + " pixels of type " +
+                                    cv::typeToString(gray.type()) + ", expected 8-bit grey, " +
+                                    std::to_string(camera_.width) + " x " + std::to_string(camera_.height),
+                                time)};
+  TrackedImage image;
+  image.detections = detector_.detect(gray);
+  image.sample = probe_.sample(image.detections, time);
+  return image;
+}
+
+}  // namespace clearway
