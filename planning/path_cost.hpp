@@ -13,12 +13,15 @@ struct CostOptions {
   double payload_mass = 0.0;                 ///< kg, full size, at the tip
 };
 
-/// Path cost in joules, Chong et al. 2008, eq. 8-9, of the full-size robot (a miniature is costed at 1/scale).
+/// Path cost in joules, Chong et al. 2008, eq. 8-9, of the full-size robot (a miniature is costed at
+/// 1/scale).
 class PathCost {
  public:
+  /// @throws std::invalid_argument when gravity is not finite or the payload negative.
   explicit PathCost(const Robot& robot, const CostOptions& options = {});
 
-  /// u_j: torque (Nm) or force (N) magnitude of each joint at q, eq. 8: friction and gravity terms. Never < 0.
+  /// u_j: torque (Nm) or force (N) magnitude of each joint at q, eq. 8: friction and gravity terms. Never <
+  /// 0.
   Eigen::VectorXd generalized_forces(const Configuration& q) const;
   /// The gravity part alone, signed (tau_j such that it holds the arm): for comparison with rigid-body codes.
   Eigen::VectorXd gravity_torques(const Configuration& q) const;
@@ -29,6 +32,8 @@ class PathCost {
   double operator()(const std::vector<Configuration>& waypoints) const;
 
  private:
+  Configuration full_size(const Configuration& q) const;  ///< prismatic values, or steps, over the scale
+
   Robot robot_;  ///< at full size
   CostOptions options_;
   double scale_ = 1.0;
