@@ -1,0 +1,141 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace clearway {
+
+/// A grey image, row by row from the top, 0 = black.
+struct GrayImage {
+  int width = 0, height = 0;
+  std::vector<uint8_t> pixels;
+
+  bool operator==(const GrayImage&) const = default;
+};
+
+/// A pinhole camera with plumb-bob distortion, in pixels. Pixel (0, 0) is the *centre* of the top left pixel
+/// (OpenCV's convention); width 0 means "not known".
+struct CameraIntrinsics {
+  int width = 0, height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+
+  bool operator==(const CameraIntrinsics&) const = default;
+};
+
+/// What a camera saw. The sensor frame is the optical one: x right, y down, z forward.
+struct ImageFrame {
+  GrayImage image;
+  CameraIntrinsics intrinsics;
+  Eigen::Isometry3d world_from_sensor = Eigen::Isometry3d::Identity();
+};
+
+/// What a range sensor measured: valid returns only, in the sensor frame (x forward, y left, z up).
+struct CloudFrame {
+  std::vector<Eigen::Vector3f> points;
+  Eigen::Isometry3d world_from_sensor = Eigen::Isometry3d::Identity();
+  double max_range = 0;  ///< m, 0 when the recording does not say
+  std::string kind;      ///< "depth", "laser2d", "velodyne" or "points"
+};
+
+/// Where the robot that carries the sensors is, by its odometry.
+struct OdometryFrame {
+  Eigen::Isometry3d world_from_robot = Eigen::Isometry3d::Identity();
+};
+
+/// A text put into the recording. `simulate` stores the setup's YAML so, as the first object.
+struct CommentFrame {
+  std::string text;
+};
+
+/// One thing that happened in a recording. `time` is in seconds since 1970; an object without a time stamp
+/// gets that of the one before it (at the beginning: of the first one that has it; 0 when none has).
+struct Frame {
+  double time = 0;
+  std::string sensor;  ///< the sensor's label, may be empty
+  std::variant<ImageFrame, CloudFrame, OdometryFrame, CommentFrame> content;
+};
+
+/// A range image as a depth camera makes it, for writing. The sensor frame is x forward, y left, z up.
+struct DepthImage {
+  CameraIntrinsics intrinsics;
+  std::vector<float> ranges;  ///< m along the ray of each pixel, row by row; 0 = no return
+  double unit = 1e-3;         ///< m per step of the stored 16 bit number: finer steps, shorter reach
+  double max_range = 0;       ///< m
+  Eigen::Isometry3d world_from_sensor = Eigen::Isometry3d::Identity();
+};
+
+/// What a reader has met so far.
+struct RecordingCounts {
+  size_t objects = 0;  ///< whole objects at the top level of the file
+  size_t images = 0, clouds = 0, odometry = 0, comments = 0;
+  size_t skipped = 0;  ///< observations of kinds Clearway has no use for, or stored in other files
+};
+
+/// Reads an MRPT rawlog (plain or gz) frame by frame, in file order, each frame with its pose in the world:
+/// sensor pose on the robot after the robot's odometry, where the log has one. Logs of actions and sensory
+/// frames add up the increments; observation-only logs interpolate the odometry in time (and hold back up to
+/// 32 frames to wait for the next odometry). A log without odometry has its robot at the origin.
+///
+/// The file is decoded in a child process with bounded memory and time, so that no damaged file can take
+/// this process down: damage ends the reading with `damage()` set, and every frame before it is kept.
+class RecordingReader {
+ public:
+  /// @throws std::invalid_argument when the file is missing, not readable or not a rawlog at all.
+  explicit RecordingReader(const std::filesystem::path& file);
+  ~RecordingReader();
+  RecordingReader(RecordingReader&&) noexcept;
+  RecordingReader& operator=(RecordingReader&&) noexcept;
+
+  /// The next frame, or nothing at the end of the log or where damage begins.
+  std::optional<Frame> next();
+
+  /// One sentence naming the file, the object and the place, once `next` has met damage. A frame read before
+  /// a failing checksum at the end may itself be wrong: the sentence says when that is so.
+  const std::optional<std::string>& damage() const;
+  /// One sentence for each kind of thing that was left out (an image stored in another file, say).
+  const std::vector<std::string>& warnings() const;
+  const RecordingCounts& counts() const;
+  /// How much of the file has been read, 0 to 1.
+  double progress() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Writes a gz rawlog. Everything goes to `<file>.part` first, so that a crash never leaves a half-written
+/// recording under its final name; each frame is flushed as it is written, so the `.part` file can be read up
+/// to the last frame. The same frames give the same bytes.
+class RecordingWriter {
+ public:
+  /// @throws std::runtime_error when the folder or the file cannot be written.
+  explicit RecordingWriter(const std::filesystem::path& file);
+  /// Without `finish` the `.part` file is removed.
+  ~RecordingWriter();
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  /// Appends one object. A cloud is stored as bare points and reads back as kind "points"; odometry keeps x,
+  /// y and yaw. @throws std::invalid_argument for an image whose size does not fit its pixels,
+  /// std::runtime_error when the disk refuses.
+  void write(const Frame& frame);
+  /// Appends a depth image; reads back as a cloud of kind "depth". Ranges beyond 65535 units are dropped.
+  void write(double time, const std::string& sensor, const DepthImage& depth);
+  /// Ends the log, syncs it to the disk and gives it its name. Nothing may be written afterwards.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,164 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+
+#include "datasets/decoding_child.hpp"
+#include "datasets/frame_bytes.hpp"
+#include "datasets/inflating_stream.hpp"
+#include "datasets/recording.hpp"
+#include "datasets/robot_path.hpp"
+
+namespace clearway {
+namespace {
+
+/// A file opened for reading, checked to be one we can decode.
+class OpenRecording {
+ public:
+  explicit OpenRecording(const std::filesystem::path& file)
+      : descriptor_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+    const std::string name = "recording '" + file.string() + "'";
+    if (descriptor_ < 0)
+      throw std::invalid_argument(name + " cannot be opened: " + std::strerror(errno) + ".");
+    struct stat status {};
+    const bool regular = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+    if (!regular || status.st_size == 0 || !begins_like_a_rawlog()) {
+      close(descriptor_);
+      throw std::invalid_argument(name + " is " +
+                                  (!regular              ? "not a file"
+                                   : status.st_size == 0 ? "empty"
+                                                         : "not an MRPT rawlog") +
+                                  "; expected an MRPT rawlog, plain or gz.");
+    }
+    size_ = static_cast<uint64_t>(status.st_size);
+    lseek(descriptor_, 0, SEEK_SET);
+  }
+  ~OpenRecording() { close(descriptor_); }
+  OpenRecording(const OpenRecording&) = delete;
+  OpenRecording& operator=(const OpenRecording&) = delete;
+  int descriptor() const { return descriptor_; }
+  uint64_t size() const { return size_; }
+
+ private:
+  /// The first object's head: 0x80 + length of the class name, then the name. As much of it as there is.
+  bool begins_like_a_rawlog() const {
+    char head[128];
+    size_t size = 0;
+    InflatingStream stream(descriptor_);
+    try {
+      size = stream.Read(head, sizeof head);
+    } catch (const DamagedStream&) {
+      return true;  // begins as gz: damage is the decoder's to tell
+    }
+    if (size == 0) return stream.compressed();
+    const size_t length = static_cast<unsigned char>(head[0]) & 0x7f;
+    if (!(head[0] & 0x80) || length == 0) return false;
+    const std::string_view name(head + 1, std::min(size - 1, length));
+    return std::all_of(name.begin(), name.end(),
+                       [](unsigned char c) { return std::isalnum(c) || c == ':' || c == '_'; });
+  }
+  int descriptor_;
+  uint64_t size_ = 0;
+};
+
+}  // namespace
+
+struct RecordingReader::State {
+  explicit State(const std::filesystem::path& name)
+      : file(name), open(name), child(open.descriptor(), open.size()) {}
+
+  std::filesystem::path file;
+  OpenRecording open;
+  DecodingChild child;
+  RobotPath path;
+  RecordingCounts counts;
+  std::vector<std::string> warnings;
+  std::optional<std::string> damage;
+  uint64_t offset = 0;
+  bool finished = false;
+
+  void receive();
+  void end(const std::string& reason);
+  void add(DecodedFrame&& frame);
+  void warn(const std::string& what);
+};
+
+void RecordingReader::State::add(DecodedFrame&& frame) {
+  size_t* const kinds[] = {&counts.images, &counts.clouds, &counts.odometry, &counts.comments};
+  ++*kinds[frame.frame.content.index()];
+  path.add(std::move(frame));
+}
+
+void RecordingReader::State::warn(const std::string& what) {
+  ++counts.skipped;
+  const std::string sentence =
+      "recording '" + file.string() + "', object " + std::to_string(counts.objects + 1) + ": " + what + ".";
+  constexpr size_t enough = 20;
+  if (!what.empty() && warnings.size() < enough) warnings.push_back(sentence);
+}
+
+void RecordingReader::State::end(const std::string& reason) {
+  finished = true;
+  path.finish();
+  if (reason.empty()) {
+    offset = open.size();
+    return;
+  }
+  damage = "recording '" + file.string() + "' is damaged at object " + std::to_string(counts.objects + 1) +
+           ", near byte " + std::to_string(offset) + " of " + std::to_string(open.size()) + ": " + reason +
+           ".";
+}
+
+void RecordingReader::State::receive() {
+  ChildMessage message = child.receive();
+  offset = std::clamp(message.offset, offset, open.size());
+  switch (message.kind) {
+    case ChildMessage::frame:
+      try {
+        add(frame_from_bytes(message.text));
+      } catch (const std::runtime_error& error) {
+        end(error.what());
+      }
+      break;
+    case ChildMessage::object:
+      ++counts.objects;
+      break;
+    case ChildMessage::skipped:
+      warn(message.text);
+      break;
+    case ChildMessage::damage:
+      end(message.text);
+      break;
+    case ChildMessage::end:
+      end("");
+      break;
+  }
+}
+
+RecordingReader::RecordingReader(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
+RecordingReader::~RecordingReader() = default;
+RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
+RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
+
+std::optional<Frame> RecordingReader::next() {
+  for (;;) {
+    if (auto frame = state_->path.take()) return frame;
+    if (state_->finished) return std::nullopt;
+    state_->receive();
+  }
+}
+
+const std::optional<std::string>& RecordingReader::damage() const { return state_->damage; }
+const std::vector<std::string>& RecordingReader::warnings() const { return state_->warnings; }
+const RecordingCounts& RecordingReader::counts() const { return state_->counts; }
+double RecordingReader::progress() const {
+  return static_cast<double>(state_->offset) / static_cast<double>(state_->open.size());
+}
+
+}  // namespace clearway

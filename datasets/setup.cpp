@@ -1,0 +1,207 @@
+#include "datasets/setup.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "datasets/setup_camera.hpp"
+#include "datasets/yaml_fields.hpp"
+
+namespace clearway {
+namespace {
+
+MapSetup read_map(const YamlFields& fields) {
+  MapSetup map;
+  map.resolution = fields.optional_number("resolution", {1e-4, 100});
+  map.max_range = fields.optional_number("max_range", positive);
+  map.min_range = fields.optional_number("min_range", not_negative);
+  if (fields.has("discretize")) map.discretize = fields.boolean("discretize");
+  if (fields.has("crop")) {
+    const auto values = fields.numbers("crop", within_reach, 6);
+    map.crop.emplace(Eigen::Vector3d(values.data()), Eigen::Vector3d(values.data() + 3));
+    if ((map.crop->sizes().array() <= 0).any())
+      fields.fail("crop", "expected [xmin, ymin, zmin, xmax, ymax, zmax] with each min below its max");
+  }
+  fields.finish();
+  return map;
+}
+
+BoardSetup read_board(const YamlFields& fields) {
+  BoardSetup board;
+  board.name = fields.text("name");
+  for (const auto& entry : fields.list_of_maps("tags")) {
+    TagSetup tag;
+    tag.id = entry.integer("id", {0, 586});
+    tag.size = entry.number("size", positive);
+    tag.board_from_tag = entry.pose("pose", tag.board_from_tag);
+    entry.finish();
+    board.tags.push_back(tag);
+  }
+  if (board.tags.empty()) fields.fail("tags", "expected at least one tag");
+  if (fields.has_angles("map_from_board")) board.map_from_board = fields.pose("map_from_board");
+  fields.finish();
+  return board;
+}
+
+std::vector<BoardSetup> read_boards(const YamlFields& fields) {
+  std::vector<BoardSetup> boards;
+  std::set<std::string> names;
+  std::set<int> ids;
+  for (const auto& entry : fields.list_of_maps("boards")) {
+    boards.push_back(read_board(entry));
+    if (!names.insert(boards.back().name).second) entry.fail("name", "this board is given twice");
+    for (const auto& tag : boards.back().tags)
+      if (!ids.insert(tag.id).second)
+        entry.fail("tags", "tag " + std::to_string(tag.id) + " is used twice; expected each id once");
+  }
+  return boards;
+}
+
+ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
+  ProbeSetup probe;
+  probe.board = fields.text("board");
+  if (!setup.board(probe.board))
+    fields.fail("board", "expected the name of one of the boards, got '" + probe.board + "'");
+  probe.ball_center = fields.vector("ball_center");
+  probe.ball_radius = fields.number("ball_radius", positive);
+  probe.robot_error = fields.number("robot_error", not_negative, 0);
+  probe.tracking_error = fields.number("tracking_error", not_negative, 0);
+  probe.modelling_error = fields.number("modelling_error", not_negative, 0);
+  if (probe.painted_radius() <= 0)
+    fields.fail("ball_radius",
+                "expected more than the sum of robot_error, tracking_error and modelling_error");
+  fields.finish();
+  return probe;
+}
+
+std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
+  std::vector<VolumeSetup> volumes;
+  std::set<std::string> labels;
+  for (const auto& entry : fields.list_of_maps("volumes")) {
+    VolumeSetup volume;
+    volume.label = entry.text("label");
+    if (!labels.insert(volume.label).second) entry.fail("label", "this label is given twice");
+    volume.critical_parts = entry.texts("critical_parts");
+    volume.from = entry.number("from", not_negative, volume.from);
+    volume.to = entry.number("to", not_negative, volume.to);
+    if (volume.to <= volume.from) entry.fail("to", "expected a time after 'from'");
+    entry.finish();
+    volumes.push_back(volume);
+  }
+  if (volumes.size() > 15) fields.fail("volumes", "expected at most 15 of them");
+  if (volumes.empty()) volumes.push_back({.label = "free", .critical_parts = {}});
+  return volumes;
+}
+
+AcceptanceSetup read_acceptance(const YamlFields& fields) {
+  AcceptanceSetup acceptance;
+  acceptance.max_reprojection_px = fields.optional_number("max_reprojection_px", positive);
+  acceptance.min_ambiguity = fields.optional_number("min_ambiguity", not_negative);
+  if (fields.has("min_tags")) acceptance.min_tags = fields.integer("min_tags", {1, 100});
+  acceptance.max_speed = fields.optional_number("max_speed", positive);
+  fields.finish();
+  return acceptance;
+}
+
+RobotSetup read_robot(const YamlFields& fields) {
+  RobotSetup robot;
+  robot.name = fields.text("name");
+  robot.map_from_base = fields.pose("base", robot.map_from_base);
+  robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  fields.finish();
+  return robot;
+}
+
+std::map<std::string, std::string> read_words(const YamlFields& fields) {
+  std::map<std::string, std::string> words;
+  for (const auto& key : fields.keys()) words[key] = fields.text(key);
+  return words;
+}
+
+QuerySetup read_query(const YamlFields& fields) {
+  QuerySetup query;
+  query.name = fields.text("name");
+  query.start = fields.angles("start");
+  query.goals = fields.lists_of_angles("goals");
+  if (query.start.empty()) fields.fail("start", "expected a number for each joint");
+  if (query.goals.empty()) fields.fail("goals", "expected at least one goal");
+  for (const auto& goal : query.goals)
+    if (goal.size() != query.start.size())
+      fields.fail("goals", "expected as many numbers in each goal as in the start");
+  query.planners = fields.texts("planners");
+  if (fields.has("policies")) {
+    const YamlFields policies = fields.map("policies");
+    query.policies = read_words(policies);
+    for (const auto& [part, policy] : query.policies)
+      if (policy != "painted" && policy != "known_free" && policy != "not_occupied")
+        policies.fail(part, "expected painted, known_free or not_occupied, got '" + policy + "'");
+  }
+  if (fields.has("options")) query.options = read_words(fields.map("options"));
+  fields.finish();
+  return query;
+}
+
+}  // namespace
+
+CameraIntrinsics read_camera(const YamlFields& fields) {
+  CameraIntrinsics camera;
+  camera.width = fields.integer("width", {1, 20000});
+  camera.height = fields.integer("height", {1, 20000});
+  camera.fx = fields.number("fx", positive);
+  camera.fy = fields.number("fy", positive);
+  camera.cx = fields.number("cx", within_reach);
+  camera.cy = fields.number("cy", within_reach);
+  if (fields.has("distortion")) {
+    const auto values = fields.numbers("distortion", within_reach, 5);
+    std::copy(values.begin(), values.end(), camera.distortion.begin());
+  }
+  fields.finish();
+  return camera;
+}
+
+const BoardSetup* Setup::board(const std::string& name) const {
+  const auto found =
+      std::find_if(boards.begin(), boards.end(), [&](const BoardSetup& board) { return board.name == name; });
+  return found == boards.end() ? nullptr : &*found;
+}
+
+Setup parse_setup(const std::string& text, const std::string& name) {
+  const YamlFields fields(text, "setup '" + name + "'");
+  Setup setup;
+  if (fields.has("map")) setup.map = read_map(fields.map("map"));
+  if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
+  setup.boards = read_boards(fields);
+  if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
+  setup.volumes = read_volumes(fields);
+  if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
+  if (fields.has("robot")) setup.robot = read_robot(fields.map("robot"));
+  for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
+  fields.finish();
+  return setup;
+}
+
+std::string read_text(const std::filesystem::path& file, const std::string& what) {
+  const std::string name = what + " '" + file.string() + "'";
+  std::error_code problem;
+  if (std::filesystem::is_directory(file, problem))
+    throw std::invalid_argument(name + " cannot be read: it is a folder.");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::invalid_argument(name + " cannot be read: " + std::strerror(errno) + ".");
+  constexpr size_t largest = 4 << 20;
+  std::string text(largest + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(in.gcount()));
+  if (text.size() > largest)
+    throw std::invalid_argument(name + " is larger than 4 MB; expected a YAML text.");
+  return text;
+}
+
+Setup load_setup(const std::filesystem::path& file) {
+  return parse_setup(read_text(file, "setup"), file.string());
+}
+
+}  // namespace clearway

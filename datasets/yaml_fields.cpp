@@ -1,0 +1,295 @@
+#include "datasets/yaml_fields.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+std::string shown(double value) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << value;
+  return out.str();
+}
+
+std::string shown(const YAML::Node& node) {
+  if (node.IsScalar()) return "'" + node.Scalar() + "'";
+  return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
+}
+
+std::string expectation(Bounds bounds) {
+  if (std::isinf(bounds.low) && std::isinf(bounds.high)) return "a finite number";
+  if (bounds.low == tiny && bounds.high == positive.high) return "a positive number";
+  return "a number from " + shown(bounds.low == tiny ? 0 : bounds.low) + " to " + shown(bounds.high);
+}
+
+}  // namespace
+
+Eigen::Matrix3d rotation_from_rpy(double roll, double pitch, double yaw) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+std::string nearest_word(const std::string& word, const std::set<std::string>& known) {
+  std::string nearest;
+  size_t smallest = std::max<size_t>(2, word.size() / 2) + 1;
+  for (const auto& candidate : known) {
+    std::vector<size_t> row(candidate.size() + 1);
+    for (size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= word.size(); ++i) {
+      size_t diagonal = std::exchange(row[0], i);
+      for (size_t j = 1; j < row.size(); ++j) {
+        const size_t changed = diagonal + (word[i - 1] != candidate[j - 1]);
+        diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, changed}));
+      }
+    }
+    if (row.back() < smallest) {
+      smallest = row.back();
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+YamlFields::YamlFields(const std::string& text, const std::string& name) : name_(name) {
+  try {
+    node_ = std::make_shared<YAML::Node>(YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    throw std::invalid_argument(name + ", line " + std::to_string(error.mark.line + 1) +
+                                ": not valid YAML (" + error.msg + ").");
+  }
+  check_map();
+}
+
+YamlFields::YamlFields(const YAML::Node& node, const std::string& name, const std::string& path)
+    : node_(std::make_shared<YAML::Node>(node)), name_(name), path_(path) {
+  check_map();
+}
+
+void YamlFields::check_map() const {
+  if (node_->IsNull()) return;
+  if (!node_->IsMap()) fail("", "expected a map of keys and values, got " + shown(*node_));
+  std::set<std::string> seen;
+  for (const auto& entry : *node_) {
+    if (!entry.first.IsScalar()) fail("", "expected plain words as keys");
+    if (!seen.insert(entry.first.Scalar()).second) fail(entry.first.Scalar(), "this key is given twice");
+  }
+}
+
+void YamlFields::fail(const std::string& key, const std::string& what) const {
+  YAML::Mark mark = node_->Mark();
+  if (node_->IsMap() && !key.empty())
+    for (const auto& entry : *node_)
+      if (entry.first.IsScalar() && entry.first.Scalar() == key) mark = entry.second.Mark();
+  const std::string line = mark.is_null() ? "" : ", line " + std::to_string(mark.line + 1);
+  const std::string where = path_ + (path_.empty() || key.empty() ? "" : ".") + key;
+  throw std::invalid_argument(name_ + line + (where.empty() ? "" : ", " + where) + ": " + what + ".");
+}
+
+YAML::Node YamlFields::find(const std::string& key) const {
+  asked_.insert(key);
+  if (node_->IsMap())
+    for (const auto& entry : *node_)
+      if (entry.first.Scalar() == key) return entry.second;
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+YAML::Node YamlFields::required(const std::string& key) const {
+  YAML::Node node = find(key);
+  if (!node.IsDefined() || node.IsNull()) fail(key, "this key is missing");
+  return node;
+}
+
+bool YamlFields::has(const std::string& key) const {
+  const YAML::Node node = find(key);
+  return node.IsDefined() && !node.IsNull();
+}
+
+double YamlFields::number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const {
+  double value = 0;
+  bool good = node.IsScalar();
+  if (good) {
+    const std::string& text = node.Scalar();
+    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+    good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+  }
+  if (!good || value < bounds.low || value > bounds.high)
+    fail(key, "expected " + expectation(bounds) + ", got " + shown(node));
+  return value;
+}
+
+double YamlFields::number(const std::string& key, Bounds bounds) const {
+  return number_of(required(key), key, bounds);
+}
+
+double YamlFields::number(const std::string& key, Bounds bounds, double otherwise) const {
+  return has(key) ? number(key, bounds) : otherwise;
+}
+
+std::optional<double> YamlFields::optional_number(const std::string& key, Bounds bounds) const {
+  if (!has(key)) return std::nullopt;
+  return number(key, bounds);
+}
+
+int YamlFields::integer(const std::string& key, Bounds bounds) const {
+  const double value = number(key, bounds);
+  if (value != std::round(value)) fail(key, "expected a whole number, got '" + shown(value) + "'");
+  return static_cast<int>(value);
+}
+
+int YamlFields::integer(const std::string& key, Bounds bounds, int otherwise) const {
+  return has(key) ? integer(key, bounds) : otherwise;
+}
+
+bool YamlFields::boolean(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (node.IsScalar() && node.Scalar() == "true") return true;
+  if (node.IsScalar() && node.Scalar() == "false") return false;
+  fail(key, "expected true or false, got " + shown(node));
+}
+
+std::string YamlFields::text(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsScalar() || node.Scalar().empty()) fail(key, "expected a word or text, got " + shown(node));
+  return node.Scalar();
+}
+
+std::string YamlFields::text(const std::string& key, const std::string& otherwise) const {
+  return has(key) ? text(key) : otherwise;
+}
+
+std::vector<std::string> YamlFields::texts(const std::string& key) const {
+  std::vector<std::string> result;
+  if (!has(key)) return result;
+  const YAML::Node node = find(key);
+  if (!node.IsSequence()) fail(key, "expected a list of words, got " + shown(node));
+  for (const auto& item : node) {
+    if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown(item) + " in it");
+    result.push_back(item.Scalar());
+  }
+  return result;
+}
+
+std::vector<double> YamlFields::numbers_of(const YAML::Node& node, const std::string& key,
+                                           Bounds bounds) const {
+  if (!node.IsSequence()) fail(key, "expected a list of numbers, got " + shown(node));
+  std::vector<double> result;
+  for (const auto& item : node) result.push_back(number_of(item, key, bounds));
+  return result;
+}
+
+std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds) const {
+  return numbers_of(required(key), key, bounds);
+}
+
+std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds, size_t size) const {
+  auto result = numbers(key, bounds);
+  if (result.size() != size)
+    fail(key, "expected " + std::to_string(size) + " numbers, got " + std::to_string(result.size()));
+  return result;
+}
+
+Eigen::Vector3d YamlFields::vector(const std::string& key) const {
+  return Eigen::Vector3d(numbers(key, within_reach, 3).data());
+}
+
+std::string YamlFields::degrees_key(const std::string& key) const {
+  const bool radians = has(key), degrees = has(key + "_deg");
+  if (radians && degrees) fail(key, "given in radians and, as " + key + "_deg, in degrees; expected one");
+  return degrees ? key + "_deg" : key;
+}
+
+bool YamlFields::has_angles(const std::string& key) const { return has(degrees_key(key)); }
+
+std::vector<double> YamlFields::angles(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  auto result = numbers(given, within_reach);
+  if (given != key)
+    for (double& value : result) value *= degree;
+  return result;
+}
+
+std::vector<std::vector<double>> YamlFields::lists_of_angles(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  const YAML::Node node = required(given);
+  if (!node.IsSequence()) fail(given, "expected a list of lists of numbers, got " + shown(node));
+  std::vector<std::vector<double>> result;
+  for (const auto& item : node) {
+    result.push_back(numbers_of(item, given, within_reach));
+    if (given != key)
+      for (double& value : result.back()) value *= degree;
+  }
+  return result;
+}
+
+double YamlFields::angle(const std::string& key, double otherwise) const {
+  const std::string given = degrees_key(key);
+  return has(given) ? number(given, within_reach) * (given != key ? degree : 1) : otherwise;
+}
+
+Eigen::Isometry3d YamlFields::pose(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  const auto values = numbers(given, within_reach, 6);
+  const double unit = given != key ? degree : 1;
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.translation() = Eigen::Vector3d(values.data());
+  result.linear() = rotation_from_rpy(values[3] * unit, values[4] * unit, values[5] * unit);
+  return result;
+}
+
+Eigen::Isometry3d YamlFields::pose(const std::string& key, const Eigen::Isometry3d& otherwise) const {
+  return has_angles(key) ? pose(key) : otherwise;
+}
+
+Eigen::Matrix3d YamlFields::rotation(const std::string& key) const {
+  const auto values = angles(key);
+  if (values.size() != 3) fail(key, "expected [roll, pitch, yaw]");
+  return rotation_from_rpy(values[0], values[1], values[2]);
+}
+
+YamlFields YamlFields::map(const std::string& key) const {
+  return YamlFields(required(key), name_, path_ + (path_.empty() ? "" : ".") + key);
+}
+
+std::vector<YamlFields> YamlFields::list_of_maps(const std::string& key) const {
+  std::vector<YamlFields> result;
+  if (!has(key)) return result;
+  const YAML::Node node = find(key);
+  if (!node.IsSequence()) fail(key, "expected a list, got " + shown(node));
+  const std::string path = path_ + (path_.empty() ? "" : ".") + key;
+  for (const auto& item : node)
+    result.push_back(YamlFields(item, name_, path + "[" + std::to_string(result.size()) + "]"));
+  return result;
+}
+
+std::vector<std::string> YamlFields::keys() const {
+  std::vector<std::string> result;
+  if (node_->IsMap())
+    for (const auto& entry : *node_) result.push_back(entry.first.Scalar());
+  asked_.insert(result.begin(), result.end());
+  return result;
+}
+
+void YamlFields::finish() const {
+  if (!node_->IsMap()) return;
+  for (const auto& entry : *node_) {
+    const std::string key = entry.first.Scalar();
+    if (asked_.contains(key)) continue;
+    const std::string nearest = nearest_word(key, asked_);
+    fail(key, "unknown key" + (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
+  }
+}
+
+}  // namespace clearway

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace YAML {
+class Node;
+}
+
+namespace clearway {
+
+/// Bounds of a number, both included.
+struct Bounds {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+};
+constexpr double tiny = 1e-9;  ///< the smallest length that counts as positive
+constexpr Bounds positive{tiny, 1e6};
+constexpr Bounds not_negative{0, 1e6};
+constexpr Bounds within_reach{-1e6, 1e6};
+
+/// A YAML map that is being read. Each function asks for one key; whatever is wrong with its value becomes a
+/// std::invalid_argument in one sentence naming file, line and key. `finish` then refuses the keys that
+/// nobody asked for. Numbers are read the same way in every locale.
+class YamlFields {
+ public:
+  /// @throws std::invalid_argument when `text` is not a YAML map. `name` is what errors call it, for example
+  /// "setup 'kitchen.yaml'".
+  YamlFields(const std::string& text, const std::string& name);
+
+  bool has(const std::string& key) const;
+  double number(const std::string& key, Bounds bounds) const;
+  double number(const std::string& key, Bounds bounds, double otherwise) const;
+  std::optional<double> optional_number(const std::string& key, Bounds bounds) const;
+  int integer(const std::string& key, Bounds bounds) const;
+  int integer(const std::string& key, Bounds bounds, int otherwise) const;
+  bool boolean(const std::string& key) const;
+  std::string text(const std::string& key) const;
+  std::string text(const std::string& key, const std::string& otherwise) const;
+  std::vector<std::string> texts(const std::string& key) const;       ///< a list, empty when absent
+  std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
+  std::vector<double> numbers(const std::string& key, Bounds, size_t size) const;
+  Eigen::Vector3d vector(const std::string& key) const;
+  /// Angles in radians under `key`, or in degrees under `key`_deg.
+  std::vector<double> angles(const std::string& key) const;
+  std::vector<std::vector<double>> lists_of_angles(const std::string& key) const;
+  double angle(const std::string& key, double otherwise) const;
+  bool has_angles(const std::string& key) const;
+  /// [x, y, z, roll, pitch, yaw]: metres and Rz(yaw) Ry(pitch) Rx(roll); angles as in `angles`.
+  Eigen::Isometry3d pose(const std::string& key) const;
+  Eigen::Isometry3d pose(const std::string& key, const Eigen::Isometry3d& otherwise) const;
+  /// Same for the turn alone: [roll, pitch, yaw].
+  Eigen::Matrix3d rotation(const std::string& key) const;
+
+  YamlFields map(const std::string& key) const;
+  std::vector<YamlFields> list_of_maps(const std::string& key) const;  ///< empty when absent
+  std::vector<std::string> keys() const;  ///< all of them, in the file's order; counts as asking for each
+
+  /// @throws std::invalid_argument when a key is left that was never asked for.
+  void finish() const;
+  /// Throws the sentence "<file>, line <n>, <key>: <what>."
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const;
+
+ private:
+  YamlFields(const YAML::Node& node, const std::string& name, const std::string& path);
+  YAML::Node find(const std::string& key) const;
+  YAML::Node required(const std::string& key) const;
+  double number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
+  std::vector<double> numbers_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
+  std::string degrees_key(const std::string& key) const;
+  void check_map() const;
+
+  std::shared_ptr<const YAML::Node> node_;
+  std::string name_, path_;
+  mutable std::set<std::string> asked_;
+};
+
+/// Rz(yaw) Ry(pitch) Rx(roll).
+Eigen::Matrix3d rotation_from_rpy(double roll, double pitch, double yaw);
+
+/// The known word closest to `word` by edit distance; empty when none is close.
+std::string nearest_word(const std::string& word, const std::set<std::string>& known);
+
+}  // namespace clearway
