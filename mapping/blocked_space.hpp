@@ -29,10 +29,10 @@ class BlockedSpace {
   virtual ~BlockedSpace() = default;
 
   virtual const Requirement& requirement() const = 0;
-  virtual double resolution() const = 0;           ///< edge of a voxel cube, metres
-  virtual double max_distance() const = 0;         ///< where the field is truncated, metres
+  virtual double resolution() const = 0;    ///< edge of a voxel cube, metres
+  virtual double max_distance() const = 0;  ///< where the field is truncated, metres
   virtual const Eigen::AlignedBox3d& region() const = 0;
-  virtual std::size_t blocked_count() const = 0;   ///< blocked voxels inside the region
+  virtual std::size_t blocked_count() const = 0;  ///< blocked voxels inside the region
 
   virtual bool is_blocked(const Eigen::Vector3d& point) const = 0;
 

@@ -25,11 +25,11 @@ struct VoxelCounts {
 /// Everything known of one voxel.
 struct Voxel {
   VoxelState state = VoxelState::unknown;
-  std::uint16_t volumes = 0;   ///< painted volumes (bit i = volume i) that contain the voxel
-  bool observed = false;       ///< some ray ended in it or passed through it
-  double log_odds = 0.0;       ///< of the sensors only; meaningless when not observed
+  std::uint16_t volumes = 0;  ///< painted volumes (bit i = volume i) that contain the voxel
+  bool observed = false;      ///< some ray ended in it or passed through it
+  double log_odds = 0.0;      ///< of the sensors only; meaningless when not observed
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  double size = 0.0;           ///< edge of the leaf that answered, metres (a pruned leaf is larger)
+  double size = 0.0;  ///< edge of the leaf that answered, metres (a pruned leaf is larger)
 };
 
 /// An immutable view of a map: cheap to copy, safe to read from many threads. Frame: the map frame.
@@ -39,13 +39,13 @@ class Snapshot {
   Snapshot();
   Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes);
 
-  double resolution() const;                            ///< metres
-  const std::vector<PaintedVolume>& volumes() const;    ///< exact balls; empty for a bare tree
-  const FusedTree& tree() const;                        ///< include mapping/fused_tree.hpp to use it
+  double resolution() const;                          ///< metres
+  const std::vector<PaintedVolume>& volumes() const;  ///< exact balls; empty for a bare tree
+  const FusedTree& tree() const;                      ///< include mapping/fused_tree.hpp to use it
   VoxelCounts counts() const;
-  Eigen::AlignedBox3d bounds() const;                   ///< of all stored leaves' cubes; empty for an empty map
+  Eigen::AlignedBox3d bounds() const;  ///< of all stored leaves' cubes; empty for an empty map
 
-  Voxel voxel(const Eigen::Vector3d& point) const;      ///< unknown for a non-finite or far point
+  Voxel voxel(const Eigen::Vector3d& point) const;  ///< unknown for a non-finite or far point
   VoxelState state(const Eigen::Vector3d& point) const { return voxel(point).state; }
 
   /// Calls `visit` for each stored leaf with a state other than unknown, in the tree's order.

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+
+#include "mapping/blocked_space.hpp"
+#include "mapping/distance_transform.hpp"
+
+namespace clearway {
+
+class FusedTree;
+
+/// A block of voxel cells: cell i spans [i, i + 1] * resolution on each axis, as OctoMap's keys less 32768.
+struct FieldRegion {
+  Eigen::Vector3i first = Eigen::Vector3i::Zero();
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();
+  double resolution = 0.0;
+  double max_distance = 0.0;  ///< as asked, but at most 89 voxels
+
+  bool contains(const Eigen::Vector3i& cell) const {
+    return ((cell - first).array() >= 0).all() && ((cell - first).array() < size.array()).all();
+  }
+};
+
+/// What the derived structures of one snapshot may take together, bytes.
+constexpr std::size_t field_memory_limit = std::size_t{1} << 30U;
+
+/// Snaps a metric region outwards to cells.
+/// @throws std::invalid_argument when it is empty, not finite, too far away or too large for the memory
+/// limit,
+///         or when max_distance is not > 0.
+FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance);
+
+/// Memory of the field of a region, bytes.
+std::size_t field_bytes(const FieldRegion& region);
+
+/// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel.
+class BlockedField final : public BlockedSpace {
+ public:
+  BlockedField(const std::shared_ptr<const FusedTree>& tree, const Requirement& requirement,
+               const FieldRegion& cells);
+
+  const FieldRegion& cells() const { return cells_; }
+
+  const Requirement& requirement() const override { return requirement_; }
+  double resolution() const override { return cells_.resolution; }
+  double max_distance() const override { return cells_.max_distance; }
+  const Eigen::AlignedBox3d& region() const override { return box_; }
+  std::size_t blocked_count() const override { return blocked_count_; }
+
+  bool is_blocked(const Eigen::Vector3d& point) const override;
+  double clearance(const Eigen::Vector3d& point) const override;
+  NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const override;
+  bool visit_blocked(const Eigen::AlignedBox3d& box,
+                     const std::function<bool(const Eigen::Vector3d&)>& visit) const override;
+
+ private:
+  class Search;
+  void mark_blocked(const FusedTree& tree);
+  std::uint16_t squared(const Eigen::Vector3i& cell) const {
+    const Eigen::Vector3i at = cell - cells_.first;
+    return field_.squared[field_.index(at.x(), at.y(), at.z())];
+  }
+  Eigen::Vector3d center(const Eigen::Vector3i& cell) const {
+    return (cell.cast<double>().array() + 0.5) * cells_.resolution;
+  }
+  Eigen::Vector3i cell_near(const Eigen::Vector3d& point) const;  ///< of the region, nearest to the point
+  double bound_from_cells(const Eigen::Vector3d& inside) const;
+  double distance_to_border(const Eigen::Vector3d& inside, int& axis, bool& upper) const;
+  NearestBlocked nearest_outside(const Eigen::Vector3d& point) const;
+  NearestBlocked describe(const Eigen::Vector3d& point, const Eigen::Vector3i& voxel) const;
+
+  Requirement requirement_;
+  bool outside_blocked_;
+  FieldRegion cells_;
+  double inverse_resolution_;
+  Eigen::AlignedBox3d box_;
+  std::size_t blocked_count_ = 0;
+  DistanceBlock field_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,132 @@
+#include "mapping/cloud_file.hpp"
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "mapping/child_process.hpp"
+#include "mapping/fused_tree.hpp"
+#include "mapping/map_file.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t least_memory = std::size_t{256} << 20U;
+
+std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  for (const auto& field : cloud.fields) {
+    if (field.name != name) continue;
+    if (field.datatype != pcl::PCLPointField::FLOAT32 || field.offset + sizeof(float) > cloud.point_step) {
+      throw std::runtime_error("its field " + name + " is not a 4-byte float");
+    }
+    return field.offset;
+  }
+  throw std::runtime_error("it has no field " + name);
+}
+
+/// Runs in the child: the points as raw floats.
+std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
+  pcl::PCLPointCloud2 cloud;
+  const int status =
+      is_pcd ? pcl::PCDReader().read(file.string(), cloud) : pcl::PLYReader().read(file.string(), cloud);
+  if (status < 0) throw std::runtime_error("PCL cannot read it");
+  const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
+  if (count == 0) throw std::runtime_error("it holds no points");
+  if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {
+    throw std::runtime_error("it holds fewer points than its header says");
+  }
+  const std::size_t offsets[3] = {field_offset(cloud, "x"), field_offset(cloud, "y"),
+                                  field_offset(cloud, "z")};
+  std::string points(count * sizeof(Eigen::Vector3f), '\0');
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::memcpy(&points[(3 * i + axis) * sizeof(float)], &cloud.data[i * cloud.point_step + offsets[axis]],
+                  sizeof(float));
+    }
+  }
+  return points;
+}
+
+std::string raw(const std::vector<Eigen::Vector3f>& points) {
+  std::string bytes(points.size() * sizeof(Eigen::Vector3f), '\0');
+  if (!points.empty()) std::memcpy(bytes.data(), points.front().data(), bytes.size());
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
+  const auto refuse = [&](const std::string& reason) {
+    throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
+  };
+  const std::size_t size = std::filesystem::file_size(file);
+  if (size == 0) refuse("it is empty");
+  const std::size_t budget = least_memory + 20 * size;
+  const bool is_pcd = file.extension() == ".pcd";
+  const ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, 10});
+  if (!read.finished) refuse(read.failure);
+  std::vector<Eigen::Vector3f> points(read.output.size() / sizeof(Eigen::Vector3f));
+  if (!points.empty())
+    std::memcpy(points.front().data(), read.output.data(), points.size() * sizeof(points[0]));
+  std::erase_if(points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
+  return points;
+}
+
+std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points, double resolution,
+                                               const std::filesystem::path& file) {
+  if (!(resolution >= 1e-4 && resolution <= 100.0)) {
+    throw std::invalid_argument("cloud resolution is " + std::to_string(resolution) +
+                                ", expected metres in [0.0001, 100]");
+  }
+  auto tree = std::make_shared<FusedTree>(resolution);
+  for (const Eigen::Vector3f& point : points) {
+    const auto cell = tree->cell(point.cast<double>());
+    if (!cell) {
+      throw std::invalid_argument(
+          "'" + file.string() + "' has a point beyond " + std::to_string(32768.0 * resolution) +
+          " m, the reach of a map of this resolution: expected a coarser cloud resolution");
+    }
+    const Eigen::Vector3i key = cell->array() + 32768;
+    tree->set_observed({static_cast<octomap::key_type>(key.x()), static_cast<octomap::key_type>(key.y()),
+                        static_cast<octomap::key_type>(key.z())},
+                       tree->getClampingThresMaxLog());
+  }
+  tree->finish();
+  return tree;
+}
+
+std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree) {
+  std::vector<Eigen::Vector3f> centers;
+  tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+    const VoxelState state = tree.state(node);
+    if (state != VoxelState::occupied && state != VoxelState::conflict) return;
+    for (int z = 0; z < cube.edge; ++z) {
+      for (int y = 0; y < cube.edge; ++y) {
+        for (int x = 0; x < cube.edge; ++x) {
+          const Eigen::Array3d cell = (cube.corner + Eigen::Vector3i(x, y, z)).cast<double>().array();
+          centers.emplace_back(((cell + 0.5) * tree.getResolution()).matrix().cast<float>());
+        }
+      }
+    }
+  });
+  return centers;
+}
+
+std::string format_pcd(const std::vector<Eigen::Vector3f>& points) {
+  const std::string count = std::to_string(points.size());
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n"
+         "COUNT 1 1 1\nWIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n" + raw(points);
+}
+
+std::string format_ply(const std::vector<Eigen::Vector3f>& points) {
+  return "ply\nformat binary_little_endian 1.0\ncomment voxel centres, metres\nelement vertex " +
+         std::to_string(points.size()) +
+         "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + raw(points);
+}
+
+}  // namespace clearway

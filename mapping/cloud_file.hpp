@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+class FusedTree;
+
+/// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files.
+/// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
+std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);
+
+/// A tree in which each voxel that holds a point is occupied.
+/// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest
+/// point.
+std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points, double resolution,
+                                               const std::filesystem::path& file);
+
+/// Centres of the occupied and conflict voxels at the finest resolution.
+std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree);
+
+std::string format_pcd(const std::vector<Eigen::Vector3f>& points);  ///< binary, x y z
+std::string format_ply(const std::vector<Eigen::Vector3f>& points);  ///< binary little endian, x y z
+
+}  // namespace clearway

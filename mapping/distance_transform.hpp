@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace clearway {
+
+/// A block of cells with their squared distances, x fastest. Rows are padded to a multiple of `lane` cells so
+/// that the hot loops have a fixed length.
+struct DistanceBlock {
+  static constexpr int lane = 32;
+
+  int nx = 0, ny = 0, nz = 0;
+  int stride = 0;         ///< cells from one row to the next, >= nx
+  std::uint16_t cap = 0;  ///< distances are truncated here
+  std::vector<std::uint16_t> squared;
+
+  DistanceBlock() = default;
+  /// All cells start at `cap` (nothing blocked).
+  DistanceBlock(int nx, int ny, int nz, std::uint16_t cap);
+
+  std::size_t index(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(stride) *
+               (static_cast<std::size_t>(y) + static_cast<std::size_t>(ny) * static_cast<std::size_t>(z));
+  }
+};
+
+/// Largest cap for which no intermediate sum leaves 16 bits: distances up to 90.5 voxels.
+constexpr std::uint16_t largest_cap = 32767;
+
+/// Exact truncated distance transform: on entry cells are 0 (blocked) or `cap`; on return each holds
+///   min(cap, min over blocked cells b of the sum over axes of max(2|delta|-1, 0)^2),
+/// which is the squared distance from the cell's centre to the nearest blocked *cube* in half voxels.
+/// Separable over the axes: Saito and Toriwaki 1994, with a window bounded by the cap.
+void transform_distances(DistanceBlock& block);
+
+}  // namespace clearway

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "mapping/blocked_field.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double farthest_cell = 1 << 28;
+
+std::size_t padded(int cells) {
+  return static_cast<std::size_t>((cells + DistanceBlock::lane - 1) / DistanceBlock::lane *
+                                  DistanceBlock::lane);
+}
+
+[[noreturn]] void refuse_size(const Eigen::Vector3d& size, double bytes, double resolution) {
+  const double edge = std::floor(std::cbrt(static_cast<double>(field_memory_limit) / sizeof(std::uint16_t)) /
+                                 DistanceBlock::lane) *
+                      DistanceBlock::lane * resolution;
+  const auto text = [](double value) {
+    std::string digits = std::to_string(value);
+    return digits.substr(0, digits.find('.') + 3);
+  };
+  throw std::invalid_argument("region of " + text(size.x()) + " x " + text(size.y()) + " x " +
+                              text(size.z()) + " m needs " + text(bytes / (1U << 20U)) +
+                              " MiB at a resolution of " + text(resolution * 1000.0) +
+                              " mm, more than the limit of " + std::to_string(field_memory_limit >> 20U) +
+                              " MiB: a cube of " + text(edge) + " m would fit");
+}
+
+}  // namespace
+
+FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance) {
+  if (!(max_distance > 0.0)) {
+    throw std::invalid_argument("distance field: max_distance is " + std::to_string(max_distance) +
+                                ", expected metres > 0");
+  }
+  if (region.isEmpty() || !region.min().allFinite() || !region.max().allFinite()) {
+    throw std::invalid_argument(
+        "distance field: the region is empty or not finite, expected min <= max in metres");
+  }
+  const Eigen::Array3d low = (region.min().array() / resolution).floor();
+  const Eigen::Array3d high = (region.max().array() / resolution).ceil().max(low + 1.0);
+  if (low.minCoeff() < -farthest_cell || high.maxCoeff() > farthest_cell) {
+    throw std::invalid_argument("distance field: the region reaches beyond " +
+                                std::to_string(farthest_cell * resolution) + " m from the origin");
+  }
+  const Eigen::Array3d size = high - low;
+  const double rows = size.y() * size.z();
+  const double bytes = sizeof(std::uint16_t) * rows * (size.x() + DistanceBlock::lane);
+  if (bytes > static_cast<double>(field_memory_limit)) {
+    refuse_size(region.sizes(), bytes, resolution);
+  }
+  return {low.matrix().cast<int>(), size.matrix().cast<int>(), resolution,
+          std::min(max_distance, 89.0 * resolution)};
+}
+
+std::size_t field_bytes(const FieldRegion& region) {
+  return sizeof(std::uint16_t) * padded(region.size.x()) * static_cast<std::size_t>(region.size.y()) *
+         static_cast<std::size_t>(region.size.z());
+}
+
+}  // namespace clearway

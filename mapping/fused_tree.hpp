@@ -1,0 +1,157 @@
+#pragma once
+
+// The only header that includes OctoMap; include it from .cpp files only.
+
+#include <octomap/OcTreeNode.h>
+#include <octomap/OccupancyOcTreeBase.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "mapping/sphere.hpp"
+#include "mapping/voxel_state.hpp"
+
+namespace clearway {
+
+/// What sensors and painting know of one voxel, or of an inner cube: log-odds of the sensors (`value`),
+/// whether any ray touched it, and the painted volumes that contain all of it. No larger than
+/// octomap::OcTreeNode. OctoMap finds these functions by static type; each hides one of the stock node on
+/// purpose.
+class FusedNode : public octomap::OcTreeNode {
+ public:
+  /// Log-odds that an unobserved node carries: just under "occupied", so that stock code which knows no
+  /// `observed` flag (castRay, .bt export) never takes a painted voxel for an obstacle. Observing starts at
+  /// 0.
+  static constexpr float unobserved_log_odds = -1e-6F;
+
+  FusedNode() { value = unobserved_log_odds; }
+  FusedNode(const FusedNode& other);  ///< deep: children are copied as FusedNodes
+  FusedNode& operator=(const FusedNode&) = delete;
+
+  bool operator==(const FusedNode& other) const {
+    return value == other.value && painted_ == other.painted_ && observed_ == other.observed_;
+  }
+  void copyData(const FusedNode& from);
+
+  /// Inner node from its children: maximum log-odds of the observed ones, AND of all eight masks (a missing
+  /// child is painted by no volume).
+  void updateOccupancyChildren();
+
+  std::istream& readData(std::istream& stream);
+  std::ostream& writeData(std::ostream& stream) const;
+
+  bool observed() const { return observed_ != 0; }
+  std::uint16_t painted() const { return painted_; }
+
+  void add_paint(std::uint16_t volumes) { painted_ = static_cast<std::uint16_t>(painted_ | volumes); }
+  /// Marks as observed; the first time log-odds start from 0.
+  void observe();
+  void observe(float log_odds);
+
+ private:
+  std::uint16_t painted_ = 0;
+  std::uint8_t observed_ = 0;
+};
+static_assert(sizeof(FusedNode) == sizeof(octomap::OcTreeNode));
+
+/// Smallest corner of a cube of voxels in cells, and its edge: the cube spans
+/// [corner, corner + edge] * resolution in metres. Cells run from -32768 to 32767.
+struct CellCube {
+  Eigen::Vector3i corner = Eigen::Vector3i::Constant(-32768);
+  int edge = 65536;
+
+  CellCube child(unsigned index) const;
+  /// Voxels in the cube.
+  std::size_t volume() const { return static_cast<std::size_t>(edge) * edge * edge; }
+};
+
+/// What painting one ball did; see PaintCounts.
+struct PaintTally {
+  std::size_t painted = 0, newly = 0, conflicts = 0;
+};
+
+/// The one store of sensors' evidence and paint: an OctoMap tree of FusedNodes, 16 levels deep.
+class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
+ public:
+  static constexpr const char* type_name = "ClearwayFusedTree";
+  static constexpr int volume_limit = 15;
+
+  explicit FusedTree(double voxel_edge) : OccupancyOcTreeBase<FusedNode>(voxel_edge) {}
+
+  FusedTree* create() const override { return new FusedTree(resolution); }
+  std::string getTreeType() const override { return type_name; }
+
+  /// Makes octomap::AbstractOcTree::read know this type. Call it before reading; cheap and thread safe.
+  static void register_type();
+
+  /// A sensor's evidence, clamped; the first one starts from log-odds 0.
+  void updateNodeLogOdds(FusedNode* node, const float& update) const override;
+
+  /// Paints with bit `volume` the voxels that lie wholly inside `ball`; descends to single voxels (or paints
+  /// a cube that lies inside as a whole) and prunes on the way back.
+  PaintTally paint(int volume, const Sphere& ball);
+
+  /// Sets one voxel to an observed log-odds; leaves inner nodes and pruning to finish().
+  void set_observed(const octomap::OcTreeKey& key, float log_odds);
+  /// Updates inner nodes and prunes, after set_observed.
+  void finish();
+
+  VoxelState state(const FusedNode& node) const;
+  /// Log-odds at and over which an observed voxel is occupied, exactly as given (setOccupancyThres rounds).
+  void set_occupied_log_odds(float log_odds) { occ_prob_thres_log = log_odds; }
+
+  /// Cell of a coordinate with OctoMap's own rounding; none when it is not finite or outside the key range.
+  std::optional<Eigen::Vector3i> cell(const Eigen::Vector3d& point) const;
+
+  /// The leaf that holds a cell, and its cube; null when nothing is stored there.
+  const FusedNode* find_leaf(const Eigen::Vector3i& cell, CellCube& cube) const;
+
+  /// Calls `visit` for each leaf with the cube of voxels it stands for, children in index order.
+  void visit_leaves(const std::function<void(const FusedNode&, const CellCube&)>& visit) const;
+
+  /// The same for the leaves whose cubes overlap the cells first..last (inclusive).
+  void visit_leaves(const Eigen::Vector3i& first, const Eigen::Vector3i& last,
+                    const std::function<void(const FusedNode&, const CellCube&)>& visit) const;
+
+ private:
+  struct Brush;
+  void paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
+  void paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
+  FusedNode& child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created);
+};
+
+/// Copies a tree into another type of OctoMap tree, leaf by leaf at the same depth. `Tree` is an
+/// octomap::OccupancyOcTreeBase; `convert` fills a leaf of it.
+template <class Tree>
+class MirrorTree : public Tree {
+ public:
+  using Tree::Tree;
+
+  template <class Source, class Convert>
+  void mirror(const Source& source, const Convert& convert) {
+    this->clear();
+    if (source.getRoot() == nullptr) return;
+    this->root = new std::remove_pointer_t<decltype(this->root)>();
+    this->tree_size = 1;
+    this->size_changed = true;
+    mirror_node(source, *source.getRoot(), *this->root, convert);
+  }
+
+ private:
+  template <class Source, class SourceNode, class Node, class Convert>
+  void mirror_node(const Source& source, const SourceNode& from, Node& to, const Convert& convert) {
+    if (!source.nodeHasChildren(&from)) return convert(from, to);
+    for (unsigned i = 0; i < 8; ++i) {
+      if (!source.nodeChildExists(&from, i)) continue;
+      mirror_node(source, *source.getNodeChild(&from, i), *this->createNodeChild(&to, i), convert);
+    }
+    to.updateOccupancyChildren();
+  }
+};
+
+}  // namespace clearway

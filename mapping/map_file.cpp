@@ -1,0 +1,116 @@
+#include "mapping/map_file.hpp"
+
+#include <openssl/evp.h>
+
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "mapping/cloud_file.hpp"
+#include "mapping/fused_tree.hpp"
+#include "mapping/octree_file.hpp"
+#include "mapping/painted_csv.hpp"
+#include "mapping/save_file.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* map_name = "map.ot";
+constexpr const char* painted_name = "painted.csv";
+
+/// A directory stands for its map.ot.
+fs::path map_file_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw std::invalid_argument("map '" + path.string() + "' does not exist");
+  if (!fs::is_directory(path, error)) return path;
+  if (fs::exists(path / map_name, error)) return path / map_name;
+  throw std::invalid_argument("map directory '" + path.string() + "' holds no " + map_name);
+}
+
+std::string read_bytes(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  if (!stream || !fs::is_regular_file(file, error)) {
+    throw std::invalid_argument("map file '" + file.string() +
+                                "' cannot be read: expected a readable regular file");
+  }
+  std::string bytes(std::istreambuf_iterator<char>(stream), {});
+  if (stream.bad()) throw std::invalid_argument("map file '" + file.string() + "' cannot be read to its end");
+  return bytes;
+}
+
+/// A voxel may only be painted by a volume that is known.
+void check_masks(const FusedTree& tree, std::size_t volumes, const fs::path& file) {
+  unsigned seen = 0;
+  tree.visit_leaves([&](const FusedNode& node, const CellCube&) { seen |= node.painted(); });
+  if (seen >> volumes == 0) return;
+  throw DamagedFile("'" + file.string() + "' is damaged: voxels are painted by a volume that is not listed");
+}
+
+Snapshot load_octree(const fs::path& file, bool in_directory) {
+  OctreeContent content = parse_octree(read_bytes(file), file);
+  const fs::path painted = file.parent_path() / painted_name;
+  std::error_code error;
+  if (!content.has_volumes && in_directory && fs::exists(painted, error)) {
+    content.volumes = parse_painted(read_bytes(painted), painted);
+  }
+  if (content.has_volumes) check_masks(*content.tree, content.volumes.size(), file);
+  return {std::move(content.tree), std::move(content.volumes)};
+}
+
+}  // namespace
+
+Snapshot load_map(const fs::path& path, double cloud_resolution) {
+  const fs::path file = map_file_of(path);
+  const std::string kind = file.extension().string();
+  if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
+  if (kind == ".pcd" || kind == ".ply") {
+    static_cast<void>(read_bytes(file));  // refuses what is no readable file before PCL sees it
+    return {tree_of_cloud(read_cloud(file), cloud_resolution, file), {}};
+  }
+  throw std::invalid_argument("map '" + path.string() +
+                              "' is of an unknown kind: expected a directory or a .ot, " +
+                              ".bt, .pcd or .ply file");
+}
+
+void save_map(const Snapshot& map, const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (!fs::is_directory(directory)) {
+    throw std::runtime_error("cannot write '" + directory.string() +
+                             "': it is not a directory and cannot be made one");
+  }
+  // map.ot alone holds everything, so that a cut between the two files loses nothing.
+  save_file(directory / map_name, format_fused_tree(map.tree(), map.volumes()));
+  save_file(directory / painted_name, format_painted(map.volumes()));
+}
+
+void export_map(const Snapshot& map, const fs::path& file) {
+  const std::string kind = file.extension().string();
+  if (kind == ".ot") return save_file(file, format_color_tree(map.tree()));
+  if (kind == ".bt") return save_file(file, format_binary_tree(map.tree()));
+  if (kind == ".pcd") return save_file(file, format_pcd(occupied_centers(map.tree())));
+  if (kind == ".ply") return save_file(file, format_ply(occupied_centers(map.tree())));
+  throw std::invalid_argument("cannot export to '" + file.string() +
+                              "': expected a .ot, .bt, .pcd or .ply file");
+}
+
+std::string map_sha256(const fs::path& path) {
+  const std::string bytes = read_bytes(map_file_of(path));
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned length = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("SHA-256 of '" + path.string() + "' cannot be computed");
+  }
+  std::string text;
+  for (unsigned i = 0; i < length; ++i) {
+    text += "0123456789abcdef"[digest[i] >> 4U];
+    text += "0123456789abcdef"[digest[i] & 15U];
+  }
+  return text;
+}
+
+}  // namespace clearway

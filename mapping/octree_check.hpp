@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace clearway {
+
+/// An OctoMap file whose structure was checked, ready for OctoMap's own recursive reader, which checks
+/// nothing.
+struct CheckedOctree {
+  std::string type;     ///< as the header names it, e.g. OcTree
+  bool binary = false;  ///< .bt: free or occupied only
+  std::size_t nodes = 0;
+  double resolution = 0.0;  ///< metres
+  std::string_view header;  ///< with comments
+  std::string_view data;
+
+  /// The file again with a header that leaves nothing to interpretation.
+  std::string canonical() const;
+};
+
+/// Checks header and tree without recursion: known type, resolution in [1e-4, 100], at most 16 levels, as
+/// many nodes as the header says, finite log-odds, nothing after the last node.
+/// @throws DamagedFile naming `file` and what is wrong.
+CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file);
+
+/// Line 2 of our own files: CRC32 of all other bytes, and the length of the file. Stock readers skip it.
+std::string seal_line(std::string_view before, std::string_view after);
+
+/// True when the second line is the right seal for the rest.
+bool is_sealed(std::string_view bytes);
+
+}  // namespace clearway

@@ -1,0 +1,166 @@
+#include "mapping/octree_file.hpp"
+
+#include <octomap/ColorOcTree.h>
+#include <octomap/OcTree.h>
+#include <octomap/OcTreeStamped.h>
+
+#include <charconv>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include "mapping/fused_tree.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/octree_check.hpp"
+#include "mapping/painted_csv.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
+constexpr std::string_view painted_comment = "# clearway painted ";
+
+/// A stream that writes numbers the same way on every machine, with every digit of a resolution.
+std::ostringstream exact_stream() {
+  std::ostringstream stream;
+  stream.imbue(std::locale::classic());
+  stream << std::setprecision(17);
+  return stream;
+}
+
+std::istringstream input_stream(std::string content) {
+  std::istringstream stream(std::move(content));
+  stream.imbue(std::locale::classic());
+  return stream;
+}
+
+/// The rest of each header line that starts with `prefix`, one a line.
+std::string comments(std::string_view header, std::string_view prefix) {
+  std::string found;
+  while (!header.empty()) {
+    const auto end = header.find('\n');
+    const std::string_view line = header.substr(0, end + 1);
+    if (line.starts_with(prefix)) found += line.substr(prefix.size());
+    header.remove_prefix(line.size());
+  }
+  return found;
+}
+
+/// Copies a stock tree, whose every leaf a sensor has seen.
+template <class Tree>
+std::shared_ptr<const FusedTree> fuse(const Tree& tree) {
+  auto fused = std::make_shared<MirrorTree<FusedTree>>(tree.getResolution());
+  fused->mirror(tree, [](const auto& leaf, FusedNode& node) { node.observe(leaf.getLogOdds()); });
+  fused->prune();
+  return fused;
+}
+
+std::shared_ptr<const FusedTree> read_binary_tree(const CheckedOctree& checked) {
+  octomap::OcTree tree(checked.resolution);
+  auto stream = input_stream(checked.canonical());
+  if (!tree.readBinary(stream)) throw std::logic_error("OctoMap refused a .bt file that was checked");
+  return fuse(tree);
+}
+
+std::shared_ptr<FusedTree> as_fused(std::unique_ptr<octomap::AbstractOcTree>& tree) {
+  auto* fused = dynamic_cast<FusedTree*>(tree.get());
+  if (fused != nullptr) static_cast<void>(tree.release());
+  return std::shared_ptr<FusedTree>(fused);
+}
+
+void restore_threshold(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, threshold_comment);
+  float log_odds = 0.0F;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), log_odds);
+  if (end.ec != std::errc() || !std::isfinite(log_odds)) {
+    throw DamagedFile("'" + file.string() + "' is damaged: its header lacks occupied_log_odds");
+  }
+  tree.set_occupied_log_odds(log_odds);
+}
+
+}  // namespace
+
+std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes) {
+  auto stream = exact_stream();
+  tree.write(stream);
+  const std::string stock = std::move(stream).str();
+  const auto first_line = stock.find('\n') + 1;
+
+  auto comment = exact_stream();
+  comment << threshold_comment << tree.getOccupancyThresLog() << "\n";
+  std::istringstream painted(format_painted(volumes));
+  for (std::string line; std::getline(painted, line);) comment << painted_comment << line << "\n";
+
+  const std::string before = stock.substr(0, first_line);
+  const std::string after = std::move(comment).str() + stock.substr(first_line);
+  return before + seal_line(before, after) + after;
+}
+
+OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file) {
+  const CheckedOctree checked = check_octree(bytes, file);
+  if (checked.binary) return {read_binary_tree(checked), {}, false};
+
+  FusedTree::register_type();
+  std::unique_ptr<octomap::AbstractOcTree> tree;
+  if (checked.nodes == 0) {  // OctoMap would read a node from nothing
+    tree.reset(octomap::AbstractOcTree::createTree(checked.type, checked.resolution));
+  } else {
+    auto stream = input_stream(checked.canonical());
+    tree.reset(octomap::AbstractOcTree::read(stream));
+  }
+  if (const auto fused = as_fused(tree)) {
+    restore_threshold(*fused, checked.header, file);
+    OctreeContent content{fused, parse_painted(comments(checked.header, painted_comment), file), true};
+    return content;
+  }
+  if (const auto* plain = dynamic_cast<const octomap::OcTree*>(tree.get())) return {fuse(*plain), {}, false};
+  if (const auto* color = dynamic_cast<const octomap::ColorOcTree*>(tree.get()))
+    return {fuse(*color), {}, false};
+  if (const auto* stamped = dynamic_cast<const octomap::OcTreeStamped*>(tree.get())) {
+    return {fuse(*stamped), {}, false};
+  }
+  throw std::logic_error("OctoMap refused an .ot file that was checked");
+}
+
+std::string format_color_tree(const FusedTree& tree) {
+  MirrorTree<octomap::ColorOcTree> colored(tree.getResolution());
+  const float threshold = tree.getOccupancyThresLog();
+  colored.mirror(tree, [&](const FusedNode& from, octomap::ColorOcTreeNode& to) {
+    to.setLogOdds(from.observed() ? from.getLogOdds() - threshold : tree.getClampingThresMinLog());
+    switch (tree.state(from)) {
+      case VoxelState::painted:
+        to.setColor(60, 180, 75);
+        break;
+      case VoxelState::seen_free:
+        to.setColor(90, 150, 230);
+        break;
+      case VoxelState::occupied:
+        to.setColor(90, 90, 90);
+        break;
+      case VoxelState::conflict:
+        to.setColor(220, 40, 40);
+        break;
+      case VoxelState::unknown:
+        break;
+    }
+  });
+  colored.updateInnerOccupancy();
+  auto stream = exact_stream();
+  colored.write(stream);
+  return std::move(stream).str();
+}
+
+std::string format_binary_tree(const FusedTree& tree) {
+  MirrorTree<octomap::OcTree> binary(tree.getResolution());
+  binary.mirror(tree, [&](const FusedNode& from, octomap::OcTreeNode& to) {
+    const VoxelState state = tree.state(from);
+    const bool blocked = state == VoxelState::occupied || state == VoxelState::conflict;
+    to.setLogOdds(blocked ? binary.getClampingThresMaxLog() : binary.getClampingThresMinLog());
+  });
+  binary.prune();
+  auto stream = exact_stream();
+  binary.writeBinaryConst(stream);
+  return std::move(stream).str();
+}
+
+}  // namespace clearway

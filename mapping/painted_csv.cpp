@@ -1,0 +1,176 @@
+#include "mapping/painted_csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "mapping/fused_tree.hpp"
+#include "mapping/map_file.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::string_view column_names = "volume,label,critical_parts,x,y,z,radius,time";
+constexpr std::size_t column_count = 8;
+using Row = std::vector<std::string>;
+
+std::string number(double value) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);  // shortest exact text
+  return {digits.data(), end.ptr};
+}
+
+std::string in_quotes(std::string_view text) {
+  std::string result = "\"";
+  for (char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string join_parts(const std::vector<std::string>& parts) {
+  std::string result;
+  for (const std::string& part : parts) {
+    if (&part != &parts.front()) result += ';';
+    for (char c : part) {
+      if (c == ';' || c == '\\') result += '\\';
+      result += c;
+    }
+  }
+  return result;
+}
+
+std::vector<std::string> split_parts(std::string_view text) {
+  std::vector<std::string> parts;
+  if (text.empty()) return parts;
+  parts.emplace_back();
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == ';') {
+      parts.emplace_back();
+    } else {
+      if (text[i] == '\\' && i + 1 < text.size()) ++i;
+      parts.back() += text[i];
+    }
+  }
+  return parts;
+}
+
+/// Takes one line off `text`; quotes may hold commas and doubled quotes, never a line end.
+class Reader {
+ public:
+  Reader(std::string_view text, const std::filesystem::path& file) : text_(text), file_(file) {}
+
+  bool at_end() const { return text_.empty(); }
+
+  [[noreturn]] void refuse(const std::string& expected) const {
+    throw DamagedFile("'" + file_.string() + "' line " + std::to_string(line_) + ": expected " + expected);
+  }
+
+  std::string_view take_line() {
+    ++line_;
+    const auto end = text_.find('\n');
+    if (end == std::string_view::npos) refuse("a line end: the file is cut off");
+    const std::string_view line = text_.substr(0, end);
+    text_.remove_prefix(end + 1);
+    return line;
+  }
+
+  Row take_row() {
+    std::string_view line = take_line();
+    Row row(1);
+    bool inside_quotes = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      if (inside_quotes && line[i] == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+        row.back() += line[i++];
+      } else if (line[i] == '"') {
+        inside_quotes = !inside_quotes;
+      } else if (line[i] == ',' && !inside_quotes) {
+        row.emplace_back();
+      } else {
+        row.back() += line[i];
+      }
+    }
+    if (inside_quotes || row.size() != column_count) refuse("the columns " + std::string(column_names));
+    return row;
+  }
+
+  double finite(const std::string& text, const char* column) const {
+    double value = 0.0;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value)) {
+      refuse(std::string("a finite number for ") + column + ", found '" + text + "'");
+    }
+    return value;
+  }
+
+ private:
+  std::string_view text_;
+  const std::filesystem::path& file_;
+  int line_ = 0;
+};
+
+/// The volume of a row; volumes appear in order, and a repeated one repeats its label and parts.
+PaintedVolume& volume_of(const Row& row, std::vector<PaintedVolume>& volumes, const Reader& reader) {
+  const double index = reader.finite(row[0], "volume");
+  if (index == static_cast<double>(volumes.size()) && index < FusedTree::volume_limit) {
+    const auto is_label = [&](const PaintedVolume& volume) { return volume.label == row[1]; };
+    if (std::any_of(volumes.begin(), volumes.end(), is_label))
+      reader.refuse("a label of its own for each volume");
+    if (!is_storable_name(row[1]) || !is_storable_name(row[2]))
+      reader.refuse("names without control characters");
+    volumes.push_back({row[1], split_parts(row[2]), {}, {}});
+  } else if (volumes.empty() || index != static_cast<double>(volumes.size() - 1)) {
+    reader.refuse("volumes numbered 0, 1, 2 ... 14 in order");
+  }
+  if (volumes.back().label != row[1] || volumes.back().critical_parts != split_parts(row[2])) {
+    reader.refuse("the same label and critical parts on every line of a volume");
+  }
+  return volumes.back();
+}
+
+}  // namespace
+
+bool is_storable_name(std::string_view name) {
+  return std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
+std::string format_painted(const std::vector<PaintedVolume>& volumes) {
+  std::string text = std::string(column_names) + "\n";
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    const PaintedVolume& volume = volumes[v];
+    const std::string start = std::to_string(v) + "," + in_quotes(volume.label) + "," +
+                              in_quotes(join_parts(volume.critical_parts)) + ",";
+    if (volume.balls.empty()) text += start + ",,,,\n";
+    for (std::size_t i = 0; i < volume.balls.size(); ++i) {
+      const Sphere& ball = volume.balls[i];
+      const double time = i < volume.times.size() ? volume.times[i] : 0.0;
+      text += start;
+      for (double value : {ball.center.x(), ball.center.y(), ball.center.z(), ball.radius})
+        text += number(value) + ",";
+      text += number(time) + "\n";
+    }
+  }
+  return text;
+}
+
+std::vector<PaintedVolume> parse_painted(std::string_view text, const std::filesystem::path& file) {
+  Reader reader(text, file);
+  std::vector<PaintedVolume> volumes;
+  if (reader.take_line() != column_names) reader.refuse("the columns " + std::string(column_names));
+  while (!reader.at_end()) {
+    const Row row = reader.take_row();
+    PaintedVolume& volume = volume_of(row, volumes, reader);
+    if (std::all_of(row.begin() + 3, row.end(), [](const std::string& field) { return field.empty(); }))
+      continue;
+    const Sphere ball{{reader.finite(row[3], "x"), reader.finite(row[4], "y"), reader.finite(row[5], "z")},
+                      reader.finite(row[6], "radius")};
+    if (!(ball.radius > 0.0)) reader.refuse("a radius > 0");
+    volume.balls.push_back(ball);
+    volume.times.push_back(reader.finite(row[7], "time"));
+  }
+  return volumes;
+}
+
+}  // namespace clearway

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mapping/painted_volume.hpp"
+
+namespace clearway {
+
+/// The painted volumes as comma-separated text: one line a ball, in painting order, volumes by index; metres
+/// and seconds with every digit that a double has, so that reading gives the same bits. Columns:
+///   volume,label,critical_parts,x,y,z,radius,time
+/// Critical parts are separated by ';' ('\' escapes ';' and '\'). A volume without balls has one line with
+/// empty numbers.
+std::string format_painted(const std::vector<PaintedVolume>& volumes);
+
+/// Reads what format_painted wrote. `file` is named in errors.
+/// @throws DamagedFile naming the line and what was expected there.
+std::vector<PaintedVolume> parse_painted(std::string_view text, const std::filesystem::path& file);
+
+/// True when a label or part can be stored: no control characters.
+bool is_storable_name(std::string_view name);
+
+}  // namespace clearway

@@ -1,0 +1,139 @@
+#include "mapping/snapshot.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "mapping/blocked_field.hpp"
+#include "mapping/fused_tree.hpp"
+
+namespace clearway {
+namespace {
+
+Voxel voxel_of(const FusedTree& tree, const FusedNode& node, const CellCube& cube) {
+  Voxel voxel;
+  voxel.state = tree.state(node);
+  voxel.volumes = node.painted();
+  voxel.observed = node.observed();
+  voxel.log_odds = node.observed() ? static_cast<double>(node.getLogOdds()) : 0.0;
+  voxel.center = (cube.corner.cast<double>().array() + 0.5 * cube.edge) * tree.getResolution();
+  voxel.size = cube.edge * tree.getResolution();
+  return voxel;
+}
+
+/// A blocked space that was asked for, under its exact arguments.
+struct Built {
+  Requirement requirement;
+  Eigen::AlignedBox3d region;
+  double max_distance;
+  std::shared_ptr<const BlockedField> space;
+
+  bool answers(const Requirement& asked, const Eigen::AlignedBox3d& box, double distance) const {
+    return requirement == asked && region.min() == box.min() && region.max() == box.max() &&
+           max_distance == distance;
+  }
+};
+
+}  // namespace
+
+struct Snapshot::State {
+  std::shared_ptr<const FusedTree> tree;
+  std::vector<PaintedVolume> volumes;
+  mutable std::mutex building;       ///< guards `built`, and lets each space be built once
+  mutable std::vector<Built> built;  ///< oldest first
+};
+
+Snapshot::Snapshot() : Snapshot(std::make_shared<const FusedTree>(1.0), {}) {}
+
+Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes) {
+  auto state = std::make_shared<State>();
+  state->tree = std::move(tree);
+  state->volumes = std::move(volumes);
+  state_ = std::move(state);
+}
+
+double Snapshot::resolution() const { return state_->tree->getResolution(); }
+const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->volumes; }
+const FusedTree& Snapshot::tree() const { return *state_->tree; }
+
+VoxelCounts Snapshot::counts() const {
+  VoxelCounts counts;
+  tree().visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+    switch (tree().state(node)) {
+      case VoxelState::painted:
+        counts.painted += cube.volume();
+        break;
+      case VoxelState::seen_free:
+        counts.seen_free += cube.volume();
+        break;
+      case VoxelState::occupied:
+        counts.occupied += cube.volume();
+        break;
+      case VoxelState::conflict:
+        counts.conflict += cube.volume();
+        break;
+      case VoxelState::unknown:
+        break;
+    }
+  });
+  return counts;
+}
+
+Eigen::AlignedBox3d Snapshot::bounds() const {
+  Eigen::AlignedBox3d box;
+  tree().visit_leaves([&](const FusedNode&, const CellCube& cube) {
+    box.extend(cube.corner.cast<double>() * resolution());
+    box.extend((cube.corner.array() + cube.edge).cast<double>().matrix() * resolution());
+  });
+  return box;
+}
+
+Voxel Snapshot::voxel(const Eigen::Vector3d& point) const {
+  Voxel unknown;
+  unknown.size = resolution();
+  const auto cell = tree().cell(point);
+  if (!cell) return unknown;
+  CellCube cube;
+  if (const FusedNode* node = tree().find_leaf(*cell, cube)) return voxel_of(tree(), *node, cube);
+  unknown.center = (cell->cast<double>().array() + 0.5) * resolution();
+  return unknown;
+}
+
+void Snapshot::visit_leaves(const std::function<void(const Voxel&)>& visit) const {
+  tree().visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+    const Voxel voxel = voxel_of(tree(), node, cube);
+    if (voxel.state != VoxelState::unknown) visit(voxel);
+  });
+}
+
+std::uint16_t Snapshot::volumes_of_part(const std::string& part) const {
+  unsigned mask = 0;
+  for (std::size_t i = 0; i < volumes().size(); ++i) {
+    const auto& parts = volumes()[i].critical_parts;
+    if (std::find(parts.begin(), parts.end(), part) != parts.end()) mask |= 1U << i;
+  }
+  return static_cast<std::uint16_t>(mask);
+}
+
+std::shared_ptr<const BlockedSpace> Snapshot::blocked_space(const Requirement& requirement,
+                                                            const Eigen::AlignedBox3d& region,
+                                                            double max_distance) const {
+  const FieldRegion cells = field_region(region, resolution(), max_distance);
+  const std::lock_guard lock(state_->building);
+  auto& built = state_->built;
+  for (const Built& known : built) {
+    if (known.answers(requirement, region, max_distance)) return known.space;
+  }
+  // The oldest make room; whoever still uses one keeps it alive.
+  std::size_t bytes = field_bytes(cells);
+  for (const Built& known : built) bytes += field_bytes(known.space->cells());
+  while (!built.empty() && bytes > field_memory_limit) {
+    bytes -= field_bytes(built.front().space->cells());
+    built.erase(built.begin());
+  }
+  auto space = std::make_shared<const BlockedField>(state_->tree, requirement, cells);
+  built.push_back({requirement, region, max_distance, space});
+  return space;
+}
+
+}  // namespace clearway
