@@ -19,6 +19,7 @@ MapSetup read_map(const YamlFields& fields) {
   map.resolution = fields.optional_number("resolution", {1e-4, 100});
   map.max_range = fields.optional_number("max_range", positive);
   map.min_range = fields.optional_number("min_range", not_negative);
+  map.thin_to = fields.number("thin_to", not_negative, 0);
   if (fields.has("discretize")) map.discretize = fields.boolean("discretize");
   if (fields.has("crop")) {
     const auto values = fields.numbers("crop", within_reach, 6);
@@ -103,6 +104,8 @@ AcceptanceSetup read_acceptance(const YamlFields& fields) {
   acceptance.min_ambiguity = fields.optional_number("min_ambiguity", not_negative);
   if (fields.has("min_tags")) acceptance.min_tags = fields.integer("min_tags", {1, 100});
   acceptance.max_speed = fields.optional_number("max_speed", positive);
+  acceptance.pixel_noise = fields.optional_number("pixel_noise", positive);
+  if (fields.has("fixed_camera")) acceptance.fixed_camera = fields.boolean("fixed_camera");
   fields.finish();
   return acceptance;
 }
@@ -141,6 +144,7 @@ QuerySetup read_query(const YamlFields& fields) {
         policies.fail(part, "expected painted, known_free or not_occupied, got '" + policy + "'");
   }
   if (fields.has("options")) query.options = read_words(fields.map("options"));
+  query.padding = fields.number("padding", not_negative, 0);
   fields.finish();
   return query;
 }
@@ -172,6 +176,7 @@ const BoardSetup* Setup::board(const std::string& name) const {
 Setup parse_setup(const std::string& text, const std::string& name) {
   const YamlFields fields(text, "setup '" + name + "'");
   Setup setup;
+  setup.title = fields.text("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
   if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
   setup.boards = read_boards(fields);

@@ -17,6 +17,7 @@ struct MapSetup {
   std::optional<double> resolution;            ///< m, edge of a voxel
   std::optional<double> min_range, max_range;  ///< m, returns outside are dropped
   std::optional<Eigen::AlignedBox3d> crop;     ///< in the map frame; nothing outside is mapped
+  double thin_to = 0;                          ///< m, one point per cube of this side; 0 = keep all
   std::optional<bool> discretize;              ///< one ray per end voxel: faster, same end voxels
 };
 
@@ -60,6 +61,8 @@ struct AcceptanceSetup {
   std::optional<double> min_ambiguity;  ///< error of the second pose over that of the first
   std::optional<int> min_tags;
   std::optional<double> max_speed;  ///< m/s of the ball
+  std::optional<double> pixel_noise;  ///< standard deviation of a tag corner, px
+  bool fixed_camera = false;        ///< camera and base board stand still: the board's pose is averaged
 };
 
 struct RobotSetup {
@@ -75,11 +78,13 @@ struct QuerySetup {
   std::vector<std::vector<double>> goals;
   std::vector<std::string> planners;            ///< empty: the command's default
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
-  std::map<std::string, std::string> options;
+  std::map<std::string, std::string> options;   ///< "key" for each planner, "planner.key" for one
+  double padding = 0;                           ///< m, distance that every body keeps
 };
 
 /// Everything about a teaching session that is not in the sensors' data. See datasets/README.md for the file.
 struct Setup {
+  std::string title;  ///< shown on the report page
   MapSetup map;
   std::optional<CameraIntrinsics> camera;  ///< overrides the recording's
   std::vector<BoardSetup> boards;

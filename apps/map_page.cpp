@@ -1,0 +1,150 @@
+#include "apps/map_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/parse.hpp"
+#include "apps/query.hpp"
+#include "planning/convex_hull.hpp"
+
+namespace clearway {
+
+namespace {
+
+constexpr std::array<VoxelState, 4> shown = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
+                                             VoxelState::seen_free};
+
+PageShape page_shape(const Body& body, const Robot& robot) {
+  PageShape shape;
+  shape.link_from_shape = body.link_from_shape;
+  shape.link = body.link;
+  shape.part = body.part;
+  shape.critical = std::find(robot.critical_parts.begin(), robot.critical_parts.end(), body.part) !=
+                   robot.critical_parts.end();
+  const Shape& s = body.shape;
+  switch (s.kind()) {
+    case Shape::Kind::sphere:
+      shape.kind = PageShape::Kind::sphere;
+      shape.size.x() = s.radius();
+      break;
+    case Shape::Kind::capsule:
+      shape.kind = PageShape::Kind::capsule;
+      shape.size = {s.radius(), s.length(), 0.0};
+      break;
+    case Shape::Kind::cylinder:
+      shape.kind = PageShape::Kind::cylinder;
+      shape.size = {s.radius(), s.length(), 0.0};
+      break;
+    case Shape::Kind::box:
+      shape.kind = PageShape::Kind::box;
+      shape.size = s.edges();
+      break;
+    case Shape::Kind::convex: {
+      shape.kind = PageShape::Kind::mesh;
+      const ConvexHull hull = convex_hull(s.vertices());
+      shape.vertices = hull.vertices;
+      shape.triangles = hull.triangles;
+      break;
+    }
+  }
+  return shape;
+}
+
+/// The path with configurations inserted so that no joint moves more than the page can interpolate.
+std::vector<Configuration> subdivided(const std::vector<Configuration>& path, const Robot& robot) {
+  std::vector<Configuration> dense;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    double pieces = 1.0;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto index = static_cast<Eigen::Index>(j);
+      const double most = robot.joints[j].kind == JointKind::revolute ? 0.052 : 0.02;
+      pieces = std::max(pieces, std::ceil(std::abs(path[i + 1][index] - path[i][index]) / most));
+    }
+    for (double piece = 0.0; piece < pieces; piece += 1.0) {
+      dense.push_back(path[i] + (path[i + 1] - path[i]) * (piece / pieces));
+    }
+  }
+  if (!path.empty()) dense.push_back(path.back());
+  return dense;
+}
+
+}  // namespace
+
+ReportPage page_of_map(const Snapshot& map, const std::string& title) {
+  ReportPage page;
+  page.title = title;
+  page.resolution = map.resolution();
+  std::array<PageVoxels, shown.size()> sets;
+  for (std::size_t s = 0; s < shown.size(); ++s) {
+    sets[s].state = to_string(shown[s]);
+    sets[s].size = map.resolution();
+  }
+  map.visit_leaves([&](const Voxel& voxel) {
+    const auto at = std::find(shown.begin(), shown.end(), voxel.state);
+    if (at == shown.end()) return;
+    PageVoxels& set = sets[static_cast<std::size_t>(at - shown.begin())];
+    set.centers.push_back(voxel.center.cast<float>());
+    set.sizes.push_back(static_cast<float>(voxel.size));
+  });
+  page.voxels.assign(sets.begin(), sets.end());
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    page.volume_labels.push_back(map.volumes()[v].label);
+    for (const Sphere& ball : map.volumes()[v].balls) {
+      page.balls.push_back({ball.center, ball.radius, static_cast<int>(v)});
+    }
+  }
+  return page;
+}
+
+void show_robot(ReportPage& page, const Robot& robot, const Configuration& home) {
+  page.robot.clear();
+  for (const Body& body : robot.bodies) page.robot.push_back(page_shape(body, robot));
+  page.robot_home = forward_kinematics(robot, home);
+}
+
+PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,
+                      const std::string& name) {
+  const Robot& robot = space.robot();
+  PagePlan shown_plan;
+  shown_plan.name = name;
+  shown_plan.planner = plan.planner;
+  shown_plan.status = to_string(plan.status());
+  shown_plan.explanation = plan.explanation();
+  if (plan.status() == PlanStatus::solved && !plan.validation.valid) {
+    shown_plan.status = "refused by the check";
+    shown_plan.explanation = plan.validation.first_contact;
+  }
+  shown_plan.figures = plan_figures(plan);
+  shown_plan.joints = plan.joints;
+  for (const Joint& joint : robot.joints) shown_plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
+
+  std::vector<Configuration> path = plan.waypoints();
+  if (plan.status() != PlanStatus::solved && !plan.legs.empty()) {
+    const std::vector<Configuration>& explored = plan.legs.back().explored;
+    path.insert(path.end(), explored.begin(), explored.end());
+  }
+  shown_plan.waypoints = subdivided(path, robot);
+  for (const Configuration& q : shown_plan.waypoints) {
+    shown_plan.link_poses.push_back(forward_kinematics(robot, q));
+    shown_plan.clearance.push_back(space.clearance(q));
+    shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
+  }
+  shown_plan.start_poses = forward_kinematics(robot, start);
+  if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(robot, plan.goals.back());
+  return shown_plan;
+}
+
+std::string map_page(const Snapshot& map, const std::string& name) {
+  ReportPage page = page_of_map(map, name.empty() ? "map" : name);
+  const VoxelCounts counts = map.counts();
+  page.subtitle = "voxel map, " + significant(map.resolution() * 1000.0, 4) + " mm";
+  page.figures = {{"resolution", significant(map.resolution() * 1000.0, 4) + " mm"},
+                  {"painted", grouped(counts.painted)},
+                  {"seen free", grouped(counts.seen_free)},
+                  {"occupied", grouped(counts.occupied)},
+                  {"conflict", grouped(counts.conflict)}};
+  return render_report_page(page);
+}
+
+}  // namespace clearway

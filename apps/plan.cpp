@@ -1,0 +1,66 @@
+#include <ostream>
+#include <stdexcept>
+
+#include "apps/commands.hpp"
+#include "apps/parse.hpp"
+#include "apps/query.hpp"
+#include "apps/table.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/save_file.hpp"
+
+namespace clearway {
+
+namespace {
+
+std::vector<std::string> joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+std::vector<bool> prismatic_joints(const Robot& robot) {
+  std::vector<bool> flags;
+  for (const Joint& joint : robot.joints) flags.push_back(joint.kind == JointKind::prismatic);
+  return flags;
+}
+
+int print_planner_options(const PlanOptions& options, Console& console) {
+  const auto planner = make_planner(options.planner, choose_planner_options(options.settings));
+  for (const auto& [key, value] : planner->options()) console.out() << key << ": " << value << '\n';
+  return exit_done;
+}
+
+}  // namespace
+
+int run_plan(const PlanOptions& options, Console& console) {
+  if (options.print_options) return print_planner_options(options, console);
+  // The cheap mistakes are told before the map is read.
+  const PlannerOptions settings = choose_planner_options(options.settings);
+  make_planner(options.planner, settings);
+  const Robot robot = choose_robot(options.robot);
+  const auto names = joint_names(robot);
+  const auto prismatic = prismatic_joints(robot);
+  const Configuration start = parse_configuration(options.start, "--start", names, prismatic, options.degrees);
+  std::vector<Configuration> goals;
+  for (const std::string& goal : options.goals) {
+    goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));
+  }
+  const Policies policies = choose_policies(options.robot.policies, robot);
+  const Snapshot map = load_map(options.map);
+
+  const ConfigurationSpace space(robot, map, policies, {.padding = options.robot.padding});
+  const Plan plan = solve({space, options.robot.robot, options.map, map_sha256(options.map), start, goals,
+                           options.planner, settings, options.seed, options.time_limit});
+  const std::string text = to_json(plan);
+  if (!options.out.empty()) save_file(options.out, text);
+  if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
+  if (console.json) {
+    console.out() << text << '\n';
+  } else {
+    print_rows(console.out(), plan_figures(plan));
+    if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
+  }
+  return plan.status() == PlanStatus::solved && plan.validation.valid ? exit_done : exit_no;
+}
+
+}  // namespace clearway

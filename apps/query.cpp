@@ -1,0 +1,134 @@
+#include "apps/query.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "apps/parse.hpp"
+#include "planning/path_check.hpp"
+
+namespace clearway {
+
+Robot choose_robot(const RobotChoice& choice) {
+  Robot robot = load_robot(choice.robot);
+  if (choice.scale) {
+    if (!std::isfinite(*choice.scale) || *choice.scale <= 0.0) {
+      throw std::invalid_argument("--scale: expected a positive number, got " + significant(*choice.scale));
+    }
+    robot = scaled(robot, *choice.scale / robot.scale);
+  }
+  if (!choice.base.empty()) robot.map_from_base = pose_from_numbers(choice.base, "--base");
+  return robot;
+}
+
+Policies choose_policies(const std::vector<std::string>& texts, const Robot& robot) {
+  std::set<std::string> parts;
+  for (const Body& body : robot.bodies) parts.insert(body.part);
+  Policies policies;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      policies.other = parse_policy(text);
+      policies.critical_by_default = false;
+      continue;
+    }
+    const std::string part = text.substr(0, equals);
+    if (!parts.count(part)) {
+      std::string names;
+      for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
+      throw std::invalid_argument("--policy: robot '" + robot.name + "' has no part '" + part + "' (it has " + names + ")");
+    }
+    policies.parts[part] = parse_policy(text.substr(equals + 1));
+  }
+  return policies;
+}
+
+PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
+  PlannerOptions options;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw std::invalid_argument("--set: expected key=value, got '" + text + "'");
+    }
+    options[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return options;
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+Plan empty_plan(const Query& query) {
+  const Robot& robot = query.space.robot();
+  Plan plan;
+  plan.robot = query.robot_name;
+  plan.robot_scale = robot.scale;
+  plan.map_from_base = robot.map_from_base;
+  for (const Joint& joint : robot.joints) plan.joints.push_back(joint.name);
+  plan.planner = query.planner;
+  plan.seed = query.seed;
+  plan.map_file = query.map_file.string();
+  plan.map_sha256 = query.map_digest;
+  plan.map_resolution = query.space.map().resolution();
+  plan.policies = query.space.policies();
+  plan.padding = query.space.options().padding;
+  plan.goals = query.goals;
+  return plan;
+}
+
+}  // namespace
+
+Plan solve(const Query& query) {
+  Plan plan = empty_plan(query);
+  const auto planner = make_planner(query.planner, query.options);
+  plan.options = planner->options();
+  const PathCost cost(query.space.robot());
+  const auto begin = Clock::now();
+  Configuration from = query.start;
+  for (const Configuration& goal : query.goals) {
+    const auto leg_begin = Clock::now();
+    plan.legs.push_back(planner->plan({query.space, cost, from, goal, query.seed, [&] {
+                                         return seconds_since(leg_begin) > query.time_limit;
+                                       }}));
+    if (plan.legs.back().status != PlanStatus::solved) break;
+    from = plan.legs.back().waypoints.back();
+  }
+  plan.time_s = seconds_since(begin);
+  const std::vector<Configuration> path = plan.waypoints();
+  if (!path.empty()) {
+    plan.validation =
+        check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path);
+  }
+  return plan;
+}
+
+std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) {
+  std::size_t steps = 0, checks = 0;
+  double joules = 0.0, rest = 0.0;
+  for (const PlanResult& leg : plan.legs) {
+    steps += static_cast<std::size_t>(leg.search_steps);
+    checks += leg.configurations_checked;
+    joules += leg.cost + leg.last_segment_cost;
+    rest = leg.final_distance;
+  }
+  std::vector<std::pair<std::string, std::string>> rows{{"status", std::string(to_string(plan.status()))}};
+  if (!plan.explanation().empty()) rows.emplace_back("explanation", plan.explanation());
+  if (!plan.waypoints().empty()) {
+    rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
+    rows.emplace_back("steps", grouped(steps));
+    rows.emplace_back("cost", significant(joules, 5) + " J");
+    rows.emplace_back("final distance", significant(rest, 3));
+    rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
+    rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
+  }
+  rows.emplace_back("configurations", grouped(checks));
+  rows.emplace_back("time", significant(plan.time_s, 3) + " s");
+  return rows;
+}
+
+}  // namespace clearway

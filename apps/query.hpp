@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/commands.hpp"
+#include "mapping/snapshot.hpp"
+#include "planning/configuration_space.hpp"
+#include "planning/plan_file.hpp"
+#include "planning/planner.hpp"
+
+namespace clearway {
+
+/// Applies the choices of a command line to a loaded robot: scale and base.
+Robot choose_robot(const RobotChoice& choice);
+
+/// "P" sets every part, "PART=P" one part. @throws std::invalid_argument for an unknown part or policy.
+Policies choose_policies(const std::vector<std::string>& texts, const Robot& robot);
+
+/// "key=value" texts as planner options. @throws std::invalid_argument for a text without '='.
+PlannerOptions choose_planner_options(const std::vector<std::string>& texts);
+
+/// A query of several legs with one planner in one configuration space.
+struct Query {
+  const ConfigurationSpace& space;
+  std::string robot_name;
+  std::filesystem::path map_file;
+  std::string map_digest;
+  Configuration start;
+  std::vector<Configuration> goals;
+  std::string planner;
+  PlannerOptions options;
+  std::uint64_t seed = 1;
+  double time_limit = 60.0;  ///< seconds for each leg
+};
+
+/// Plans leg after leg, each from where the one before really ended, then has the independent check look at the
+/// whole path. The first leg that fails ends the plan; the check then covers the legs before it.
+Plan solve(const Query& query);
+
+/// The rows of the table that `plan` and `replay` print for a plan: name and text.
+std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan);
+
+}  // namespace clearway

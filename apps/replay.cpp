@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <ostream>
+#include <stdexcept>
+
+#include "apps/commands.hpp"
+#include "apps/fusion.hpp"
+#include "apps/query.hpp"
+#include "apps/report.hpp"
+#include "apps/table.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/save_file.hpp"
+
+namespace clearway {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// Refuses early what would be lost late: an output folder that cannot be written.
+void prepare_output(const std::filesystem::path& out) {
+  std::error_code error;
+  std::filesystem::create_directories(out / "plans", error);
+  if (error) throw std::invalid_argument(out.string() + ": cannot be created: " + error.message());
+  save_file(out / "plans" / ".probe", "");
+  std::filesystem::remove(out / "plans" / ".probe", error);
+}
+
+RobotChoice robot_choice(const RobotSetup& robot) {
+  RobotChoice choice;
+  choice.robot = robot.name;
+  choice.scale = robot.scale;
+  return choice;
+}
+
+Configuration configuration(const std::vector<double>& values) {
+  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+std::vector<std::string> policy_texts(const QuerySetup& query) {
+  std::vector<std::string> texts;
+  for (const auto& [part, policy] : query.policies) texts.push_back(part == "default" ? policy : part + "=" + policy);
+  return texts;
+}
+
+void require_size(const std::vector<double>& q, const Robot& robot, const QuerySetup& query, const char* field) {
+  if (q.size() == robot.dof()) return;
+  throw std::invalid_argument("setup, query '" + query.name + "', field '" + field + "': got " +
+                              std::to_string(q.size()) + " values, expected " + std::to_string(robot.dof()) +
+                              " (robot '" + robot.name + "')");
+}
+
+/// All queries of the setup, each with each of its planners, on one map.
+class QueryRunner {
+ public:
+  QueryRunner(const ReplayOptions& options, const Fusion& fusion, const Snapshot& map)
+      : options_(options), setup_(fusion.setup), map_(map), robot_(choose_robot(robot_choice(*setup_.robot))) {
+    robot_.map_from_base = setup_.robot->map_from_base;
+    digest_ = map_sha256(options.out);
+    for (const QuerySetup& query : setup_.queries) {
+      require_size(query.start, robot_, query, "start");
+      for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
+      for (const std::string& planner : planners(query)) make_planner(planner, planner_options(query, planner));
+    }
+  }
+
+  std::vector<ReplayPlan> run(Console& console) {
+    std::vector<ReplayPlan> plans;
+    for (const QuerySetup& query : setup_.queries) {
+      spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_, choose_policies(policy_texts(query), robot_),
+                                                             SpaceOptions{.padding = query.padding}));
+      const Configuration start = configuration(query.start);
+      std::vector<Configuration> goals;
+      for (const auto& goal : query.goals) goals.push_back(configuration(goal));
+      for (const std::string& planner : planners(query)) {
+        console.log("planning '" + query.name + "' with " + planner);
+        Plan plan = solve({*spaces_.back(), setup_.robot->name, "map.ot", digest_, start, goals, planner,
+                           planner_options(query, planner), options_.seed, options_.time_limit});
+        const std::filesystem::path file = std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
+        save_file(options_.out / file, to_json(plan));
+        plans.push_back({query.name, std::move(plan), start, file, spaces_.back().get()});
+      }
+    }
+    return plans;
+  }
+
+ private:
+  std::vector<std::string> planners(const QuerySetup& query) const {
+    if (!options_.planners.empty()) return options_.planners;
+    return query.planners.empty() ? std::vector<std::string>{"beam", "boundary"} : query.planners;
+  }
+
+  static PlannerOptions planner_options(const QuerySetup& query, const std::string& planner) {
+    PlannerOptions options;
+    for (const auto& [key, value] : query.options) {
+      const std::size_t dot = key.find('.');
+      if (dot == std::string::npos) {
+        options[key] = value;
+      } else if (key.substr(0, dot) == planner) {
+        options[key.substr(dot + 1)] = value;
+      }
+    }
+    return options;
+  }
+
+  const ReplayOptions& options_;
+  const Setup& setup_;
+  const Snapshot& map_;
+  Robot robot_;
+  std::string digest_;
+  std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
+};
+
+void print_report(const ReplayOptions& options, const ReplayReport& report, const std::string& json, Console& console) {
+  for (const std::string& warning : report.fusion->warnings) console.warn("warning: " + warning);
+  if (report.fusion->damage) console.warn("clearway: " + *report.fusion->damage);
+  if (console.json) {
+    console.out() << json;
+    return;
+  }
+  print_rows(console.out(), report_figures(report));
+  if (!report.plans.empty()) {
+    console.out() << '\n';
+    print_table(console.out(), plan_table(report));
+    for (const ReplayPlan& entry : report.plans) {
+      if (entry.plan.status() == PlanStatus::solved && entry.plan.validation.valid) continue;
+      console.out() << "  " << entry.query << ", " << entry.plan.planner << ": "
+                    << (entry.plan.status() == PlanStatus::solved ? entry.plan.validation.first_contact
+                                                                  : entry.plan.explanation())
+                    << '\n';
+    }
+  }
+  console.out() << "\n  report: " << (options.out / "report.html").string() << '\n';
+}
+
+}  // namespace
+
+int run_replay(const ReplayOptions& options, Console& console) {
+  for (const std::string& planner : options.planners) make_planner(planner);
+  ReplayReport report;
+  report.recording = options.recording;
+
+  auto begin = Clock::now();
+  Fusion fusion = fuse(options.recording, options.setup, options.resolution, console.bar("fusing"));
+  report.fusion = &fusion;
+  report.timings = {{"read", fusion.counts.read_s},
+                    {"track", fusion.counts.track_s},
+                    {"paint", fusion.counts.paint_s},
+                    {"insert", fusion.counts.insert_s},
+                    {"fuse (all of it)", seconds_since(begin)}};
+
+  begin = Clock::now();
+  prepare_output(options.out);
+  report.map = fusion.map.snapshot();
+  save_map(report.map, options.out);
+  report.timings.emplace_back("save map", seconds_since(begin));
+
+  begin = Clock::now();
+  std::unique_ptr<QueryRunner> runner;
+  if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty()) {
+    runner = std::make_unique<QueryRunner>(options, fusion, report.map);
+    report.plans = runner->run(console);
+  }
+  report.timings.emplace_back("plan and check", seconds_since(begin));
+
+  const std::string json = report_json(report);
+  save_file(options.out / "report.json", json);
+  save_file(options.out / "report.html", report_html(report, json));
+  print_report(options, report, json, console);
+
+  if (fusion.damage) return exit_damaged;
+  const bool all_solved = std::all_of(report.plans.begin(), report.plans.end(), [](const ReplayPlan& entry) {
+    return entry.plan.status() == PlanStatus::solved && entry.plan.validation.valid;
+  });
+  return all_solved ? exit_done : exit_no;
+}
+
+}  // namespace clearway

@@ -1,0 +1,173 @@
+#include "apps/slice_image.hpp"
+
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "apps/parse.hpp"
+#include "mapping/save_file.hpp"
+
+namespace clearway {
+
+namespace {
+
+constexpr std::array<VoxelState, 5> states = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
+                                              VoxelState::seen_free, VoxelState::unknown};
+constexpr int margin_left = 70, margin_top = 34, margin_bottom = 46, margin_right = 190;
+
+cv::Scalar colour(VoxelState state) {  // RGB
+  switch (state) {
+    case VoxelState::painted: return {64, 176, 166};
+    case VoxelState::occupied: return {74, 68, 64};
+    case VoxelState::conflict: return {214, 48, 49};
+    case VoxelState::seen_free: return {222, 235, 247};
+    case VoxelState::unknown: return {255, 255, 255};
+  }
+  return {255, 255, 255};
+}
+
+void write_png(const cv::Mat& rgb, const std::filesystem::path& file) {
+  save_file(file, [&](const std::filesystem::path& temporary) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(rgb.cols);
+    image.height = static_cast<png_uint_32>(rgb.rows);
+    image.format = PNG_FORMAT_RGB;
+    if (png_image_write_to_file(&image, temporary.c_str(), 0, rgb.data, static_cast<png_int_32>(rgb.step[0]),
+                                nullptr) == 0) {
+      throw std::runtime_error(image.message);
+    }
+  });
+}
+
+void put_text(cv::Mat& image, const std::string& text, cv::Point at, double scale = 0.42) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, {60, 60, 60}, 1, cv::LINE_AA);
+}
+
+/// A step of 1, 2 or 5 times a power of ten that puts about `count` ticks on `span`.
+double tick_step(double span, int count) {
+  const double raw = span / count;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= raw) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+/// The picture's frame: which map axes run right and up, and how many pixels a voxel takes.
+struct Canvas {
+  int right, up, columns, rows;
+  double low_right, low_up, resolution, pixels;
+
+  int x(double metres) const { return margin_left + static_cast<int>(std::lround((metres - low_right) / resolution * pixels)); }
+  int y(double metres) const {
+    return margin_top + height() - static_cast<int>(std::lround((metres - low_up) / resolution * pixels));
+  }
+  int width() const { return static_cast<int>(std::lround(columns * pixels)); }
+  int height() const { return static_cast<int>(std::lround(rows * pixels)); }
+};
+
+Canvas make_canvas(const Snapshot& map, const SlicePlane& plane, const Eigen::AlignedBox3d& bounds) {
+  Canvas canvas{};
+  canvas.right = plane.axis == 0 ? 1 : 0;
+  canvas.up = plane.axis == 2 ? 1 : 2;
+  canvas.resolution = map.resolution();
+  canvas.low_right = bounds.min()[canvas.right];
+  canvas.low_up = bounds.min()[canvas.up];
+  const Eigen::Vector3d size = bounds.sizes() / canvas.resolution;
+  canvas.columns = static_cast<int>(std::lround(size[canvas.right]));
+  canvas.rows = static_cast<int>(std::lround(size[canvas.up]));
+  const double largest = std::max(canvas.columns, canvas.rows);
+  canvas.pixels = largest <= 900.0 ? std::min(24.0, std::floor(900.0 / largest)) : 1400.0 / largest;
+  canvas.pixels = std::max(canvas.pixels, 1400.0 / std::max(largest, 1400.0));
+  return canvas;
+}
+
+void draw_axes(cv::Mat& image, const Canvas& canvas) {
+  const char* names = "xyz";
+  const cv::Scalar ink(150, 150, 150);
+  const auto draw = [&](double low, double span, bool horizontal) {
+    const double step = tick_step(span, 6);
+    for (double value = std::ceil(low / step) * step; value <= low + span + 1e-9; value += step) {
+      const std::string label = significant(std::abs(value) < 1e-12 ? 0.0 : value);
+      if (horizontal) {
+        const int x = canvas.x(value), bottom = margin_top + canvas.height();
+        cv::line(image, {x, bottom}, {x, bottom + 5}, ink);
+        put_text(image, label, {x - 4 * static_cast<int>(label.size()), bottom + 19});
+      } else {
+        const int y = canvas.y(value);
+        cv::line(image, {margin_left - 5, y}, {margin_left, y}, ink);
+        put_text(image, label, {margin_left - 10 - 8 * static_cast<int>(label.size()), y + 4});
+      }
+    }
+  };
+  draw(canvas.low_right, canvas.columns * canvas.resolution, true);
+  draw(canvas.low_up, canvas.rows * canvas.resolution, false);
+  put_text(image, std::string(1, names[canvas.right]) + " [m]", {margin_left + canvas.width() / 2 - 12, image.rows - 8});
+  put_text(image, std::string(1, names[canvas.up]) + " [m]", {8, margin_top - 10});
+  cv::rectangle(image, {margin_left - 1, margin_top - 1}, {margin_left + canvas.width(), margin_top + canvas.height()}, ink);
+}
+
+void draw_legend(cv::Mat& image, const Canvas& canvas, const std::array<std::size_t, 5>& counts) {
+  int y = margin_top + 12;
+  const int x = margin_left + canvas.width() + 16;
+  for (std::size_t s = 0; s < states.size(); ++s, y += 22) {
+    cv::rectangle(image, {x, y - 10}, {x + 13, y + 3}, colour(states[s]), cv::FILLED);
+    cv::rectangle(image, {x, y - 10}, {x + 13, y + 3}, {150, 150, 150});
+    std::string name(to_string(states[s]));
+    std::replace(name.begin(), name.end(), '_', ' ');
+    put_text(image, name + "  " + grouped(counts[s]), {x + 20, y});
+  }
+  put_text(image, "voxel " + significant(canvas.resolution * 1000.0, 3) + " mm", {x, y + 6});
+}
+
+}  // namespace
+
+SlicePlane parse_slice(const std::string& text) {
+  if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') {
+    throw std::invalid_argument("--slice: expected x=, y= or z= and metres, such as z=0.3, got '" + text + "'");
+  }
+  const auto numbers = parse_numbers(text.substr(2), "--slice " + text.substr(0, 1));
+  if (numbers.size() != 1) throw std::invalid_argument("--slice: expected one number after '" + text.substr(0, 2) + "'");
+  return {text[0] - 'x', numbers[0]};
+}
+
+void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file) {
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  if (bounds.isEmpty()) throw std::invalid_argument("--slice: the map is empty");
+  if (plane.value < bounds.min()[plane.axis] || plane.value > bounds.max()[plane.axis]) {
+    throw std::invalid_argument("--slice: " + significant(plane.value) + " m misses the map, which spans " +
+                                significant(bounds.min()[plane.axis]) + " to " +
+                                significant(bounds.max()[plane.axis]) + " m on that axis");
+  }
+  const Canvas canvas = make_canvas(map, plane, bounds);
+  cv::Mat image(canvas.height() + margin_top + margin_bottom, canvas.width() + margin_left + margin_right, CV_8UC3,
+                cv::Scalar(250, 250, 250));
+  std::array<std::size_t, 5> counts{};
+  for (int row = 0; row < canvas.rows; ++row) {
+    for (int column = 0; column < canvas.columns; ++column) {
+      Eigen::Vector3d point;
+      point[plane.axis] = plane.value;
+      point[canvas.right] = canvas.low_right + (column + 0.5) * canvas.resolution;
+      point[canvas.up] = canvas.low_up + (row + 0.5) * canvas.resolution;
+      const VoxelState state = map.state(point);
+      ++counts[static_cast<std::size_t>(std::find(states.begin(), states.end(), state) - states.begin())];
+      const cv::Point low(margin_left + static_cast<int>(column * canvas.pixels),
+                          margin_top + canvas.height() - static_cast<int>(std::ceil((row + 1) * canvas.pixels)));
+      const int side = std::max(1, static_cast<int>(std::ceil(canvas.pixels)));
+      cv::rectangle(image, cv::Rect(low, cv::Size(side, side)), colour(state), cv::FILLED);
+    }
+  }
+  draw_axes(image, canvas);
+  draw_legend(image, canvas, counts);
+  const char* names = "xyz";
+  put_text(image, std::string("slice ") + names[plane.axis] + " = " + significant(plane.value) + " m",
+           {margin_left, 20}, 0.5);
+  write_png(image, file);
+}
+
+}  // namespace clearway
