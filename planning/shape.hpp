@@ -22,9 +22,9 @@ class Shape {
   static Shape convex(std::vector<Eigen::Vector3d> vertices);  ///< hull of the points (at least one)
 
   Kind kind() const { return kind_; }
-  double radius() const { return radius_; }              ///< sphere, capsule, cylinder
-  double length() const { return length_; }              ///< capsule, cylinder
-  const Eigen::Vector3d& edges() const { return edges_; }  ///< box
+  double radius() const { return radius_; }                ///< sphere, capsule, cylinder
+  double length() const { return length_; }                ///< capsule, cylinder
+  const Eigen::Vector3d& edges() const { return edges_; }  ///< box; convex: of the box around it
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< convex: hull corners
 
   /// Farthest point of the shape along `direction` (need not be unit), in the shape's frame.
@@ -41,18 +41,23 @@ class Shape {
 
   Shape scaled(double factor) const;
 
+  /// Distance of a point (shape's frame) from the surface, negative inside. Exact for all kinds but `convex`,
+  /// where it is that of the bounding box: a lower bound.
+  double signed_distance(const Eigen::Vector3d& point) const;
+
  private:
   Kind kind_ = Kind::sphere;
   double radius_ = 0.0, length_ = 0.0;
   Eigen::Vector3d edges_ = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> vertices_;
+  Eigen::Vector3d box_center_ = Eigen::Vector3d::Zero();  ///< convex: of the box around the vertices
 };
 
 /// Bounds on the distance between two convex bodies. `lower` is certified by a separating plane and never
 /// larger than the true distance; `upper` is the distance between two points of the bodies.
 struct DistanceBounds {
-  double lower = 0.0;  ///< 0 when not proved separate
-  double upper = 0.0;  ///< 0 when they (may) overlap
+  double lower = 0.0;                                   ///< 0 when not proved separate
+  double upper = 0.0;                                   ///< 0 when they (may) overlap
   Eigen::Vector3d point_a = Eigen::Vector3d::Zero();    ///< near point on a
   Eigen::Vector3d point_b = Eigen::Vector3d::Zero();    ///< near point on b
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, from a to b

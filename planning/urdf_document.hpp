@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// A URDF file after our own look at its XML, before urdfdom reads it. urdfdom 3.0 drops collision geometry
+/// that it does not understand, accepts sizes below zero, zero axes, loops and two parents in silence, so
+/// all of that is refused here.
+struct UrdfDocument {
+  std::string text;                      ///< the XML, each <capsule> rewritten as a <cylinder> for urdfdom
+  std::vector<std::string> joint_order;  ///< names of all joints in the order of the file
+  std::map<std::string, std::vector<bool>> is_capsule;  ///< per link, one flag for each <collision>
+};
+
+/// @throws std::invalid_argument in one sentence naming file, element and what was expected.
+UrdfDocument read_urdf_document(const std::filesystem::path& file);
+
+/// The whole file as text. @throws std::invalid_argument when it is missing, unreadable or above 16 MB.
+std::string read_text(const std::filesystem::path& file);
+
+}  // namespace clearway
