@@ -1,0 +1,88 @@
+#include "planning/planner.hpp"
+
+#include <stdexcept>
+
+#include "planning/beam.hpp"
+#include "planning/beam_reference.hpp"
+#include "planning/boundary.hpp"
+#include "planning/constraint.hpp"
+#include "planning/nearest_name.hpp"
+
+namespace clearway {
+namespace {
+
+template <typename P>
+std::unique_ptr<Planner> make(const PlannerOptions& options) {
+  return std::make_unique<P>(options);
+}
+
+/// Why `q` cannot be an end of a path; empty when it can.
+std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
+  const auto dof = static_cast<Eigen::Index>(space.robot().dof());
+  if (q.size() != dof) {
+    return "it has " + std::to_string(q.size()) + " values, expected " + std::to_string(dof) + " for robot " +
+           space.robot().name;
+  }
+  const Verdict verdict = space.check(q);
+  return verdict.is_free() ? std::string() : verdict.sentence();
+}
+
+}  // namespace
+
+std::string_view to_string(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::solved:
+      return "solved";
+    case PlanStatus::start_invalid:
+      return "start_invalid";
+    case PlanStatus::goal_invalid:
+      return "goal_invalid";
+    case PlanStatus::no_path:
+      return "no_path";
+    case PlanStatus::timed_out:
+      return "timed_out";
+  }
+  return "no_path";
+}
+
+const std::vector<PlannerEntry>& planner_table() {
+  static const std::vector<PlannerEntry> table = {
+      {"beam", "beam search on a joint lattice (Chong et al. 2008, Fig. 8)", make<Beam>},
+      {"beam_reference", "the same, every neighbour checked: slow and obvious, for comparison",
+       make<BeamReference>},
+      {"boundary", "constraint method with boundary following (Lahouar et al. 2006)", make<Boundary>},
+      {"constraint", "its local step alone: stops at the first deadlock", make<Constraint>},
+  };
+  return table;
+}
+
+std::unique_ptr<Planner> make_planner(std::string_view name, const PlannerOptions& options) {
+  std::vector<std::string> known;
+  for (const PlannerEntry& entry : planner_table()) {
+    if (entry.name == name) return entry.make(options);
+    known.emplace_back(entry.name);
+  }
+  throw std::invalid_argument("unknown planner '" + std::string(name) + "': did you mean '" +
+                              nearest_name(name, known) + "'?");
+}
+
+PlanResult check_ends(const PlanProblem& problem) {
+  PlanResult result;
+  result.status = PlanStatus::solved;
+  result.configurations_checked = 1;
+  std::string why = refusal(problem.space, problem.start);
+  if (!why.empty()) {
+    result.status = PlanStatus::start_invalid;
+    result.explanation = "The start is not free: " + why + ".";
+    return result;
+  }
+  ++result.configurations_checked;
+  why = refusal(problem.space, problem.goal);
+  if (!why.empty()) {
+    result.status = PlanStatus::goal_invalid;
+    result.explanation = "The goal is not free: " + why + ".";
+  }
+  return result;
+}
+
+}  // namespace clearway
