@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/voxel_faces.hpp"
+
+namespace clearway {
+
+/// A named value of a table of figures, as it is shown.
+using PageFigure = std::pair<std::string, std::string>;
+
+/// One rigid piece of the robot.
+struct PageShape {
+  enum class Kind { sphere, capsule, cylinder, box, mesh } kind = Kind::sphere;
+  /// Metres. sphere: radius; capsule and cylinder: radius, length along z (a capsule's between the centres of
+  /// its caps); box: the three full edges; mesh: unused.
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> vertices;      ///< of a mesh, in the shape's frame
+  std::vector<std::array<int, 3>> triangles;  ///< of a mesh
+  Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
+  int link = 0;           ///< index into the poses of each waypoint
+  std::string part;       ///< the robot part it belongs to, as policies name it
+  bool critical = false;  ///< drawn in the colour of critical parts
+};
+
+/// One plan, found or not. All per-waypoint arrays have as many entries as `waypoints`, or none.
+/// The page draws the robot between two waypoints by interpolating each link's pose, so waypoints more than
+/// about 5 degrees apart should be subdivided before.
+struct PagePlan {
+  std::string name, planner;
+  std::string status;       ///< a PlanStatus word; anything but "solved" is shown as a failure
+  std::string explanation;  ///< one or more sentences
+  std::vector<std::string> joints;
+  std::vector<bool> is_prismatic;          ///< per joint: metres, else radians
+  std::vector<Eigen::VectorXd> waypoints;  ///< joint values; may be empty when no path was found
+  std::vector<std::vector<Eigen::Isometry3d>> link_poses;  ///< map_from_link, per waypoint and link
+  std::vector<double>
+      clearance;  ///< metres, below zero in contact; not finite = not known, left out of the plot
+  std::vector<PageFigure> figures;
+  std::vector<Eigen::Vector3d> tip_path;  ///< map frame
+  /// map_from_link at the start and at the goal asked for: the ghosts. Empty: those of the first and last
+  /// waypoint; give both for a plan that found no path.
+  std::vector<Eigen::Isometry3d> start_poses, goal_poses;
+};
+
+/// An exact painted ball.
+struct PageBall {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+  int volume = 0;  ///< index into volume_labels
+};
+
+struct PageTable {
+  std::string name;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// What a report page shows. Everything may be empty but the title.
+struct ReportPage {
+  std::string title, subtitle;
+  std::vector<PageFigure> figures;
+  double resolution = 0.0;         ///< of the map, metres; > 0 when there are voxels
+  std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
+  std::vector<PageBall> balls;
+  std::vector<std::string> volume_labels;
+  std::vector<PageShape> robot;
+  std::vector<Eigen::Isometry3d> robot_home;  ///< map_from_link, drawn when no plan gives a pose
+  std::vector<PagePlan> plans;
+  std::vector<PageTable> tables;
+  std::vector<std::string> warnings;
+  std::string json;  ///< report.json, offered for download byte for byte
+};
+
+/// One HTML file that shows `page` with no network and no other file. Equal pages give equal bytes; strings
+/// that are not UTF-8 get U+FFFD in place of the bytes that are wrong.
+/// @throws std::invalid_argument naming the field whose sizes or indices do not agree.
+std::string render_report_page(const ReportPage& page);
+
+}  // namespace clearway

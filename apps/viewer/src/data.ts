@@ -1,0 +1,77 @@
+// What render_report_page (apps/report_page.cpp) writes into the page, and how to read it.
+
+export interface Place { type: "f32" | "u32" | "u16" | "u8"; offset: number; count: number }
+
+export type StateName = "painted" | "occupied" | "conflict" | "seen_free";
+
+export interface VoxelSet {
+  state: StateName;
+  count: number;         // finest voxels
+  faces: number;         // exposed voxel faces, before merging
+  directions: number[];  // merged quads per direction: -x +x -y +y -z +z
+  columns: Place[];      // layer, u, v, width - 1, height - 1, each as differences modulo 2^16
+}
+
+export interface Shape {
+  kind: "sphere" | "capsule" | "cylinder" | "box" | "mesh";
+  size: [number, number, number];
+  link: number; part: string; critical: boolean;
+  pose: Place;
+  vertices?: Place; triangles?: Place;
+}
+
+export type Figure = [string, string];
+
+export interface Plan {
+  name: string; planner: string; status: string; explanation: string;
+  joints: string[]; prismatic: boolean[];
+  waypoints: number; links: number;
+  values: Place;     // joint by joint
+  poses: Place;      // waypoint by waypoint, link by link: x y z qx qy qz qw
+  clearance: Place;  // metres, NaN = not known
+  figures: Figure[];
+  tip: Place; start: Place; goal: Place;
+}
+
+export interface Table { name: string; header: string[]; rows: string[][] }
+
+export interface Page {
+  title: string; subtitle: string; figures: Figure[];
+  resolution: number; origin: number;
+  voxels: VoxelSet[]; balls: Place; volumes: string[];
+  robot: Shape[]; home: Place; plans: Plan[];
+  tables: Table[]; warnings: string[]; report: Place;
+}
+
+/// The page's binary arrays, unpacked.
+export class Arrays {
+  constructor(private readonly bytes: ArrayBuffer) {}
+  f32(at: Place): Float32Array { return new Float32Array(this.bytes, at.offset, at.count); }
+  u32(at: Place): Uint32Array { return new Uint32Array(this.bytes, at.offset, at.count); }
+  u16(at: Place): Uint16Array { return new Uint16Array(this.bytes, at.offset, at.count); }
+  u8(at: Place): Uint8Array<ArrayBuffer> { return new Uint8Array(this.bytes, at.offset, at.count); }
+}
+
+export function readPage(): Page {
+  return JSON.parse(document.getElementById("page")!.textContent!) as Page;
+}
+
+function fromBase64(text: string): Uint8Array<ArrayBuffer> {
+  const binary = atob(text);
+  const bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = binary.charCodeAt(i);
+  return bytes;
+}
+
+/// Unpacks the arrays and drops their text from the document.
+/// Throws an Error with a sentence for the reader when the browser cannot.
+export async function readArrays(): Promise<Arrays> {
+  if (typeof DecompressionStream === "undefined")
+    throw new Error("This browser is too old to unpack the map and the plans (it has no DecompressionStream): "
+      + "use Chrome 80, Firefox 113, Safari 16.4 or later. The figures and tables are complete.");
+  const element = document.getElementById("arrays")!;
+  const packed = fromBase64(element.textContent!);
+  element.remove();
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Arrays(await new Response(stream).arrayBuffer());
+}

@@ -1,0 +1,79 @@
+// The report page: reads what the program wrote into it, and shows it.
+
+import "./errors";
+import { readArrays, readPage, type Arrays } from "./data";
+import { byId, download } from "./dom";
+import { failures } from "./errors";
+import { MapView } from "./map_view";
+import { readOptions } from "./options";
+import { isDark } from "./palette";
+import { showFigures, showNames, showPlan, showPlanList, showTables, showWarnings } from "./panels";
+import { Playback } from "./playback";
+import { Plots } from "./plots";
+
+const options = readOptions();
+const systemDark = matchMedia("(prefers-color-scheme: dark)");
+
+function setTheme(dark: boolean): void {
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  byId("theme").textContent = dark ? "Light" : "Dark";
+}
+
+function sayInView(sentence: string): void {
+  byId("view-message").textContent = sentence;
+  byId("view-message").hidden = false;
+  document.body.classList.add("no-view");
+}
+
+function openMap(page: ReturnType<typeof readPage>, arrays: Arrays): MapView | null {
+  const lost = "The browser lost its 3D context (graphics memory or driver): reload the page. Tables and plots still work.";
+  try {
+    if (!options.webgl) throw new Error("WebGL switched off");
+    return new MapView(page, arrays, options, () => sayInView(lost));
+  } catch (error) {
+    sayInView("This browser offers no WebGL 2, so the map cannot be drawn in 3D. Plans, plots, figures and tables below are complete. "
+      + `(${(error as Error).message})`);
+    return null;
+  }
+}
+
+async function show(): Promise<void> {
+  setTheme(options.dark ?? systemDark.matches);
+  document.body.classList.toggle("picture", options.picture);
+  if (innerWidth < 760) byId<HTMLDetailsElement>("layers").open = false;
+  const page = readPage();
+  showNames(page);
+  showWarnings(page.warnings);
+  showFigures(page.figures, page.plans.length === 0);
+  showTables(page.tables);
+  const playback = new Playback();
+  let choose = (index: number) => showPlan(page.plans[index], index);
+  showPlanList(page.plans, (index) => choose(index));
+
+  const arrays = await readArrays().catch((error: Error) => { sayInView(error.message); return null; });
+  const map = arrays && openMap(page, arrays);
+  const plots = arrays && new Plots(arrays);
+  byId("download").hidden = !arrays || page.report.count === 0;
+  if (arrays) byId("download").addEventListener("click", () => download("report.json", "application/json", arrays.u8(page.report)));
+  playback.onTime = (time) => { map?.showTime(time); plots?.showTime(time); };
+  if (plots) plots.onSeek = (time) => playback.seek(time);
+  choose = (index) => {
+    showPlan(page.plans[index], index);
+    map?.showPlan(page.plans[index]);
+    plots?.show(page.plans[index]);
+    playback.reset(plots ? page.plans[index].waypoints : 0, index === options.plan ? options.time : 0);
+  };
+  if (page.plans.length > 0) choose(Math.min(options.plan, page.plans.length - 1));
+
+  const recolor = (dark: boolean) => { setTheme(dark); map?.recolor(); plots?.redraw(); };
+  byId("theme").addEventListener("click", () => recolor(!isDark()));
+  if (options.dark === null) systemDark.addEventListener("change", (event) => recolor(event.matches));
+  addEventListener("hashchange", () => location.reload());
+  map?.render();
+  Object.assign(document.body.dataset, {
+    plans: page.plans.length, balls: page.balls.count / 5, view: map ? "3d" : "none",
+    width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth, ready: "1",
+  });
+}
+
+show().catch((error: Error) => failures.add(`${error.message}\n${error.stack ?? ""}`));

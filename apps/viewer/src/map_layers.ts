@@ -1,0 +1,166 @@
+// The map in 3D: voxel surfaces by state, the exact balls, and the slice at the cut.
+
+import { BufferAttribute, BufferGeometry, Box3, DataTexture, DoubleSide, Group, IcosahedronGeometry,
+         InstancedBufferAttribute, InstancedBufferGeometry, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry,
+         SRGBColorSpace, Vector3 } from "three";
+import type { Arrays, Page, StateName } from "./data";
+import { quadVertices, sliceMask, unpackFaces, type Faces } from "./faces";
+import { palette, rgb, type Palette } from "./palette";
+import { surfaceMaterial, surfaceUniforms, type SurfaceUniforms } from "./surface_material";
+
+export interface Layer {
+  group: Group;
+  bounds: Box3;
+  recolor(): void;
+  setOpacity?(opacity: number): void;
+}
+
+/// Translucent layers are blended from the inside of a map outwards: painted and balls, then seen free.
+const blendOrder: Record<string, number> = { painted: 30, balls: 32, seen_free: 40 };
+
+function stateColors(state: StateName, colors: Palette): [string, string] {
+  switch (state) {
+    case "occupied": return [colors.occupiedLow, colors.occupiedHigh];
+    case "painted": return [colors.painted, colors.painted];
+    case "conflict": return [colors.conflict, colors.conflict];
+    case "seen_free": return [colors.seenFree, colors.seenFree];
+  }
+}
+
+function surfaceGroup(kind: "voxels" | "balls", name: string, geometry: BufferGeometry,
+                      uniforms: SurfaceUniforms): Group {
+  const group = new Group();
+  const order = blendOrder[name];
+  for (const pass of order === undefined ? ["opaque"] as const : ["depth", "blend"] as const) {
+    const mesh = new Mesh(geometry, surfaceMaterial(kind, pass, uniforms));
+    mesh.frustumCulled = false;
+    mesh.matrixAutoUpdate = false;
+    mesh.renderOrder = pass === "opaque" ? 0 : pass === "depth" ? order : order + 1;
+    group.add(mesh);
+  }
+  return group;
+}
+
+const corner = (cells: number[], page: Page) =>
+  new Vector3(...(cells.map((c) => (c - page.origin) * page.resolution) as [number, number, number]));
+
+export function facesBounds(faces: Faces, page: Page): Box3 {
+  return new Box3(corner(faces.low, page), corner(faces.high, page));
+}
+
+export function voxelLayer(faces: Faces, page: Page, heights: [number, number]): Layer {
+  const { corners, triangles } = quadVertices(faces);
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(corners, 4));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
+  const uniforms = surfaceUniforms();
+  uniforms.origin.value.copy(corner(faces.low, page));
+  uniforms.voxel.value = page.resolution;
+  uniforms.heights.value = heights;
+  if (faces.state === "seen_free") uniforms.lines.value = 0.3;
+  const layer: Layer = {
+    group: surfaceGroup("voxels", faces.state, geometry, uniforms),
+    bounds: facesBounds(faces, page),
+    recolor() {
+      const [low, high] = stateColors(faces.state, palette());
+      uniforms.low.value.set(...rgb(low));
+      uniforms.high.value.set(...rgb(high));
+    },
+  };
+  if (faces.state in blendOrder) layer.setOpacity = (opacity) => { uniforms.opacity.value = opacity; };
+  layer.recolor();
+  return layer;
+}
+
+/// Balls as instances of one sphere, coarser the more there are.
+export function ballLayer(values: Float32Array): Layer {
+  const count = values.length / 5;
+  const sphere = new IcosahedronGeometry(1, count > 4000 ? 2 : count > 800 ? 4 : 8);
+  const geometry = new InstancedBufferGeometry();
+  geometry.setAttribute("position", sphere.getAttribute("position"));
+  geometry.instanceCount = count;
+  const balls = new Float32Array(count * 4), tints = new Float32Array(count * 3);
+  const bounds = new Box3();
+  for (let i = 0; i < count; ++i) {
+    balls.set(values.subarray(i * 5, i * 5 + 4), i * 4);
+    const center = new Vector3(balls[i * 4], balls[i * 4 + 1], balls[i * 4 + 2]), radius = balls[i * 4 + 3];
+    bounds.expandByPoint(center.clone().addScalar(radius)).expandByPoint(center.subScalar(radius));
+  }
+  const tint = new InstancedBufferAttribute(tints, 3);
+  geometry.setAttribute("ball", new InstancedBufferAttribute(balls, 4));
+  geometry.setAttribute("tint", tint);
+  const uniforms = surfaceUniforms();
+  uniforms.opacity.value = 0.55;
+  const layer: Layer = {
+    group: surfaceGroup("balls", "balls", geometry, uniforms), bounds,
+    recolor() {
+      const colors = [palette().painted, ...palette().series];
+      for (let i = 0; i < count; ++i) tints.set(rgb(colors[values[i * 5 + 4] % colors.length]), i * 3);
+      tint.needsUpdate = true;
+    },
+    setOpacity(opacity) { uniforms.opacity.value = opacity; },
+  };
+  layer.recolor();
+  return layer;
+}
+
+/// The cells that the cut plane passes through, as a picture on the plane.
+export class Slice {
+  readonly mesh: Mesh<PlaneGeometry, MeshBasicMaterial>;
+
+  constructor(private readonly sets: Faces[], private readonly page: Page) {
+    const material = new MeshBasicMaterial({
+      side: DoubleSide, alphaTest: 0.5, toneMapped: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1,
+    });
+    this.mesh = new Mesh(new PlaneGeometry(1, 1), material);
+    this.mesh.frustumCulled = false;
+    this.mesh.visible = false;
+  }
+
+  /// Shows the layer of voxels just inside the cut at `at` metres along `axis`, for the states in `shown`.
+  /// Returns false, showing nothing, when no voxel is there or the picture would be too large to draw.
+  update(axis: 0 | 1 | 2, at: number, flipped: boolean, shown: (state: StateName) => boolean): boolean {
+    const sets = this.sets.filter((faces) => shown(faces.state));
+    const u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const low = [u, v].map((a) => Math.min(...sets.map((faces) => faces.low[a])));
+    const [width, height] = [u, v].map((a, k) => Math.max(...sets.map((faces) => faces.high[a])) - low[k]);
+    this.mesh.visible = sets.length > 0 && width <= 4096 && height <= 4096;
+    if (!this.mesh.visible) return false;
+    const cell = at / this.page.resolution + this.page.origin;
+    const layer = flipped ? Math.floor(cell + 1e-4) : Math.ceil(cell - 1e-4) - 1;
+    const pixels = new Uint8Array(width * height * 4);
+    for (const faces of sets) {
+      const mask = sliceMask(faces, axis, layer, low[0], low[1], width, height);
+      const [first, second] = stateColors(faces.state, palette());
+      const color = rgb(first).map((c, k) => Math.round(127.5 * (c + rgb(second)[k]) * (faces.state === "occupied" ? 0.8 : 1)));
+      for (let i = 0; i < mask.length; ++i) if (mask[i]) pixels.set([...color, 255], i * 4);
+    }
+    this.place(axis, at, low, width, height, pixels);
+    return true;
+  }
+
+  hide(): void { this.mesh.visible = false; }
+
+  private place(axis: number, at: number, low: number[], width: number, height: number, pixels: Uint8Array): void {
+    const texture = new DataTexture(pixels, width, height);
+    texture.magFilter = texture.minFilter = NearestFilter;
+    texture.colorSpace = SRGBColorSpace;
+    texture.needsUpdate = true;
+    this.mesh.material.map?.dispose();
+    this.mesh.material.map = texture;
+    this.mesh.material.needsUpdate = true;
+    const metres = this.page.resolution;
+    const ends = low.map((l, k) => (l + (k === 0 ? width : height) / 2 - this.page.origin) * metres);
+    const center = new Vector3().setComponent(axis, at).setComponent((axis + 1) % 3, ends[0]).setComponent((axis + 2) % 3, ends[1]);
+    // The plane's own x and y become the slice's u and v.
+    const unit = (a: number) => new Vector3().setComponent(a % 3, 1);
+    this.mesh.matrixAutoUpdate = false;
+    this.mesh.matrix.makeBasis(unit(axis + 1).multiplyScalar(width * metres), unit(axis + 2).multiplyScalar(height * metres), unit(axis))
+      .setPosition(center);
+    this.mesh.matrixWorldNeedsUpdate = true;
+  }
+}
+
+export function unpackAll(page: Page, arrays: Arrays): Faces[] {
+  return page.voxels.map((set) => unpackFaces(set, arrays));
+}

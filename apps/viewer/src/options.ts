@@ -1,0 +1,45 @@
+// What the address after '#' asks for, so that a script can choose what a picture shows:
+//   #plan=1&t=0.5&dark=1&view=iso&cut=z:0.3&layers=painted,occupied,robot&opacity=0.4&picture
+
+export interface Options {
+  plan: number;              // index of the plan shown first
+  time: number;              // where along it, 0 to 1
+  dark: boolean | null;      // null: as the system prefers
+  view: string;              // iso, front, side, top or "azimuth,elevation[,zoom]" in degrees
+  cut: { axis: 0 | 1 | 2; at: number; flipped: boolean } | null;
+  layers: Set<string> | null;  // the layers shown; null: the usual ones
+  opacity: number | null;    // of painted voxels
+  fit: string;               // "work" or "all"
+  picture: boolean;          // only the 3D view, full window
+  webgl: boolean;
+}
+
+function parseCut(text: string | null): Options["cut"] {
+  const match = /^(-?)([xyz]):(-?[\d.]+)$/.exec(text ?? "");
+  if (!match) return null;
+  return { axis: "xyz".indexOf(match[2]) as 0 | 1 | 2, at: Number(match[3]), flipped: match[1] === "-" };
+}
+
+function numberOr<T>(text: string | null, otherwise: T): number | T {
+  const value = Number(text);
+  return text !== null && text !== "" && Number.isFinite(value) ? value : otherwise;
+}
+
+export function readOptions(): Options {
+  const hash = new URLSearchParams(location.hash.slice(1));
+  const query = new URLSearchParams(location.search);
+  const layers = hash.get("layers");
+  const dark = hash.get("dark");
+  return {
+    plan: Math.max(0, Math.floor(numberOr(hash.get("plan"), 0))),
+    time: Math.min(1, Math.max(0, numberOr(hash.get("t"), 0))),
+    dark: dark === null ? null : dark !== "0",
+    view: hash.get("view") ?? "iso",
+    cut: parseCut(hash.get("cut")),
+    layers: layers === null ? null : new Set(layers.split(",")),
+    opacity: numberOr(hash.get("opacity"), null),
+    fit: hash.get("fit") ?? "work",
+    picture: hash.has("picture"),
+    webgl: !(query.has("nowebgl") || hash.has("nowebgl")),
+  };
+}

@@ -1,0 +1,76 @@
+// Time along a plan, in waypoints: the slider, play and pause, the keyboard.
+
+import { byId } from "./dom";
+
+/// A whole plan takes this long at speed 1, seconds.
+const duration = (waypoints: number) => Math.min(12, Math.max(3, 0.06 * waypoints));
+
+export class Playback {
+  onTime: (time: number) => void = () => {};
+  private readonly bar = byId("playback");
+  private readonly slider = byId<HTMLInputElement>("time");
+  private readonly button = byId<HTMLButtonElement>("play");
+  private last = 0;     // waypoints - 1
+  private time = 0;
+  private playing = false;
+  private before = 0;   // time stamp of the frame before
+
+  constructor() {
+    this.button.addEventListener("click", () => this.toggle());
+    this.slider.addEventListener("input", () => { this.pause(); this.seek(Number(this.slider.value)); });
+    document.addEventListener("keydown", (event) => {
+      const inField = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)
+        && event.target !== this.slider;
+      if (inField || event.ctrlKey || event.metaKey || event.altKey || this.bar.hidden) return;
+      if (event.key === " ") this.toggle();
+      else if (event.key === "ArrowRight") { this.pause(); this.seek(Math.floor(this.time + 1 + 1e-6)); }
+      else if (event.key === "ArrowLeft") { this.pause(); this.seek(Math.ceil(this.time - 1 - 1e-6)); }
+      else return;
+      event.preventDefault();
+    });
+    this.pause();
+  }
+
+  /// Starts over with a plan of `waypoints`, at `share` (0 to 1) of it.
+  reset(waypoints: number, share: number): void {
+    this.pause();
+    this.last = Math.max(0, waypoints - 1);
+    this.bar.hidden = waypoints < 2;
+    this.slider.max = String(this.last);
+    this.seek(share * this.last);
+  }
+
+  seek(time: number): void {
+    this.time = Math.min(this.last, Math.max(0, time));
+    this.slider.value = String(this.time);
+    this.slider.style.setProperty("--share", `${this.last > 0 ? 100 * this.time / this.last : 0}%`);
+    byId("time-text").textContent = `${(this.time + 1).toFixed(1)} / ${this.last + 1}`;
+    this.onTime(this.time);
+  }
+
+  private toggle(): void {
+    if (this.playing) return this.pause();
+    if (this.time >= this.last) this.seek(0);
+    this.playing = true;
+    this.before = 0;
+    this.button.classList.add("playing");
+    this.button.setAttribute("aria-label", "Pause");
+    requestAnimationFrame((now) => this.step(now));
+  }
+
+  private pause(): void {
+    this.playing = false;
+    this.button.classList.remove("playing");
+    this.button.setAttribute("aria-label", "Play");
+  }
+
+  private step(now: number): void {
+    if (!this.playing) return;
+    const elapsed = this.before > 0 ? Math.min(0.1, (now - this.before) / 1000) : 0;
+    this.before = now;
+    const speed = Number(byId<HTMLSelectElement>("speed").value);
+    this.seek(this.time + speed * elapsed * this.last / duration(this.last + 1));
+    if (this.time >= this.last) return this.pause();
+    requestAnimationFrame((next) => this.step(next));
+  }
+}

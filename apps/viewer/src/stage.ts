@@ -1,0 +1,146 @@
+// The 3D view itself: renderer, camera, lights, floor grid, axes; drawn only when something changed.
+
+import { AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, LineBasicMaterial,
+         LineSegments, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { palette } from "./palette";
+
+/// Azimuth and elevation of the eye, degrees; azimuth 0 looks along +y, from the front.
+const namedViews: Record<string, [number, number]> = {
+  iso: [35, 28], front: [0, 0], side: [90, 0], top: [0, 89.9],
+};
+export const viewNames = Object.keys(namedViews);
+
+/// 1, 2 or 5 times a power of ten, at least `length`.
+function roundUp(length: number): number {
+  const power = 10 ** Math.floor(Math.log10(length));
+  return power * ([1, 2, 5].find((factor) => factor * power >= length * 0.999) ?? 10);
+}
+
+export class Stage {
+  readonly scene = new Scene();
+  onView: () => void = () => {};
+  gridStep = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly camera = new PerspectiveCamera(38, 1, 0.01, 100);
+  private readonly controls: OrbitControls;
+  private grid: LineSegments | null = null;
+  private gridBox = new Box3();
+  private pending = false;
+  private readonly box: HTMLElement;
+
+  /// Throws when the browser offers no WebGL 2.
+  constructor(box: HTMLElement, onLost: () => void) {
+    this.box = box;
+    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    const canvas = this.renderer.domElement;
+    box.prepend(canvas);
+    canvas.addEventListener("webglcontextlost", onLost);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.18;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener("change", () => this.invalidate());
+    const sun = new DirectionalLight(0xffffff, 1.5);
+    sun.position.set(0.5, -0.8, 1.2);
+    this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.7), new AmbientLight(0xffffff, 0.35), sun);
+    new ResizeObserver(() => this.resize()).observe(box);
+    this.resize();
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.box;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.render();
+  }
+
+  invalidate(): void {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => { this.pending = false; this.render(); });
+  }
+
+  render(): void {
+    this.controls.update();
+    this.renderer.render(this.scene, this.camera);
+    this.onView();
+  }
+
+  recolor(): void {
+    this.scene.background = new Color(palette().background);
+    this.drawGrid(this.gridBox);
+    this.invalidate();
+  }
+
+  /// `name`: a named view, or "azimuth,elevation[,zoom]". The whole box is seen at zoom 1.
+  look(name: string, box: Box3): void {
+    const numbers = name.split(",").map(Number);
+    const given = numbers.length >= 2 && numbers.every(Number.isFinite);
+    const [azimuth, elevation] = (given ? numbers : namedViews[name] ?? namedViews.iso).slice(0, 2)
+      .map((degrees) => degrees * Math.PI / 180);
+    const zoom = given && numbers[2] > 0 ? numbers[2] : 1;
+    const direction = new Vector3(Math.sin(azimuth) * Math.cos(elevation), -Math.cos(azimuth) * Math.cos(elevation), Math.sin(elevation));
+    this.frame(box, direction, zoom);
+  }
+
+  /// Moves back along `direction` until every corner of the box is inside the picture.
+  private frame(box: Box3, direction: Vector3, zoom: number): void {
+    const center = box.getCenter(new Vector3());
+    const right = new Vector3().crossVectors(this.camera.up, direction).normalize();
+    const up = new Vector3().crossVectors(direction, right);
+    const tanUp = Math.tan(this.camera.fov * Math.PI / 360) * 0.92, tanRight = tanUp * this.camera.aspect;
+    let distance = 0.05;
+    for (let k = 0; k < 8; ++k) {
+      const corner = new Vector3(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z).sub(center);
+      const toward = corner.dot(direction);
+      distance = Math.max(distance, toward + Math.abs(corner.dot(right)) / tanRight, toward + Math.abs(corner.dot(up)) / tanUp);
+    }
+    distance /= zoom;
+    const reach = box.getSize(new Vector3()).length();
+    this.camera.near = Math.max(reach, distance) / 500;
+    this.camera.far = Math.max(reach, distance) * 60;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(direction, distance);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /// Lines on the floor of the box, a round number of metres apart.
+  drawGrid(box: Box3): void {
+    this.gridBox = box;
+    if (this.grid) { this.scene.remove(this.grid); this.grid.geometry.dispose(); }
+    if (box.isEmpty()) return;
+    const size = box.getSize(new Vector3()), side = Math.max(size.x, size.y, 1e-3);
+    const step = this.gridStep = roundUp(side / 14);
+    const snap = (value: number, by: number) => Math.floor(value / step + by) * step;
+    const [x0, x1] = [snap(box.min.x, -1), snap(box.max.x, 2)], [y0, y1] = [snap(box.min.y, -1), snap(box.max.y, 2)];
+    const z = box.min.z - 1e-3 * side;
+    const points: number[] = [], colors: number[] = [];
+    const line = (a: number[], b: number[], strong: boolean) => {
+      points.push(...a, z, ...b, z);
+      const color = new Color(strong ? palette().gridStrong : palette().grid);
+      for (let k = 0; k < 2; ++k) colors.push(color.r, color.g, color.b);
+    };
+    const strong = (value: number) => Math.abs(Math.round(value / step)) % 5 === 0;
+    for (let x = x0; x <= x1 + step / 2; x += step) line([x, y0], [x, y1], strong(x));
+    for (let y = y0; y <= y1 + step / 2; y += step) line([x0, y], [x1, y], strong(y));
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+    geometry.setAttribute("color", new BufferAttribute(new Float32Array(colors), 3));
+    this.grid = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true }));
+    this.grid.frustumCulled = false;
+    this.scene.add(this.grid);
+  }
+
+  /// The map's axes as the eye sees them: x to the right, y up, the third toward the eye.
+  axes(): Vector3[] {
+    const view = this.camera.matrixWorldInverse;
+    return [0, 1, 2].map((a) => new Vector3().setComponent(a, 1).transformDirection(view));
+  }
+}
