@@ -10,13 +10,15 @@
 namespace clearway {
 namespace {
 
-constexpr double kSmallestTurn = 1e-9;  // of the corners, in normalised units squared
+constexpr double kSmallestSide = 1e-6;  // normalised units
+constexpr double kSmallestTurn = 0.05;  // sine of the turn at a corner; apriltag wants 10 degrees
 
-// Twice the signed area spanned at each corner; clockwise on the image (y down) is positive.
+// Clockwise on the image (y down), every corner a clear turn.
 bool is_convex_clockwise(const std::array<Eigen::Vector2d, 4>& ray) {
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector2d in = ray[(i + 1) % 4] - ray[i], out = ray[(i + 2) % 4] - ray[(i + 1) % 4];
-    if (!(in.x() * out.y() - in.y() * out.x() > kSmallestTurn)) return false;
+    if (!(in.norm() > kSmallestSide)) return false;
+    if (!(in.x() * out.y() - in.y() * out.x() > kSmallestTurn * in.norm() * out.norm())) return false;
   }
   return true;
 }

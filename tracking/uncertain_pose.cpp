@@ -1,6 +1,6 @@
 #include "tracking/uncertain_pose.hpp"
 
-#include <mrpt/poses/CPose3DQuatPDFGaussian.h>
+#include <mrpt/poses/CPose3D.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -9,43 +9,29 @@
 namespace clearway {
 namespace {
 
-using mrpt::poses::CPose3DQuat;
-using mrpt::poses::CPose3DQuatPDFGaussian;
+using mrpt::poses::CPose3D;
 
-// d(qr, qx, qy, qz)/dw for q * (1, w/2).
-Eigen::Matrix<double, 4, 3> quaternion_by_turn(const Eigen::Quaterniond& q) {
-  Eigen::Matrix<double, 4, 3> j;
-  j.row(0) = -0.5 * q.vec().transpose();
-  j.bottomRows<3>() = 0.5 * (q.w() * Eigen::Matrix3d::Identity() + cross_matrix(q.vec()));
-  return j;
-}
+CPose3D to_mrpt(const Eigen::Isometry3d& pose) { return CPose3D(mrpt::math::CMatrixDouble44(pose.matrix())); }
 
-// MRPT's seven: x y z, then the quaternion (r x y z), all in frame a.
-CPose3DQuatPDFGaussian to_mrpt(const UncertainPose& in) {
-  const Eigen::Quaterniond q(in.pose.linear());
-  const Eigen::Vector3d t = in.pose.translation();
-  Eigen::Matrix<double, 7, 6> seven_by_six = Eigen::Matrix<double, 7, 6>::Zero();
-  seven_by_six.topLeftCorner<3, 3>() = in.pose.linear();
-  seven_by_six.bottomRightCorner<4, 3>() = quaternion_by_turn(q);
-  CPose3DQuatPDFGaussian out(
-      CPose3DQuat(t.x(), t.y(), t.z(), mrpt::math::CQuaternionDouble(q.w(), q.x(), q.y(), q.z())));
-  out.cov = mrpt::math::CMatrixDouble77((seven_by_six * in.covariance * seven_by_six.transpose()).eval());
+Eigen::Isometry3d from_mrpt(const CPose3D& pose) {
+  const auto m = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
+  Eigen::Isometry3d out(Eigen::Matrix4d(m.asEigen()));
+  out.linear() = Eigen::Quaterniond(out.linear()).normalized().toRotationMatrix();
   return out;
 }
 
-UncertainPose from_mrpt(const CPose3DQuatPDFGaussian& in) {
-  const auto& m = in.mean;
-  const Eigen::Quaterniond q =
-      Eigen::Quaterniond(m.quat().r(), m.quat().x(), m.quat().y(), m.quat().z()).normalized();
-  UncertainPose out;
-  out.pose.linear() = q.toRotationMatrix();
-  out.pose.translation() = Eigen::Vector3d(m.x(), m.y(), m.z());
-  Eigen::Matrix<double, 6, 7> six_by_seven = Eigen::Matrix<double, 6, 7>::Zero();
-  six_by_seven.topLeftCorner<3, 3>() = out.pose.linear().transpose();
-  six_by_seven.bottomRightCorner<3, 4>() = 4.0 * quaternion_by_turn(q).transpose();  // its pseudo-inverse
-  const Matrix6d covariance = six_by_seven * in.cov.asEigen() * six_by_seven.transpose();
-  out.covariance = 0.5 * (covariance + covariance.transpose());
-  return out;
+// How a small motion of frame b enters a small motion of frame a, by a_from_b.
+Matrix6d adjoint(const Eigen::Isometry3d& a_from_b) {
+  Matrix6d m = Matrix6d::Zero();
+  m.topLeftCorner<3, 3>() = m.bottomRightCorner<3, 3>() = a_from_b.linear();
+  m.topRightCorner<3, 3>() = cross_matrix(a_from_b.translation()) * a_from_b.linear();
+  return m;
+}
+
+Matrix6d carried(const Eigen::Isometry3d& a_from_b, const Matrix6d& covariance_in_b) {
+  const Matrix6d m = adjoint(a_from_b);
+  const Matrix6d covariance = m * covariance_in_b * m.transpose();
+  return 0.5 * (covariance + covariance.transpose());
 }
 
 }  // namespace
@@ -55,10 +41,13 @@ double UncertainPoint::largest_sigma() const {
   return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
 }
 
-UncertainPose inverse(const UncertainPose& a_from_b) { return from_mrpt(-to_mrpt(a_from_b)); }
+UncertainPose inverse(const UncertainPose& a_from_b) {
+  return {from_mrpt(-to_mrpt(a_from_b.pose)), carried(a_from_b.pose, a_from_b.covariance)};
+}
 
 UncertainPose compose(const UncertainPose& a_from_b, const UncertainPose& b_from_c) {
-  return from_mrpt(to_mrpt(a_from_b) + to_mrpt(b_from_c));
+  const CPose3D a_from_c = to_mrpt(a_from_b.pose) + to_mrpt(b_from_c.pose);
+  return {from_mrpt(a_from_c), carried(b_from_c.pose.inverse(), a_from_b.covariance) + b_from_c.covariance};
 }
 
 UncertainPose base_from_probe(const UncertainPose& camera_from_base, const UncertainPose& camera_from_probe) {

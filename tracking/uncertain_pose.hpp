@@ -26,10 +26,12 @@ struct UncertainPoint {
   double largest_sigma() const;
 };
 
-/// b_from_a of a_from_b, errors carried to first order (MRPT).
+/// b_from_a of a_from_b. The poses are MRPT's; the error is carried to first order by the adjoint. MRPT 2.5.8
+/// carries covariances through unit quaternions and forgets that it turns their sign: where the real part of
+/// a quaternion or of a product comes out negative, translation and rotation get the wrong correlation.
 UncertainPose inverse(const UncertainPose& a_from_b);
 
-/// a_from_c = a_from_b * b_from_c of independent errors, carried to first order (MRPT).
+/// a_from_c = a_from_b * b_from_c of independent errors, carried likewise.
 UncertainPose compose(const UncertainPose& a_from_b, const UncertainPose& b_from_c);
 
 /// Eq. 1 of Chong et al. 2008: base_from_probe = base_from_camera * camera_from_probe, from the two poses

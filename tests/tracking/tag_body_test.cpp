@@ -1,0 +1,217 @@
+#include "tracking/tag_body.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+#include <stdexcept>
+
+#include "tests/tracking/tag_scene.hpp"
+#include "tracking/pose_refinement.hpp"
+
+namespace clearway {
+namespace {
+
+using scene::tag_before_camera;
+
+constexpr double kDegree = M_PI / 180.0;
+
+struct Error {
+  double metres = 0.0, radians = 0.0;
+};
+
+Error error_of(const BodyPose& pose, const Eigen::Isometry3d& truth) {
+  const Vector6d motion = difference(truth, pose.camera_from_body.pose);
+  return {motion.head<3>().norm(), motion.tail<3>().norm()};
+}
+
+TEST(BodyPose, of_a_cube_and_a_board_in_rendered_images_is_right_to_a_millimetre_and_a_third_of_a_degree) {
+  const TagBody board = scene::board("board", 10, 2, 2, 0.05, 0.08);
+  const TagBody cube = scene::cube("cube", 30, 0.05, 0.07);
+  for (const Camera& camera : {scene::plain_camera(), scene::distorted_camera()})
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Isometry3d camera_from_board =
+          tag_before_camera(0.6, 0.3 + 0.1 * i, i, 0.4 * i, -0.12, 0.02);
+      const Eigen::Isometry3d camera_from_cube =
+          tag_before_camera(0.5, 0.5 + 0.05 * i, 2 * i, 0.3 * i, 0.11, -0.03);
+      auto tags = scene::placed(board, camera_from_board);
+      for (const auto& tag : scene::placed(cube, camera_from_cube)) tags.push_back(tag);
+      const auto found = TagDetector().detect(scene::render(camera, tags));
+      const auto board_pose = estimate_body_pose(board, found, camera);
+      const auto cube_pose = estimate_body_pose(cube, found, camera);
+      ASSERT_TRUE(board_pose && cube_pose);
+      EXPECT_EQ(board_pose->tags, (std::vector<int>{10, 11, 12, 13}));
+      EXPECT_GE(cube_pose->tags.size(), 2u);
+      for (const Error& error :
+           {error_of(*board_pose, camera_from_board), error_of(*cube_pose, camera_from_cube)}) {
+        EXPECT_LT(error.metres, 1e-3);
+        EXPECT_LT(error.radians, kDegree / 3);
+      }
+      EXPECT_LT(board_pose->rms_px, 0.25);
+      EXPECT_GT(board_pose->ambiguity_ratio, 2.0);
+      EXPECT_GT(cube_pose->separation, 36.0);
+    }
+}
+
+TEST(BodyPose, from_four_tags_is_several_times_better_than_from_one) {
+  std::mt19937 random(31);
+  const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.12);
+  TagBody single = board;
+  for (int id = 1; id < 4; ++id) single.tags.erase(id);
+  double many_turn = 0, one_turn = 0, many_shift = 0, one_shift = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Isometry3d truth = tag_before_camera(0.8, 0.6, i, i);
+    const auto seen =
+        scene::noisy_detections(scene::plain_camera(), scene::placed(board, truth), 0.3, random);
+    const auto many = estimate_body_pose(board, seen, scene::plain_camera());
+    const auto one = estimate_body_pose(single, seen, scene::plain_camera());
+    ASSERT_TRUE(many && one);
+    many_turn += std::pow(error_of(*many, truth).radians, 2),
+        one_turn += std::pow(error_of(*one, truth).radians, 2);
+    many_shift += std::pow(error_of(*many, truth).metres, 2),
+        one_shift += std::pow(error_of(*one, truth).metres, 2);
+  }
+  EXPECT_LT(std::sqrt(many_turn), std::sqrt(one_turn) / 3);
+  EXPECT_LT(std::sqrt(many_shift), std::sqrt(one_shift) / 3);
+}
+
+// Normalised estimation error squared: 6 on average when the covariance is honest.
+double mean_nees(const TagBody& body, double distance, double stated, double actual, int trials) {
+  std::mt19937 random(32);
+  BodyPoseOptions options;
+  options.pixel_noise = stated;
+  double sum = 0;
+  for (int i = 0; i < trials; ++i) {
+    const Eigen::Isometry3d truth = tag_before_camera(distance, 0.7, i, 0.7 * i);
+    const auto seen =
+        scene::noisy_detections(scene::distorted_camera(), scene::placed(body, truth), actual, random);
+    const auto pose = estimate_body_pose(body, seen, scene::distorted_camera(), options);
+    if (!pose) return -1;
+    const Vector6d error = difference(pose->camera_from_body.pose, truth);
+    sum += error.dot(pose->camera_from_body.covariance.llt().solve(error)) / trials;
+  }
+  return sum;
+}
+
+TEST(BodyPose, covariance_is_calibrated_for_boards_and_cubes) {
+  // 1,000 trials of chi-square(6): standard deviation of the mean 0.11
+  EXPECT_NEAR(mean_nees(scene::board("board", 0, 2, 2, 0.06, 0.1), 0.6, 0.3, 0.3, 1000), 6.0, 0.45);
+  EXPECT_NEAR(mean_nees(scene::board("board", 0, 2, 2, 0.06, 0.1), 0.8, 0.5, 0.5, 1000), 6.0, 0.45);
+  EXPECT_NEAR(mean_nees(scene::cube("cube", 0, 0.05, 0.07), 0.6, 0.3, 0.3, 1000), 6.0, 0.45);
+}
+
+TEST(BodyPose, covariance_grows_with_the_residuals_when_the_noise_is_worse_than_stated) {
+  const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.1);
+  const double honest = mean_nees(board, 0.6, 0.3, 0.9, 500);  // 54 without the residuals' word
+  EXPECT_LT(honest, 9.0);
+  EXPECT_LT(mean_nees(board, 0.6, 0.9, 0.3, 500), 2.0);  // a stated noise is never lowered
+}
+
+TEST(BodyPose, is_one_of_the_minima_that_random_starts_find_and_the_best_of_them) {
+  std::mt19937 random(33);
+  std::normal_distribution<double> normal;
+  const Camera camera = scene::plain_camera();
+  for (int i = 0; i < 40; ++i) {
+    const TagBody body =
+        i % 2 ? scene::board("one", 0, 1, 1, 0.06, 0.1) : scene::board("three", 0, 3, 1, 0.04, 0.06);
+    const Eigen::Isometry3d truth = tag_before_camera(0.9, 0.1 + 0.02 * i, i, i);
+    const auto seen = scene::noisy_detections(camera, scene::placed(body, truth), 0.4, random);
+    const auto pose = estimate_body_pose(body, seen, camera);
+    ASSERT_TRUE(pose);
+    std::vector<CornerMatch> corners;
+    for (const auto& d : seen)
+      for (int k = 0; k < 4; ++k) {
+        const double h = body.tags.at(d.id).size / 2;
+        const Eigen::Vector3d points[4] = {{-h, h, 0}, {h, h, 0}, {h, -h, 0}, {-h, -h, 0}};
+        corners.push_back({body.tags.at(d.id).body_from_tag * points[k], d.corners[k]});
+      }
+    const double best = pose->rms_px * pose->rms_px * static_cast<double>(corners.size());
+    for (int start = 0; start < 60; ++start) {
+      Vector6d off;
+      for (int k = 0; k < 6; ++k) off[k] = (k < 3 ? 0.02 : 0.6) * normal(random);
+      const auto other = refine_pose(camera, corners, moved(truth, off), 200);
+      if (!other || !(other->camera_from_body.linear().col(2).dot(other->camera_from_body.translation()) < 0))
+        continue;
+      EXPECT_GT(other->squared_error, best - 1e-6) << i;
+      const double turn = scene::angle(other->camera_from_body, pose->camera_from_body.pose);
+      if (turn > 0.1 && other->squared_error < best + 20.0 && pose->alternative) {
+        const double nearest = std::min(turn, scene::angle(other->camera_from_body, *pose->alternative));
+        EXPECT_LT(nearest, 0.12) << "a minimum nobody told of, " << i;
+      }
+    }
+  }
+}
+
+TEST(BodyPose, a_flat_far_tag_is_told_to_be_ambiguous_and_its_two_answers_mirror_each_other) {
+  std::mt19937 random(34);
+  const TagBody body = scene::board("one", 0, 1, 1, 0.06, 0.1);
+  int ambiguous = 0;
+  for (int i = 0; i < 200; ++i) {
+    const auto seen = scene::noisy_detections(
+        scene::plain_camera(), scene::placed(body, tag_before_camera(1.5, 0.35, i)), 0.3, random);
+    const auto pose = estimate_body_pose(body, seen, scene::plain_camera());
+    ASSERT_TRUE(pose);
+    ambiguous += pose->alternative && pose->separation < 36.0;
+  }
+  EXPECT_GT(ambiguous, 180);
+}
+
+TEST(BodyPose, uses_only_its_own_tags_and_is_empty_without_any) {
+  std::mt19937 random(35);
+  const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.1);
+  const Eigen::Isometry3d truth = tag_before_camera(0.6, 0.5);
+  auto seen = scene::noisy_detections(scene::plain_camera(), scene::placed(board, truth), 0.1, random);
+  const auto alone = estimate_body_pose(board, seen, scene::plain_camera());
+  seen.push_back({99, 0, 80.0, seen[0].corners});
+  const auto crowded = estimate_body_pose(board, seen, scene::plain_camera());
+  ASSERT_TRUE(alone && crowded);
+  EXPECT_EQ(alone->camera_from_body.pose.matrix(), crowded->camera_from_body.pose.matrix());
+  EXPECT_FALSE(estimate_body_pose(board, {}, scene::plain_camera()));
+  EXPECT_FALSE(estimate_body_pose(board, {seen.back()}, scene::plain_camera()));
+}
+
+TEST(BodyPose, a_tag_that_has_come_loose_shows_in_the_reprojection_error) {
+  std::mt19937 random(36);
+  const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.1);
+  TagBody bent = board;
+  bent.tags[3].body_from_tag.translation().x() += 0.005;
+  const auto seen = scene::noisy_detections(scene::plain_camera(),
+                                            scene::placed(bent, tag_before_camera(0.6, 0.5)), 0.1, random);
+  const auto pose = estimate_body_pose(board, seen, scene::plain_camera());
+  ASSERT_TRUE(pose);
+  EXPECT_GT(pose->rms_px, 1.0);
+}
+
+TEST(TagBody, refuses_empty_bodies_and_tags_that_cannot_be) {
+  const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.1);
+  EXPECT_NO_THROW(board.validate());
+  EXPECT_THROW((TagBody{"none", {}}.validate()), std::invalid_argument);
+  const auto refuses = [&](int id, const MountedTag& tag) {
+    TagBody spoilt = board;
+    spoilt.tags[id] = tag;
+    EXPECT_THROW(spoilt.validate(), std::invalid_argument);
+  };
+  MountedTag mirrored{0.06, Eigen::Isometry3d::Identity()}, lost = mirrored, stretched = mirrored;
+  mirrored.body_from_tag.linear()(0, 0) = -1;
+  stretched.body_from_tag.linear() *= 1.01;
+  lost.body_from_tag.translation().x() = NAN;
+  refuses(2, mirrored);
+  refuses(2, stretched);
+  refuses(2, lost);
+  refuses(2, {0.0, Eigen::Isometry3d::Identity()});
+  refuses(2, {NAN, Eigen::Isometry3d::Identity()});
+  refuses(-1, {0.06, Eigen::Isometry3d::Identity()});
+  refuses(587, {0.06, Eigen::Isometry3d::Identity()});
+}
+
+TEST(BodyPoseOptions, out_of_range_are_refused) {
+  BodyPoseOptions options;
+  options.pixel_noise = 0.0;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+  options.pixel_noise = 0.3;
+  options.distinct_angle = 0.0;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway
