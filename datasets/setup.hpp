@@ -60,9 +60,9 @@ struct AcceptanceSetup {
   std::optional<double> max_reprojection_px;
   std::optional<double> min_ambiguity;  ///< error of the second pose over that of the first
   std::optional<int> min_tags;
-  std::optional<double> max_speed;  ///< m/s of the ball
+  std::optional<double> max_speed;    ///< m/s of the ball
   std::optional<double> pixel_noise;  ///< standard deviation of a tag corner, px
-  bool fixed_camera = false;        ///< camera and base board stand still: the board's pose is averaged
+  bool fixed_camera = false;          ///< camera and base board stand still: the board's pose is averaged
 };
 
 struct RobotSetup {
