@@ -76,7 +76,8 @@ int run_check(const CheckOptions& options, Console& console) {
   } else {
     std::vector<std::pair<std::string, std::string>> rows{{"verdict", word}};
     if (!verdict.first_contact.empty()) rows.emplace_back("first contact", verdict.first_contact);
-    if (verdict.valid) rows.emplace_back("min. clearance", significant(verdict.min_clearance * 1000.0, 3) + " mm");
+    if (verdict.valid)
+      rows.emplace_back("min. clearance", significant(verdict.min_clearance * 1000.0, 3) + " mm");
     rows.emplace_back("waypoints", std::to_string(waypoints.size()));
     rows.emplace_back("checker", verdict.checker);
     print_rows(console.out(), rows);

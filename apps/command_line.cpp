@@ -43,7 +43,8 @@ std::string nearest(const std::string& word, const std::vector<std::string>& can
   return best;
 }
 
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description, Console& console) {
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      Console& console) {
   CLI::App* command = app.add_subcommand(name, description);
   command->add_flag("--quiet", console.quiet, "no log, no progress; results and warnings still appear");
   command->add_flag("--json", console.json, "print one JSON object on stdout and nothing else there");
@@ -53,60 +54,88 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const std::string& default_note) {
   command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
-      ->required()->type_name("ROBOT");
-  command.add_option("--scale", choice.scale, "size against the full-size robot" + default_note)->type_name("S");
-  command.add_option("--base", choice.base, "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + default_note)
-      ->delimiter(',')->type_name("POSE");
-  command.add_option("--policy", choice.policies,
-                     "painted, known_free or not_occupied for all parts, or PART=P for one; repeatable" + default_note)
-      ->type_name("[PART=]P")->take_all();
+      ->required()
+      ->type_name("ROBOT");
+  command.add_option("--scale", choice.scale, "size against the full-size robot" + default_note)
+      ->type_name("S");
+  command
+      .add_option("--base", choice.base,
+                  "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + default_note)
+      ->delimiter(',')
+      ->type_name("POSE");
+  command
+      .add_option(
+          "--policy", choice.policies,
+          "painted, known_free or not_occupied for all parts, or PART=P for one; repeatable" + default_note)
+      ->type_name("[PART=]P")
+      ->take_all();
   command.add_option("--padding", choice.padding, "distance that every part keeps, metres")
-      ->check(CLI::NonNegativeNumber)->type_name("M");
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("M");
 }
 
 Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
       app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
-  command->add_option("recording", options->recording, "MRPT rawlog, gzipped or plain")->required()->type_name("RECORDING");
-  command->add_option("--setup", options->setup, "tag boards, probe, robot and queries; default: the recording's own")
+  command->add_option("recording", options->recording, "MRPT rawlog, gzipped or plain")
+      ->required()
+      ->type_name("RECORDING");
+  command
+      ->add_option("--setup", options->setup,
+                   "tag boards, probe, robot and queries; default: the recording's own")
       ->type_name("SETUP.yaml");
-  command->add_option("--out", options->out, "folder for map.ot, painted.csv, report.json, report.html, plans/")
-      ->required()->type_name("DIR");
-  command->add_option("--resolution", options->resolution, "edge of a voxel, metres; default: the setup's, else 0.02")
-      ->check(CLI::PositiveNumber)->type_name("M");
+  command
+      ->add_option("--out", options->out, "folder for map.ot, painted.csv, report.json, report.html, plans/")
+      ->required()
+      ->type_name("DIR");
+  command
+      ->add_option("--resolution", options->resolution,
+                   "edge of a voxel, metres; default: the setup's, else 0.02")
+      ->check(CLI::PositiveNumber)
+      ->type_name("M");
   command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")
-      ->type_name("NAME")->take_all();
+      ->type_name("NAME")
+      ->take_all();
   command->add_flag("!--no-plan", options->plan, "stop after the map");
   command->add_option("--seed", options->seed, "of the planners")->type_name("N");
   command->add_option("--time-limit", options->time_limit, "seconds for each leg of a plan")
-      ->check(CLI::PositiveNumber)->type_name("S");
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
   return [options](Console& c) { return run_replay(*options, c); };
 }
 
 Command add_plan(CLI::App& app, Console& console) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command = add_command(app, "plan", "one query on a map, in one or several legs", console);
-  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")->type_name("MAP");
+  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
+      ->type_name("MAP");
   add_robot_flags(*command, options->robot, "");
   command->get_option("--robot")->required(false);
   command->add_option("--start", options->start, "comma-separated joint values, rad or m")->type_name("Q");
-  command->add_option("--goal", options->goals, "the same; several goals are legs of one path")->type_name("Q")->take_all();
+  command->add_option("--goal", options->goals, "the same; several goals are legs of one path")
+      ->type_name("Q")
+      ->take_all();
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
-  command->add_option("--planner", options->planner, "see `clearway planners`")->required()->type_name("NAME");
-  command->add_option("--set", options->settings, "planner option; repeatable")->type_name("KEY=VALUE")->take_all();
-  command->add_flag("--print-options", options->print_options, "show the planner's options in force and stop");
+  command->add_option("--planner", options->planner, "see `clearway planners`")
+      ->required()
+      ->type_name("NAME");
+  command->add_option("--set", options->settings, "planner option; repeatable")
+      ->type_name("KEY=VALUE")
+      ->take_all();
+  command->add_flag("--print-options", options->print_options,
+                    "show the planner's options in force and stop");
   command->add_option("--seed", options->seed, "of the planner")->type_name("N");
   command->add_option("--time-limit", options->time_limit, "seconds for each leg")
-      ->check(CLI::PositiveNumber)->type_name("S");
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
   command->add_option("--out", options->out, "write the plan as JSON")->type_name("FILE");
   command->add_option("--csv", options->csv, "write the waypoints as CSV")->type_name("FILE");
   return [options](Console& c) {
     if (!options->print_options) {
-      for (const auto& [missing, flag] : {std::pair{options->map.empty(), "--map"},
-                                          std::pair{options->robot.robot.empty(), "--robot"},
-                                          std::pair{options->start.empty(), "--start"},
-                                          std::pair{options->goals.empty(), "--goal"}}) {
+      for (const auto& [missing, flag] :
+           {std::pair{options->map.empty(), "--map"}, std::pair{options->robot.robot.empty(), "--robot"},
+            std::pair{options->start.empty(), "--start"}, std::pair{options->goals.empty(), "--goal"}}) {
         if (missing) throw std::invalid_argument(std::string(flag) + " is required");
       }
     }
@@ -119,7 +148,9 @@ Command add_check(CLI::App& app, Console& console) {
   CLI::App* command = add_command(
       app, "check", "independent continuous check of a plan (KDL kinematics, FCL geometry)", console);
   command->add_option("plan", options->plan, "plan.json")->required()->type_name("PLAN.json");
-  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")->required()->type_name("MAP");
+  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
+      ->required()
+      ->type_name("MAP");
   add_robot_flags(*command, options->robot, " (default: the plan's)");
   return [options](Console& c) { return run_check(*options, c); };
 }
@@ -128,13 +159,23 @@ Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
   auto slices = std::make_shared<std::vector<std::string>>();
   CLI::App* command = add_command(app, "inspect", "look at any map", console);
-  command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")->required()->type_name("MAP");
-  command->add_option("--at", options->at, "what is known of one point, metres; repeatable")->type_name("X,Y,Z")->take_all();
+  command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
+      ->required()
+      ->type_name("MAP");
+  command->add_option("--at", options->at, "what is known of one point, metres; repeatable")
+      ->type_name("X,Y,Z")
+      ->take_all();
   command->add_option("--slice", *slices, "draw a plane of the map as PNG: z=0.3 slice.png")
-      ->type_name("z=M FILE.png")->expected(2)->take_all();
-  command->add_option("--export", options->exports, "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
-      ->type_name("FILE")->take_all();
-  command->add_option("--view", options->view, "write a page that shows the map in 3D")->type_name("FILE.html");
+      ->type_name("z=M FILE.png")
+      ->expected(2)
+      ->take_all();
+  command
+      ->add_option("--export", options->exports,
+                   "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
+      ->type_name("FILE")
+      ->take_all();
+  command->add_option("--view", options->view, "write a page that shows the map in 3D")
+      ->type_name("FILE.html");
   return [options, slices](Console& c) {
     for (std::size_t i = 0; i + 1 < slices->size(); i += 2) {
       options->slices.emplace_back((*slices)[i], (*slices)[i + 1]);
@@ -145,16 +186,18 @@ Command add_inspect(CLI::App& app, Console& console) {
 
 Command add_simulate(CLI::App& app, Console& console) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command = add_command(app, "simulate", "render a scene file as a recording with exact truth", console);
+  CLI::App* command =
+      add_command(app, "simulate", "render a scene file as a recording with exact truth", console);
   command->add_option("scene", options->scene, "scene file")->required()->type_name("SCENE.yaml");
   command->add_option("--out", options->out, "recording to write (.rawlog); truth.json appears beside it")
-      ->required()->type_name("RECORDING");
+      ->required()
+      ->type_name("RECORDING");
   return [options](Console& c) { return run_simulate(*options, c); };
 }
 
 /// CLI11's errors as one sentence of ours.
-int tell_usage_error(const CLI::App& app, const std::vector<std::string>& arguments, const CLI::ParseError& error,
-                     Console& console) {
+int tell_usage_error(const CLI::App& app, const std::vector<std::string>& arguments,
+                     const CLI::ParseError& error, Console& console) {
   std::string sentence = error.what();
   std::replace(sentence.begin(), sentence.end(), '\n', ' ');
   std::vector<std::string> names;
@@ -178,8 +221,9 @@ int tell_usage_error(const CLI::App& app, const std::vector<std::string>& argume
       const std::string flag = argument.substr(0, argument.find('='));
       if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
       const std::string guess = nearest(flag, flags);
-      sentence = arguments[0] + ": unknown flag '" + flag + "'" +
-                 (guess.empty() ? " (see clearway " + arguments[0] + " --help)" : "; did you mean '" + guess + "'?");
+      sentence =
+          arguments[0] + ": unknown flag '" + flag + "'" +
+          (guess.empty() ? " (see clearway " + arguments[0] + " --help)" : "; did you mean '" + guess + "'?");
       break;
     }
   }
@@ -205,7 +249,8 @@ int run_guarded(const Command& command, Console& console) {
 }  // namespace
 
 int run_command_line(const std::vector<std::string>& arguments, Console& console) {
-  CLI::App app("Paint free space, fuse it with what sensors see, and plan a robot arm inside it.", "clearway");
+  CLI::App app("Paint free space, fuse it with what sensors see, and plan a robot arm inside it.",
+               "clearway");
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("clearway ") + CLEARWAY_VERSION);
   app.get_formatter()->column_width(16);
@@ -218,8 +263,9 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   add_command(app, "planners", "list the planners", console);
   commands.emplace_back("robots", run_robots);
   commands.emplace_back("planners", run_planners);
-  app.footer("Each command explains its flags: clearway COMMAND --help\n"
-             "Exit status: 0 done, 1 the answer is no, 2 usage or bad input, 3 damaged input.");
+  app.footer(
+      "Each command explains its flags: clearway COMMAND --help\n"
+      "Exit status: 0 done, 1 the answer is no, 2 usage or bad input, 3 damaged input.");
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
     app.parse(reversed);

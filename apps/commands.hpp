@@ -19,22 +19,22 @@ namespace clearway {
 
 /// Flags that `plan` and `check` share about the robot and what it must keep.
 struct RobotChoice {
-  std::string robot;                              ///< name in datasets/robots, .yaml or .urdf
-  std::optional<double> scale;                    ///< replaces the robot's own
-  std::vector<double> base;                       ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
-  std::vector<std::string> policies;              ///< "P" (all parts) or "PART=P"
-  double padding = 0.0;                           ///< metres
+  std::string robot;                  ///< name in datasets/robots, .yaml or .urdf
+  std::optional<double> scale;        ///< replaces the robot's own
+  std::vector<double> base;           ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
+  std::vector<std::string> policies;  ///< "P" (all parts) or "PART=P"
+  double padding = 0.0;               ///< metres
 };
 
 struct ReplayOptions {
   std::filesystem::path recording;
-  std::filesystem::path setup;                    ///< empty: the one embedded in the recording, if any
-  std::filesystem::path out;                      ///< folder, created
-  double resolution = 0.0;                        ///< metres; 0: the setup's, else 0.02
-  std::vector<std::string> planners;              ///< replaces the queries' own lists
+  std::filesystem::path setup;        ///< empty: the one embedded in the recording, if any
+  std::filesystem::path out;          ///< folder, created
+  double resolution = 0.0;            ///< metres; 0: the setup's, else 0.02
+  std::vector<std::string> planners;  ///< replaces the queries' own lists
   bool plan = true;
   std::uint64_t seed = 1;
-  double time_limit = 60.0;                       ///< seconds for each leg
+  double time_limit = 60.0;  ///< seconds for each leg
 };
 int run_replay(const ReplayOptions& options, Console& console);
 
@@ -45,10 +45,10 @@ struct PlanOptions {
   std::vector<std::string> goals;
   bool degrees = false;
   std::string planner;
-  std::vector<std::string> settings;              ///< "key=value", planner options
+  std::vector<std::string> settings;  ///< "key=value", planner options
   std::uint64_t seed = 1;
   double time_limit = 60.0;
-  std::filesystem::path out;                      ///< plan.json; empty: none
+  std::filesystem::path out;  ///< plan.json; empty: none
   std::filesystem::path csv;
   bool print_options = false;
 };
@@ -56,23 +56,23 @@ int run_plan(const PlanOptions& options, Console& console);
 
 struct CheckOptions {
   std::filesystem::path map;
-  RobotChoice robot;                              ///< base, scale, policies and padding default to the plan's
+  RobotChoice robot;  ///< base, scale, policies and padding default to the plan's
   std::filesystem::path plan;
 };
 int run_check(const CheckOptions& options, Console& console);
 
 struct InspectOptions {
   std::filesystem::path map;
-  std::vector<std::string> at;                               ///< "X,Y,Z"
-  std::vector<std::pair<std::string, std::string>> slices;   ///< ("z=0.3", "FILE.png")
+  std::vector<std::string> at;                              ///< "X,Y,Z"
+  std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
   std::vector<std::filesystem::path> exports;
-  std::filesystem::path view;                                ///< HTML
+  std::filesystem::path view;  ///< HTML
 };
 int run_inspect(const InspectOptions& options, Console& console);
 
 struct SimulateOptions {
   std::filesystem::path scene;
-  std::filesystem::path out;                      ///< recording to write
+  std::filesystem::path out;  ///< recording to write
 };
 int run_simulate(const SimulateOptions& options, Console& console);
 

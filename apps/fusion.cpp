@@ -51,8 +51,9 @@ const BoardSetup* fixed_board(const Setup& setup) {
   const auto found = std::find_if(setup.boards.begin(), setup.boards.end(),
                                   [](const BoardSetup& board) { return board.map_from_board.has_value(); });
   if (found == setup.boards.end()) {
-    throw std::invalid_argument("setup: a probe needs a fixed board to be measured against: expected one of `boards` "
-                                "to have `map_from_board`");
+    throw std::invalid_argument(
+        "setup: a probe needs a fixed board to be measured against: expected one of `boards` "
+        "to have `map_from_board`");
   }
   return &*found;
 }
@@ -60,7 +61,8 @@ const BoardSetup* fixed_board(const Setup& setup) {
 /// Image -> painted ball: a tracking session, made when the first image tells the camera.
 class Painter {
  public:
-  Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts) : setup_(setup), map_(map), counts_(counts) {
+  Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts)
+      : setup_(setup), map_(map), counts_(counts) {
     const ProbeSetup& probe = *setup.probe;
     base_ = fixed_board(setup);
     probe_board_ = setup.board(probe.board);
@@ -106,7 +108,8 @@ class Painter {
     if (acceptance.max_reprojection_px) options.acceptance.max_rms_px = *acceptance.max_reprojection_px;
     if (acceptance.min_ambiguity) options.acceptance.min_ambiguity_ratio = *acceptance.min_ambiguity;
     if (acceptance.max_speed) options.acceptance.max_speed = *acceptance.max_speed;
-    if (acceptance.min_tags) options.acceptance.min_base_tags = options.acceptance.min_probe_tags = *acceptance.min_tags;
+    if (acceptance.min_tags)
+      options.acceptance.min_base_tags = options.acceptance.min_probe_tags = *acceptance.min_tags;
     if (acceptance.pixel_noise) options.pose.pixel_noise = *acceptance.pixel_noise;
     options.acceptance.fixed_camera = acceptance.fixed_camera;
     session_.emplace(tracking, options);
@@ -163,9 +166,11 @@ void insert_scan(const Frame& frame, const CloudFrame& cloud, const Setup& setup
 /// A recording that was to paint and shows no tag is a mistake of the user, told before anything is written.
 void require_tags(const Fusion& fusion, const std::filesystem::path& recording) {
   if (!fusion.setup.probe || fusion.counts.images_with_tags > 0) return;
-  const std::string images =
-      fusion.counts.images == 0 ? "no camera image" : "no tag in its " + grouped(fusion.counts.images) + " images";
-  throw std::invalid_argument(recording.string() + ": there is " + images + ", but the setup (" + fusion.setup_source +
+  const std::string images = fusion.counts.images == 0
+                                 ? "no camera image"
+                                 : "no tag in its " + grouped(fusion.counts.images) + " images";
+  throw std::invalid_argument(recording.string() + ": there is " + images + ", but the setup (" +
+                              fusion.setup_source +
                               ") has a probe to paint with: expected tag36h11 tags of boards '" +
                               fixed_board(fusion.setup)->name + "' and '" + fusion.setup.probe->board + "'");
 }
@@ -180,14 +185,15 @@ void warn_of_leftovers(Fusion& fusion) {
     fusion.warnings.push_back("nothing was painted: no sample was accepted (" + reasons + ")");
   }
   if (counts.scans_refused > 0) {
-    fusion.warnings.push_back(std::to_string(counts.scans_refused) + " scans start outside the map's range and were left out");
+    fusion.warnings.push_back(std::to_string(counts.scans_refused) +
+                              " scans start outside the map's range and were left out");
   }
 }
 
 }  // namespace
 
-Fusion fuse(const std::filesystem::path& recording, const std::filesystem::path& setup_file, double resolution,
-            const std::function<void(double)>& progress) {
+Fusion fuse(const std::filesystem::path& recording, const std::filesystem::path& setup_file,
+            double resolution, const std::function<void(double)>& progress) {
   RecordingReader reader(recording);
   Fusion fusion;
   fusion.setup_source = "none";

@@ -60,7 +60,8 @@ Json describe_point(const Snapshot& map, const Eigen::Vector3d& point) {
     if (volume.contains(point)) json["inside_exact_balls"].push_back(volume.label);
   }
   const double reach = 40.0 * map.resolution();
-  const Eigen::AlignedBox3d region(point - Eigen::Vector3d::Constant(reach), point + Eigen::Vector3d::Constant(reach));
+  const Eigen::AlignedBox3d region(point - Eigen::Vector3d::Constant(reach),
+                                   point + Eigen::Vector3d::Constant(reach));
   for (const Policy policy : {Policy::not_occupied, Policy::known_free, Policy::painted}) {
     json["clearance_m"][std::string(to_string(policy))] =
         map.blocked_space({policy, 0xffff}, region, reach)->clearance(point);
@@ -88,10 +89,12 @@ void print_map(const Json& json, const Snapshot& map, std::ostream& out) {
                         significant(box.min()[axis]) + " to " + significant(box.max()[axis]) + " m");
     }
   }
-  for (const auto& [state, count] : json["voxels"].items()) rows.emplace_back(state, grouped(count.get<std::size_t>()));
+  for (const auto& [state, count] : json["voxels"].items())
+    rows.emplace_back(state, grouped(count.get<std::size_t>()));
   for (const auto& volume : json["volumes"]) {
-    rows.emplace_back("volume " + volume["label"].get<std::string>(),
-                      grouped(volume["balls"].get<std::size_t>()) + " balls, parts: " + join(volume["critical_parts"]));
+    rows.emplace_back(
+        "volume " + volume["label"].get<std::string>(),
+        grouped(volume["balls"].get<std::size_t>()) + " balls, parts: " + join(volume["critical_parts"]));
   }
   print_rows(out, rows);
 }
@@ -103,8 +106,8 @@ void print_point(const Json& json, std::ostream& out) {
                  significant(p[2].get<double>(), 6)},
       {"state", json["state"].get<std::string>()}};
   if (json["observed"].get<bool>()) {
-    rows.emplace_back("sensors", "probability " + significant(json["probability"].get<double>(), 3) + " (log-odds " +
-                                     significant(json["log_odds"].get<double>(), 3) + ")");
+    rows.emplace_back("sensors", "probability " + significant(json["probability"].get<double>(), 3) +
+                                     " (log-odds " + significant(json["log_odds"].get<double>(), 3) + ")");
   } else {
     rows.emplace_back("sensors", "never observed");
   }
@@ -125,7 +128,8 @@ int run_inspect(const InspectOptions& options, Console& console) {
   std::vector<Eigen::Vector3d> points;
   for (const std::string& text : options.at) {
     const auto numbers = parse_numbers(text, "--at");
-    if (numbers.size() != 3) throw std::invalid_argument("--at: expected X,Y,Z in metres, got '" + text + "'");
+    if (numbers.size() != 3)
+      throw std::invalid_argument("--at: expected X,Y,Z in metres, got '" + text + "'");
     points.emplace_back(numbers[0], numbers[1], numbers[2]);
   }
   const Snapshot map = load_map(options.map);

@@ -117,7 +117,8 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   }
   shown_plan.figures = plan_figures(plan);
   shown_plan.joints = plan.joints;
-  for (const Joint& joint : robot.joints) shown_plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
+  for (const Joint& joint : robot.joints)
+    shown_plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
 
   std::vector<Configuration> path = plan.waypoints();
   if (plan.status() != PlanStatus::solved && !plan.legs.empty()) {

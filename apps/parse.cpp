@@ -21,7 +21,8 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& wh
     double value = 0.0;
     const auto [stop, error] = std::from_chars(first, item.data() + item.size(), value);
     if (item.empty() || error != std::errc() || stop != item.data() + item.size() || !std::isfinite(value)) {
-      throw std::invalid_argument(what + ": '" + item + "' is not a finite number (expected comma-separated numbers)");
+      throw std::invalid_argument(what + ": '" + item +
+                                  "' is not a finite number (expected comma-separated numbers)");
     }
     numbers.push_back(value);
     begin = end + 1;
@@ -72,7 +73,8 @@ std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose) {
 
 std::string grouped(std::size_t number) {
   std::string digits = std::to_string(number);
-  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(static_cast<std::size_t>(i), ",");
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), ",");
   return digits;
 }
 

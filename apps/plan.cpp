@@ -40,7 +40,8 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Robot robot = choose_robot(options.robot);
   const auto names = joint_names(robot);
   const auto prismatic = prismatic_joints(robot);
-  const Configuration start = parse_configuration(options.start, "--start", names, prismatic, options.degrees);
+  const Configuration start =
+      parse_configuration(options.start, "--start", names, prismatic, options.degrees);
   std::vector<Configuration> goals;
   for (const std::string& goal : options.goals) {
     goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));

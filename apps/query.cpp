@@ -38,7 +38,8 @@ Policies choose_policies(const std::vector<std::string>& texts, const Robot& rob
     if (!parts.count(part)) {
       std::string names;
       for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
-      throw std::invalid_argument("--policy: robot '" + robot.name + "' has no part '" + part + "' (it has " + names + ")");
+      throw std::invalid_argument("--policy: robot '" + robot.name + "' has no part '" + part + "' (it has " +
+                                  names + ")");
     }
     policies.parts[part] = parse_policy(text.substr(equals + 1));
   }
@@ -61,7 +62,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 Plan empty_plan(const Query& query) {
   const Robot& robot = query.space.robot();
@@ -92,17 +95,15 @@ Plan solve(const Query& query) {
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {
     const auto leg_begin = Clock::now();
-    plan.legs.push_back(planner->plan({query.space, cost, from, goal, query.seed, [&] {
-                                         return seconds_since(leg_begin) > query.time_limit;
-                                       }}));
+    plan.legs.push_back(planner->plan({query.space, cost, from, goal, query.seed,
+                                       [&] { return seconds_since(leg_begin) > query.time_limit; }}));
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();
   }
   plan.time_s = seconds_since(begin);
   const std::vector<Configuration> path = plan.waypoints();
   if (!path.empty()) {
-    plan.validation =
-        check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path);
+    plan.validation = check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path);
   }
   return plan;
 }

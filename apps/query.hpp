@@ -37,8 +37,8 @@ struct Query {
   double time_limit = 60.0;  ///< seconds for each leg
 };
 
-/// Plans leg after leg, each from where the one before really ended, then has the independent check look at the
-/// whole path. The first leg that fails ends the plan; the check then covers the legs before it.
+/// Plans leg after leg, each from where the one before really ended, then has the independent check look at
+/// the whole path. The first leg that fails ends the plan; the check then covers the legs before it.
 Plan solve(const Query& query);
 
 /// The rows of the table that `plan` and `replay` print for a plan: name and text.

@@ -18,7 +18,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 /// Refuses early what would be lost late: an output folder that cannot be written.
 void prepare_output(const std::filesystem::path& out) {
@@ -42,11 +44,13 @@ Configuration configuration(const std::vector<double>& values) {
 
 std::vector<std::string> policy_texts(const QuerySetup& query) {
   std::vector<std::string> texts;
-  for (const auto& [part, policy] : query.policies) texts.push_back(part == "default" ? policy : part + "=" + policy);
+  for (const auto& [part, policy] : query.policies)
+    texts.push_back(part == "default" ? policy : part + "=" + policy);
   return texts;
 }
 
-void require_size(const std::vector<double>& q, const Robot& robot, const QuerySetup& query, const char* field) {
+void require_size(const std::vector<double>& q, const Robot& robot, const QuerySetup& query,
+                  const char* field) {
   if (q.size() == robot.dof()) return;
   throw std::invalid_argument("setup, query '" + query.name + "', field '" + field + "': got " +
                               std::to_string(q.size()) + " values, expected " + std::to_string(robot.dof()) +
@@ -57,20 +61,25 @@ void require_size(const std::vector<double>& q, const Robot& robot, const QueryS
 class QueryRunner {
  public:
   QueryRunner(const ReplayOptions& options, const Fusion& fusion, const Snapshot& map)
-      : options_(options), setup_(fusion.setup), map_(map), robot_(choose_robot(robot_choice(*setup_.robot))) {
+      : options_(options),
+        setup_(fusion.setup),
+        map_(map),
+        robot_(choose_robot(robot_choice(*setup_.robot))) {
     robot_.map_from_base = setup_.robot->map_from_base;
     digest_ = map_sha256(options.out);
     for (const QuerySetup& query : setup_.queries) {
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
-      for (const std::string& planner : planners(query)) make_planner(planner, planner_options(query, planner));
+      for (const std::string& planner : planners(query))
+        make_planner(planner, planner_options(query, planner));
     }
   }
 
   std::vector<ReplayPlan> run(Console& console) {
     std::vector<ReplayPlan> plans;
     for (const QuerySetup& query : setup_.queries) {
-      spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_, choose_policies(policy_texts(query), robot_),
+      spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_,
+                                                             choose_policies(policy_texts(query), robot_),
                                                              SpaceOptions{.padding = query.padding}));
       const Configuration start = configuration(query.start);
       std::vector<Configuration> goals;
@@ -79,7 +88,8 @@ class QueryRunner {
         console.log("planning '" + query.name + "' with " + planner);
         Plan plan = solve({*spaces_.back(), setup_.robot->name, "map.ot", digest_, start, goals, planner,
                            planner_options(query, planner), options_.seed, options_.time_limit});
-        const std::filesystem::path file = std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
+        const std::filesystem::path file =
+            std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
         save_file(options_.out / file, to_json(plan));
         plans.push_back({query.name, std::move(plan), start, file, spaces_.back().get()});
       }
@@ -114,7 +124,8 @@ class QueryRunner {
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
 };
 
-void print_report(const ReplayOptions& options, const ReplayReport& report, const std::string& json, Console& console) {
+void print_report(const ReplayOptions& options, const ReplayReport& report, const std::string& json,
+                  Console& console) {
   for (const std::string& warning : report.fusion->warnings) console.warn("warning: " + warning);
   if (report.fusion->damage) console.warn("clearway: " + *report.fusion->damage);
   if (console.json) {

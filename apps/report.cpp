@@ -71,7 +71,9 @@ Json plan_json(const ReplayPlan& entry) {
           {"search_steps", steps(plan)},
           {"cost_joules", joules(plan)},
           {"time_s", plan.time_s},
-          {"verdict", plan.waypoints().empty() ? "none" : plan.validation.valid ? "valid" : "refused"},
+          {"verdict", plan.waypoints().empty() ? "none"
+                      : plan.validation.valid  ? "valid"
+                                               : "refused"},
           {"min_clearance_m", plan.validation.min_clearance}};
 }
 
@@ -118,19 +120,19 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
   const VoxelCounts voxels = report.map.counts();
   std::vector<std::pair<std::string, std::string>> rows;
   rows.emplace_back("frames", grouped(counts.frames) + " (" + grouped(counts.images) + " images, " +
-                                  grouped(counts.scans) + " scans, " + grouped(counts.odometry) + " odometry), " +
-                                  significant(counts.duration, 3) + " s");
+                                  grouped(counts.scans) + " scans, " + grouped(counts.odometry) +
+                                  " odometry), " + significant(counts.duration, 3) + " s");
   if (report.fusion->setup.probe) {
     std::string refused;
     for (const auto& [reason, count] : counts.samples) {
       if (reason != "accepted" && count > 0) refused += ", " + reason + " " + std::to_string(count);
     }
-    rows.emplace_back("balls painted", grouped(counts.balls) + " of r0 = " +
-                                           significant(counts.painted_radius * 1000.0, 3) + " mm" +
-                                           (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
-    rows.emplace_back("centre error", "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) +
-                                          " mm, budget " +
-                                          significant(report.fusion->setup.probe->tracking_error * 1000.0, 2) + " mm");
+    rows.emplace_back("balls painted",
+                      grouped(counts.balls) + " of r0 = " + significant(counts.painted_radius * 1000.0, 3) +
+                          " mm" + (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
+    rows.emplace_back("centre error",
+                      "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) + " mm, budget " +
+                          significant(report.fusion->setup.probe->tracking_error * 1000.0, 2) + " mm");
   }
   rows.emplace_back("points", grouped(counts.points.inserted) + " inserted, " +
                                   grouped(counts.points.beyond_range) + " beyond range, " +
@@ -153,14 +155,17 @@ std::vector<std::vector<std::string>> plan_table(const ReplayReport& report) {
                     path ? grouped(static_cast<std::size_t>(steps(plan))) : "-",
                     path ? significant(joules(plan), 4) : "-", significant(plan.time_s, 3),
                     path ? significant(plan.validation.min_clearance * 1000.0, 3) : "-",
-                    !path ? "-" : plan.validation.valid ? "valid" : "REFUSED"});
+                    !path                   ? "-"
+                    : plan.validation.valid ? "valid"
+                                            : "REFUSED"});
   }
   return rows;
 }
 
 std::string report_html(const ReplayReport& report, const std::string& json) {
   const Setup& setup = report.fusion->setup;
-  ReportPage page = page_of_map(report.map, setup.title.empty() ? report.recording.filename().string() : setup.title);
+  ReportPage page =
+      page_of_map(report.map, setup.title.empty() ? report.recording.filename().string() : setup.title);
   page.subtitle = report.recording.filename().string();
   page.figures = report_figures(report);
   page.warnings = report.fusion->warnings;
@@ -177,7 +182,8 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
     page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});
   }
   PageTable timings{"time per stage", {"stage", "s"}, {}};
-  for (const auto& [stage, seconds] : report.timings) timings.rows.push_back({stage, significant(seconds, 3)});
+  for (const auto& [stage, seconds] : report.timings)
+    timings.rows.push_back({stage, significant(seconds, 3)});
   page.tables.push_back(timings);
   page.json = json;
   return render_report_page(page);

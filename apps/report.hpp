@@ -17,7 +17,7 @@ struct ReplayPlan {
   std::string query;
   Plan plan;
   Configuration start;
-  std::filesystem::path file;          ///< plans/*.json, relative to the output folder
+  std::filesystem::path file;  ///< plans/*.json, relative to the output folder
   const ConfigurationSpace* space = nullptr;
 };
 
@@ -27,7 +27,7 @@ struct ReplayReport {
   const Fusion* fusion = nullptr;
   Snapshot map;
   std::vector<ReplayPlan> plans;
-  std::string planning_problem;        ///< why queries could not be asked at all; empty when they could
+  std::string planning_problem;  ///< why queries could not be asked at all; empty when they could
   std::vector<std::pair<std::string, double>> timings;  ///< stage, seconds
 };
 

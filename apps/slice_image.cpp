@@ -21,11 +21,16 @@ constexpr int margin_left = 70, margin_top = 34, margin_bottom = 46, margin_righ
 
 cv::Scalar colour(VoxelState state) {  // RGB
   switch (state) {
-    case VoxelState::painted: return {64, 176, 166};
-    case VoxelState::occupied: return {74, 68, 64};
-    case VoxelState::conflict: return {214, 48, 49};
-    case VoxelState::seen_free: return {222, 235, 247};
-    case VoxelState::unknown: return {255, 255, 255};
+    case VoxelState::painted:
+      return {64, 176, 166};
+    case VoxelState::occupied:
+      return {74, 68, 64};
+    case VoxelState::conflict:
+      return {214, 48, 49};
+    case VoxelState::seen_free:
+      return {222, 235, 247};
+    case VoxelState::unknown:
+      return {255, 255, 255};
   }
   return {255, 255, 255};
 }
@@ -63,7 +68,9 @@ struct Canvas {
   int right, up, columns, rows;
   double low_right, low_up, resolution, pixels;
 
-  int x(double metres) const { return margin_left + static_cast<int>(std::lround((metres - low_right) / resolution * pixels)); }
+  int x(double metres) const {
+    return margin_left + static_cast<int>(std::lround((metres - low_right) / resolution * pixels));
+  }
   int y(double metres) const {
     return margin_top + height() - static_cast<int>(std::lround((metres - low_up) / resolution * pixels));
   }
@@ -107,9 +114,11 @@ void draw_axes(cv::Mat& image, const Canvas& canvas) {
   };
   draw(canvas.low_right, canvas.columns * canvas.resolution, true);
   draw(canvas.low_up, canvas.rows * canvas.resolution, false);
-  put_text(image, std::string(1, names[canvas.right]) + " [m]", {margin_left + canvas.width() / 2 - 12, image.rows - 8});
+  put_text(image, std::string(1, names[canvas.right]) + " [m]",
+           {margin_left + canvas.width() / 2 - 12, image.rows - 8});
   put_text(image, std::string(1, names[canvas.up]) + " [m]", {8, margin_top - 10});
-  cv::rectangle(image, {margin_left - 1, margin_top - 1}, {margin_left + canvas.width(), margin_top + canvas.height()}, ink);
+  cv::rectangle(image, {margin_left - 1, margin_top - 1},
+                {margin_left + canvas.width(), margin_top + canvas.height()}, ink);
 }
 
 void draw_legend(cv::Mat& image, const Canvas& canvas, const std::array<std::size_t, 5>& counts) {
@@ -129,10 +138,12 @@ void draw_legend(cv::Mat& image, const Canvas& canvas, const std::array<std::siz
 
 SlicePlane parse_slice(const std::string& text) {
   if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') {
-    throw std::invalid_argument("--slice: expected x=, y= or z= and metres, such as z=0.3, got '" + text + "'");
+    throw std::invalid_argument("--slice: expected x=, y= or z= and metres, such as z=0.3, got '" + text +
+                                "'");
   }
   const auto numbers = parse_numbers(text.substr(2), "--slice " + text.substr(0, 1));
-  if (numbers.size() != 1) throw std::invalid_argument("--slice: expected one number after '" + text.substr(0, 2) + "'");
+  if (numbers.size() != 1)
+    throw std::invalid_argument("--slice: expected one number after '" + text.substr(0, 2) + "'");
   return {text[0] - 'x', numbers[0]};
 }
 
@@ -145,8 +156,8 @@ void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::
                                 significant(bounds.max()[plane.axis]) + " m on that axis");
   }
   const Canvas canvas = make_canvas(map, plane, bounds);
-  cv::Mat image(canvas.height() + margin_top + margin_bottom, canvas.width() + margin_left + margin_right, CV_8UC3,
-                cv::Scalar(250, 250, 250));
+  cv::Mat image(canvas.height() + margin_top + margin_bottom, canvas.width() + margin_left + margin_right,
+                CV_8UC3, cv::Scalar(250, 250, 250));
   std::array<std::size_t, 5> counts{};
   for (int row = 0; row < canvas.rows; ++row) {
     for (int column = 0; column < canvas.columns; ++column) {
@@ -156,8 +167,9 @@ void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::
       point[canvas.up] = canvas.low_up + (row + 0.5) * canvas.resolution;
       const VoxelState state = map.state(point);
       ++counts[static_cast<std::size_t>(std::find(states.begin(), states.end(), state) - states.begin())];
-      const cv::Point low(margin_left + static_cast<int>(column * canvas.pixels),
-                          margin_top + canvas.height() - static_cast<int>(std::ceil((row + 1) * canvas.pixels)));
+      const cv::Point low(
+          margin_left + static_cast<int>(column * canvas.pixels),
+          margin_top + canvas.height() - static_cast<int>(std::ceil((row + 1) * canvas.pixels)));
       const int side = std::max(1, static_cast<int>(std::ceil(canvas.pixels)));
       cv::rectangle(image, cv::Rect(low, cv::Size(side, side)), colour(state), cv::FILLED);
     }

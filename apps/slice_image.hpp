@@ -16,8 +16,8 @@ struct SlicePlane {
 /// Parses "z=0.3". @throws std::invalid_argument with the expected form.
 SlicePlane parse_slice(const std::string& text);
 
-/// Draws the voxel states in the plane as a PNG: one square per voxel, axes in metres, a legend with the states'
-/// colours and voxel counts in the plane.
+/// Draws the voxel states in the plane as a PNG: one square per voxel, axes in metres, a legend with the
+/// states' colours and voxel counts in the plane.
 /// @throws std::invalid_argument when the map is empty or the plane misses it (naming its range);
 ///         std::runtime_error when the file cannot be written.
 void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file);

@@ -1,0 +1,236 @@
+// The command line as a user meets it: what each command prints, how it ends, and what it says of bad input.
+#include "apps/command_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "mapping/free_space_map.hpp"
+#include "mapping/map_file.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A room for the point robot: a scan that sees walls around [-2, 2] x [-2, 2] in the plane z = 0, 5 cm
+/// voxels, and a post at (0.5, 0).
+void save_room(const std::filesystem::path& folder) {
+  MapOptions options;
+  options.resolution = 0.05;
+  FreeSpaceMap map(options);
+  Scan walls;
+  walls.map_from_sensor.translation() = Eigen::Vector3d(-1.0, -1.0, 0.025);
+  const Eigen::Vector3f origin = walls.map_from_sensor.translation().cast<float>();
+  for (float t = -2.0f; t <= 2.0f; t += 0.01f) {
+    for (const Eigen::Vector3f& p : {Eigen::Vector3f(t, -2.0f, 0.025f), Eigen::Vector3f(t, 2.0f, 0.025f),
+                                     Eigen::Vector3f(-2.0f, t, 0.025f), Eigen::Vector3f(2.0f, t, 0.025f)}) {
+      walls.points.push_back(p - origin);
+    }
+  }
+  map.insert(walls);
+  Scan post;
+  post.map_from_sensor.translation() = Eigen::Vector3d(0.0, 0.0, 0.025);
+  for (int i = 0; i < 5; ++i) post.points.emplace_back(0.525f, -0.1f + 0.05f * static_cast<float>(i), 0.0f);
+  map.insert(post);
+  save_map(map.snapshot(), folder);
+}
+
+class CommandLine : public ::testing::Test {
+ protected:
+  void SetUp() override { save_room(folder_.path() / "map"); }
+
+  CommandRun plan(const std::string& start, const std::string& goal, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"plan",          "--map",    map_,           "--robot",
+                                       "point",         "--policy", "not_occupied", "--start=" + start,
+                                       "--goal=" + goal};
+    if (std::find(more.begin(), more.end(), "--planner") == more.end()) {
+      arguments.insert(arguments.end(), {"--planner", "boundary"});
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+
+  void expect_refused(const CommandRun& run, int status, const std::vector<std::string>& words) {
+    EXPECT_EQ(run.status, status) << run.log;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.out.empty()) << run.out;
+    for (const std::string& word : words)
+      EXPECT_NE(run.log.find(word), std::string::npos) << word << " in " << run.log;
+  }
+
+  TemporaryFolder folder_;
+  std::string map_ = folder_.file("map");
+};
+
+TEST_F(CommandLine, help_documents_every_flag_and_ends_well) {
+  EXPECT_EQ(run_command({"--help"}).status, exit_done);
+  for (const char* command : {"replay", "plan", "check", "inspect", "simulate", "robots", "planners"}) {
+    const CommandRun run = run_command({command, "--help"});
+    EXPECT_EQ(run.status, exit_done);
+    EXPECT_NE(run.out.find("--json"), std::string::npos) << command;
+  }
+}
+
+TEST_F(CommandLine, a_misspelt_command_or_flag_is_answered_with_the_nearest_one) {
+  expect_refused(run_command({"inspcet", map_}), exit_bad_input, {"inspcet", "did you mean 'inspect'"});
+  expect_refused(run_command({"inspect", map_, "--slcie", "z=0"}), exit_bad_input, {"--slcie", "--slice"});
+  EXPECT_EQ(run_command({}).status, exit_bad_input);
+}
+
+TEST_F(CommandLine, lists_are_json_when_asked) {
+  const Json robots = Json::parse(run_command({"robots", "--json"}).out);
+  std::set<std::string> names;
+  for (const auto& robot : robots["robots"]) names.insert(robot["name"]);
+  for (const char* name : {"puma560", "puma560_miniature", "arm5", "planar2", "point"})
+    EXPECT_TRUE(names.count(name)) << name;
+  const Json planners = Json::parse(run_command({"planners", "--json"}).out);
+  std::set<std::string> found;
+  for (const auto& planner : planners["planners"]) found.insert(planner["name"]);
+  for (const char* name : {"beam", "boundary", "constraint"}) EXPECT_TRUE(found.count(name)) << name;
+}
+
+TEST_F(CommandLine, inspect_counts_voxels_and_answers_points) {
+  const CommandRun run = run_command(
+      {"inspect", map_, "--json", "--at=0.5,0,0.025", "--at", "-1.5,-1.5,0.025", "--at", "0,0,1"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["resolution"], 0.05);
+  EXPECT_GT(json["voxels"]["occupied"], 300);
+  EXPECT_GT(json["voxels"]["seen_free"], 3000);
+  EXPECT_EQ(json["at"][0]["state"], "occupied");
+  EXPECT_EQ(json["at"][0]["clearance_m"]["not_occupied"], 0.0);
+  EXPECT_EQ(json["at"][1]["state"], "seen_free");
+  EXPECT_NEAR(json["at"][1]["clearance_m"]["not_occupied"].get<double>(), 0.5, 0.06);
+  EXPECT_EQ(json["at"][2]["state"], "unknown");
+  EXPECT_EQ(json["at"][2]["clearance_m"]["known_free"], 0.0);
+}
+
+TEST_F(CommandLine, inspect_draws_a_slice_and_exports_for_other_programs) {
+  const CommandRun run =
+      run_command({"inspect", map_, "--slice", "z=0.025", folder_.file("slice.png"), "--export",
+                   folder_.file("map.bt"), "--export", folder_.file("cloud.pcd")});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(read_file(folder_.file("slice.png")).substr(1, 3), "PNG");
+  const Json exported = Json::parse(run_command({"inspect", folder_.file("map.bt"), "--json"}).out);
+  const Json original = Json::parse(run_command({"inspect", map_, "--json"}).out);
+  EXPECT_EQ(exported["voxels"]["occupied"], original["voxels"]["occupied"]);
+  EXPECT_EQ(run_command({"inspect", folder_.file("cloud.pcd")}).status, exit_done);
+}
+
+TEST_F(CommandLine, inspect_refuses_what_it_cannot_read_or_write) {
+  expect_refused(run_command({"inspect", folder_.file("no.ot")}), exit_bad_input, {"no.ot"});
+  expect_refused(run_command({"inspect", folder_.write("map.txt", "x")}), exit_bad_input, {"map.txt"});
+  expect_refused(run_command({"inspect", map_, "--at", "1,2"}), exit_bad_input, {"--at", "X,Y,Z"});
+  expect_refused(run_command({"inspect", map_, "--at", "1,2,nan"}), exit_bad_input, {"--at", "nan"});
+  expect_refused(run_command({"inspect", map_, "--slice", "w=1", folder_.file("s.png")}), exit_bad_input,
+                 {"--slice", "z="});
+  expect_refused(run_command({"inspect", map_, "--slice", "z=9", folder_.file("s.png")}), exit_bad_input,
+                 {"misses the map"});
+  expect_refused(run_command({"inspect", map_, "--export", "/nowhere/map.bt"}), exit_bad_input,
+                 {"/nowhere/map.bt"});
+  const std::string whole = read_file(folder_.path() / "map" / "map.ot");
+  const std::string cut = folder_.write("cut.ot", whole.substr(0, whole.size() / 2));
+  expect_refused(run_command({"inspect", cut}), exit_damaged, {"cut.ot"});
+}
+
+TEST_F(CommandLine, a_plan_is_found_written_and_confirmed_by_the_check) {
+  const std::string file = folder_.file("plan.json");
+  const CommandRun run = plan("-1,0", "1.4,0.1", {"--out", file, "--csv", folder_.file("plan.csv")});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  const Json json = Json::parse(read_file(file));
+  for (const char* key :
+       {"robot", "joints", "planner", "options", "seed", "map", "policy", "status", "explanation",
+        "waypoints", "cost_joules", "length_rad", "search_steps", "legs", "time_s", "checks", "validation"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["status"], "solved");
+  EXPECT_EQ(json["validation"]["verdict"], "valid");
+  const CommandRun check = run_command({"check", "--map", map_, "--robot", "point", file, "--json"});
+  EXPECT_EQ(check.status, exit_done) << check.out << check.log;
+  EXPECT_EQ(Json::parse(check.out)["verdict"], "valid");
+}
+
+TEST_F(CommandLine, the_check_refuses_a_plan_when_an_obstacle_is_dropped_on_it) {
+  const std::string file = folder_.file("plan.json");
+  ASSERT_EQ(plan("-1,0", "-1,1.2", {"--out", file}).status, exit_done);
+  MapOptions options;
+  options.resolution = 0.05;
+  FreeSpaceMap blocked(options);
+  Scan drop;
+  drop.map_from_sensor.translation() = Eigen::Vector3d(-1.0, 0.6, 1.0);
+  drop.points.emplace_back(0.0f, 0.0f, -0.975f);
+  blocked.insert(drop);
+  save_map(blocked.snapshot(), folder_.path() / "blocked");
+  const CommandRun check =
+      run_command({"check", "--map", folder_.file("blocked"), "--robot", "point", file, "--json"});
+  EXPECT_EQ(check.status, exit_no) << check.out;
+  const Json json = Json::parse(check.out);
+  EXPECT_EQ(json["verdict"], "refused");
+  EXPECT_FALSE(json["same_map"]);
+  EXPECT_NE(json["first_contact"].get<std::string>().find("occupied"), std::string::npos) << check.out;
+}
+
+TEST_F(CommandLine, a_start_or_goal_that_is_not_free_is_said_to_be_so) {
+  const CommandRun in_post = plan("0.5,0", "1,1", {"--json"});
+  EXPECT_EQ(in_post.status, exit_no);
+  Json json = Json::parse(in_post.out);
+  EXPECT_EQ(json["status"], "start_invalid");
+  EXPECT_NE(json["explanation"].get<std::string>().find("occupied"), std::string::npos)
+      << json["explanation"];
+  json = Json::parse(plan("1,1", "0.5,0", {"--json"}).out);
+  EXPECT_EQ(json["status"], "goal_invalid");
+  json = Json::parse(plan("1000,0", "1,1", {"--json"}).out);
+  EXPECT_EQ(json["status"], "start_invalid");
+  EXPECT_NE(json["explanation"].get<std::string>().find("limit"), std::string::npos) << json["explanation"];
+}
+
+TEST_F(CommandLine, plan_refuses_mistakes_in_one_sentence_and_writes_nothing) {
+  const auto before = folder_.files();
+  const std::string file = folder_.file("plan.json");
+  expect_refused(plan("0,0", "1,1", {"--planner", "beem", "--out", file}), exit_bad_input, {"beem", "beam"});
+  expect_refused(plan("0,0,0", "1,1", {"--out", file}), exit_bad_input, {"--start", "3 values", "2"});
+  expect_refused(plan("0,x", "1,1", {"--out", file}), exit_bad_input, {"--start", "'x'"});
+  expect_refused(plan("0,0", "1,1", {"--set", "widht=3", "--planner", "beam"}), exit_bad_input,
+                 {"widht", "width"});
+  expect_refused(plan("0,0", "1,1", {"--policy", "bse=painted"}), exit_bad_input, {"bse", "base"});
+  expect_refused(plan("0,0", "1,1", {"--policy", "free"}), exit_bad_input, {"free", "known_free"});
+  expect_refused(plan("-1,0", "-1,1", {"--out", "/nowhere/plan.json"}), exit_bad_input,
+                 {"/nowhere/plan.json"});
+  expect_refused(run_command({"plan", "--map", folder_.file("none"), "--robot", "point", "--start", "0,0",
+                              "--goal", "1,1", "--planner", "beam"}),
+                 exit_bad_input, {"none"});
+  expect_refused(run_command({"plan", "--map", map_, "--robot", "pont", "--start", "0,0", "--goal", "1,1",
+                              "--planner", "beam"}),
+                 exit_bad_input, {"pont"});
+  EXPECT_EQ(folder_.files(), before);
+}
+
+TEST_F(CommandLine, a_urdf_without_joints_or_with_nan_is_refused) {
+  const std::string empty = folder_.write("stone.urdf", "<robot name='stone'><link name='stone'/></robot>");
+  const std::string nan =
+      folder_.write("nan.urdf",
+                    "<robot name='r'><link name='a'/><link name='b'><collision><geometry><sphere "
+                    "radius='nan'/></geometry></collision>"
+                    "</link><joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis "
+                    "xyz='0 0 1'/></joint></robot>");
+  for (const std::string& file : {empty, nan, folder_.file("missing.urdf")}) {
+    const CommandRun run = run_command(
+        {"plan", "--map", map_, "--robot", file, "--start", "0", "--goal", "1", "--planner", "beam"});
+    expect_refused(run, exit_bad_input, {std::filesystem::path(file).filename().string()});
+  }
+}
+
+TEST_F(CommandLine, check_refuses_a_plan_file_that_is_not_one) {
+  const std::string text = folder_.write("plan.json", "{\"robot\": \"point\"}");
+  expect_refused(run_command({"check", "--map", map_, "--robot", "point", text}), exit_bad_input,
+                 {"plan.json"});
+  expect_refused(run_command({"check", "--map", map_, "--robot", "point", folder_.write("p.json", "{")}),
+                 exit_bad_input, {"p.json"});
+}
+
+}  // namespace
+}  // namespace clearway
