@@ -1,0 +1,180 @@
+#include "planning/plan_file.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "planning/option_reader.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json array_of(const Eigen::VectorXd& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(value);
+  return array;
+}
+
+Json array_of(const std::vector<Configuration>& path) {
+  Json array = Json::array();
+  for (const Configuration& q : path) array.push_back(array_of(q));
+  return array;
+}
+
+double length_of(const std::vector<Configuration>& path) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
+  return length;
+}
+
+std::string verdict_of(const PathVerdict& validation) {
+  if (validation.valid) return "valid";
+  if (validation.undecided) return "undecided";
+  return validation.first_contact.empty() ? "not_checked" : "refused";
+}
+
+Json validation_json(const PathVerdict& validation) {
+  const std::string verdict = verdict_of(validation);
+  Json json = {
+      {"verdict", verdict}, {"min_clearance_m", validation.min_clearance}, {"checker", validation.checker}};
+  if (!validation.first_contact.empty()) {
+    json["first_contact"] = validation.first_contact;
+    json["edge"] = validation.edge;
+    json["parameter"] = validation.parameter;
+  }
+  if (!validation.clearance.empty()) json["clearance_m"] = validation.clearance;
+  return json;
+}
+
+/// `first` is the index of the leg's first waypoint in the whole path.
+Json leg_json(const PlanResult& leg, std::size_t first) {
+  Json json = {{"status", to_string(leg.status)}, {"explanation", leg.explanation}};
+  if (leg.waypoints.empty()) {
+    json["waypoints"] = nullptr;
+    json["explored"] = array_of(leg.explored);
+  } else {
+    json["waypoints"] = {first, first + leg.waypoints.size() - 1};
+  }
+  json["cost_joules"] = leg.cost;
+  json["last_segment"] = leg.last_segment;
+  json["last_segment_joules"] = leg.last_segment_cost;
+  json["length_rad"] = length_of(leg.waypoints);
+  json["final_distance_rad"] = leg.final_distance;
+  json["search_steps"] = leg.search_steps;
+  json["checks"] = leg.configurations_checked;
+  json["edges_checked"] = leg.edges_checked;
+  json["statistics"] = leg.statistics;
+  return json;
+}
+
+Json legs_json(const std::vector<PlanResult>& legs) {
+  Json json = Json::array();
+  std::size_t first = 0;
+  for (const PlanResult& leg : legs) {
+    json.push_back(leg_json(leg, first));
+    if (!leg.waypoints.empty()) first += leg.waypoints.size() - 1;
+  }
+  return json;
+}
+
+Json base_json(const Eigen::Isometry3d& map_from_base) {
+  const Eigen::Quaterniond turn(map_from_base.linear());
+  return {{"xyz", array_of(Eigen::VectorXd(map_from_base.translation()))},
+          {"quaternion_wxyz", {turn.w(), turn.x(), turn.y(), turn.z()}}};
+}
+
+Json policy_json(const std::map<std::string, Policy>& policies) {
+  Json json = Json::object();
+  for (const auto& [part, policy] : policies) json[part] = to_string(policy);
+  return json;
+}
+
+template <typename Value>
+Value total(const std::vector<PlanResult>& legs, Value PlanResult::*figure) {
+  Value sum{};
+  for (const PlanResult& leg : legs) sum += leg.*figure;
+  return sum;
+}
+
+/// A CSV field: quoted when it holds a comma, a quote or a line break.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+PlanStatus Plan::status() const {
+  for (const PlanResult& leg : legs) {
+    if (leg.status != PlanStatus::solved) return leg.status;
+  }
+  return legs.empty() ? PlanStatus::no_path : PlanStatus::solved;
+}
+
+std::string Plan::explanation() const {
+  const bool is_solved = status() == PlanStatus::solved;
+  std::string text;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    if (legs[i].explanation.empty() || (!is_solved && legs[i].status == PlanStatus::solved)) continue;
+    text += text.empty() ? "" : " ";
+    if (goals.size() > 1) text += "Leg " + std::to_string(i + 1) + ": ";
+    text += legs[i].explanation;
+  }
+  return text;
+}
+
+std::vector<Configuration> Plan::waypoints() const {
+  std::vector<Configuration> path;
+  for (const PlanResult& leg : legs) {
+    if (leg.waypoints.empty()) break;
+    const bool is_joined = !path.empty() && path.back() == leg.waypoints.front();
+    path.insert(path.end(), leg.waypoints.begin() + (is_joined ? 1 : 0), leg.waypoints.end());
+  }
+  return path;
+}
+
+std::string to_json(const Plan& plan) {
+  const std::vector<Configuration> path = plan.waypoints();
+  const Json json = {
+      {"robot", plan.robot},
+      {"joints", plan.joints},
+      {"planner", plan.planner},
+      {"options", plan.options},
+      {"seed", plan.seed},
+      {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}, {"resolution", plan.map_resolution}}},
+      {"policy", policy_json(plan.policies)},
+      {"status", to_string(plan.status())},
+      {"explanation", plan.explanation()},
+      {"waypoints", array_of(path)},
+      {"cost_joules", total(plan.legs, &PlanResult::cost)},
+      {"length_rad", length_of(path)},
+      {"search_steps", total(plan.legs, &PlanResult::search_steps)},
+      {"legs", legs_json(plan.legs)},
+      {"time_s", plan.time_s},
+      {"checks", total(plan.legs, &PlanResult::configurations_checked)},
+      {"validation", validation_json(plan.validation)},
+      {"last_segment_joules", total(plan.legs, &PlanResult::last_segment_cost)},
+      {"edges_checked", total(plan.legs, &PlanResult::edges_checked)},
+      {"goals", array_of(plan.goals)},
+      {"scale", plan.robot_scale},
+      {"base", base_json(plan.map_from_base)},
+      {"padding_m", plan.padding}};
+  // Bytes that are not UTF-8 (a file name) are replaced rather than refused.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_csv(const Plan& plan) {
+  std::string text;
+  for (const std::string& joint : plan.joints) text += (text.empty() ? "" : ",") + csv_field(joint);
+  text += "\n";
+  for (const Configuration& q : plan.waypoints()) {
+    text += to_text(std::vector<double>(q.begin(), q.end())) + "\n";
+  }
+  return text;
+}
+
+}  // namespace clearway
