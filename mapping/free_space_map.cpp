@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/painted_csv.hpp"
 #include "mapping/scan_rays.hpp"
 
 namespace clearway {
@@ -59,6 +60,11 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
   if (volumes.size() >= static_cast<std::size_t>(FusedTree::volume_limit)) {
     throw std::invalid_argument("painted volume '" + label +
                                 "' would be one too many, at most 15 are possible");
+  }
+  if (!is_storable_name(label) ||
+      !std::all_of(critical_parts.begin(), critical_parts.end(), is_storable_name)) {
+    throw std::invalid_argument("painted volume '" + label +
+                                "': expected a label and part names without control characters");
   }
   volumes.push_back({label, critical_parts, {}, {}});
   return static_cast<int>(volumes.size()) - 1;

@@ -158,13 +158,11 @@ std::size_t check_binary_tree(NodeReader& reader, const std::filesystem::path& f
 
 }  // namespace
 
-std::string CheckedOctree::canonical() const {
+std::string octree_header(bool binary, std::string_view type, std::size_t nodes, double resolution) {
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), resolution);
-  std::string text(binary ? binary_header : text_header);
-  text += "\nid " + type + "\nsize " + std::to_string(nodes) + "\nres " +
-          std::string(digits.data(), end.ptr) + "\ndata\n";
-  return text.append(data);
+  return std::string(binary ? binary_header : text_header) + "\nid " + std::string(type) + "\nsize " +
+         std::to_string(nodes) + "\nres " + std::string(digits.data(), end.ptr) + "\ndata\n";
 }
 
 CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file) {

@@ -16,10 +16,10 @@ struct CheckedOctree {
   double resolution = 0.0;  ///< metres
   std::string_view header;  ///< with comments
   std::string_view data;
-
-  /// The file again with a header that leaves nothing to interpretation.
-  std::string canonical() const;
 };
+
+/// The header of an OctoMap file, up to the first byte of data; the resolution with every digit.
+std::string octree_header(bool binary, std::string_view type, std::size_t nodes, double resolution);
 
 /// Checks header and tree without recursion: known type, resolution in [1e-4, 100], at most 16 levels, as
 /// many nodes as the header says, finite log-odds, nothing after the last node.

@@ -4,8 +4,9 @@
 #include <octomap/OcTree.h>
 #include <octomap/OcTreeStamped.h>
 
+#include <array>
 #include <charconv>
-#include <iomanip>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -19,20 +20,6 @@ namespace {
 
 constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
 constexpr std::string_view painted_comment = "# clearway painted ";
-
-/// A stream that writes numbers the same way on every machine, with every digit of a resolution.
-std::ostringstream exact_stream() {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream << std::setprecision(17);
-  return stream;
-}
-
-std::istringstream input_stream(std::string content) {
-  std::istringstream stream(std::move(content));
-  stream.imbue(std::locale::classic());
-  return stream;
-}
 
 /// The rest of each header line that starts with `prefix`, one a line.
 std::string comments(std::string_view header, std::string_view prefix) {
@@ -55,11 +42,23 @@ std::shared_ptr<const FusedTree> fuse(const Tree& tree) {
   return fused;
 }
 
+std::istringstream stream_of(std::string_view data) { return std::istringstream(std::string(data)); }
+
 std::shared_ptr<const FusedTree> read_binary_tree(const CheckedOctree& checked) {
   octomap::OcTree tree(checked.resolution);
-  auto stream = input_stream(checked.canonical());
-  if (!tree.readBinary(stream)) throw std::logic_error("OctoMap refused a .bt file that was checked");
+  auto stream = stream_of(checked.data);
+  if (checked.nodes > 0) tree.readBinaryData(stream);
   return fuse(tree);
+}
+
+/// By OctoMap's registry of tree types. Its own `read` would do the same and talk on stderr.
+std::unique_ptr<octomap::AbstractOcTree> read_registered_tree(const CheckedOctree& checked) {
+  FusedTree::register_type();
+  std::unique_ptr<octomap::AbstractOcTree> tree(
+      octomap::AbstractOcTree::createTree(checked.type, checked.resolution));
+  auto stream = stream_of(checked.data);
+  if (checked.nodes > 0) tree->readData(stream);  // from nothing it would read a node of rubbish
+  return tree;
 }
 
 std::shared_ptr<FusedTree> as_fused(std::unique_ptr<octomap::AbstractOcTree>& tree) {
@@ -81,18 +80,20 @@ void restore_threshold(FusedTree& tree, std::string_view header, const std::file
 }  // namespace
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes) {
-  auto stream = exact_stream();
-  tree.write(stream);
-  const std::string stock = std::move(stream).str();
-  const auto first_line = stock.find('\n') + 1;
+  const std::string header = octree_header(false, tree.getTreeType(), tree.size(), tree.getResolution());
+  const auto first_line = header.find('\n') + 1;
 
-  auto comment = exact_stream();
-  comment << threshold_comment << tree.getOccupancyThresLog() << "\n";
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), tree.getOccupancyThresLog());
+  std::ostringstream rest;
+  rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
   std::istringstream painted(format_painted(volumes));
-  for (std::string line; std::getline(painted, line);) comment << painted_comment << line << "\n";
+  for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
+  rest << header.substr(first_line);
+  tree.writeData(rest);
 
-  const std::string before = stock.substr(0, first_line);
-  const std::string after = std::move(comment).str() + stock.substr(first_line);
+  const std::string before = header.substr(0, first_line);
+  const std::string after = std::move(rest).str();
   return before + seal_line(before, after) + after;
 }
 
@@ -100,14 +101,7 @@ OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& 
   const CheckedOctree checked = check_octree(bytes, file);
   if (checked.binary) return {read_binary_tree(checked), {}, false};
 
-  FusedTree::register_type();
-  std::unique_ptr<octomap::AbstractOcTree> tree;
-  if (checked.nodes == 0) {  // OctoMap would read a node from nothing
-    tree.reset(octomap::AbstractOcTree::createTree(checked.type, checked.resolution));
-  } else {
-    auto stream = input_stream(checked.canonical());
-    tree.reset(octomap::AbstractOcTree::read(stream));
-  }
+  std::unique_ptr<octomap::AbstractOcTree> tree = read_registered_tree(checked);
   if (const auto fused = as_fused(tree)) {
     restore_threshold(*fused, checked.header, file);
     OctreeContent content{fused, parse_painted(comments(checked.header, painted_comment), file), true};
@@ -145,8 +139,9 @@ std::string format_color_tree(const FusedTree& tree) {
     }
   });
   colored.updateInnerOccupancy();
-  auto stream = exact_stream();
-  colored.write(stream);
+  std::ostringstream stream;
+  stream << octree_header(false, colored.getTreeType(), colored.size(), colored.getResolution());
+  colored.writeData(stream);
   return std::move(stream).str();
 }
 
@@ -158,8 +153,9 @@ std::string format_binary_tree(const FusedTree& tree) {
     to.setLogOdds(blocked ? binary.getClampingThresMaxLog() : binary.getClampingThresMinLog());
   });
   binary.prune();
-  auto stream = exact_stream();
-  binary.writeBinaryConst(stream);
+  std::ostringstream stream;
+  stream << octree_header(true, binary.getTreeType(), binary.size(), binary.getResolution());
+  if (binary.getRoot() != nullptr) binary.writeBinaryNode(stream, binary.getRoot());
   return std::move(stream).str();
 }
 

@@ -27,11 +27,11 @@ struct Capsule {
 
 /// What to leave out of a scan before it is integrated.
 struct ScanFilter {
-  double min_range = 0.0;       ///< nearer points are dropped, metres
-  double max_range = 0.0;       ///< farther points free the ray up to this range and set no hit; 0 = no limit
-  double thin_to = 0.0;         ///< keep one point per cube of this side (pcl::VoxelGrid); 0 = keep all
-  Eigen::AlignedBox3d crop;     ///< map frame; points outside are dropped; empty = keep all
-  std::vector<Capsule> bodies;  ///< the robot, the probe and the hand: points inside are dropped
+  double min_range = 0.0;      ///< nearer points are dropped, metres
+  double max_range = 0.0;      ///< farther points free the ray up to this range and set no hit; 0 = no limit
+  double thin_to = 0.0;        ///< keep one point per cube of this side (pcl::VoxelGrid); 0 = keep all
+  Eigen::AlignedBox3d crop{};  ///< map frame; points outside are dropped; empty = keep all
+  std::vector<Capsule> bodies{};  ///< the robot, the probe and the hand: points inside are dropped
 };
 
 /// What became of the points of one scan. `inserted + beyond_range + dropped_*` = points given.

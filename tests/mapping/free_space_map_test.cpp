@@ -1,0 +1,90 @@
+#include "mapping/free_space_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/mapping/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+std::string refusal(const MapOptions& options) {
+  try {
+    const FreeSpaceMap map(options);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FreeSpaceMap, NamesTheOptionThatIsOutOfRange) {
+  for (const double bad : {0.0, -0.1, 1e-5, 101.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_NE(refusal({.resolution = bad}).find("resolution"), std::string::npos) << bad;
+  }
+  EXPECT_NE(refusal({.hit_probability = 0.4}).find("hit_probability"), std::string::npos);
+  EXPECT_NE(refusal({.miss_probability = 0.6}).find("miss_probability"), std::string::npos);
+  EXPECT_NE(refusal({.min_probability = 0.5}).find("min_probability"), std::string::npos);
+  EXPECT_NE(refusal({.max_probability = 1.0}).find("max_probability"), std::string::npos);
+  EXPECT_NE(refusal({.occupied_probability = 0.99}).find("occupied_probability"), std::string::npos);
+}
+
+TEST(FreeSpaceMap, HoldsFifteenVolumesWithLabelsOfTheirOwn) {
+  FreeSpaceMap map;
+  for (int i = 0; i < 15; ++i) EXPECT_EQ(map.add_volume("volume " + std::to_string(i), {}), i);
+  EXPECT_THROW(map.add_volume("one more", {}), std::invalid_argument);
+  FreeSpaceMap other;
+  other.add_volume("same", {});
+  EXPECT_THROW(other.add_volume("same", {}), std::invalid_argument);
+  EXPECT_THROW(other.add_volume("two\nlines", {}), std::invalid_argument);
+  EXPECT_THROW(other.add_volume("fine", {"bell\a"}), std::invalid_argument);
+}
+
+TEST(FreeSpaceMap, EveryVolumePaintsItsOwnBit) {
+  FreeSpaceMap map({.resolution = 0.1});
+  for (int i = 0; i < 15; ++i) {
+    map.add_volume(std::to_string(i), {});
+    map.paint(i, {{0.1 * i + 0.05, 0.05, 0.05}, 0.09});
+  }
+  const Snapshot snapshot = map.snapshot();
+  for (int i = 0; i < 15; ++i) EXPECT_EQ(snapshot.voxel({0.1 * i + 0.05, 0.05, 0.05}).volumes, 1U << i);
+}
+
+TEST(FreeSpaceMap, KeepsTheExactBallsInTheOrderPainted) {
+  FreeSpaceMap map;
+  map.add_volume("v", {"tool"});
+  map.paint(0, {{0.1, 0.2, 0.3}, 0.05}, 1.5);
+  map.paint(0, {{0.4, 0.5, 0.6}, 0.07}, 2.5);
+  const PaintedVolume& volume = map.volumes()[0];
+  ASSERT_EQ(volume.balls.size(), 2U);
+  EXPECT_EQ(volume.balls[1].center, Eigen::Vector3d(0.4, 0.5, 0.6));
+  EXPECT_EQ(volume.times, (std::vector<double>{1.5, 2.5}));
+  EXPECT_TRUE(volume.contains({0.1, 0.2, 0.35}));
+  EXPECT_FALSE(volume.contains({0.1, 0.2, 0.3501}));
+}
+
+TEST(FreeSpaceMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
+  FreeSpaceMap map = testing::random_map(2);
+  const Snapshot before = map.snapshot();
+  const VoxelCounts counts = before.counts();
+  testing::Dice dice(3);
+  map.insert(testing::random_scan(dice, 500));
+  map.paint(0, {{0.0, 0.0, 0.0}, 0.5});
+  EXPECT_EQ(before.counts().painted, counts.painted);
+  EXPECT_EQ(before.counts().seen_free, counts.seen_free);
+  EXPECT_GT(map.snapshot().counts().painted, counts.painted);
+}
+
+TEST(FreeSpaceMap, AHigherThresholdCallsTheSameEvidenceFree) {
+  Scan scan;
+  scan.points = {{0.55F, 0.05F, 0.05F}};
+  for (const double threshold : {0.5, 0.69, 0.71}) {
+    FreeSpaceMap map({.resolution = 0.1, .occupied_probability = threshold});  // one hit gives 0.7
+    map.insert(scan);
+    const VoxelState expected = threshold < 0.7 ? VoxelState::occupied : VoxelState::seen_free;
+    EXPECT_EQ(map.snapshot().state({0.55, 0.05, 0.05}), expected);
+  }
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,170 @@
+// Painting against brute force: every voxel near a ball, its eight corners one by one.
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "mapping/free_space_map.hpp"
+#include "mapping/fused_tree.hpp"
+#include "tests/mapping/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+
+bool corners_inside(const Eigen::Vector3i& cell, double resolution, const Sphere& ball) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3i at = cell + Eigen::Vector3i(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
+    if ((at.cast<double>() * resolution - ball.center).norm() > ball.radius) return false;
+  }
+  return true;
+}
+
+TEST(Painting, PaintsExactlyTheVoxelsWhollyInsideABall) {
+  Dice dice(7);
+  for (int trial = 0; trial < 40; ++trial) {
+    const double resolution = dice.uniform(0.02, 0.1);
+    FreeSpaceMap map({.resolution = resolution});
+    map.add_volume("v", {});
+    const Sphere ball{dice.point(0.7), dice.uniform(0.01, 0.4)};
+    const PaintCounts counts = map.paint(0, ball);
+    const Snapshot snapshot = map.snapshot();
+    std::size_t expected = 0;
+    const int reach = static_cast<int>(std::ceil(1.2 / resolution));
+    for (int x = -reach; x < reach; ++x) {
+      for (int y = -reach; y < reach; ++y) {
+        for (int z = -reach; z < reach; ++z) {
+          const Eigen::Vector3d center = (Eigen::Vector3d(x, y, z).array() + 0.5) * resolution;
+          if ((center - ball.center).norm() > ball.radius) continue;
+          const bool inside = corners_inside({x, y, z}, resolution, ball);
+          expected += inside ? 1 : 0;
+          ASSERT_EQ(snapshot.state(center), inside ? VoxelState::painted : VoxelState::unknown);
+        }
+      }
+    }
+    EXPECT_EQ(counts.painted, expected);
+    EXPECT_EQ(counts.newly, expected);
+    EXPECT_EQ(snapshot.counts().painted, expected);
+  }
+}
+
+TEST(Painting, NoPaintedVoxelReachesOutsideTheUnionOfBalls) {
+  const Snapshot snapshot = testing::random_map(11, 0.04, 10).snapshot();
+  std::size_t painted = 0;
+  snapshot.visit_leaves([&](const Voxel& voxel) {
+    if (voxel.volumes == 0) return;
+    ++painted;
+    for (std::size_t v = 0; v < snapshot.volumes().size(); ++v) {
+      if ((voxel.volumes >> v & 1U) == 0) continue;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d half =
+            Eigen::Vector3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1) *
+            (voxel.size / 2 * (1 - 1e-9));
+        ASSERT_TRUE(snapshot.volumes()[v].contains(voxel.center + half));
+      }
+    }
+  });
+  EXPECT_GT(painted, 100U);
+}
+
+TEST(Painting, RepaintingIsCountedButChangesNothing) {
+  FreeSpaceMap map({.resolution = 0.05});
+  map.add_volume("v", {});
+  const Sphere ball{{0.1, 0.2, 0.3}, 0.3};
+  const PaintCounts first = map.paint(0, ball);
+  const FusedTree before(map.snapshot().tree());
+  const PaintCounts again = map.paint(0, ball);
+  EXPECT_EQ(again.painted, first.painted);
+  EXPECT_EQ(again.newly, 0U);
+  EXPECT_TRUE(before == map.snapshot().tree());
+}
+
+TEST(Painting, OrderOfBallsAndScansDoesNotMatterToTheVoxels) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    Dice dice(seed);
+    std::vector<Sphere> balls;
+    for (int i = 0; i < 6; ++i) balls.push_back(testing::random_ball(dice));
+    const Scan scan = testing::random_scan(dice, 300);
+    FreeSpaceMap paint_first({.resolution = 0.05}), scan_first({.resolution = 0.05});
+    paint_first.add_volume("v", {});
+    scan_first.add_volume("v", {});
+    for (const Sphere& ball : balls) paint_first.paint(0, ball);
+    paint_first.insert(scan);
+    scan_first.insert(scan);
+    for (auto ball = balls.rbegin(); ball != balls.rend(); ++ball) scan_first.paint(0, *ball);
+    EXPECT_TRUE(paint_first.snapshot().tree() == scan_first.snapshot().tree());
+  }
+}
+
+TEST(Painting, NeverChangesWhatSensorsSay) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Dice dice(seed);
+    FreeSpaceMap painted({.resolution = 0.06}), twin({.resolution = 0.06});
+    painted.add_volume("a", {});
+    painted.add_volume("b", {});
+    for (int step = 0; step < 12; ++step) {
+      for (int i = dice.whole(0, 3); i > 0; --i) painted.paint(dice.whole(0, 1), testing::random_ball(dice));
+      const Scan scan = testing::random_scan(dice, 60);
+      painted.insert(scan);
+      twin.insert(scan);
+    }
+    const Snapshot with = painted.snapshot(), without = twin.snapshot();
+    std::size_t observed = 0;
+    with.tree().visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+      for (int i = 0; i < cube.edge * cube.edge * cube.edge; ++i) {
+        const Eigen::Vector3i cell = cube.corner + Eigen::Vector3i(i % cube.edge, i / cube.edge % cube.edge,
+                                                                   i / cube.edge / cube.edge);
+        CellCube twin_cube;
+        const FusedNode* other = without.tree().find_leaf(cell, twin_cube);
+        ASSERT_EQ(node.observed(), other != nullptr);
+        if (other == nullptr) continue;
+        ++observed;
+        ASSERT_EQ(node.getLogOdds(), other->getLogOdds());
+      }
+    });
+    const VoxelCounts counts = without.counts();
+    EXPECT_EQ(observed, counts.occupied + counts.seen_free);
+  }
+}
+
+TEST(Painting, CountsConflictsAndKeepsThemBlocked) {
+  FreeSpaceMap map({.resolution = 0.1});
+  map.add_volume("v", {});
+  Scan scan;
+  scan.points = {{0.55F, 0.05F, 0.05F}};
+  map.insert(scan);
+  const PaintCounts counts = map.paint(0, {{0.55, 0.05, 0.05}, 0.2});
+  EXPECT_EQ(counts.conflicts, 1U);
+  const Snapshot snapshot = map.snapshot();
+  EXPECT_EQ(snapshot.state({0.55, 0.05, 0.05}), VoxelState::conflict);
+  EXPECT_EQ(snapshot.counts().conflict, 1U);
+  for (const Policy policy : {Policy::painted, Policy::known_free, Policy::not_occupied}) {
+    EXPECT_FALSE(allows({policy}, VoxelState::conflict, 1));
+  }
+}
+
+TEST(Painting, ABallBeyondTheReachOfTheTreePaintsOnlyWhatTheTreeHolds) {
+  FreeSpaceMap map({.resolution = 0.001});  // reaches 32.768 m
+  map.add_volume("v", {});
+  EXPECT_EQ(map.paint(0, {{100.0, 0.0, 0.0}, 0.1}).painted, 0U);
+  EXPECT_GT(map.paint(0, {{32.768, 0.0005, 0.0005}, 0.01}).painted, 0U);
+  EXPECT_EQ(map.paint(0, {{0.0, 0.0, 0.0}, 1e6}).painted, std::size_t{1} << 48U);
+  EXPECT_EQ(map.snapshot().state({1.0, 2.0, 3.0}), VoxelState::painted);
+}
+
+TEST(Painting, RefusesWhatIsNoBallOrNoVolume) {
+  FreeSpaceMap map;
+  map.add_volume("v", {});
+  const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  EXPECT_THROW(map.paint(1, {origin, 0.1}), std::invalid_argument);
+  EXPECT_THROW(map.paint(-1, {origin, 0.1}), std::invalid_argument);
+  for (const double radius : {0.0, -1.0, HUGE_VAL, std::nan("")}) {
+    EXPECT_THROW(map.paint(0, {origin, radius}), std::invalid_argument);
+  }
+  EXPECT_THROW(map.paint(0, {{0.0, std::nan(""), 0.0}, 0.1}), std::invalid_argument);
+  EXPECT_TRUE(map.volumes()[0].balls.empty());
+}
+
+}  // namespace
+}  // namespace clearway

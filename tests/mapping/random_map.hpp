@@ -1,0 +1,57 @@
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "mapping/free_space_map.hpp"
+
+namespace clearway::testing {
+
+/// Seeded uniform numbers.
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : engine_(seed) {}
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine_);
+  }
+  int whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
+  Eigen::Vector3d point(double reach) {
+    return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)};
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// A scan from inside a bumpy shell: hits at 0.5 to 1 m in random directions.
+inline Scan random_scan(Dice& dice, int points) {
+  Scan scan;
+  const Eigen::Vector3d axis = dice.point(1.0).normalized();
+  scan.map_from_sensor.rotate(Eigen::AngleAxisd(dice.uniform(-3.0, 3.0), axis));
+  scan.map_from_sensor.translation() = dice.point(0.2);
+  for (int i = 0; i < points; ++i) {
+    const Eigen::Vector3d direction = dice.point(1.0).normalized();
+    scan.points.push_back((direction * dice.uniform(0.5, 1.0)).cast<float>());
+  }
+  return scan;
+}
+
+inline Sphere random_ball(Dice& dice) { return {dice.point(0.8), dice.uniform(0.03, 0.3)}; }
+
+/// Two painted volumes and some scans, interleaved.
+inline FreeSpaceMap random_map(unsigned seed, double resolution = 0.05, int rounds = 4, int points = 200) {
+  Dice dice(seed);
+  MapOptions options;
+  options.resolution = resolution;
+  FreeSpaceMap map(options);
+  map.add_volume("tunnel", {"tool", "load"});
+  map.add_volume("dock", {"base"});
+  for (int round = 0; round < rounds; ++round) {
+    map.paint(dice.whole(0, 1), random_ball(dice), 0.1 * round);
+    map.insert(random_scan(dice, points));
+    map.paint(dice.whole(0, 1), random_ball(dice), 0.1 * round + 0.05);
+  }
+  return map;
+}
+
+}  // namespace clearway::testing

@@ -1,0 +1,182 @@
+// Scan integration against stock OctoMap on the same points.
+
+#include "mapping/scan_rays.hpp"
+
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include "mapping/free_space_map.hpp"
+#include "tests/mapping/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+using testing::random_scan;
+
+void insert_stock(octomap::OcTree& tree, const Scan& scan, double max_range, bool discretize) {
+  octomap::Pointcloud cloud;
+  for (const Eigen::Vector3f& point : scan.points) {
+    const Eigen::Vector3f at = (scan.map_from_sensor * point.cast<double>()).cast<float>();
+    cloud.push_back(at.x(), at.y(), at.z());
+  }
+  const Eigen::Vector3f origin = scan.map_from_sensor.translation().cast<float>();
+  tree.insertPointCloud(cloud, {origin.x(), origin.y(), origin.z()}, max_range, false, discretize);
+}
+
+void expect_equal(const octomap::OcTree& stock, const FusedTree& fused) {
+  ASSERT_EQ(stock.size(), fused.size());
+  auto it = fused.begin_tree();
+  for (auto expected = stock.begin_tree(), end = stock.end_tree(); expected != end; ++expected, ++it) {
+    ASSERT_EQ(it.getKey(), expected.getKey());
+    ASSERT_EQ(it.getDepth(), expected.getDepth());
+    ASSERT_EQ(it->getLogOdds(), expected->getLogOdds());
+    ASSERT_TRUE(it->observed());
+  }
+}
+
+TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
+  for (const bool discretize : {false, true}) {
+    for (const double max_range : {0.0, 0.7}) {
+      for (unsigned seed = 0; seed < 6; ++seed) {
+        Dice dice(seed);
+        const double resolution = dice.uniform(0.02, 0.1);
+        octomap::OcTree stock(resolution);
+        FreeSpaceMap map({.resolution = resolution, .discretize = discretize});
+        for (int i = 0; i < 6; ++i) {
+          const Scan scan = random_scan(dice, 400);
+          insert_stock(stock, scan, max_range > 0.0 ? max_range : -1.0, discretize);
+          map.insert(scan, {.max_range = max_range});
+        }
+        expect_equal(stock, map.snapshot().tree());
+      }
+    }
+  }
+}
+
+TEST(ScanRays, RepeatedScansReachClampingAsStockOctoMapDoes) {
+  Dice dice(9);
+  const Scan scan = random_scan(dice, 300);
+  octomap::OcTree stock(0.05);
+  FreeSpaceMap map({.resolution = 0.05});
+  for (int i = 0; i < 25; ++i) {
+    insert_stock(stock, scan, -1.0, false);
+    map.insert(scan);
+  }
+  expect_equal(stock, map.snapshot().tree());
+}
+
+TEST(ScanRays, ForeignSensorModelsAreStockOctoMapsToo) {
+  Dice dice(10);
+  octomap::OcTree stock(0.05);
+  stock.setProbHit(0.9);
+  stock.setProbMiss(0.3);
+  stock.setClampingThresMin(0.02);
+  stock.setClampingThresMax(0.99);
+  FreeSpaceMap map({.resolution = 0.05,
+                    .hit_probability = 0.9,
+                    .miss_probability = 0.3,
+                    .min_probability = 0.02,
+                    .max_probability = 0.99});
+  for (int i = 0; i < 8; ++i) {
+    const Scan scan = random_scan(dice, 200);
+    insert_stock(stock, scan, -1.0, false);
+    map.insert(scan);
+  }
+  expect_equal(stock, map.snapshot().tree());
+}
+
+TEST(ScanRays, ARayFreesWhatItPassesAndFillsWhereItEnds) {
+  FreeSpaceMap map({.resolution = 0.1});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0.05, 0.05, 0.05);
+  scan.points = {{1.0F, 0.0F, 0.0F}};
+  EXPECT_EQ(map.insert(scan).inserted, 1U);
+  const Snapshot snapshot = map.snapshot();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(snapshot.state({0.1 * i + 0.05, 0.05, 0.05}), VoxelState::seen_free);
+  EXPECT_EQ(snapshot.state({1.05, 0.05, 0.05}), VoxelState::occupied);
+  EXPECT_EQ(snapshot.state({1.15, 0.05, 0.05}), VoxelState::unknown);
+  EXPECT_EQ(snapshot.counts().seen_free, 10U);
+}
+
+TEST(ScanRays, WithinOneScanOccupiedBeatsFree) {
+  FreeSpaceMap map({.resolution = 0.1});
+  Scan scan;
+  scan.points = {{0.55F, 0.02F, 0.02F}, {1.55F, 0.05F, 0.05F}, {1.55F, 0.06F, 0.05F}, {1.55F, 0.05F, 0.06F}};
+  map.insert(scan);
+  EXPECT_EQ(map.snapshot().state({0.55, 0.05, 0.05}), VoxelState::occupied);
+}
+
+TEST(ScanRays, BeyondMaxRangeARayOnlyFrees) {
+  FreeSpaceMap map({.resolution = 0.01});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.005);
+  scan.points = {{400.0F, 0.0F, 0.0F}};  // outside the key range of 1 cm: stock code makes it an obstacle
+  const ScanCounts counts = map.insert(scan, {.max_range = 1.0});
+  EXPECT_EQ(counts.beyond_range, 1U);
+  const VoxelCounts voxels = map.snapshot().counts();
+  EXPECT_EQ(voxels.occupied, 0U);
+  EXPECT_EQ(voxels.seen_free, 100U);
+}
+
+TEST(ScanRays, DropsAndCountsPointsThatHaveNoVoxel) {
+  for (const bool discretize : {false, true}) {
+    FreeSpaceMap map({.resolution = 0.01, .discretize = discretize});
+    const float nan = std::nanf(""), inf = HUGE_VALF;
+    Scan scan;
+    scan.points = {{nan, 0, 0},  {0, inf, 0},   {0, 0, -inf}, {400, 0, 0},
+                   {0, -400, 0}, {3e38F, 0, 0}, {0.5F, 0, 0}};
+    const ScanCounts counts = map.insert(scan);
+    EXPECT_EQ(counts.dropped_invalid, 6U);
+    EXPECT_EQ(counts.inserted, 1U);
+    EXPECT_EQ(map.snapshot().counts().occupied, 1U);
+    EXPECT_EQ(map.snapshot().state({0.505, 0.005, 0.005}), VoxelState::occupied);
+  }
+}
+
+TEST(ScanRays, InsertsNothingFromAnOriginThatHasNoVoxel) {
+  for (const double bad : {std::nan(""), HUGE_VAL, 400.0, -1e200}) {
+    FreeSpaceMap map({.resolution = 0.01});
+    Scan scan;
+    scan.map_from_sensor.translation().y() = bad;
+    scan.points = {{0.5F, 0, 0}, {0, 0.5F, 0}};
+    const ScanCounts counts = map.insert(scan);
+    EXPECT_TRUE(counts.origin_invalid);
+    EXPECT_EQ(counts.inserted, 0U);
+    EXPECT_EQ(counts.dropped_invalid, 2U);
+    EXPECT_TRUE(map.snapshot().bounds().isEmpty());
+  }
+}
+
+TEST(ScanRays, DropsARayLongerThanOctoMapsBuffer) {
+  FreeSpaceMap map({.resolution = 0.001});  // the diagonal of the key range is 196,605 steps
+  Scan scan;
+  scan.map_from_sensor.translation().setConstant(-32.0);
+  scan.points = {{64.0F, 64.0F, 64.0F}, {0.01F, 0.0F, 0.0F}};
+  const ScanCounts counts = map.insert(scan);
+  EXPECT_EQ(counts.dropped_invalid, 1U);
+  EXPECT_EQ(counts.inserted, 1U);
+}
+
+TEST(ScanRays, EveryPointIsCountedOnce) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Dice dice(seed);
+    FreeSpaceMap map({.resolution = 0.05, .discretize = seed % 2 == 0});
+    Scan scan = random_scan(dice, 500);
+    for (int i = 0; i < 20; ++i) scan.points.push_back({std::nanf(""), 0.0F, 0.0F});
+    ScanFilter filter;
+    filter.min_range = 0.55;
+    filter.max_range = 0.8;
+    filter.thin_to = seed % 3 == 0 ? 0.1 : 0.0;
+    filter.crop = {Eigen::Vector3d::Constant(-0.9), Eigen::Vector3d::Constant(0.7)};
+    filter.bodies = {{{0, 0, 0}, {0, 0, 1}, 0.2}};
+    const ScanCounts counts = map.insert(scan, filter);
+    EXPECT_EQ(counts.inserted + counts.beyond_range + counts.dropped_filter + counts.dropped_invalid, 520U);
+    EXPECT_GE(counts.dropped_invalid, 20U);
+    EXPECT_GT(counts.beyond_range, 0U);
+    EXPECT_GT(counts.inserted, 0U);
+  }
+}
+
+}  // namespace
+}  // namespace clearway
