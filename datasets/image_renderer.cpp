@@ -32,9 +32,20 @@ ImageRenderer::ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isomet
           pixel_ray(camera, {column - 0.5, static_cast<double>(row) - 0.5}).head<2>();
   });
   make_tiles();
+  still_sights_.resize(static_cast<size_t>(camera.width + 2) * static_cast<size_t>(camera.height + 2));
   empty_ = {camera.width, camera.height,
             std::vector<float>(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height))};
-  for_each_index(tiles_.size(), [&](size_t i) { draw_tile(tiles_[i], tiles_[i].still, empty_); });
+  for_each_index(tiles_.size(), [&](size_t i) {
+    const Tile& tile = tiles_[i];
+    // Tiles at the rim of the image look at the pixels just outside as well.
+    const int left = tile.column == 0 ? -1 : tile.column, top = tile.row == 0 ? -1 : tile.row;
+    const int right = std::min(tile.column + tile_size, camera_.width);
+    const int bottom = std::min(tile.row + tile_size, camera_.height);
+    for (int row = top; row < bottom + (bottom == camera_.height); ++row)
+      for (int column = left; column < right + (right == camera_.width); ++column)
+        still_sight(column, row) = look(tile.still, still_.data(), column, row);
+  });
+  for_each_index(tiles_.size(), [&](size_t i) { draw_still_tile(tiles_[i]); });
 }
 
 void ImageRenderer::make_tiles() {
@@ -83,35 +94,79 @@ double ImageRenderer::shade(const CastResult& result) const {
   return result.hit.grey * (0.55 + 0.45 * std::max(0.0, result.hit.normal.dot(light)));
 }
 
-void ImageRenderer::draw_tile(const Tile& tile, const Candidates& candidates, Radiance& picture) const {
+ImageRenderer::Sight& ImageRenderer::still_sight(int column, int row) {
+  return still_sights_[static_cast<size_t>(row + 1) * static_cast<size_t>(camera_.width + 2) +
+                       static_cast<size_t>(column + 1)];
+}
+
+const ImageRenderer::Sight& ImageRenderer::still_sight(int column, int row) const {
+  return const_cast<ImageRenderer*>(this)->still_sight(column, row);
+}
+
+float& ImageRenderer::value(Radiance& picture, int column, int row) const {
+  return picture
+      .values[static_cast<size_t>(row) * static_cast<size_t>(camera_.width) + static_cast<size_t>(column)];
+}
+
+ImageRenderer::Sight ImageRenderer::look(const Candidates& candidates, const Surface* first, int column,
+                                         int row) const {
+  const auto result = cast_ray(candidates, map_from_camera_.translation(), ray(column, row));
+  if (result.index < 0) return {-1, result.hit.along, shade(result)};
+  const auto surface = candidates[static_cast<size_t>(result.index)] - first;
+  return {8 * static_cast<int>(surface) + result.hit.part, result.hit.along, shade(result)};
+}
+
+double ImageRenderer::average(const Candidates& candidates, int column, int row) const {
   static const auto spread = spread_points();
-  constexpr int side = tile_size + 2;
-  std::array<int, side * side> met;  // which part of which surface the centre of each pixel sees
-  std::array<double, side * side> level;
-  const Eigen::Vector3d& eye = map_from_camera_.translation();
-  for (int j = 0; j < side; ++j) {
-    for (int i = 0; i < side; ++i) {
-      const auto result = cast_ray(candidates, eye, ray(tile.column + i - 1, tile.row + j - 1));
-      met[static_cast<size_t>(j * side + i)] = result.index < 0 ? -1 : 8 * result.index + result.hit.part;
-      level[static_cast<size_t>(j * side + i)] = shade(result);
+  double sum = 0;
+  for (const auto& at : spread)
+    sum += shade(
+        cast_ray(candidates, map_from_camera_.translation(), ray(column - 0.5 + at.x(), row - 0.5 + at.y())));
+  return sum / static_cast<double>(spread.size());
+}
+
+void ImageRenderer::draw_still_tile(const Tile& tile) {
+  for (int row = tile.row; row < std::min(tile.row + tile_size, camera_.height); ++row) {
+    for (int column = tile.column; column < std::min(tile.column + tile_size, camera_.width); ++column) {
+      const Sight& here = still_sight(column, row);
+      bool edge = false;
+      for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j) edge = edge || still_sight(column + i, row + j).part != here.part;
+      value(empty_, column, row) = static_cast<float>(edge ? average(tile.still, column, row) : here.level);
     }
   }
-  for (int j = 1; j <= std::min(tile_size, camera_.height - tile.row); ++j) {
-    for (int i = 1; i <= std::min(tile_size, camera_.width - tile.column); ++i) {
-      const int* here = &met[static_cast<size_t>(j * side + i)];
-      bool edge = false;
-      for (int offset : {-side - 1, -side, -side + 1, -1, 1, side - 1, side, side + 1})
-        edge = edge || here[offset] != *here;
-      double value = level[static_cast<size_t>(j * side + i)];
-      const int column = tile.column + i - 1, row = tile.row + j - 1;
-      if (edge) {
-        value = 0;
-        for (const auto& at : spread)
-          value += shade(cast_ray(candidates, eye, ray(column - 0.5 + at.x(), row - 0.5 + at.y())));
-        value /= static_cast<double>(spread.size());
-      }
-      picture.values[static_cast<size_t>(row) * static_cast<size_t>(camera_.width) +
-                     static_cast<size_t>(column)] = static_cast<float>(value);
+}
+
+void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving, const Surface* first,
+                                     Radiance& picture) const {
+  constexpr int side = tile_size + 2;
+  std::array<Sight, side * side> sights;
+  std::array<bool, side * side> moves{};
+  const int rows = std::min(tile_size, camera_.height - tile.row);
+  const int columns = std::min(tile_size, camera_.width - tile.column);
+  const auto index = [](int i, int j) { return static_cast<size_t>((j + 1) * side + i + 1); };
+  for (int j = -1; j <= rows; ++j) {
+    for (int i = -1; i <= columns; ++i) {
+      const Sight& still = still_sight(tile.column + i, tile.row + j);
+      Sight sight = look(moving, first, tile.column + i, tile.row + j);
+      moves[index(i, j)] = sight.part >= 0 && sight.along < still.along;
+      sight.part += 8 * static_cast<int>(still_.size());  // told apart from the still ones
+      sights[index(i, j)] = moves[index(i, j)] ? sight : still;
+    }
+  }
+  Candidates all = moving;
+  all.insert(all.end(), tile.still.begin(), tile.still.end());
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      bool edge = false, touched = false;
+      for (int di = -1; di <= 1; ++di)
+        for (int dj = -1; dj <= 1; ++dj) {
+          touched = touched || moves[index(i + di, j + dj)];
+          edge = edge || sights[index(i + di, j + dj)].part != sights[index(i, j)].part;
+        }
+      if (!touched) continue;
+      value(picture, tile.column + i, tile.row + j) =
+          static_cast<float>(edge ? average(all, tile.column + i, tile.row + j) : sights[index(i, j)].level);
     }
   }
 }
@@ -122,9 +177,7 @@ Radiance ImageRenderer::draw(std::span<const Surface> moving) const {
     Candidates candidates;
     for (const auto& surface : moving)
       if (touches(tile, surface)) candidates.push_back(&surface);
-    if (candidates.empty()) continue;
-    candidates.insert(candidates.end(), tile.still.begin(), tile.still.end());
-    draw_tile(tile, candidates, picture);
+    if (!candidates.empty()) draw_moving_tile(tile, candidates, moving.data(), picture);
   }
   return picture;
 }

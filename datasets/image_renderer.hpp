@@ -22,12 +22,19 @@ class ImageRenderer {
  public:
   ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isometry3d& map_from_camera,
                 std::vector<Surface> still, double background);
+  ImageRenderer(const ImageRenderer&) = delete;  // the tiles point at the surfaces
+  ImageRenderer& operator=(const ImageRenderer&) = delete;
 
   /// The picture with `moving` in the scene. Safe to call from several threads.
   Radiance draw(std::span<const Surface> moving) const;
 
  private:
   using Candidates = std::vector<const Surface*>;
+  /// What the centre of a pixel sees.
+  struct Sight {
+    int part = -1;  ///< neighbours that differ have an edge between them
+    double along = 0, level = 0;
+  };
   struct Tile {
     int column, row;       ///< of its first pixel
     Eigen::Vector3d axis;  ///< of a cone, in the map frame, that holds all its rays
@@ -35,11 +42,19 @@ class ImageRenderer {
     Candidates still;
   };
 
+  void make_tiles();
   bool touches(const Tile& tile, const Surface& surface) const;
   Eigen::Vector3d ray(double column, double row) const;
   double shade(const CastResult& result) const;
-  void draw_tile(const Tile& tile, const Candidates& candidates, Radiance& picture) const;
-  void make_tiles();
+  /// `first` is the first of the surfaces the candidates are chosen from.
+  Sight look(const Candidates& candidates, const Surface* first, int column, int row) const;
+  double average(const Candidates& candidates, int column, int row) const;
+  Sight& still_sight(int column, int row);
+  const Sight& still_sight(int column, int row) const;
+  void draw_still_tile(const Tile& tile);
+  void draw_moving_tile(const Tile& tile, const Candidates& moving, const Surface* first,
+                        Radiance& picture) const;
+  float& value(Radiance& picture, int column, int row) const;
 
   CameraIntrinsics camera_;
   Eigen::Isometry3d map_from_camera_;
@@ -47,7 +62,8 @@ class ImageRenderer {
   double background_;
   std::vector<Eigen::Vector2d> corner_rays_;  ///< exact rays of the pixels' corners, interpolated within
   std::vector<Tile> tiles_;
-  Radiance empty_;
+  std::vector<Sight> still_sights_;  ///< with a rim of one pixel around the image
+  Radiance empty_;                   ///< the picture without moving surfaces
 };
 
 /// What the sensor makes of a picture: lens blur, noise of its own for each (seed, picture), 8 bits.

@@ -31,7 +31,8 @@ std::vector<Surface> probe_surfaces(const Setup& setup, const Eigen::Isometry3d&
   surfaces.emplace_back(ball);
   const double length = probe.ball_center.norm();
   if (length > 1e-6) {
-    SceneShape stick{"stick", CylinderShape{std::min(0.1 * probe.ball_radius, 0.01), length}, map_from_probe, 90};
+    SceneShape stick{"stick", CylinderShape{std::min(0.1 * probe.ball_radius, 0.01), length}, map_from_probe,
+                     90};
     stick.map_from_shape.translate(0.5 * probe.ball_center);
     stick.map_from_shape.rotate(
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), probe.ball_center));

@@ -126,6 +126,10 @@ Surface::Surface(const TagShape& tag, const Eigen::Isometry3d& map_from_tag)
       reach_(reach_of(tag)) {}
 
 bool Surface::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const {
+  const Eigen::Vector3d to_center = center() - origin;
+  const double ahead = to_center.dot(direction);
+  if ((to_center.squaredNorm() - 1.000001 * reach_ * reach_) * direction.squaredNorm() > ahead * ahead)
+    return false;  // the ray passes by the ball around it
   const LocalRay ray{surface_from_map_ * origin, surface_from_map_.linear() * direction, nearest.along};
   LocalHit hit{0, 0, Eigen::Vector3d::Zero(), grey_};
   if (!std::visit([&](const auto& geometry) { return clearway::meet(geometry, ray, hit); }, geometry_))
