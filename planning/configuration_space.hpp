@@ -12,8 +12,9 @@
 
 namespace clearway {
 
-/// The policy of each robot part. Unlisted parts have `other`; with an empty list, the robot's critical parts
-/// are `painted` if a painted volume names them, else `known_free`; see ConfigurationSpace::policies().
+/// The policy of each robot part. Unlisted parts have `other`, unlisted critical parts are `painted` (inside
+/// the volumes that name the part, or inside any volume when none does), or `known_free` in a map that holds
+/// no paint at all; ConfigurationSpace::policies() says what was chosen.
 struct Policies {
   std::map<std::string, Policy> parts;
   Policy other = Policy::not_occupied;
@@ -21,22 +22,31 @@ struct Policies {
 };
 
 struct SpaceOptions {
-  double padding = 0.0;            ///< every body keeps this distance, metres, >= 0
-  double max_distance = 0.0;       ///< truncation of the distance fields; 0 = chosen from the robot's size
-  double edge_resolution = 1e-4;   ///< an edge undecided at this joint-space length (rad, m) counts as blocked
+  double padding = 0.0;           ///< every body keeps this distance from blocked voxels, metres, >= 0
+  double max_distance = 0.0;      ///< truncation of the distance fields; 0 = chosen from the robot's size
+  double edge_resolution = 1e-4;  ///< an edge undecided at this joint-space length (rad, m) counts as blocked
 };
 
 /// Why a configuration is not free.
-enum class Obstruction { none, not_finite, joint_limit, self_contact, occupied, conflict, unknown, outside_painted };
+enum class Obstruction {
+  none,
+  not_finite,
+  joint_limit,
+  self_contact,
+  occupied,
+  conflict,
+  unknown,
+  outside_painted
+};
 
 struct Verdict {
   Obstruction obstruction = Obstruction::none;
-  std::string part;                                  ///< body that is blocked
-  std::string other;                                 ///< the second body, or the joint
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< map frame: centre of the blocking voxel
-  double depth = 0.0;                                ///< metres the body reaches in (estimate), or past the limit
+  std::string part;                                 ///< body that is blocked
+  std::string other;                                ///< the second body, or the joint
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< map frame: centre of the blocking voxel
+  double depth = 0.0;  ///< metres the body reaches in (estimate), or past the limit
   bool is_free() const { return obstruction == Obstruction::none; }
-  std::string sentence() const;                      ///< "tool touches an occupied voxel at (x, y, z), 3 mm deep"
+  std::string sentence() const;  ///< "tool touches an occupied voxel at (x, y, z), 3 mm deep"
 };
 
 /// One nearby pair (robot point, blocked voxel or other body): a linear damper row of Lahouar et al. 2006,
@@ -50,11 +60,13 @@ struct ProximityRow {
 };
 
 /// A robot in a map under a policy: the one place that says which configurations and edges are free.
+/// Bodies that no joint moves are part of the scene: tested against other bodies, not against the map.
 /// Immutable, safe from many threads; counts nothing, prints nothing.
 class ConfigurationSpace {
  public:
   /// @throws std::invalid_argument: unknown part in the policies, negative padding, region too large, ...
-  ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies = {}, const SpaceOptions& options = {});
+  ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies = {},
+                     const SpaceOptions& options = {});
   ~ConfigurationSpace();
   ConfigurationSpace(ConfigurationSpace&&) noexcept;
 
@@ -77,7 +89,10 @@ class ConfigurationSpace {
   /// subtracted, at most the fields' max_distance; <= 0 when not free.
   double clearance(const Configuration& q) const;
 
-  /// All pairs nearer than `influence_distance`, in a fixed order.
+  /// Pairs nearer than `influence_distance`, in a fixed order: for each body (in up to four pieces along its
+  /// longest axis) and each of the six map directions the nearest blocked voxel that lies that way, by the
+  /// exact shapes; then each pair of bodies that is not exempt. A pair whose distance no joint can change (a
+  /// floor under a sliding disc) has no row. Penetrating pairs have distance <= 0.
   std::vector<ProximityRow> proximity_rows(const Configuration& q, double influence_distance) const;
 
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.

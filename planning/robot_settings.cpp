@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <stdexcept>
 
+#include "planning/nearest_name.hpp"
 #include "planning/urdf_document.hpp"
 
 namespace clearway {
@@ -16,21 +16,6 @@ namespace {
 constexpr double default_friction = 0.1;
 constexpr double default_step_rad = 0.5 * std::numbers::pi / 180.0;
 constexpr double default_step_m = 0.01;
-
-/// Number of single-letter edits between two words (Levenshtein).
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
 
 /// One mapping of the file; knows where it is, so that refusals can say so.
 class Section {
@@ -42,11 +27,8 @@ class Section {
     for (const auto& entry : node) {
       const std::string key = entry.first.as<std::string>("");
       if (keys.empty() || std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-      const auto nearest = std::min_element(keys.begin(), keys.end(), [&](const auto& a, const auto& b) {
-        return edits(a, key) < edits(b, key);
-      });
       throw std::invalid_argument(file.string() + ": unknown key '" + path_ + key + "', did you mean '" +
-                                  *nearest + "'?");
+                                  nearest_name(key, keys) + "'?");
     }
   }
 

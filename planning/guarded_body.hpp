@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mapping/blocked_space.hpp"
+#include "planning/robot.hpp"
+
+namespace clearway {
+
+/// A body and the voxels that its part's requirement forbids, ready for many queries. Balls against the
+/// distance field decide the clear cases, the exact shape against voxel cubes the rest.
+class GuardedBody {
+ public:
+  GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> space);
+
+  const Body& body() const { return body_; }
+  const BlockedSpace& space() const { return *space_; }
+
+  /// True when every blocked cube is proved to be farther than `margin` from the body. Exact but for
+  /// rounding: what cannot be proved counts as blocked.
+  bool is_clear(const Eigen::Isometry3d& map_from_link, double margin) const;
+
+  /// Lower bound of the distance to the nearest blocked cube from balls and field alone; quick, at most the
+  /// field's max_distance, below zero when it says nothing.
+  double quick_clearance(const Eigen::Isometry3d& map_from_link) const;
+
+  /// Lower bound of that distance from exact shapes, at most `limit` (small: cubes are visited one by one).
+  double exact_clearance(const Eigen::Isometry3d& map_from_link, double limit) const;
+
+  /// How much the balls may stand out of the body, metres: quick_clearance is short by about that.
+  double cover_excess() const { return excess_; }
+
+  /// Calls `visit(cube centre, lower bound of its distance)` for each blocked cube that may lie within
+  /// `margin` of the body until it returns false; a cube may come twice. False when it was stopped.
+  bool visit_near(const Eigen::Isometry3d& map_from_link, double margin,
+                  const std::function<bool(const Eigen::Vector3d&, double)>& visit) const;
+
+ private:
+  bool is_cube_clear(const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
+                     double margin) const;
+
+  Body body_;
+  std::shared_ptr<const BlockedSpace> space_;
+  Sphere bound_;            ///< link frame; holds the body
+  std::vector<bool> core_;  ///< whether a cover ball's centre lies inside the body
+  double excess_ = 0.0;
+};
+
+}  // namespace clearway

@@ -1,0 +1,49 @@
+#include "planning/part_policies.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+bool has_paint(const Snapshot& map) {
+  if (!map.volumes().empty()) return true;
+  const VoxelCounts counts = map.counts();
+  return counts.painted + counts.conflict > 0;
+}
+
+}  // namespace
+
+std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
+                                            const Policies& policies) {
+  const Policy critical = has_paint(map) ? Policy::painted : Policy::known_free;
+  std::map<std::string, Policy> chosen;
+  for (const Body& body : robot.bodies) {
+    const auto& list = robot.critical_parts;
+    const bool is_critical =
+        policies.critical_by_default && std::find(list.begin(), list.end(), body.part) != list.end();
+    chosen[body.part] = is_critical ? critical : policies.other;
+  }
+  for (const auto& [part, policy] : policies.parts) {
+    if (const auto known = chosen.find(part); known != chosen.end()) {
+      known->second = policy;
+      continue;
+    }
+    std::string names;
+    for (const auto& entry : chosen) names += (names.empty() ? "" : ", ") + entry.first;
+    throw std::invalid_argument("policy names the part '" + part + "', expected a part of " + robot.name +
+                                ": " + names);
+  }
+  return chosen;
+}
+
+Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy) {
+  Requirement requirement;
+  requirement.policy = policy;
+  if (policy == Policy::painted) {
+    if (const std::uint16_t volumes = map.volumes_of_part(part); volumes != 0) requirement.volumes = volumes;
+  }
+  return requirement;
+}
+
+}  // namespace clearway

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "planning/configuration_space.hpp"
+
+namespace clearway {
+
+/// The policy of every part of the robot: as given; else `painted` for critical parts when the map holds any
+/// paint and `known_free` when it holds none; else `policies.other`.
+/// @throws std::invalid_argument when a policy names a part that the robot does not have.
+std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
+                                            const Policies& policies);
+
+/// What a part with this policy must lie in. For `painted`: the volumes that name the part, or all volumes
+/// when none does.
+Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy);
+
+}  // namespace clearway
