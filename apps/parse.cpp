@@ -74,7 +74,7 @@ std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose) {
 std::string grouped(std::size_t number) {
   std::string digits = std::to_string(number);
   for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
-    digits.insert(static_cast<std::size_t>(i), ",");
+    digits.insert(static_cast<std::size_t>(i), 1, ',');
   return digits;
 }
 

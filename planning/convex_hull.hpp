@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace clearway {
@@ -8,5 +9,9 @@ namespace clearway {
 /// The corners of the convex hull of `points`, in their order, doubles removed. Fewer corners only make
 /// support queries faster: for points that qhull cannot handle (flat, fewer than five) all of them are kept.
 std::vector<Eigen::Vector3d> hull_corners(std::vector<Eigen::Vector3d> points);
+
+/// The surface of the hull as triangles of `points`' indices, counter-clockwise seen from outside; empty for
+/// points that span no volume. For drawing; collision queries need the corners only.
+std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace clearway
