@@ -1,5 +1,6 @@
 #include "planning/convex_hull.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
