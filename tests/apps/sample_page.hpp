@@ -57,7 +57,7 @@ class SamplePage {
 
   bool is_painted(const Eigen::Vector3d& corner, double size) const {
     for (const PageBall& ball : page_.balls) {
-      bool inside = true;
+      bool inside = (corner - ball.center).norm() <= ball.radius;
       for (int k = 0; k < 8 && inside; ++k) {
         const Eigen::Vector3d p = corner + size * Eigen::Vector3d(k & 1, k >> 1 & 1, k >> 2);
         inside = (p - ball.center).norm() <= ball.radius;

@@ -5,7 +5,7 @@ import type { StateName } from "./data";
 import { byId, el } from "./dom";
 import type { Slice } from "./map_layers";
 import type { Options } from "./options";
-import { cutUniform } from "./surface_material";
+import { cutUniform, showBackFaces } from "./surface_material";
 
 export function cutControls(box: Box3, resolution: number, slice: Slice, first: Options["cut"],
                             shown: (state: StateName) => boolean, changed: () => void): { refresh(): void } {
@@ -29,6 +29,7 @@ export function cutControls(box: Box3, resolution: number, slice: Slice, first: 
   };
   const refresh = () => {
     details.hidden = axisSelect.value === "";
+    showBackFaces(axisSelect.value !== "");
     if (axisSelect.value === "") {
       cutUniform.value.set(0, 0, 0, 1);
       slice.hide();

@@ -38,7 +38,7 @@ export function unpackFaces(set: VoxelSet, arrays: Arrays): Faces {
   return faces;
 }
 
-/// Four corners a quad: x, y, z from `low` in voxels, and the direction; two triangles a quad, outward.
+/// Four corners a quad: x, y, z from `low` in voxels, and direction + 8 * corner; two triangles a quad, outward.
 export function quadVertices(faces: Faces): { corners: Uint16Array | Float32Array; triangles: Uint32Array } {
   const extent = Math.max(...faces.high.map((h, a) => h - faces.low[a]));
   const size = faces.quadCount * 16;
@@ -53,7 +53,7 @@ export function quadVertices(faces: Faces): { corners: Uint16Array | Float32Arra
         corners[at + a] = plane;
         corners[at + b] = faces.u[i] - faces.low[b] + (k === 1 || k === 2 ? faces.width[i] : 0);
         corners[at + c] = faces.v[i] - faces.low[c] + (k >= 2 ? faces.height[i] : 0);
-        corners[at + 3] = direction;
+        corners[at + 3] = direction + 8 * k;
       }
       const first = i * 4, [second, third] = positive ? [1, 3] : [3, 1];
       triangles.set([first, first + second, first + 2, first, first + 2, first + third], i * 6);

@@ -31,7 +31,7 @@ function openMap(page: ReturnType<typeof readPage>, arrays: Arrays): MapView | n
     if (!options.webgl) throw new Error("WebGL switched off");
     return new MapView(page, arrays, options, () => sayInView(lost));
   } catch (error) {
-    sayInView("This browser offers no WebGL 2, so the map cannot be drawn in 3D. Plans, plots, figures and tables below are complete. "
+    sayInView("This browser offers no WebGL 2, so the map cannot be drawn in 3D. Plans, plots, figures and tables are complete. "
       + `(${(error as Error).message})`);
     return null;
   }
@@ -49,6 +49,8 @@ async function show(): Promise<void> {
   const playback = new Playback();
   let choose = (index: number) => showPlan(page.plans[index], index);
   showPlanList(page.plans, (index) => choose(index));
+  const first = Math.min(options.plan, page.plans.length - 1);
+  if (first >= 0) playback.reset(page.plans[first].waypoints, 0);  // so that the view gets its size at once
 
   const arrays = await readArrays().catch((error: Error) => { sayInView(error.message); return null; });
   const map = arrays && openMap(page, arrays);
@@ -63,7 +65,7 @@ async function show(): Promise<void> {
     plots?.show(page.plans[index]);
     playback.reset(plots ? page.plans[index].waypoints : 0, index === options.plan ? options.time : 0);
   };
-  if (page.plans.length > 0) choose(Math.min(options.plan, page.plans.length - 1));
+  if (first >= 0) choose(first);
 
   const recolor = (dark: boolean) => { setTheme(dark); map?.recolor(); plots?.redraw(); };
   byId("theme").addEventListener("click", () => recolor(!isDark()));
@@ -72,7 +74,7 @@ async function show(): Promise<void> {
   map?.render();
   Object.assign(document.body.dataset, {
     plans: page.plans.length, balls: page.balls.count / 5, view: map ? "3d" : "none",
-    width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth, ready: "1",
+    width: innerWidth, overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth, ready: "1",
   });
 }
 

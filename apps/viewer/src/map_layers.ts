@@ -15,6 +15,10 @@ export interface Layer {
   setOpacity?(opacity: number): void;
 }
 
+/// About a tenth of a pixel: neighbouring quads of different sizes share no corners, so that rounding would leave
+/// pinholes between them. Blended faces are not grown: their overlap would show.
+const kGrow = 1e-4;
+
 /// Translucent layers are blended from the inside of a map outwards: painted and balls, then seen free.
 const blendOrder: Record<string, number> = { painted: 30, balls: 32, seen_free: 40 };
 
@@ -67,6 +71,7 @@ export function voxelLayer(faces: Faces, page: Page, heights: [number, number]):
       uniforms.high.value.set(...rgb(high));
     },
   };
+  if (!(faces.state in blendOrder)) uniforms.grow.value = kGrow;
   if (faces.state in blendOrder) layer.setOpacity = (opacity) => { uniforms.opacity.value = opacity; };
   layer.recolor();
   return layer;

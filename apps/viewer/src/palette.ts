@@ -11,16 +11,16 @@ export interface Palette {
 
 const light: Palette = {
   background: "#eef1f4", grid: "#d3d9df", gridStrong: "#b6c0ca",
-  occupiedLow: "#7a6a5c", occupiedHigh: "#dccfbf",
+  occupiedLow: "#9b8d80", occupiedHigh: "#ece5dc",
   painted: "#12a39a", seenFree: "#5f9fe0", conflict: "#d6263a",
-  robot: "#566779", critical: "#f0781e", start: "#2f9e44", goal: "#8a4fd0", tip: "#2749c9",
+  robot: "#7287a0", critical: "#f0781e", start: "#2f9e44", goal: "#8a4fd0", tip: "#2749c9",
   ink: "#18212b", muted: "#56636f", line: "#dbe1e7", danger: "#c92a3c", clearance: "#0c8078",
   series: ["#1c6fd1", "#d9480f", "#2b8a3e", "#a02bb5", "#b08900", "#0b8793", "#c2255c", "#5f6b77"],
 };
 
 const dark: Palette = {
   background: "#14191f", grid: "#28303a", gridStrong: "#3c4753",
-  occupiedLow: "#5d5148", occupiedHigh: "#cdbfae",
+  occupiedLow: "#6b6058", occupiedHigh: "#d3c8bb",
   painted: "#25c2b5", seenFree: "#6fb0f2", conflict: "#ff4d5e",
   robot: "#a9b8c7", critical: "#ff9440", start: "#51cf66", goal: "#b38af5", tip: "#ffd84d",
   ink: "#e7ecf1", muted: "#9aa7b4", line: "#2b343e", danger: "#ff6b78", clearance: "#35cfc2",

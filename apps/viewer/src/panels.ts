@@ -52,7 +52,7 @@ export function showPlan(plan: Plan, index: number): void {
   byId("plan-list").childNodes.forEach((row, i) => (row as HTMLElement).setAttribute("aria-checked", String(i === index)));
   const card = byId("plan");
   card.hidden = false;
-  card.replaceChildren(el("div", { class: "card-head" }, el("h2", {}, plan.name), badge(plan)));
+  card.replaceChildren();
   if (plan.explanation !== "" || !isSolved(plan))
     card.append(el("p", { class: isSolved(plan) ? "explanation" : "explanation failed" },
                    plan.explanation !== "" ? plan.explanation : "The planner gave no explanation."));

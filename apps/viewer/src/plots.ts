@@ -6,6 +6,7 @@ import { byId, el, metres } from "./dom";
 import { palette } from "./palette";
 
 const kDegrees = 180 / Math.PI;
+const kHeight = 140, kLabel = 18;  // pixels
 const kFont = "11px system-ui, sans-serif";
 
 /// A plot with a playhead that follows the time slider; pressing or dragging in it seeks.
@@ -13,11 +14,11 @@ class TimePlot {
   readonly plot: uPlot;
   private readonly head = el("div", { class: "playhead" });
 
-  constructor(private readonly box: HTMLElement, options: Partial<uPlot.Options> & { series: uPlot.Series[] },
+  constructor(private readonly box: HTMLElement, height: number, options: Partial<uPlot.Options> & { series: uPlot.Series[] },
               data: uPlot.AlignedData, seek: (time: number) => void) {
     const { ink, muted } = palette();
     this.plot = new uPlot({
-      width: box.clientWidth || 380, height: 180, padding: [10, 12, 0, 0],
+      width: box.clientWidth || 380, height, padding: [10, 12, 0, 0],
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, sync: { key: "plan" }, points: { size: 6 }, y: false },
       ...options,
@@ -34,7 +35,7 @@ class TimePlot {
 
   private readonly observer = new ResizeObserver(() => {
     const width = this.box.clientWidth;
-    if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: 180 });
+    if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.plot.height });
     this.showTime(this.time);
   });
   private time = 0;
@@ -52,10 +53,10 @@ class TimePlot {
 
 function axis(extra: Partial<uPlot.Axis>): uPlot.Axis {
   const { muted, line } = palette();
-  return { stroke: muted, font: kFont, labelFont: kFont, labelSize: 18, labelGap: 0, size: 46, gap: 4,
+  return { stroke: muted, font: kFont, labelFont: kFont, labelSize: 18, labelGap: 0, size: 46, gap: 4, space: 24,
            grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1, size: 4 }, ...extra };
 }
-const timeAxis = () => axis({ scale: "x", label: "waypoint", size: 28, space: 46, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000] });
+const timeAxis = (label?: string) => axis({ scale: "x", label, size: 26, space: 46, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000] });
 
 export class Plots {
   onSeek: (time: number) => void = () => {};
@@ -109,13 +110,13 @@ export class Plots {
     const hasAngles = plan.prismatic.includes(false), hasLengths = plan.prismatic.includes(true);
     byId("angle-unit").hidden = !hasAngles;
     const series: uPlot.Series[] = [{}, ...plan.joints.map((name, j) => ({
-      label: name, scale: plan.prismatic[j] ? "m" : angle, stroke: colors[j % colors.length], width: 1.8,
+      label: name, scale: plan.prismatic[j] ? "m" : angle, stroke: colors[j % colors.length], width: 1.8, pxAlign: 0,
       show: !this.hidden.has(name), points: { show: steps.length < 12 }, dash: j >= colors.length ? [6, 4] : undefined,
     }))];
     const axes = [timeAxis()];
     if (hasAngles) axes.push(axis({ scale: angle, label: angle }));
     if (hasLengths) axes.push(axis({ scale: "m", label: "m", side: hasAngles ? 1 : 3, grid: hasAngles ? { show: false } : undefined }));
-    this.joints = new TimePlot(byId("joint-plot"), {
+    this.joints = new TimePlot(byId("joint-plot"), kHeight, {
       series, axes, scales: { x: { time: false } }, hooks: { setCursor: [(u) => this.showKeys(u.cursor.idx ?? null)] },
     }, [steps, ...this.values.map((v, j) => Array.from(v, (x) => x * factor(j)))], (x) => this.onSeek(x - 1));
     this.keys = plan.joints.map((name, j) => {
@@ -152,9 +153,9 @@ export class Plots {
       }
       draw.restore();
     };
-    this.clearance = new TimePlot(byId("clearance-plot"), {
-      series: [{}, { label: "clearance", scale: "m", stroke: colors.clearance, width: 1.8, points: { show: steps.length < 12 } }],
-      axes: [timeAxis(), axis({ scale: "m", label: "m", size: 54 })],
+    this.clearance = new TimePlot(byId("clearance-plot"), kHeight + kLabel, {
+      series: [{}, { label: "clearance", scale: "m", stroke: colors.clearance, width: 1.8, pxAlign: 0, points: { show: steps.length < 12 } }],
+      axes: [timeAxis("waypoint"), axis({ scale: "m", label: "m", size: 54 })],
       scales: { x: { time: false }, m: { range: (_u, low, high) => {
         const [from, to] = [Math.min(0, low ?? 0), Math.max(0, high ?? 0)], margin = 0.08 * Math.max(to - from, 1e-3);
         return [from - margin, to + margin];

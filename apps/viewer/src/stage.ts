@@ -1,7 +1,7 @@
 // The 3D view itself: renderer, camera, lights, floor grid, axes; drawn only when something changed.
 
 import { AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, LineBasicMaterial,
-         LineSegments, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+         LineSegments, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { palette } from "./palette";
 
@@ -27,12 +27,14 @@ export class Stage {
   private grid: LineSegments | null = null;
   private gridBox = new Box3();
   private pending = false;
+  private drawn = false;
   private readonly box: HTMLElement;
+  private framed: (() => void) | null = null;  // the view asked for, until the user moves the camera
 
   /// Throws when the browser offers no WebGL 2.
   constructor(box: HTMLElement, onLost: () => void) {
     this.box = box;
-    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ antialias: true });
     const canvas = this.renderer.domElement;
     box.prepend(canvas);
     canvas.addEventListener("webglcontextlost", onLost);
@@ -42,6 +44,7 @@ export class Stage {
     this.controls.dampingFactor = 0.18;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.invalidate());
+    this.controls.addEventListener("start", () => { this.framed = null; });
     const sun = new DirectionalLight(0xffffff, 1.5);
     sun.position.set(0.5, -0.8, 1.2);
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.7), new AmbientLight(0xffffff, 0.35), sun);
@@ -51,23 +54,28 @@ export class Stage {
 
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.box;
-    if (width === 0 || height === 0) return;
+    const size = this.renderer.getSize(new Vector2());
+    if (width === 0 || height === 0 || (size.x === width && size.y === height)) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.render();
+    this.framed?.();
+    if (this.drawn) this.render();
   }
 
   invalidate(): void {
     if (this.pending) return;
     this.pending = true;
-    requestAnimationFrame(() => { this.pending = false; this.render(); });
+    requestAnimationFrame(() => { if (this.pending) this.render(); });
   }
 
   render(): void {
+    this.pending = false;
+    this.drawn = true;
     this.controls.update();
     this.renderer.render(this.scene, this.camera);
+    document.body.dataset.frames = String(this.renderer.info.render.frame);
     this.onView();
   }
 
@@ -85,7 +93,8 @@ export class Stage {
       .map((degrees) => degrees * Math.PI / 180);
     const zoom = given && numbers[2] > 0 ? numbers[2] : 1;
     const direction = new Vector3(Math.sin(azimuth) * Math.cos(elevation), -Math.cos(azimuth) * Math.cos(elevation), Math.sin(elevation));
-    this.frame(box, direction, zoom);
+    this.framed = () => this.frame(box, direction, zoom);
+    this.framed();
   }
 
   /// Moves back along `direction` until every corner of the box is inside the picture.

@@ -8,16 +8,20 @@ export const cutUniform: IUniform<Vector4> = { value: new Vector4(0, 0, 0, 1) };
 const voxelVertex = `
 in vec4 position;
 uniform vec3 origin;
-uniform float voxel;
+uniform float voxel, grow;
 out vec3 normal_;
 out vec2 cell;
 void main() {
-  int direction = int(position.w + 0.5), axis = direction / 2;
+  int code = int(position.w + 0.5), direction = code % 8, corner = code / 8, axis = direction / 2;
   normal_ = vec3(0.0);
   normal_[axis] = direction % 2 == 1 ? 1.0 : -1.0;
   cell = vec2(position[(axis + 1) % 3], position[(axis + 2) % 3]);
   world = origin + position.xyz * voxel;
   gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
+  vec3 outward = vec3(0.0);
+  outward[(axis + 1) % 3] = corner == 1 || corner == 2 ? 1.0 : -1.0;
+  outward[(axis + 2) % 3] = corner >= 2 ? 1.0 : -1.0;
+  gl_Position = projectionMatrix * viewMatrix * vec4(world + outward * grow * gl_Position.w, 1.0);
 }`;
 
 const ballVertex = `
@@ -54,7 +58,7 @@ out vec4 color;
 void main() {
   if (dot(cut.xyz, world) > cut.w) discard;
   vec3 n = normalize(normal_) * (gl_FrontFacing ? 1.0 : -1.0);
-  float light = 0.80 + 0.20 * n.z + 0.11 * n.x - 0.07 * n.y;
+  float light = 0.76 + 0.24 * n.z + 0.13 * n.x - 0.06 * n.y;
   light *= gl_FrontFacing ? 1.0 : 0.62;
   ${isVoxel
     ? `vec3 base = mix(low, high, clamp((world.z - heights.x) / (heights.y - heights.x), 0.0, 1.0));
@@ -74,6 +78,7 @@ export interface SurfaceUniforms {
   heights: IUniform<[number, number]>;
   opacity: IUniform<number>; lines: IUniform<number>; shine: IUniform<number>;
   origin: IUniform<Vector3>; voxel: IUniform<number>;
+  grow: IUniform<number>;  // quads grow by this times their distance: it hides pinholes between merged quads
 }
 
 export function surfaceUniforms(): SurfaceUniforms {
@@ -82,22 +87,31 @@ export function surfaceUniforms(): SurfaceUniforms {
     low: { value: new Vector3(1, 1, 1) }, high: { value: new Vector3(1, 1, 1) },
     heights: { value: [0, 1] },
     opacity: { value: 1 }, lines: { value: 0.16 }, shine: { value: 1 },
-    origin: { value: new Vector3() }, voxel: { value: 1 },
+    origin: { value: new Vector3() }, voxel: { value: 1 }, grow: { value: 0 },
   };
+}
+
+const voxelMaterials: RawShaderMaterial[] = [];
+
+/// Back faces are seen only through a cut; without one, leaving them out halves the work.
+export function showBackFaces(shown: boolean): void {
+  for (const material of voxelMaterials) material.side = shown ? DoubleSide : FrontSide;
 }
 
 /// `pass`: "opaque" draws once; a translucent surface is drawn twice, "depth" first and then "blend", so that
 /// only the part nearest to the eye is blended and overlapping faces do not add up.
 export function surfaceMaterial(kind: "voxels" | "balls", pass: "opaque" | "depth" | "blend",
                                 uniforms: SurfaceUniforms): RawShaderMaterial {
-  return new RawShaderMaterial({
+  const material = new RawShaderMaterial({
     glslVersion: GLSL3, uniforms,
     vertexShader: vertexHead + (kind === "voxels" ? voxelVertex : ballVertex),
     fragmentShader: fragment(kind === "voxels"),
-    side: kind === "voxels" || pass === "opaque" ? DoubleSide : FrontSide,
+    side: FrontSide,
     transparent: pass !== "opaque",
     colorWrite: pass !== "depth",
     depthWrite: pass !== "blend",
     depthFunc: LessEqualDepth,
   });
+  if (kind === "voxels") voxelMaterials.push(material);
+  return material;
 }

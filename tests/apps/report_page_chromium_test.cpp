@@ -1,0 +1,147 @@
+// The report page in a real browser: Chromium, headless, with software WebGL and with none.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "apps/report_page.hpp"
+#include "tests/apps/sample_page.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSoftwareWebGl = "--use-angle=swiftshader --enable-unsafe-swiftshader";
+constexpr const char* kNoWebGl = "--disable-gpu --disable-software-rasterizer";
+
+class ReportPageInChromium : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "clearway_page_XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// The document after the page's script has run; `after` follows the file's name in the address.
+  std::string open(const std::string& html, const std::string& after = "", const char* gpu = kSoftwareWebGl) {
+    std::ofstream(folder_ / "page.html") << html;
+    const std::string command =
+        "timeout 100 chromium --headless --no-sandbox --disable-background-networking --no-first-run "
+        "--disable-component-update --disable-sync --hide-scrollbars --user-data-dir='" +
+        (folder_ / "profile").string() + "' --window-size=1280,800 --virtual-time-budget=10000 " + gpu +
+        " --dump-dom 'file://" + (folder_ / "page.html").string() + after + "' 2>/dev/null";
+    std::string dom;
+    FILE* pipe = popen(command.c_str(), "r");
+    std::array<char, 65536> chunk;
+    while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe)) dom.append(chunk.data(), n);
+    EXPECT_EQ(pclose(pipe), 0) << "chromium failed or is not installed";
+    return dom;
+  }
+
+  static std::string attribute(const std::string& dom, const std::string& name) {
+    std::smatch found;
+    const std::size_t at = dom.find("<body");
+    const std::string body = at == std::string::npos ? "" : dom.substr(at, dom.find('>', at) - at);
+    return std::regex_search(body, found, std::regex("data-" + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
+  }
+
+  static std::string errors(const std::string& dom) {
+    const std::size_t at = dom.find("id=\"errors\"");
+    return at == std::string::npos ? "no page" : dom.substr(at, dom.find("</pre>", at) - at);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ReportPageInChromium, DrawsEveryFacePlanAndPlotWithoutAnError) {
+  const ReportPage page = SamplePage::make();
+  std::size_t quads = 0;
+  for (const PageVoxels& voxels : page.voxels) quads += exposed_faces(voxels).size();
+  const std::string dom = open(render_report_page(page), "#plan=1&t=0.5&cut=z:0.3&dark=1");
+  EXPECT_EQ(attribute(dom, "ready"), "1");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_EQ(attribute(dom, "view"), "3d");
+  EXPECT_EQ(attribute(dom, "quads"), std::to_string(quads));
+  EXPECT_EQ(attribute(dom, "plans"), "3");
+  EXPECT_EQ(attribute(dom, "plots"), "2");
+  EXPECT_EQ(attribute(dom, "balls"), std::to_string(page.balls.size()));
+  EXPECT_NE(attribute(dom, "frames"), "");
+  EXPECT_NE(dom.find("no path"), std::string::npos) << "the failed plan is in sight";
+  EXPECT_NE(dom.find("120.5 / 240"), std::string::npos) << "the slider stands where the address says";
+}
+
+TEST_F(ReportPageInChromium, ShowsTheFailedPlansExplanation) {
+  const ReportPage page = SamplePage::make();
+  const std::string dom = open(render_report_page(page), "#plan=2");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_EQ(attribute(dom, "plots"), "0");
+  EXPECT_NE(dom.find("<p class=\"explanation failed\">The search ended after 412 steps"), std::string::npos);
+}
+
+TEST_F(ReportPageInChromium, KeepsPlotsAndTablesWhenThereIsNoWebGl) {
+  const std::string dom = open(render_report_page(SamplePage::make()), "", kNoWebGl);
+  EXPECT_EQ(attribute(dom, "ready"), "1");
+  EXPECT_EQ(attribute(dom, "view"), "none");
+  EXPECT_EQ(attribute(dom, "plots"), "2");
+  EXPECT_NE(dom.find("offers no WebGL 2"), std::string::npos);
+  EXPECT_NE(dom.find("ambiguous pose"), std::string::npos);
+}
+
+TEST_F(ReportPageInChromium, KeepsTextAndTablesWhenTheArraysCannotBeUnpacked) {
+  std::string html = render_report_page(SamplePage::make());
+  html.insert(html.find("<script type=\"application/json\""),
+              "<script>delete window.DecompressionStream</script>");
+  const std::string dom = open(html, "", kNoWebGl);
+  EXPECT_EQ(attribute(dom, "ready"), "1");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_NE(dom.find("too old to unpack"), std::string::npos);
+  EXPECT_NE(dom.find("ambiguous pose"), std::string::npos);
+}
+
+/// A page that holds `html` in a frame as wide as a phone (headless Chromium's own windows are not narrower
+/// than 500 pixels) and, once that is ready, takes over what its body says.
+std::string in_a_phone(const std::string& html) {
+  std::string quoted = nlohmann::json(html).dump();
+  for (std::size_t at = 0; (at = quoted.find('<', at)) != std::string::npos; at += 6)
+    quoted.replace(at, 1, "\\u003c");
+  return "<!doctype html><body><iframe id=phone width=390 height=844></iframe><pre "
+         "id=\"errors\"></pre><script>"
+         "phone.srcdoc = " +
+         quoted +
+         ";"
+         "const wait = setInterval(() => { const inner = phone.contentDocument;"
+         "if (!inner?.body?.dataset.ready) return; clearInterval(wait);"
+         "Object.assign(document.body.dataset, inner.body.dataset, {images: inner.images.length});"
+         "errors.textContent = inner.getElementById('errors').textContent; }, 100);</script></body>";
+}
+
+TEST_F(ReportPageInChromium, FitsAPhoneAndTreatsHostileTextAsText) {
+  ReportPage page = SamplePage::make();
+  page.title = page.plans[0].name = page.plans[0].explanation = page.tables[0].rows[0][0] = page.warnings[0] =
+      "</script><img src=x onerror=alert(2)>" + std::string(80, 'W');
+  const std::string dom = open(in_a_phone(render_report_page(page)));
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_EQ(attribute(dom, "width"), "390");
+  EXPECT_EQ(attribute(dom, "overflow"), "0") << "nothing is wider than the window";
+  EXPECT_EQ(attribute(dom, "images"), "0");
+}
+
+TEST_F(ReportPageInChromium, OpensAnEmptyReport) {
+  ReportPage page;
+  page.title = "nothing yet";
+  const std::string dom = open(render_report_page(page));
+  EXPECT_EQ(attribute(dom, "ready"), "1");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+}
+
+}  // namespace
+}  // namespace clearway
