@@ -60,7 +60,7 @@ struct CommentFrame {
 /// gets that of the one before it (at the beginning: of the first one that has it; 0 when none has).
 struct Frame {
   double time = 0;
-  std::string sensor;  ///< the sensor's label, may be empty
+  std::string sensor;  ///< the sensor's label, may be empty; MRPT stores none with a comment
   std::variant<ImageFrame, CloudFrame, OdometryFrame, CommentFrame> content;
 };
 

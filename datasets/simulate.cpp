@@ -28,7 +28,7 @@ class Simulation {
   }
 
   SimulationResult run() {
-    writer_.write(Frame{time_, "setup", CommentFrame{scene_.setup_text}});
+    writer_.write(Frame{time_, "", CommentFrame{scene_.setup_text}});
     for (const auto& include : scene_.includes) copy_frames(include);
     if (scene_.depth) record_depth();
     if (scene_.camera) record_images();
