@@ -28,12 +28,15 @@ std::vector<Sphere> capsule_cover(double radius, double length) {
 void cover_slab(double radius, double center, double half_height, std::vector<Sphere>& balls) {
   constexpr int sectors = 8;
   const double half_angle = std::numbers::pi / sectors;
-  balls.push_back({{0.0, 0.0, center}, std::hypot(radius / 2, half_height)});
-  // A sector of the ring radius/2 … radius: the circle about (middle, 0) that holds its corners and its arc.
+  const double inner_radius = 0.4 * radius;
+  balls.push_back({{0.0, 0.0, center}, std::hypot(inner_radius, half_height)});
+  // A sector of the ring inner_radius … radius: the circle about (middle, 0) that holds its corners and its
+  // arc.
   const double middle = 0.75 * radius;
   const Eigen::Vector2d outer(radius * std::cos(half_angle) - middle, radius * std::sin(half_angle));
-  const Eigen::Vector2d inner(radius / 2 * std::cos(half_angle) - middle, radius / 2 * std::sin(half_angle));
-  const double flat = std::max({outer.norm(), inner.norm(), radius - middle, middle - radius / 2});
+  const Eigen::Vector2d inner(inner_radius * std::cos(half_angle) - middle,
+                              inner_radius * std::sin(half_angle));
+  const double flat = std::max({outer.norm(), inner.norm(), radius - middle, middle - inner_radius});
   for (int i = 0; i < sectors; ++i) {
     const double angle = 2.0 * half_angle * i;
     balls.push_back(
@@ -105,7 +108,8 @@ std::vector<Sphere> Shape::ball_cover() const {
   std::vector<Sphere> balls;
   switch (kind_) {
     case Kind::sphere:
-      return {{Eigen::Vector3d::Zero(), radius_}};
+      balls = {{Eigen::Vector3d::Zero(), radius_}};
+      break;
     case Kind::capsule:
       balls = capsule_cover(radius_, length_);
       break;
