@@ -7,6 +7,9 @@ import type { Slice } from "./map_layers";
 import type { Options } from "./options";
 import { cutUniform, showBackFaces } from "./surface_material";
 
+/// The side that stays, so that the usual view from the front, right and above looks into the cut.
+const kept = [1, -1, 1];
+
 export function cutControls(box: Box3, resolution: number, slice: Slice, first: Options["cut"],
                             shown: (state: StateName) => boolean, changed: () => void): { refresh(): void } {
   const axisSelect = el("select", { "aria-label": "Cut across" },
@@ -34,10 +37,11 @@ export function cutControls(box: Box3, resolution: number, slice: Slice, first: 
       cutUniform.value.set(0, 0, 0, 1);
       slice.hide();
     } else {
-      const a = Number(axisSelect.value) as 0 | 1 | 2, at = Number(slider.value), sign = flipped ? -1 : 1;
-      cutUniform.value.set(0, 0, 0, sign * at).setComponent(a, sign);
+      const a = Number(axisSelect.value) as 0 | 1 | 2, at = Number(slider.value), sign = flipped ? -kept[a] : kept[a];
+      // A little past the plane, so that faces which lie in it stay whole.
+      cutUniform.value.set(0, 0, 0, sign * at + 1e-3 * resolution).setComponent(a, sign);
       value.textContent = `${"xyz"[a]} = ${at.toFixed(resolution < 0.01 ? 3 : 2)} m`;
-      if (withSlice.checked) slice.update(a, at, flipped, shown);
+      if (withSlice.checked) slice.update(a, at, sign < 0, shown);
       else slice.hide();
     }
     changed();

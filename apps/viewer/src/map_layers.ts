@@ -124,7 +124,7 @@ export class Slice {
 
   /// Shows the layer of voxels just inside the cut at `at` metres along `axis`, for the states in `shown`.
   /// Returns false, showing nothing, when no voxel is there or the picture would be too large to draw.
-  update(axis: 0 | 1 | 2, at: number, flipped: boolean, shown: (state: StateName) => boolean): boolean {
+  update(axis: 0 | 1 | 2, at: number, keepsAbove: boolean, shown: (state: StateName) => boolean): boolean {
     const sets = this.sets.filter((faces) => shown(faces.state));
     const u = (axis + 1) % 3, v = (axis + 2) % 3;
     const low = [u, v].map((a) => Math.min(...sets.map((faces) => faces.low[a])));
@@ -132,7 +132,7 @@ export class Slice {
     this.mesh.visible = sets.length > 0 && width <= 4096 && height <= 4096;
     if (!this.mesh.visible) return false;
     const cell = at / this.page.resolution + this.page.origin;
-    const layer = flipped ? Math.floor(cell + 1e-4) : Math.ceil(cell - 1e-4) - 1;
+    const layer = keepsAbove ? Math.floor(cell + 1e-4) : Math.ceil(cell - 1e-4) - 1;
     const pixels = new Uint8Array(width * height * 4);
     for (const faces of sets) {
       const mask = sliceMask(faces, axis, layer, low[0], low[1], width, height);

@@ -56,6 +56,8 @@ export function showPlan(plan: Plan, index: number): void {
   if (plan.explanation !== "" || !isSolved(plan))
     card.append(el("p", { class: isSolved(plan) ? "explanation" : "explanation failed" },
                    plan.explanation !== "" ? plan.explanation : "The planner gave no explanation."));
+  if (!isSolved(plan) && plan.waypoints > 0)
+    card.append(el("p", { class: "explanation" }, "What is played and plotted is no valid plan."));
   if (plan.waypoints === 0) card.append(el("p", { class: "explanation" }, "There is no path to play or to plot."));
   if (plan.figures.length > 0) card.append(figureList(plan.figures));
 }

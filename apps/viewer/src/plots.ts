@@ -115,7 +115,7 @@ export class Plots {
     }))];
     const axes = [timeAxis()];
     if (hasAngles) axes.push(axis({ scale: angle, label: angle }));
-    if (hasLengths) axes.push(axis({ scale: "m", label: "m", side: hasAngles ? 1 : 3, grid: hasAngles ? { show: false } : undefined }));
+    if (hasLengths) axes.push(axis({ scale: "m", label: "m", ...(hasAngles ? { side: 1, grid: { show: false } } : {}) }));
     this.joints = new TimePlot(byId("joint-plot"), kHeight, {
       series, axes, scales: { x: { time: false } }, hooks: { setCursor: [(u) => this.showKeys(u.cursor.idx ?? null)] },
     }, [steps, ...this.values.map((v, j) => Array.from(v, (x) => x * factor(j)))], (x) => this.onSeek(x - 1));
