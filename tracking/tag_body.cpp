@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
@@ -45,22 +46,34 @@ bool all_face_camera(const std::vector<SeenTag>& seen, const Eigen::Isometry3d& 
   });
 }
 
-// All minima of the reprojection error over `corners` that some tag's IPPE solution leads to, best first.
-std::vector<RefinedPose> minima(const std::vector<SeenTag>& seen, const std::vector<CornerMatch>& corners,
-                                const Camera& camera) {
-  std::vector<RefinedPose> found;
+// The reprojection error's minima over `corners` that the tags' IPPE solutions lead to, and those solutions
+// themselves: two of them may slide into one minimum, and the valley between them is then an open question.
+struct Answers {
+  std::vector<RefinedPose> minima;                        // best first
+  std::vector<std::pair<double, Eigen::Isometry3d>> any;  // squared error, camera_from_body; best first
+};
+
+Answers find_answers(const std::vector<SeenTag>& seen, const std::vector<CornerMatch>& corners,
+                     const Camera& camera) {
+  Answers found;
+  const auto add = [&](const std::optional<RefinedPose>& pose, bool is_minimum) {
+    if (!pose || !all_face_camera(seen, pose->camera_from_body)) return;
+    found.any.emplace_back(pose->squared_error, pose->camera_from_body);
+    if (is_minimum) found.minima.push_back(*pose);
+  };
   for (const SeenTag& tag : seen) {
     for (const TagPoseSolution& solution :
          estimate_tag_pose(tag.detection->corners, tag.mounted->size, camera).solutions) {
-      const Eigen::Isometry3d camera_from_body =
-          solution.camera_from_tag * tag.mounted->body_from_tag.inverse();
-      const auto refined = refine_pose(camera, corners, camera_from_body);
-      if (refined && all_face_camera(seen, refined->camera_from_body)) found.push_back(*refined);
+      const Eigen::Isometry3d start = solution.camera_from_tag * tag.mounted->body_from_tag.inverse();
+      add(refine_pose(camera, corners, start, 0), false);
+      add(refine_pose(camera, corners, start), true);
     }
   }
-  std::stable_sort(found.begin(), found.end(), [](const RefinedPose& a, const RefinedPose& b) {
+  std::stable_sort(found.minima.begin(), found.minima.end(), [](const RefinedPose& a, const RefinedPose& b) {
     return a.squared_error < b.squared_error;
   });
+  std::stable_sort(found.any.begin(), found.any.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   return found;
 }
 
@@ -106,9 +119,9 @@ std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vecto
   options.validate();
   const std::vector<SeenTag> seen = seen_tags(body, detections);
   const std::vector<CornerMatch> corners = all_corners(seen);
-  const std::vector<RefinedPose> answers = minima(seen, corners, camera);
-  if (answers.empty()) return std::nullopt;
-  const RefinedPose& best = answers.front();
+  const Answers answers = find_answers(seen, corners, camera);
+  if (answers.minima.empty()) return std::nullopt;
+  const RefinedPose& best = answers.minima.front();
   const Eigen::LLT<Matrix6d> information(best.information);
   if (information.info() != Eigen::Success) return std::nullopt;
 
@@ -118,13 +131,13 @@ std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vecto
   if (!pose.camera_from_body.covariance.allFinite()) return std::nullopt;
   pose.rms_px = std::sqrt(best.squared_error / static_cast<double>(corners.size()));
   for (const SeenTag& tag : seen) pose.tags.push_back(tag.id);
-  const auto other = std::find_if(answers.begin(), answers.end(), [&](const RefinedPose& answer) {
-    return angle_between(answer.camera_from_body, best.camera_from_body) > options.distinct_angle;
+  const auto other = std::find_if(answers.any.begin(), answers.any.end(), [&](const auto& answer) {
+    return angle_between(answer.second, best.camera_from_body) > options.distinct_angle;
   });
-  if (other != answers.end()) {
-    pose.alternative = other->camera_from_body;
-    pose.separation = (other->squared_error - best.squared_error) / variance;
-    if (best.squared_error > 0.0) pose.ambiguity_ratio = std::sqrt(other->squared_error / best.squared_error);
+  if (other != answers.any.end()) {
+    pose.alternative = other->second;
+    pose.separation = (other->first - best.squared_error) / variance;
+    if (best.squared_error > 0.0) pose.ambiguity_ratio = std::sqrt(other->first / best.squared_error);
   }
   return pose;
 }

@@ -31,7 +31,7 @@ struct TagBody {
 
 struct BodyPoseOptions {
   double pixel_noise = 0.3;     ///< standard deviation of a corner per axis, pixels, > 0: state it honestly
-  double distinct_angle = 0.1;  ///< radians: two minima that differ by more are two answers
+  double distinct_angle = 0.1;  ///< radians: poses that differ by more are two answers
 
   void validate() const;  ///< throws std::invalid_argument naming the option and its range
 };
@@ -57,9 +57,11 @@ struct BodyPose {
 /// an id are ignored.
 ///
 /// Each tag's two IPPE-square poses start a refinement over all corners of the body; the best minimum is the
-/// answer, the best other one is kept for the ambiguity. No prediction from earlier frames takes part: it
-/// would decide silently what the image leaves open. Covariance = s^2 (J^T J)^-1 with s the stated pixel
-/// noise, or the noise seen in the residuals where that is larger beyond chance (3 sigma of its chi-square).
+/// answer, the best other one is kept for the ambiguity, be it a minimum or one of the IPPE poses itself
+/// (near a frontal view both slide into one minimum, on either side). No prediction from earlier frames takes
+/// part: it would decide silently what the image leaves open. Covariance = s^2 (J^T J)^-1 with s the stated
+/// pixel noise, or the noise seen in the residuals where that is larger beyond chance (3 sigma of its
+/// chi-square).
 std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,
                                            const Camera& camera, const BodyPoseOptions& options = {});
 

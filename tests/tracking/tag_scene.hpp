@@ -96,9 +96,8 @@ inline int grey_at(const std::array<std::array<int, 10>, 10>& cells, double size
 
 inline void draw(const Camera& camera, const PlacedTag& tag, int n, cv::Mat& grey) {
   const auto cells = cells_of(tag.id);
-  Camera wide = camera;  // bounds from the paper's corners
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-  for (const Eigen::Vector2d& c : true_corners(wide, {tag.id, tag.size * 1.6, tag.camera_from_tag}))
+  for (const Eigen::Vector2d& c : true_corners(camera, {tag.id, tag.size * 1.6, tag.camera_from_tag}))
     low = low.cwiseMin(c), high = high.cwiseMax(c);
   const int x0 = std::max(0, int(low.x()) - 3), x1 = std::min(camera.width - 1, int(high.x()) + 3);
   const int y0 = std::max(0, int(low.y()) - 3), y1 = std::min(camera.height - 1, int(high.y()) + 3);
@@ -110,8 +109,7 @@ inline void draw(const Camera& camera, const PlacedTag& tag, int n, cv::Mat& gre
         pixels.emplace_back(x - 0.5 + (k % n + 0.5) / n, y - 0.5 + (k / n + 0.5) / n);
   cv::undistortPoints(pixels, rays, matrix_of(camera),
                       cv::Mat(1, 5, CV_64F, const_cast<double*>(camera.distortion.data())), cv::noArray(),
-                      cv::noArray(),
-                      cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 1e-10));
+                      cv::noArray(), cv::TermCriteria(cv::TermCriteria::COUNT, 14, 0));
   const Eigen::Matrix3d r = tag.camera_from_tag.linear();
   const Eigen::Vector3d t = tag.camera_from_tag.translation();
   std::size_t i = 0;

@@ -1,0 +1,53 @@
+#include "tracking/painting_probe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "tests/tracking/tag_scene.hpp"
+
+namespace clearway {
+namespace {
+
+TEST(PaintedRadius, is_the_ball_less_the_three_errors_of_equation_3) {
+  EXPECT_NEAR(painted_radius(0.05, {0.002, 0.005, 0.003}), 0.04, 1e-15);
+  EXPECT_EQ(painted_radius(0.05, {0.0, 0.0, 0.0}), 0.05);
+}
+
+TEST(PaintedRadius, refuses_budgets_that_leave_no_ball_or_are_no_errors) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(painted_radius(0.01, {0.002, 0.005, 0.003}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.005, {0.002, 0.005, 0.003}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.05, {-0.001, 0.005, 0.003}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.05, {0.001, -1e-9, 0.003}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.05, {0.001, 0.005, nan}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(nan, {0.001, 0.005, 0.003}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(std::numeric_limits<double>::infinity(), {}), std::invalid_argument);
+}
+
+TEST(PaintedRadius, says_in_its_refusal_what_was_subtracted_from_what) {
+  try {
+    painted_radius(0.006, {0.001, 0.005, 0.001});
+    FAIL();
+  } catch (const std::invalid_argument& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("0.007 m"), std::string::npos) << refusal.what();
+    EXPECT_NE(std::string(refusal.what()).find("0.006 m"), std::string::npos) << refusal.what();
+  }
+}
+
+TEST(PaintingProbe, refuses_a_ball_without_a_place_or_a_size) {
+  const PaintingProbe good{scene::cube("probe", 0, 0.03, 0.05), {0, 0, 0.1}, 0.03};
+  EXPECT_NO_THROW(good.validate());
+  for (double radius : {0.0, -0.03, std::numeric_limits<double>::quiet_NaN()}) {
+    PaintingProbe bad = good;
+    bad.ball_radius = radius;
+    EXPECT_THROW(bad.validate(), std::invalid_argument);
+  }
+  PaintingProbe lost = good;
+  lost.ball_in_probe.y() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(lost.validate(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,284 @@
+#include "tracking/probe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "tests/tracking/tag_scene.hpp"
+
+namespace clearway {
+namespace {
+
+using scene::tag_before_camera;
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// A board and a cube probe half a metre before the camera; detections are made from true corners.
+struct Stage {
+  Camera camera = scene::plain_camera();
+  TagBody base = scene::board("base", 0, 3, 2, 0.06, 0.09);
+  PaintingProbe probe{scene::cube("probe", 20, 0.05, 0.07), {0.0, 0.0, 0.09}, 0.04};
+  ErrorBudget budget;
+  AcceptanceOptions acceptance;
+  BodyPoseOptions pose;
+  Eigen::Isometry3d camera_from_base = tag_before_camera(0.6, 0.7, 0.2, 0.0, -0.08, 0.06);
+  Eigen::Isometry3d camera_from_probe = tag_before_camera(0.45, 0.8, 2.5, 0.3, 0.08, -0.04);
+  double noise = 0.05;
+  std::mt19937 random{41};
+
+  Probe made() const { return Probe(camera, base, probe, budget, acceptance, pose); }
+
+  std::vector<TagDetection> seen() {
+    auto tags = scene::placed(base, camera_from_base);
+    for (const auto& tag : scene::placed(probe.body, camera_from_probe)) tags.push_back(tag);
+    return scene::noisy_detections(camera, tags, noise, random);
+  }
+};
+
+std::vector<TagDetection> without(std::vector<TagDetection> detections, int first, int last) {
+  std::erase_if(detections, [&](const TagDetection& d) { return d.id >= first && d.id <= last; });
+  return detections;
+}
+
+void expect_refused(const PaintingSample& sample, Refusal refusal) {
+  EXPECT_FALSE(sample.accepted);
+  EXPECT_EQ(to_string(sample.refusal), to_string(refusal)) << sample.reason;
+  EXPECT_FALSE(sample.reason.empty());
+}
+
+TEST(Probe, paints_the_ball_of_equations_1_and_3_where_the_truth_has_it) {
+  Stage stage;
+  Probe probe = stage.made();
+  for (int i = 0; i < 50; ++i) {
+    stage.camera_from_probe.translation().x() += 0.002;
+    const PaintingSample sample = probe.sample(stage.seen(), 0.1 * i);
+    ASSERT_TRUE(sample.accepted) << sample.reason;
+    const Eigen::Vector3d truth =
+        stage.camera_from_base.inverse() * (stage.camera_from_probe * stage.probe.ball_in_probe);
+    EXPECT_LT((sample.ball.center - truth).norm(), 5 * sample.center_sigma);
+    EXPECT_LT((sample.ball.center - truth).norm(), stage.budget.tracking);
+    EXPECT_NEAR(sample.ball.radius, 0.04 - 0.001 - 0.005 - 0.001, 1e-15);
+    EXPECT_EQ(sample.reason, "");
+  }
+  EXPECT_EQ(probe.count(Refusal::none), 50);
+}
+
+TEST(Probe, its_center_uncertainty_is_calibrated) {
+  Stage stage;
+  stage.noise = stage.pose.pixel_noise = 0.2;
+  stage.budget = {0.0, 0.03, 0.0};
+  Probe probe = stage.made();
+  const UncertainPose nothing;
+  double sum = 0;
+  const int n = 800;
+  for (int i = 0; i < n; ++i) {
+    const PaintingSample sample = probe.sample(stage.seen(), i);
+    ASSERT_TRUE(sample.accepted) << sample.reason;
+    const UncertainPoint center = transform(sample.base_from_probe, stage.probe.ball_in_probe);
+    const Eigen::Vector3d error = center.point - stage.camera_from_base.inverse() *
+                                                     (stage.camera_from_probe * stage.probe.ball_in_probe);
+    sum += error.dot(center.covariance.inverse() * error) / n;
+    EXPECT_LT(error.norm(), 4.5 * sample.center_sigma);
+  }
+  EXPECT_NEAR(sum, 3.0, 0.35);  // chi-square(3): standard deviation of the mean 0.087
+}
+
+TEST(Probe, refuses_for_each_reason_with_a_sentence_and_counts_it) {
+  Stage stage;
+  Probe probe = stage.made();
+  double time = 0;
+  EXPECT_TRUE(probe.sample(stage.seen(), ++time).accepted);
+  expect_refused(probe.sample(stage.seen(), time), Refusal::time_not_rising);
+  expect_refused(probe.sample(stage.seen(), time - 5), Refusal::time_not_rising);
+  expect_refused(probe.sample(stage.seen(), kNan), Refusal::time_not_rising);
+  expect_refused(probe.sample({}, ++time), Refusal::base_not_seen);
+  expect_refused(probe.sample(without(stage.seen(), 0, 5), ++time), Refusal::base_not_seen);
+  expect_refused(probe.sample(without(stage.seen(), 20, 29), ++time), Refusal::probe_not_seen);
+  auto bent = stage.seen();
+  bent[2].corners[0].x() += 8.0;
+  expect_refused(probe.sample(bent, ++time), Refusal::reprojection_error);
+  expect_refused(probe.refuse_image("the image is empty", ++time), Refusal::image_refused);
+  EXPECT_TRUE(probe.sample(stage.seen(), ++time).accepted);
+  stage.camera_from_probe.translation().x() -= 0.15;
+  expect_refused(probe.sample(stage.seen(), time += 0.1), Refusal::too_fast);
+  EXPECT_EQ(probe.count(Refusal::none), 2);
+  EXPECT_EQ(probe.count(Refusal::time_not_rising), 3);
+  EXPECT_EQ(probe.count(Refusal::base_not_seen), 2);
+  EXPECT_EQ(probe.counts().at("reprojection_error"), 1);
+  EXPECT_EQ(probe.counts().size(), static_cast<std::size_t>(kRefusals));
+  std::int64_t sum = 0;
+  for (const auto& [name, count] : probe.counts()) sum += count;
+  EXPECT_EQ(sum, 11);
+}
+
+TEST(Probe, refuses_bodies_that_show_too_few_tags) {
+  Stage stage;
+  stage.acceptance.min_base_tags = 4;
+  Probe probe = stage.made();
+  EXPECT_TRUE(probe.sample(stage.seen(), 1).accepted);
+  expect_refused(probe.sample(without(stage.seen(), 0, 2), 2), Refusal::too_few_tags);
+  stage.acceptance.min_probe_tags = 6;
+  Probe stricter = stage.made();
+  expect_refused(stricter.sample(stage.seen(), 1), Refusal::too_few_tags);
+}
+
+TEST(Probe, refuses_a_small_far_tag_that_two_poses_explain) {
+  Stage stage;
+  stage.probe.body = scene::board("far", 20, 1, 1, 0.06, 0.1);
+  stage.camera_from_probe = tag_before_camera(1.5, 0.2, 1.0);
+  stage.budget = {0.0, 0.03, 0.0};
+  stage.noise = 0.3;
+  Probe probe = stage.made();
+  int ambiguous = 0;
+  for (int i = 0; i < 50; ++i) ambiguous += probe.sample(stage.seen(), i).refusal == Refusal::ambiguous_pose;
+  EXPECT_GT(ambiguous, 40);
+}
+
+TEST(Probe, refuses_a_center_less_sure_than_the_tracking_error_that_equation_3_pays_for) {
+  Stage stage;
+  stage.budget.tracking = 0.0005;
+  Probe probe = stage.made();
+  expect_refused(probe.sample(stage.seen(), 1), Refusal::uncertain_center);
+  stage.budget.tracking = 0.02;
+  EXPECT_TRUE(stage.made().sample(stage.seen(), 1).accepted);
+}
+
+TEST(Probe, a_jump_stays_refused_until_time_makes_it_slow_and_the_ball_rests) {
+  Stage stage;
+  Probe probe = stage.made();
+  EXPECT_TRUE(probe.sample(stage.seen(), 0.0).accepted);
+  stage.camera_from_probe.translation().x() -= 0.15;  // 0.3 s at 0.5 m/s
+  for (double time : {0.1, 0.2, 0.28}) expect_refused(probe.sample(stage.seen(), time), Refusal::too_fast);
+  EXPECT_TRUE(probe.sample(stage.seen(), 0.4).accepted);
+  stage.camera_from_probe.translation().x() += 0.2;  // slow since the last accepted, but a jump in one image
+  EXPECT_TRUE(probe.sample(without(stage.seen(), 20, 29), 10.0).refusal == Refusal::probe_not_seen);
+  EXPECT_TRUE(probe.sample(stage.seen(), 10.1).accepted);
+}
+
+TEST(Probe, with_a_fixed_camera_averages_the_base_and_refuses_while_it_is_elsewhere) {
+  Stage stage;
+  stage.acceptance.fixed_camera = true;
+  stage.noise = stage.pose.pixel_noise = 0.2;
+  stage.budget = {0.0, 0.03, 0.0};
+  Probe fixed = stage.made();
+  stage.acceptance.fixed_camera = false;
+  Probe moving = stage.made();
+  PaintingSample last_fixed, last_moving;
+  for (int i = 0; i < 40; ++i) {
+    const auto seen = stage.seen();
+    last_fixed = fixed.sample(seen, i);
+    last_moving = moving.sample(seen, i);
+    ASSERT_TRUE(last_fixed.accepted) << last_fixed.reason;
+  }
+  EXPECT_LT(last_fixed.center_sigma, last_moving.center_sigma);
+  stage.camera_from_base.translation().x() += 0.03;  // somebody moved the board
+  for (int i = 0; i < 5; ++i) expect_refused(fixed.sample(stage.seen(), 40 + i), Refusal::base_moved);
+  EXPECT_TRUE(fixed.sample(stage.seen(), 46).accepted);
+}
+
+TEST(Probe, cannot_be_made_of_parts_that_do_not_fit) {
+  const auto refuses = [](auto spoil) {
+    Stage stage;
+    spoil(stage);
+    EXPECT_THROW(stage.made(), std::invalid_argument);
+  };
+  refuses([](Stage& s) { s.probe.body.tags[2] = s.base.tags[2]; });
+  refuses([](Stage& s) { s.probe.ball_radius = 0.006; });
+  refuses([](Stage& s) { s.camera.fx = 0; });
+  refuses([](Stage& s) { s.base.tags.clear(); });
+  refuses([](Stage& s) { s.probe.body.tags.clear(); });
+  refuses([](Stage& s) { s.pose.pixel_noise = kNan; });
+  refuses([](Stage& s) { s.acceptance.min_base_tags = 0; });
+  refuses([](Stage& s) { s.acceptance.min_probe_tags = 0; });
+  refuses([](Stage& s) { s.acceptance.max_rms_px = kNan; });
+  refuses([](Stage& s) { s.acceptance.min_ambiguity_ratio = 0.5; });
+  refuses([](Stage& s) { s.acceptance.min_separation = kNan; });
+  refuses([](Stage& s) { s.acceptance.confidence_sigmas = 0; });
+  refuses([](Stage& s) { s.acceptance.max_speed = -1; });
+  refuses([](Stage& s) { s.acceptance.static_board.memory = 0; });
+}
+
+struct FlipCount {
+  int accepted = 0, flipped = 0, off = 0;
+};
+
+// One 6 cm tag at `distance`, tilted 0 to 60 degrees any way, with `actual` pixels of noise; counts the
+// accepted poses, those of them turned by more than 20 degrees, and those whose ball is off by more than eq.
+// 3 pays for.
+FlipCount count_flips(double distance, double actual, const Stage& rules, int poses) {
+  Stage stage = rules;
+  stage.acceptance.max_speed = 1e9;
+  Probe probe = stage.made();
+  std::uniform_real_distribution<double> unit(0, 1);
+  FlipCount count;
+  for (int i = 0; i < poses; ++i) {
+    const double tilt = 60 * kDegree * unit(stage.random), azimuth = 2 * M_PI * unit(stage.random);
+    const double roll = 2 * M_PI * unit(stage.random), x = unit(stage.random) - 0.5,
+                 y = unit(stage.random) - 0.5;
+    stage.camera_from_probe = tag_before_camera(distance, tilt, azimuth, roll, 0.2 * x, 0.2 * y);
+    auto seen = scene::noisy_detections(stage.camera, scene::placed(stage.base, stage.camera_from_base), 0.02,
+                                        stage.random);
+    const auto tag = scene::noisy_detections(
+        stage.camera, scene::placed(stage.probe.body, stage.camera_from_probe), actual, stage.random);
+    seen.insert(seen.end(), tag.begin(), tag.end());
+    const PaintingSample sample = probe.sample(seen, i);
+    if (!sample.accepted) continue;
+    ++count.accepted;
+    count.flipped +=
+        scene::angle(sample.probe->camera_from_body.pose, stage.camera_from_probe) > 20 * kDegree;
+    const Eigen::Vector3d truth =
+        stage.camera_from_base.inverse() * (stage.camera_from_probe * stage.probe.ball_in_probe);
+    count.off += (sample.ball.center - truth).norm() > stage.budget.tracking;
+  }
+  return count;
+}
+
+Stage single_tag_stage(double stated_noise, double lever, double tracking_error) {
+  Stage stage;
+  stage.base = scene::board("base", 0, 1, 1, 0.2, 0.2);
+  stage.probe = {scene::board("single", 20, 1, 1, 0.06, 0.1), {0.0, -lever, 0.0}, 0.05};
+  stage.budget = {0.0, tracking_error, 0.0};
+  stage.pose.pixel_noise = stated_noise;
+  return stage;
+}
+
+TEST(Probe, accepts_no_flipped_pose_of_a_single_small_tag_even_when_any_uncertainty_is_allowed) {
+  Stage stage = single_tag_stage(0.5, 0.2, 0.02);
+  stage.acceptance.confidence_sigmas = 1e-9;
+  for (const auto& [distance, poses] : {std::pair(0.4, 2000), std::pair(0.6, 2000), std::pair(0.8, 8000)}) {
+    const FlipCount count = count_flips(distance, 0.5, stage, poses);
+    EXPECT_EQ(count.flipped, 0) << distance;
+    EXPECT_GT(count.accepted, 0) << distance;
+    RecordProperty("accepted_per_mille_at_" + std::to_string(int(1000 * distance)) + "_mm",
+                   1000 * count.accepted / poses);
+  }
+}
+
+TEST(Probe, accepts_no_flipped_pose_when_the_noise_is_two_thirds_more_than_stated) {
+  Stage stage = single_tag_stage(0.3, 0.2, 0.02);
+  stage.acceptance.confidence_sigmas = 1e-9;
+  const FlipCount count = count_flips(0.8, 0.5, stage, 8000);
+  EXPECT_EQ(count.flipped, 0);
+  RecordProperty("accepted_per_mille", 1000 * count.accepted / 8000);
+}
+
+TEST(Probe, accepted_balls_of_a_single_tag_keep_within_the_tracking_error) {
+  const Stage stage = single_tag_stage(0.2, 0.1, 0.01);
+  int accepted = 0, off = 0;
+  for (double distance : {0.3, 0.4, 0.5, 0.6}) {
+    const FlipCount count = count_flips(distance, 0.2, stage, 1500);
+    accepted += count.accepted;
+    off += count.off;
+  }
+  EXPECT_GT(accepted, 1000);
+  EXPECT_LE(off, accepted / 200);  // three sigma in the worst direction
+  RecordProperty("accepted", accepted);
+  RecordProperty("off", off);
+}
+
+}  // namespace
+}  // namespace clearway
