@@ -79,10 +79,11 @@ Json legs_json(const std::vector<PlanResult>& legs) {
   return json;
 }
 
+/// A homogeneous 4x4 matrix, row by row: reads back bit for bit, as a quaternion would not.
 Json base_json(const Eigen::Isometry3d& map_from_base) {
-  const Eigen::Quaterniond turn(map_from_base.linear());
-  return {{"xyz", array_of(Eigen::VectorXd(map_from_base.translation()))},
-          {"quaternion_wxyz", {turn.w(), turn.x(), turn.y(), turn.z()}}};
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i) rows.push_back(array_of(Eigen::VectorXd(map_from_base.matrix().row(i))));
+  return rows;
 }
 
 Json policy_json(const std::map<std::string, Policy>& policies) {

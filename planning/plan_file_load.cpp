@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -106,12 +107,16 @@ std::map<std::string, Policy> policies(const Field& field) {
 }
 
 Eigen::Isometry3d base(const Field& field) {
-  const Eigen::Vector3d place = numbers(field.at("xyz"), 3);
-  const Eigen::Vector4d wxyz = numbers(field.at("quaternion_wxyz"), 4);
-  if (std::abs(wxyz.norm() - 1.0) > 1e-6) field.at("quaternion_wxyz").refuse("a unit quaternion");
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized().toRotationMatrix();
-  pose.translation() = place;
+  const std::vector<Field> rows = field.items();
+  if (rows.size() != 4) field.refuse("four rows of a homogeneous matrix");
+  Eigen::Isometry3d pose;
+  for (int i = 0; i < 4; ++i)
+    pose.matrix().row(i) = numbers(rows[static_cast<std::size_t>(i)], 4).transpose();
+  const Eigen::Matrix3d turn = pose.linear();
+  const bool is_rotation = (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0.0;
+  if (!is_rotation || pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    field.refuse("a rotation and a translation");
+  }
   return pose;
 }
 
@@ -198,10 +203,10 @@ Plan read_plan(const Field& root) {
 
 Plan load_plan(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  const std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file)) {
-    throw std::invalid_argument("plan file " + file.string() + ": cannot be read");
+  if (!stream.is_open() || !std::filesystem::is_regular_file(file)) {
+    throw std::invalid_argument("plan file " + file.string() + ": cannot be read as a file");
   }
+  const std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   Json json;
   try {
     json = Json::parse(content);

@@ -96,7 +96,7 @@ TEST(PlanFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read.waypoints(), plan.waypoints());
   EXPECT_EQ(read.legs[1].waypoints, plan.legs[1].waypoints);
   EXPECT_EQ(read.policies, plan.policies);
-  EXPECT_TRUE(read.map_from_base.isApprox(plan.map_from_base, 1e-14));
+  EXPECT_EQ(read.map_from_base.matrix(), plan.map_from_base.matrix());
 }
 
 TEST(PlanFile, KeepsEveryBitOfRandomWaypoints) {
@@ -165,7 +165,7 @@ TEST(PlanFile, NotJsonAndMissingFilesAreRefusedInOneSentence) {
   EXPECT_THROW(load_plan(testing::TempDir()), std::invalid_argument);
   std::mt19937_64 random(9);
   const std::string whole = to_json(example());
-  for (int i = 0; i < 400; ++i) {  // damage: refused, or still a plan; never anything else
+  for (int i = 0; i < 150; ++i) {  // damage: refused, or still a plan; never anything else
     std::string text = whole;
     text[random() % text.size()] = static_cast<char>(random() % 256);
     if (i % 2 == 0) text.resize(random() % text.size());
