@@ -17,8 +17,7 @@ std::uint16_t cap_of(const FieldRegion& region) {
 
 }  // namespace
 
-BlockedField::BlockedField(const std::shared_ptr<const FusedTree>& tree, const Requirement& requirement,
-                           const FieldRegion& cells)
+BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells)
     : requirement_(requirement),
       outside_blocked_(!allows(requirement, VoxelState::unknown, 0)),
       cells_(cells),
@@ -26,7 +25,7 @@ BlockedField::BlockedField(const std::shared_ptr<const FusedTree>& tree, const R
       box_((cells.first.cast<double>() * cells.resolution).eval(),
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
       field_(cells.size.x(), cells.size.y(), cells.size.z(), cap_of(cells)) {
-  mark_blocked(*tree);
+  mark_blocked(tree);
   transform_distances(field_);
 }
 
@@ -72,7 +71,8 @@ Eigen::Vector3i BlockedField::cell_near(const Eigen::Vector3d& point) const {
 double BlockedField::bound_from_cells(const Eigen::Vector3d& inside) const {
   const Eigen::Vector3d half_cell = Eigen::Vector3d::Constant(0.5 * cells_.resolution);
   const Eigen::Vector3i low = cell_near(inside - half_cell);
-  const Eigen::Vector3i high = cell_near(inside + half_cell);
+  const Eigen::Vector3i last = cells_.first + cells_.size - Eigen::Vector3i::Ones();
+  const Eigen::Vector3i high = (low.array() + 1).min(last.array());
   double bound = 0.0;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3i cell(corner & 1U ? high.x() : low.x(), corner & 2U ? high.y() : low.y(),
@@ -81,6 +81,29 @@ double BlockedField::bound_from_cells(const Eigen::Vector3d& inside) const {
     if (distance > bound) bound = std::max(bound, distance - (inside - center(cell)).norm());
   }
   return bound;
+}
+
+/// The exact distance to the blocked cubes among the 27 around the point; others are beyond those cells. So
+/// the bound is exact within one voxel of an obstacle, where the field's slack would matter most.
+double BlockedField::bound_from_neighbours(const Eigen::Vector3d& inside) const {
+  const Eigen::Vector3i cell = cell_near(inside);
+  const Eigen::Array3d offset = (inside - center(cell)).array();
+  double nearest_squared = (1.5 * cells_.resolution - offset.abs()).minCoeff();
+  nearest_squared *= std::max(nearest_squared, 0.0);
+  const Eigen::Vector3i last = cells_.first + cells_.size - Eigen::Vector3i::Ones();
+  const Eigen::Vector3i low = (cell.array() - 1).max(cells_.first.array());
+  const Eigen::Vector3i high = (cell.array() + 1).min(last.array());
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        if (squared({x, y, z}) != 0) continue;
+        const Eigen::Array3d gap =
+            ((inside - center({x, y, z})).array().abs() - 0.5 * cells_.resolution).max(0.0);
+        nearest_squared = std::min(nearest_squared, gap.square().sum());
+      }
+    }
+  }
+  return std::sqrt(nearest_squared);
 }
 
 double BlockedField::distance_to_border(const Eigen::Vector3d& inside, int& axis, bool& upper) const {
@@ -102,6 +125,7 @@ double BlockedField::clearance(const Eigen::Vector3d& point) const {
   const double gap_squared = (point - inside).squaredNorm();
   if (outside_blocked_ && gap_squared > 0.0) return 0.0;
   double bound = bound_from_cells(inside);
+  if (bound < 1.5 * cells_.resolution) bound = std::max(bound, bound_from_neighbours(inside));
   if (outside_blocked_) {
     int axis = 0;
     bool upper = false;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <memory>
 
 #include "mapping/blocked_space.hpp"
 #include "mapping/distance_transform.hpp"
@@ -30,7 +29,8 @@ constexpr std::size_t field_memory_limit = std::size_t{1} << 30U;
 /// @throws std::invalid_argument when it is empty, not finite, too far away or too large for the memory
 /// limit,
 ///         or when max_distance is not > 0.
-FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance);
+FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance,
+                         std::size_t memory_limit = field_memory_limit);
 
 /// Memory of the field of a region, bytes.
 std::size_t field_bytes(const FieldRegion& region);
@@ -38,8 +38,7 @@ std::size_t field_bytes(const FieldRegion& region);
 /// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel.
 class BlockedField final : public BlockedSpace {
  public:
-  BlockedField(const std::shared_ptr<const FusedTree>& tree, const Requirement& requirement,
-               const FieldRegion& cells);
+  BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells);
 
   const FieldRegion& cells() const { return cells_; }
 
@@ -67,6 +66,7 @@ class BlockedField final : public BlockedSpace {
   }
   Eigen::Vector3i cell_near(const Eigen::Vector3d& point) const;  ///< of the region, nearest to the point
   double bound_from_cells(const Eigen::Vector3d& inside) const;
+  double bound_from_neighbours(const Eigen::Vector3d& inside) const;
   double distance_to_border(const Eigen::Vector3d& inside, int& axis, bool& upper) const;
   NearestBlocked nearest_outside(const Eigen::Vector3d& point) const;
   NearestBlocked describe(const Eigen::Vector3d& point, const Eigen::Vector3i& voxel) const;

@@ -15,10 +15,10 @@ std::size_t padded(int cells) {
                                   DistanceBlock::lane);
 }
 
-[[noreturn]] void refuse_size(const Eigen::Vector3d& size, double bytes, double resolution) {
-  const double edge = std::floor(std::cbrt(static_cast<double>(field_memory_limit) / sizeof(std::uint16_t)) /
-                                 DistanceBlock::lane) *
-                      DistanceBlock::lane * resolution;
+[[noreturn]] void refuse_size(const Eigen::Vector3d& size, double bytes, double resolution,
+                              std::size_t limit) {
+  const double cells = std::cbrt(static_cast<double>(limit) / sizeof(std::uint16_t));
+  const double edge = std::max(1.0, std::floor(cells) - DistanceBlock::lane) * resolution;
   const auto text = [](double value) {
     std::string digits = std::to_string(value);
     return digits.substr(0, digits.find('.') + 3);
@@ -26,13 +26,14 @@ std::size_t padded(int cells) {
   throw std::invalid_argument("region of " + text(size.x()) + " x " + text(size.y()) + " x " +
                               text(size.z()) + " m needs " + text(bytes / (1U << 20U)) +
                               " MiB at a resolution of " + text(resolution * 1000.0) +
-                              " mm, more than the limit of " + std::to_string(field_memory_limit >> 20U) +
+                              " mm, more than the limit of " + std::to_string(limit >> 20U) +
                               " MiB: a cube of " + text(edge) + " m would fit");
 }
 
 }  // namespace
 
-FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance) {
+FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance,
+                         std::size_t memory_limit) {
   if (!(max_distance > 0.0)) {
     throw std::invalid_argument("distance field: max_distance is " + std::to_string(max_distance) +
                                 ", expected metres > 0");
@@ -49,9 +50,10 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
   }
   const Eigen::Array3d size = high - low;
   const double rows = size.y() * size.z();
-  const double bytes = sizeof(std::uint16_t) * rows * (size.x() + DistanceBlock::lane);
-  if (bytes > static_cast<double>(field_memory_limit)) {
-    refuse_size(region.sizes(), bytes, resolution);
+  const double row = std::ceil(size.x() / DistanceBlock::lane) * DistanceBlock::lane;
+  const double bytes = sizeof(std::uint16_t) * rows * row;
+  if (bytes > static_cast<double>(memory_limit)) {
+    refuse_size(region.sizes(), bytes, resolution, memory_limit);
   }
   return {low.matrix().cast<int>(), size.matrix().cast<int>(), resolution,
           std::min(max_distance, 89.0 * resolution)};

@@ -138,7 +138,7 @@ std::string format_color_tree(const FusedTree& tree) {
         break;
     }
   });
-  colored.updateInnerOccupancy();
+  if (colored.getRoot() != nullptr) colored.updateInnerOccupancy();
   std::ostringstream stream;
   stream << octree_header(false, colored.getTreeType(), colored.size(), colored.getResolution());
   colored.writeData(stream);

@@ -1,10 +1,9 @@
 #include "mapping/snapshot.hpp"
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
-#include "mapping/blocked_field.hpp"
+#include "mapping/field_cache.hpp"
 #include "mapping/fused_tree.hpp"
 
 namespace clearway {
@@ -21,36 +20,20 @@ Voxel voxel_of(const FusedTree& tree, const FusedNode& node, const CellCube& cub
   return voxel;
 }
 
-/// A blocked space that was asked for, under its exact arguments.
-struct Built {
-  Requirement requirement;
-  Eigen::AlignedBox3d region;
-  double max_distance;
-  std::shared_ptr<const BlockedField> space;
-
-  bool answers(const Requirement& asked, const Eigen::AlignedBox3d& box, double distance) const {
-    return requirement == asked && region.min() == box.min() && region.max() == box.max() &&
-           max_distance == distance;
-  }
-};
-
 }  // namespace
 
 struct Snapshot::State {
+  State(std::shared_ptr<const FusedTree> stored, std::vector<PaintedVolume> painted)
+      : tree(std::move(stored)), volumes(std::move(painted)), fields(tree, field_memory_limit) {}
   std::shared_ptr<const FusedTree> tree;
   std::vector<PaintedVolume> volumes;
-  mutable std::mutex building;       ///< guards `built`, and lets each space be built once
-  mutable std::vector<Built> built;  ///< oldest first
+  mutable FieldCache fields;
 };
 
 Snapshot::Snapshot() : Snapshot(std::make_shared<const FusedTree>(1.0), {}) {}
 
-Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes) {
-  auto state = std::make_shared<State>();
-  state->tree = std::move(tree);
-  state->volumes = std::move(volumes);
-  state_ = std::move(state);
-}
+Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes)
+    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes))) {}
 
 double Snapshot::resolution() const { return state_->tree->getResolution(); }
 const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->volumes; }
@@ -118,22 +101,7 @@ std::uint16_t Snapshot::volumes_of_part(const std::string& part) const {
 std::shared_ptr<const BlockedSpace> Snapshot::blocked_space(const Requirement& requirement,
                                                             const Eigen::AlignedBox3d& region,
                                                             double max_distance) const {
-  const FieldRegion cells = field_region(region, resolution(), max_distance);
-  const std::lock_guard lock(state_->building);
-  auto& built = state_->built;
-  for (const Built& known : built) {
-    if (known.answers(requirement, region, max_distance)) return known.space;
-  }
-  // The oldest make room; whoever still uses one keeps it alive.
-  std::size_t bytes = field_bytes(cells);
-  for (const Built& known : built) bytes += field_bytes(known.space->cells());
-  while (!built.empty() && bytes > field_memory_limit) {
-    bytes -= field_bytes(built.front().space->cells());
-    built.erase(built.begin());
-  }
-  auto space = std::make_shared<const BlockedField>(state_->tree, requirement, cells);
-  built.push_back({requirement, region, max_distance, space});
-  return space;
+  return state_->fields.get(requirement, region, max_distance);
 }
 
 }  // namespace clearway

@@ -38,12 +38,12 @@ void expect_equal(const octomap::OcTree& stock, const FusedTree& fused) {
 TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
   for (const bool discretize : {false, true}) {
     for (const double max_range : {0.0, 0.7}) {
-      for (unsigned seed = 0; seed < 6; ++seed) {
+      for (unsigned seed = 0; seed < 4; ++seed) {
         Dice dice(seed);
-        const double resolution = dice.uniform(0.02, 0.1);
+        const double resolution = dice.uniform(0.03, 0.1);
         octomap::OcTree stock(resolution);
         FreeSpaceMap map({.resolution = resolution, .discretize = discretize});
-        for (int i = 0; i < 6; ++i) {
+        for (int i = 0; i < 4; ++i) {
           const Scan scan = random_scan(dice, 400);
           insert_stock(stock, scan, max_range > 0.0 ? max_range : -1.0, discretize);
           map.insert(scan, {.max_range = max_range});

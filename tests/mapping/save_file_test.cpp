@@ -1,0 +1,66 @@
+#include "mapping/save_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/mapping/temporary_folder.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::read_all;
+using testing::TemporaryFolder;
+using testing::write_all;
+
+std::size_t files_in(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST(SaveFile, ReplacesTheWholeContent) {
+  const TemporaryFolder folder;
+  save_file(folder / "a", "a long first content");
+  save_file(folder / "a", std::string_view("x\0y", 3));
+  EXPECT_EQ(read_all(folder / "a"), std::string("x\0y", 3));
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(SaveFile, AWriterThatFailsLeavesTheOldFileAndNothingElse) {
+  const TemporaryFolder folder;
+  save_file(folder / "a", "old");
+  const auto fail_half_way = [](const fs::path& temporary) {
+    write_all(temporary, "half");
+    throw std::invalid_argument("the writer's own reason");
+  };
+  EXPECT_THROW(save_file(folder / "a", fail_half_way), std::invalid_argument);
+  EXPECT_THROW(save_file(folder / "a", [](const fs::path&) {}), std::runtime_error);  // wrote nothing at all
+  EXPECT_EQ(read_all(folder / "a"), "old");
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(SaveFile, NamesTheFileThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "folder");
+  for (const fs::path& bad :
+       {folder / "missing/a", folder / "folder", fs::path("/dev/full"), fs::path("/proc/x")}) {
+    try {
+      save_file(bad, "content");
+      FAIL() << bad;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(bad.string()), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(SaveFile, WritesThroughALinkToTheFileBehindIt) {
+  const TemporaryFolder folder;
+  save_file(folder / "real", "old");
+  fs::create_symlink(folder / "real", folder / "link");
+  save_file(folder / "link", "new");
+  EXPECT_EQ(read_all(folder / "real"), "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+}
+
+}  // namespace
+}  // namespace clearway

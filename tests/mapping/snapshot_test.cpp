@@ -1,0 +1,160 @@
+#include "mapping/snapshot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "mapping/free_space_map.hpp"
+#include "mapping/fused_tree.hpp"
+#include "tests/mapping/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+Eigen::AlignedBox3d box_around(double reach) {
+  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
+}
+
+/// One ray along x from the origin's voxel that ends at 0.55 m, and paint around 0.35 to 0.75 m.
+FreeSpaceMap corridor() {
+  FreeSpaceMap map({.resolution = 0.1});
+  map.add_volume("paint", {"tool"});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.05);
+  scan.points = {{0.5F, 0.0F, 0.0F}, {0.0F, 0.5F, 0.0F}};
+  map.insert(scan);
+  map.paint(0, {{0.55, 0.05, 0.05}, 0.3});
+  return map;
+}
+
+TEST(Snapshot, TellsEveryStateOfTheTable) {
+  const Snapshot map = corridor().snapshot();
+  EXPECT_EQ(map.state({0.15, 0.05, 0.05}), VoxelState::seen_free);
+  EXPECT_EQ(map.state({0.05, 0.55, 0.05}), VoxelState::occupied);
+  EXPECT_EQ(map.state({0.55, 0.05, 0.05}), VoxelState::conflict);
+  EXPECT_EQ(map.state({0.45, 0.05, 0.05}), VoxelState::painted);  // also seen free
+  EXPECT_EQ(map.state({0.65, 0.05, 0.05}), VoxelState::painted);  // never seen
+  EXPECT_EQ(map.state({0.05, 0.05, 0.35}), VoxelState::unknown);
+  EXPECT_TRUE(map.voxel({0.45, 0.05, 0.05}).observed);
+  EXPECT_FALSE(map.voxel({0.65, 0.05, 0.05}).observed);
+  EXPECT_EQ(map.voxel({0.65, 0.05, 0.05}).volumes, 1);
+}
+
+TEST(Snapshot, AnswersUnknownFarAwayAndForNoPointAtAll) {
+  const Snapshot map = corridor().snapshot();
+  for (const double bad : {std::nan(""), HUGE_VAL, 1e9, -1e300}) {
+    EXPECT_EQ(map.state({bad, 0.0, 0.0}), VoxelState::unknown);
+  }
+  const Voxel voxel = map.voxel({2.03, 0.0, 0.0});
+  EXPECT_EQ(voxel.state, VoxelState::unknown);
+  EXPECT_TRUE(voxel.center.isApprox(Eigen::Vector3d(2.05, 0.05, 0.05)));
+  EXPECT_EQ(voxel.size, 0.1);
+}
+
+TEST(Snapshot, CountsPrunedLeavesAsTheirVoxels) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const Snapshot map = testing::random_map(seed, 0.08, 6).snapshot();
+    const VoxelCounts counts = map.counts();
+    VoxelCounts expected;
+    for (double x = -1.96; x < 2.0; x += 0.08) {
+      for (double y = -1.96; y < 2.0; y += 0.08) {
+        for (double z = -1.96; z < 2.0; z += 0.08) {
+          switch (map.state({x, y, z})) {
+            case VoxelState::painted:
+              ++expected.painted;
+              break;
+            case VoxelState::seen_free:
+              ++expected.seen_free;
+              break;
+            case VoxelState::occupied:
+              ++expected.occupied;
+              break;
+            case VoxelState::conflict:
+              ++expected.conflict;
+              break;
+            case VoxelState::unknown:
+              break;
+          }
+        }
+      }
+    }
+    EXPECT_EQ(counts.painted, expected.painted);
+    EXPECT_EQ(counts.seen_free, expected.seen_free);
+    EXPECT_EQ(counts.occupied, expected.occupied);
+    EXPECT_EQ(counts.conflict, expected.conflict);
+  }
+}
+
+TEST(Snapshot, BoundsHoldAllLeavesAndAnEmptyMapHasNone) {
+  EXPECT_TRUE(Snapshot().bounds().isEmpty());
+  const Snapshot map = corridor().snapshot();
+  EXPECT_TRUE(map.bounds().min().isApprox(Eigen::Vector3d(0.0, -0.2, -0.2), 1e-9))
+      << map.bounds().min().transpose();
+  EXPECT_TRUE(map.bounds().max().isApprox(Eigen::Vector3d(0.8, 0.6, 0.3), 1e-9))
+      << map.bounds().max().transpose();
+}
+
+TEST(Snapshot, VisitedLeavesAnswerAsTheirPointsDo) {
+  const Snapshot map = testing::random_map(9).snapshot();
+  std::size_t leaves = 0;
+  map.visit_leaves([&](const Voxel& leaf) {
+    ++leaves;
+    const Voxel voxel = map.voxel(leaf.center);
+    EXPECT_EQ(voxel.state, leaf.state);
+    EXPECT_EQ(voxel.volumes, leaf.volumes);
+    EXPECT_EQ(voxel.size, leaf.size);
+    EXPECT_EQ(voxel.center, leaf.center);
+  });
+  EXPECT_EQ(leaves, map.tree().getNumLeafNodes());
+}
+
+TEST(Snapshot, FindsTheVolumesOfACriticalPart) {
+  FreeSpaceMap map;
+  map.add_volume("a", {"tool", "load"});
+  map.add_volume("b", {"elbow"});
+  map.add_volume("c", {"tool"});
+  const Snapshot snapshot = map.snapshot();
+  EXPECT_EQ(snapshot.volumes_of_part("tool"), 5);
+  EXPECT_EQ(snapshot.volumes_of_part("elbow"), 2);
+  EXPECT_EQ(snapshot.volumes_of_part("base"), 0);
+}
+
+TEST(Snapshot, SharesABlockedSpaceThatWasBuiltForTheSameArguments) {
+  const Snapshot map = corridor().snapshot();
+  const Snapshot copy = map;
+  const auto space = map.blocked_space({Policy::painted}, box_around(0.5), 0.3);
+  EXPECT_EQ(copy.blocked_space({Policy::painted}, box_around(0.5), 0.3), space);
+  EXPECT_NE(map.blocked_space({Policy::painted, 1}, box_around(0.5), 0.3), space);
+  EXPECT_NE(map.blocked_space({Policy::known_free}, box_around(0.5), 0.3), space);
+  EXPECT_NE(map.blocked_space({Policy::painted}, box_around(0.6), 0.3), space);
+  EXPECT_NE(map.blocked_space({Policy::painted}, box_around(0.5), 0.31), space);
+}
+
+TEST(Snapshot, IsReadFromManyThreadsWhileTheMapIsWritten) {
+  FreeSpaceMap map = testing::random_map(4);
+  const Snapshot snapshot = map.snapshot();
+  std::vector<std::shared_ptr<const BlockedSpace>> spaces(4);
+  std::vector<double> sums(4, 0.0);
+  std::vector<std::thread> readers;
+  for (std::size_t i = 0; i < spaces.size(); ++i) {
+    readers.emplace_back([&, i] {
+      spaces[i] = snapshot.blocked_space({Policy::known_free}, box_around(1.0), 0.5);
+      testing::Dice dice(1);
+      for (int k = 0; k < 5000; ++k) {
+        const Eigen::Vector3d point = dice.point(1.0);
+        sums[i] += spaces[i]->clearance(point) + snapshot.voxel(point).log_odds;
+      }
+    });
+  }
+  testing::Dice dice(8);
+  for (int k = 0; k < 5; ++k) map.insert(testing::random_scan(dice, 100));
+  for (std::thread& reader : readers) reader.join();
+  for (std::size_t i = 1; i < spaces.size(); ++i) {
+    EXPECT_EQ(spaces[i], spaces[0]);
+    EXPECT_EQ(sums[i], sums[0]);
+  }
+}
+
+}  // namespace
+}  // namespace clearway
