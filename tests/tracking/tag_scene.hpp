@@ -102,22 +102,24 @@ inline void draw(const Camera& camera, const PlacedTag& tag, int n, cv::Mat& gre
   const int x0 = std::max(0, int(low.x()) - 3), x1 = std::min(camera.width - 1, int(high.x()) + 3);
   const int y0 = std::max(0, int(low.y()) - 3), y1 = std::min(camera.height - 1, int(high.y()) + 3);
   if (x0 > x1 || y0 > y1) return;
-  std::vector<cv::Point2d> pixels, rays;
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x)
-      for (int k = 0; k < n * n; ++k)
-        pixels.emplace_back(x - 0.5 + (k % n + 0.5) / n, y - 0.5 + (k / n + 0.5) / n);
+  std::vector<cv::Point2d> pixels, rays;  // of the pixel corners; in between, a bilinear ray is exact enough
+  for (int y = y0; y <= y1 + 1; ++y)
+    for (int x = x0; x <= x1 + 1; ++x) pixels.emplace_back(x - 0.5, y - 0.5);
   cv::undistortPoints(pixels, rays, matrix_of(camera),
                       cv::Mat(1, 5, CV_64F, const_cast<double*>(camera.distortion.data())), cv::noArray(),
                       cv::noArray(), cv::TermCriteria(cv::TermCriteria::COUNT, 14, 0));
+  const int stride = x1 - x0 + 2;
   const Eigen::Matrix3d r = tag.camera_from_tag.linear();
   const Eigen::Vector3d t = tag.camera_from_tag.translation();
-  std::size_t i = 0;
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
+      const cv::Point2d* corner = &rays[static_cast<std::size_t>((y - y0) * stride + x - x0)];
       double sum = 0.0;
-      for (int k = 0; k < n * n; ++k, ++i) {
-        const Eigen::Vector3d ray(rays[i].x, rays[i].y, 1.0);
+      for (int k = 0; k < n * n; ++k) {
+        const double u = (k % n + 0.5) / n, v = (k / n + 0.5) / n;
+        const cv::Point2d at = (1 - v) * ((1 - u) * corner[0] + u * corner[1]) +
+                               v * ((1 - u) * corner[stride] + u * corner[stride + 1]);
+        const Eigen::Vector3d ray(at.x, at.y, 1.0);
         const Eigen::Vector3d hit = r.transpose() * (ray * (r.col(2).dot(t) / r.col(2).dot(ray)) - t);
         const int value = grey_at(cells, tag.size, hit.x(), hit.y());
         sum += value >= 0 ? value : grey.at<float>(y, x);
