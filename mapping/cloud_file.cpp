@@ -6,6 +6,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
 
 #include "mapping/child_process.hpp"
@@ -15,6 +18,13 @@
 namespace clearway {
 namespace {
 
+std::size_t count_words(std::istream& stream) {
+  std::size_t count = 0;
+  for (std::string word; stream >> word;) ++count;
+  return count;
+}
+
+constexpr std::size_t most_points = 100'000'000;
 constexpr std::size_t least_memory = std::size_t{256} << 20U;
 
 std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
@@ -28,8 +38,37 @@ std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& na
   throw std::runtime_error("it has no field " + name);
 }
 
+/// PCL takes a text .pcd that was cut and fills in zeros: its data must hold every number that its header
+/// promises.
+void check_pcd_is_whole(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  stream.imbue(std::locale::classic());
+  std::size_t points = 0, columns = 0;
+  std::string kind;
+  for (std::string line; kind.empty() && std::getline(stream, line);) {
+    std::istringstream words(line);
+    words.imbue(std::locale::classic());
+    std::string key;
+    words >> key;
+    if (key == "POINTS") words >> points;
+    if (key == "FIELDS" && columns == 0) columns = count_words(words);
+    if (key == "COUNT") {
+      columns = 0;
+      for (std::size_t count = 0; words >> count;) columns += count;
+    }
+    if (key == "DATA") words >> kind;
+  }
+  if (kind != "ascii" && kind != "binary" && kind != "binary_compressed") {
+    throw std::runtime_error("its header is cut off or names no known kind of data");
+  }
+  if (kind == "ascii" && count_words(stream) != points * columns) {
+    throw std::runtime_error("it holds another count of numbers than its header says");
+  }
+}
+
 /// Runs in the child: the points as raw floats.
 std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
+  if (is_pcd) check_pcd_is_whole(file);
   pcl::PCLPointCloud2 cloud;
   const int status =
       is_pcd ? pcl::PCDReader().read(file.string(), cloud) : pcl::PLYReader().read(file.string(), cloud);
@@ -99,18 +138,20 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
   return tree;
 }
 
-std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree) {
+std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree, const std::filesystem::path& file) {
   std::vector<Eigen::Vector3f> centers;
   tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
     const VoxelState state = tree.state(node);
     if (state != VoxelState::occupied && state != VoxelState::conflict) return;
-    for (int z = 0; z < cube.edge; ++z) {
-      for (int y = 0; y < cube.edge; ++y) {
-        for (int x = 0; x < cube.edge; ++x) {
-          const Eigen::Array3d cell = (cube.corner + Eigen::Vector3i(x, y, z)).cast<double>().array();
-          centers.emplace_back(((cell + 0.5) * tree.getResolution()).matrix().cast<float>());
-        }
-      }
+    if (centers.size() + cube.volume() > most_points) {
+      throw std::invalid_argument(
+          "cannot export '" + file.string() +
+          "': the map has more than 100 million occupied voxels, expected .ot or .bt");
+    }
+    for (int i = 0; i < cube.edge * cube.edge * cube.edge; ++i) {
+      const Eigen::Vector3i step(i % cube.edge, i / cube.edge % cube.edge, i / cube.edge / cube.edge);
+      const Eigen::Array3d cell = (cube.corner + step).cast<double>().array();
+      centers.emplace_back(((cell + 0.5) * tree.getResolution()).matrix().cast<float>());
     }
   });
   return centers;

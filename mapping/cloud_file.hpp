@@ -21,7 +21,8 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
                                                const std::filesystem::path& file);
 
 /// Centres of the occupied and conflict voxels at the finest resolution.
-std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree);
+/// @throws std::invalid_argument naming `file` when there are more than 100 million.
+std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree, const std::filesystem::path& file);
 
 std::string format_pcd(const std::vector<Eigen::Vector3f>& points);  ///< binary, x y z
 std::string format_ply(const std::vector<Eigen::Vector3f>& points);  ///< binary little endian, x y z

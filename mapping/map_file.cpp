@@ -4,7 +4,6 @@
 
 #include <array>
 #include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "mapping/cloud_file.hpp"
@@ -31,14 +30,19 @@ fs::path map_file_of(const fs::path& path) {
 }
 
 std::string read_bytes(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
   std::error_code error;
-  if (!stream || !fs::is_regular_file(file, error)) {
+  const bool is_file = fs::is_regular_file(file, error);  // opening a pipe would wait for ever
+  std::ifstream stream;
+  if (is_file) stream.open(file, std::ios::binary);
+  if (!is_file || !stream) {
     throw std::invalid_argument("map file '" + file.string() +
                                 "' cannot be read: expected a readable regular file");
   }
-  std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  if (stream.bad()) throw std::invalid_argument("map file '" + file.string() + "' cannot be read to its end");
+  std::string bytes(fs::file_size(file), '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (static_cast<std::size_t>(stream.gcount()) != bytes.size()) {
+    throw std::invalid_argument("map file '" + file.string() + "' cannot be read to its end");
+  }
   return bytes;
 }
 
@@ -92,8 +96,8 @@ void export_map(const Snapshot& map, const fs::path& file) {
   const std::string kind = file.extension().string();
   if (kind == ".ot") return save_file(file, format_color_tree(map.tree()));
   if (kind == ".bt") return save_file(file, format_binary_tree(map.tree()));
-  if (kind == ".pcd") return save_file(file, format_pcd(occupied_centers(map.tree())));
-  if (kind == ".ply") return save_file(file, format_ply(occupied_centers(map.tree())));
+  if (kind == ".pcd") return save_file(file, format_pcd(occupied_centers(map.tree(), file)));
+  if (kind == ".ply") return save_file(file, format_ply(occupied_centers(map.tree(), file)));
   throw std::invalid_argument("cannot export to '" + file.string() +
                               "': expected a .ot, .bt, .pcd or .ply file");
 }

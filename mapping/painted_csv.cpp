@@ -140,6 +140,10 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes) {
   std::string text = std::string(column_names) + "\n";
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     const PaintedVolume& volume = volumes[v];
+    if (!is_storable_name(volume.label + join_parts(volume.critical_parts))) {
+      throw std::invalid_argument("painted volume '" + volume.label +
+                                  "': expected names without control characters");
+    }
     const std::string start = std::to_string(v) + "," + in_quotes(volume.label) + "," +
                               in_quotes(join_parts(volume.critical_parts)) + ",";
     if (volume.balls.empty()) text += start + ",,,,\n";

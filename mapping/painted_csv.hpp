@@ -14,6 +14,7 @@ namespace clearway {
 ///   volume,label,critical_parts,x,y,z,radius,time
 /// Critical parts are separated by ';' ('\' escapes ';' and '\'). A volume without balls has one line with
 /// empty numbers.
+/// @throws std::invalid_argument for a label or part with control characters.
 std::string format_painted(const std::vector<PaintedVolume>& volumes);
 
 /// Reads what format_painted wrote. `file` is named in errors.

@@ -59,6 +59,7 @@ void save_file(const std::filesystem::path& file,
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     fail(file, "it exists and is not a regular file");
   }
+  if (std::filesystem::exists(status) && ::access(file.c_str(), W_OK) != 0) fail(file, std::strerror(errno));
   // Replace what a link points to, not the link.
   const auto target = std::filesystem::exists(status) ? std::filesystem::canonical(file, error) : file;
   const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");

@@ -186,6 +186,45 @@ TEST(MapFile, DamagedCloudsNeverCrash) {
   }
 }
 
+/// The file as text: the header of `binary` up to `last_line`, then numbers.
+std::string as_text(std::string binary, const std::string& kind, const std::vector<Eigen::Vector3f>& points) {
+  const bool is_pcd = binary.starts_with("# .PCD");
+  const std::string last_line = is_pcd ? "DATA binary\n" : "end_header\n";
+  binary.resize(binary.find(last_line) + last_line.size());
+  const std::string binary_kind = is_pcd ? "binary" : "binary_little_endian";
+  binary.replace(binary.find(binary_kind), binary_kind.size(), kind);
+  for (const Eigen::Vector3f& point : points) {
+    for (int axis = 0; axis < 3; ++axis) binary += std::to_string(point[axis]) + (axis == 2 ? "\n" : " ");
+  }
+  return binary;
+}
+
+TEST(MapFile, ATextCloudThatIsCutIsDamaged) {
+  const TemporaryFolder folder;
+  Dice dice(8);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 10; ++i) points.push_back(dice.point(1.0).cast<float>());
+  for (const auto& [name, binary] :
+       {std::pair{"a.pcd", format_pcd(points)}, std::pair{"a.ply", format_ply(points)}}) {
+    const std::string text = as_text(binary, "ascii", points);
+    write_all(folder / name, text);
+    EXPECT_EQ(read_cloud(folder / name).size(), points.size());
+    for (std::size_t cut = 0; cut + 9 < text.size(); cut += 5) {  // the last number may lose digits unnoticed
+      write_all(folder / name, text.substr(0, cut));
+      EXPECT_THROW(read_cloud(folder / name), DamagedFile) << name << " " << cut;
+    }
+  }
+}
+
+TEST(MapFile, AWholeOccupiedUniverseIsNotExportedAsPoints) {
+  const TemporaryFolder folder;
+  write_all(folder / "all.ot",
+            "# Octomap OcTree file\nid OcTree\nsize 1\nres 0.1\ndata\n" + std::string("\0\0\200\77\0", 5));
+  const Snapshot map = load_map(folder / "all.ot");
+  EXPECT_EQ(map.counts().occupied, std::size_t{1} << 48U);
+  EXPECT_THROW(export_map(map, folder / "all.pcd"), std::invalid_argument);
+}
+
 TEST(MapFile, ReadsOctoMapsCorridor) {
   const fs::path file = shared_data("octomap_share/geb079.bt");
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not on this machine";

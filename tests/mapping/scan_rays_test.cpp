@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
+#include <octomap/ScanGraph.h>
+
+#include <cstdlib>
+#include <filesystem>
 
 #include "mapping/free_space_map.hpp"
 #include "tests/mapping/random_map.hpp"
@@ -176,6 +180,31 @@ TEST(ScanRays, EveryPointIsCountedOnce) {
     EXPECT_GT(counts.beyond_range, 0U);
     EXPECT_GT(counts.inserted, 0U);
   }
+}
+
+TEST(ScanRays, ARealSphericalScanGivesStockOctoMapsTree) {
+  const char* folder = std::getenv("CLEARWAY_DATA");
+  const std::filesystem::path data(folder != nullptr ? folder : CLEARWAY_SOURCE_DIR "/../shared/data");
+  const std::filesystem::path file = data / "octomap_share/spherical_scan.graph";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not on this machine";
+  octomap::ScanGraph graph;
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(graph.readBinary(file.string()));
+  ::testing::internal::GetCapturedStderr();
+  octomap::OcTree stock(0.1);
+  FreeSpaceMap map({.resolution = 0.1});
+  for (const octomap::ScanNode* node : graph) {
+    Scan scan;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(node->pose.x(), node->pose.y(), node->pose.z());
+    const auto& turn = node->pose.rot();
+    scan.map_from_sensor.rotate(Eigen::Quaterniond(turn.u(), turn.x(), turn.y(), turn.z()).normalized());
+    for (const octomap::point3d& point : *node->scan)
+      scan.points.push_back({point.x(), point.y(), point.z()});
+    EXPECT_GT(scan.points.size(), 1000U);
+    insert_stock(stock, scan, -1.0, false);
+    EXPECT_EQ(map.insert(scan).inserted, scan.points.size());
+  }
+  expect_equal(stock, map.snapshot().tree());
 }
 
 }  // namespace
