@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <regex>
+#include <string>
 
 #include "apps/report_page.hpp"
 #include "tests/apps/sample_page.hpp"
@@ -48,10 +48,12 @@ class ReportPageInChromium : public testing::Test {
   }
 
   static std::string attribute(const std::string& dom, const std::string& name) {
-    std::smatch found;
     const std::size_t at = dom.find("<body");
     const std::string body = at == std::string::npos ? "" : dom.substr(at, dom.find('>', at) - at);
-    return std::regex_search(body, found, std::regex("data-" + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
+    const std::string start = " data-" + name + "=\"";
+    const std::size_t value = body.find(start);
+    if (value == std::string::npos) return "";
+    return body.substr(value + start.size(), body.find('"', value + start.size()) - value - start.size());
   }
 
   static std::string errors(const std::string& dom) {

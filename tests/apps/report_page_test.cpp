@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <stdexcept>
 
 #include "tests/apps/page_reader.hpp"
@@ -36,6 +35,20 @@ std::vector<VoxelQuad> quads_of(const PageReader& reader, const json& set) {
 bool is_utf8(const std::string& text) {
   return json(text).dump(-1, ' ', false, json::error_handler_t::ignore) ==
          json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string in_lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+/// True when `= "http...` or `= "//...` follows at `at`, with or without the quote and the spaces.
+bool gives_an_address(const std::string& html, std::size_t at) {
+  at = html.find_first_not_of(" \t\n", at);
+  if (at == std::string::npos || html[at] != '=') return false;
+  at = html.find_first_not_of(" \t\n\"'`", at + 1);
+  return at != std::string::npos && (html.compare(at, 4, "http") == 0 || html.compare(at, 2, "//") == 0);
 }
 
 TEST(ReportPage, GivesBackTheVoxelSurfacesItWasGiven) {
@@ -114,12 +127,10 @@ TEST(ReportPage, IsUtf8EvenWhenItsTextIsNot) {
 
 TEST(ReportPage, HasNothingThatCouldAskTheNetwork) {
   const std::string html = render_report_page(SamplePage::make());
-  const std::regex reference(R"re((src|href|action|srcset|poster|data)\s*=\s*["']?\s*(https?:|//))re",
-                             std::regex::icase | std::regex::optimize);
-  for (std::size_t at = html.find('='); at != std::string::npos; at = html.find('=', at + 1)) {
-    const std::string around = html.substr(at < 12 ? 0 : at - 12, 32);
-    EXPECT_FALSE(std::regex_search(around, reference)) << around;
-  }
+  const std::string lower = in_lower_case(html);
+  for (const std::string name : {"src", "href", "action", "srcset", "poster", "data"})
+    for (std::size_t at = lower.find(name); at != std::string::npos; at = lower.find(name, at + 1))
+      EXPECT_FALSE(gives_an_address(lower, at + name.size())) << html.substr(at, 60);
   for (const char* call : {"fetch(", "XMLHttpRequest", "sendBeacon", "new WebSocket", "EventSource",
                            "import(", "importScripts", "new Worker", "@import", "url(http", "url(//"})
     EXPECT_EQ(html.find(call), std::string::npos) << call;
