@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -79,6 +80,22 @@ TEST_F(ReportPageInChromium, DrawsEveryFacePlanAndPlotWithoutAnError) {
   EXPECT_NE(attribute(dom, "frames"), "");
   EXPECT_NE(dom.find("no path"), std::string::npos) << "the failed plan is in sight";
   EXPECT_NE(dom.find("120.5 / 240"), std::string::npos) << "the slider stands where the address says";
+}
+
+TEST_F(ReportPageInChromium, SlicesThroughExactlyTheVoxelsOfOneLayer) {
+  const ReportPage page = SamplePage::make();
+  const double height = 15.5 * page.resolution;
+  std::size_t cut = 0;
+  for (const PageVoxels& voxels : page.voxels)
+    for (std::size_t i = 0; i < voxels.centers.size(); ++i) {
+      const double side = std::round(static_cast<double>(voxels.sizes[i]) / page.resolution);
+      if (std::abs(static_cast<double>(voxels.centers[i].z()) - height) < 0.5 * side * page.resolution)
+        cut += static_cast<std::size_t>(side * side);
+    }
+  const std::string dom = open(render_report_page(page),
+                               "#layers=painted,occupied,conflict,seen_free&cut=z:" + std::to_string(height));
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_EQ(attribute(dom, "slice"), std::to_string(cut));
 }
 
 TEST_F(ReportPageInChromium, ShowsTheFailedPlansExplanation) {

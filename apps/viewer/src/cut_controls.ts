@@ -41,7 +41,7 @@ export function cutControls(box: Box3, resolution: number, slice: Slice, first: 
       // A little past the plane, so that faces which lie in it stay whole.
       cutUniform.value.set(0, 0, 0, sign * at + 1e-3 * resolution).setComponent(a, sign);
       value.textContent = `${"xyz"[a]} = ${at.toFixed(resolution < 0.01 ? 3 : 2)} m`;
-      if (withSlice.checked) slice.update(a, at, sign < 0, shown);
+      if (withSlice.checked) document.body.dataset.slice = String(slice.update(a, at, sign < 0, shown));
       else slice.hide();
     }
     changed();

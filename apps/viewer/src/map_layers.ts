@@ -123,25 +123,30 @@ export class Slice {
   }
 
   /// Shows the layer of voxels just inside the cut at `at` metres along `axis`, for the states in `shown`.
-  /// Returns false, showing nothing, when no voxel is there or the picture would be too large to draw.
-  update(axis: 0 | 1 | 2, at: number, keepsAbove: boolean, shown: (state: StateName) => boolean): boolean {
+  /// Returns how many voxels it shows; none when the picture would be too large to draw.
+  update(axis: 0 | 1 | 2, at: number, keepsAbove: boolean, shown: (state: StateName) => boolean): number {
     const sets = this.sets.filter((faces) => shown(faces.state));
     const u = (axis + 1) % 3, v = (axis + 2) % 3;
     const low = [u, v].map((a) => Math.min(...sets.map((faces) => faces.low[a])));
     const [width, height] = [u, v].map((a, k) => Math.max(...sets.map((faces) => faces.high[a])) - low[k]);
     this.mesh.visible = sets.length > 0 && width <= 4096 && height <= 4096;
-    if (!this.mesh.visible) return false;
+    if (!this.mesh.visible) return 0;
     const cell = at / this.page.resolution + this.page.origin;
     const layer = keepsAbove ? Math.floor(cell + 1e-4) : Math.ceil(cell - 1e-4) - 1;
     const pixels = new Uint8Array(width * height * 4);
+    let count = 0;
     for (const faces of sets) {
       const mask = sliceMask(faces, axis, layer, low[0], low[1], width, height);
       const [first, second] = stateColors(faces.state, palette());
       const color = rgb(first).map((c, k) => Math.round(127.5 * (c + rgb(second)[k]) * (faces.state === "occupied" ? 0.8 : 1)));
-      for (let i = 0; i < mask.length; ++i) if (mask[i]) pixels.set([...color, 255], i * 4);
+      for (let i = 0; i < mask.length; ++i) {
+        if (!mask[i]) continue;
+        pixels.set([...color, 255], i * 4);
+        ++count;
+      }
     }
     this.place(axis, at, low, width, height, pixels);
-    return true;
+    return count;
   }
 
   hide(): void { this.mesh.visible = false; }

@@ -7,8 +7,10 @@ import { byId, el, grouped } from "./dom";
 import { ballLayer, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
 import type { Options } from "./options";
 import { palette } from "./palette";
+import { pick, type Hit } from "./pick";
 import { posesAt, RobotView } from "./robot";
 import { Stage, viewNames } from "./stage";
+import { cutUniform } from "./surface_material";
 
 interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group }
 
@@ -42,10 +44,12 @@ export class MapView {
     this.addRows(options.opacity, () => cut?.refresh());
     cut?.refresh();
     this.addViews();
+    this.stage.onClick((from, direction) => this.tellVoxel(pick(faces.filter((f) => this.row(f.state)?.shown), from, direction,
+      cutUniform.value, page.resolution, page.origin)));
     this.stage.onView = () => this.drawTriad();
     this.recolor();
     this.stage.drawGrid(this.workBox);
-    byId("scale").textContent = this.stage.gridStep > 0 ? `grid ${Number(this.stage.gridStep.toPrecision(2))} m` : "";
+    this.tellVoxel(null);
     this.stage.look(options.view, options.fit === "all" ? this.wholeBox : this.workBox);
     document.body.dataset.quads = String(faces.reduce((sum, f) => sum + f.quadCount, 0));
     document.body.dataset.faces = String(faces.reduce((sum, f) => sum + f.faceCount, 0));
@@ -147,6 +151,14 @@ export class MapView {
     for (const name of viewNames) button(name, `Look from the ${name}`, () => { view = name; look(); });
     button("fit", "Fit the painted space, the robot and the path", () => { box = this.workBox; look(); });
     button("all", "Fit the whole map", () => { box = this.wholeBox; look(); });
+  }
+
+  /// What the pointer met, beside the grid's step.
+  private tellVoxel(hit: Hit | null): void {
+    const digits = this.page.resolution < 0.01 ? 4 : 3;
+    const grid = this.stage.gridStep > 0 ? `grid ${Number(this.stage.gridStep.toPrecision(2))} m` : "";
+    const center = hit?.voxel.map((c) => ((c + 0.5 - this.page.origin) * this.page.resolution).toFixed(digits));
+    byId("scale").textContent = hit ? `${stateLabels[hit.state]} voxel at ${center!.join(", ")} m · ${grid}` : grid;
   }
 
   private drawTriad(): void {

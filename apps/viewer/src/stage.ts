@@ -147,6 +147,20 @@ export class Stage {
     this.scene.add(this.grid);
   }
 
+  /// Calls `use` with the ray under the pointer at each press that does not become a drag.
+  onClick(use: (from: Vector3, direction: Vector3) => void): void {
+    const canvas = this.renderer.domElement;
+    let pressed: PointerEvent | null = null;
+    canvas.addEventListener("pointerdown", (event) => { pressed = event.isPrimary && event.button === 0 ? event : null; });
+    canvas.addEventListener("pointerup", (event) => {
+      if (!pressed || Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 4) return;
+      const box = canvas.getBoundingClientRect();
+      const point = new Vector3(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height, 0.5);
+      point.unproject(this.camera);
+      use(this.camera.position.clone(), point.sub(this.camera.position).normalize());
+    });
+  }
+
   /// The map's axes as the eye sees them: x to the right, y up, the third toward the eye.
   axes(): Vector3[] {
     const view = this.camera.matrixWorldInverse;
