@@ -20,13 +20,29 @@ struct SeenTag {
   const TagDetection* detection = nullptr;
 };
 
-std::vector<SeenTag> seen_tags(const TagBody& body, const std::vector<TagDetection>& detections) {
+// Cosine of the angle under which a square is seen, from its picture alone: area over the longest side
+// squared (exact for a square turned about one of its sides far from the camera).
+double facing(const TagDetection& tag) {
+  double twice_area = 0.0, longest = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d& a = tag.corners[i];
+    const Eigen::Vector2d& b = tag.corners[(i + 1) % 4];
+    twice_area += a.x() * b.y() - a.y() * b.x();
+    longest = std::max(longest, (b - a).squaredNorm());
+  }
+  return longest > 0.0 ? 0.5 * std::abs(twice_area) / longest : 0.0;
+}
+
+std::vector<SeenTag> seen_tags(const TagBody& body, const std::vector<TagDetection>& detections,
+                               double min_facing) {
   std::vector<SeenTag> seen;
   for (const auto& [id, mounted] : body.tags) {
     const auto found = std::find_if(detections.begin(), detections.end(),
                                     [wanted = id](const TagDetection& tag) { return tag.id == wanted; });
     if (found != detections.end()) seen.push_back({id, &mounted, &*found});
   }
+  const auto is_oblique = [&](const SeenTag& tag) { return facing(*tag.detection) < min_facing; };
+  if (!std::all_of(seen.begin(), seen.end(), is_oblique)) std::erase_if(seen, is_oblique);
   return seen;
 }
 
@@ -111,13 +127,14 @@ void TagBody::validate() const {
 
 void BodyPoseOptions::validate() const {
   check(std::isfinite(pixel_noise) && pixel_noise > 0.0, "body pose: pixel_noise", "> 0 pixels");
+  check(min_facing >= 0.0 && min_facing < 1.0, "body pose: min_facing", "at least 0 and below 1");
   check(distinct_angle > 0.0 && distinct_angle < 1.0, "body pose: distinct_angle", "between 0 and 1 radian");
 }
 
 std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,
                                            const Camera& camera, const BodyPoseOptions& options) {
   options.validate();
-  const std::vector<SeenTag> seen = seen_tags(body, detections);
+  const std::vector<SeenTag> seen = seen_tags(body, detections, options.min_facing);
   const std::vector<CornerMatch> corners = all_corners(seen);
   const Answers answers = find_answers(seen, corners, camera);
   if (answers.minima.empty()) return std::nullopt;

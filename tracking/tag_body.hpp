@@ -32,6 +32,9 @@ struct TagBody {
 struct BodyPoseOptions {
   double pixel_noise = 0.3;     ///< standard deviation of a corner per axis, pixels, > 0: state it honestly
   double distinct_angle = 0.1;  ///< radians: poses that differ by more are two answers
+  /// A tag seen under a smaller cosine than this (0.34: 70 degrees) is left out while another tag of the body
+  /// is seen better: the detector's edge fit is biased there by many times the pixel noise.
+  double min_facing = 0.34;
 
   void validate() const;  ///< throws std::invalid_argument naming the option and its range
 };
