@@ -23,18 +23,20 @@ VectorXd orthogonal_part(const VectorXd& v, const VectorXd& u) {
   return length > 1e-9 * v.norm() ? VectorXd(part / length) : VectorXd(VectorXd::Zero(v.size()));
 }
 
-/// Follows `followed`, switching to the row that blocks whenever the vertex is null; each row is tried once.
+/// Follows `followed`, switching to the row that blocks whenever the vertex is null. Each row is tried once.
 BoundaryStep follow(const std::vector<ProjectedRow>& rows, int followed, double max_step) {
   BoundaryStep step;
   std::vector<bool> was_tried(rows.size(), false);
-  while (followed >= 0 && !was_tried[static_cast<std::size_t>(followed)]) {
+  const auto is_new = [&](int row) { return row >= 0 && !was_tried[static_cast<std::size_t>(row)]; };
+  while (is_new(followed)) {
     was_tried[static_cast<std::size_t>(followed)] = true;
     step.followed = followed;
     step.vertex = vertex_on(rows, followed, max_step);
     step.is_null = !step.vertex.exists || step.vertex.advance < kNull * max_step;
     if (!step.is_null) return step;
-    followed = step.vertex.blocking;
-    ++step.switches;
+    const bool is_excluded = !step.vertex.exists && is_new(step.vertex.behind);
+    followed = is_excluded ? step.vertex.behind : step.vertex.blocking;
+    ++(is_excluded ? step.skipped : step.switches);
   }
   return step;
 }
@@ -132,8 +134,9 @@ Vertex vertex_on(const std::vector<ProjectedRow>& rows, int followed, double max
     } else if (slope > 0.0 && room / slope < most) {
       most = room / slope;
       vertex.blocking = static_cast<int>(i);
-    } else if (slope < 0.0) {
-      least = std::max(least, room / slope);
+    } else if (slope < 0.0 && room / slope > least) {
+      least = room / slope;
+      vertex.behind = static_cast<int>(i);
     }
   }
   vertex.exists = least <= most + slack;

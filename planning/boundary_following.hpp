@@ -51,6 +51,7 @@ struct Vertex {
   Eigen::Vector2d du = Eigen::Vector2d::Zero();
   double advance = 0.0;  ///< along S; may be negative
   int blocking = -1;     ///< the row that ends the way along S; -1: the step length
+  int behind = -1;       ///< the row that ends it the other way; nothing is left when the two exclude each other
 };
 Vertex vertex_on(const std::vector<ProjectedRow>& rows, int followed, double max_step);
 
@@ -58,7 +59,8 @@ Vertex vertex_on(const std::vector<ProjectedRow>& rows, int followed, double max
 struct BoundaryStep {
   Vertex vertex;
   int followed = -1;     ///< row followed in the end
-  int switches = 0;      ///< constraint switches made
+  int switches = 0;      ///< constraint switches: another row blocked the way along the followed one
+  int skipped = 0;       ///< rows whose whole line another, nearer row excludes (a convex corner ahead)
   bool is_null = true;   ///< no row gives a way along S: the motion stops
   bool relaxed = false;  ///< demanded separations were given up (bounds < 0 taken as 0) to find a way
 };
