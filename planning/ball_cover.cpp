@@ -49,7 +49,7 @@ void cover_slab(double radius, double center, double half_height, std::vector<Sp
 std::vector<Sphere> cylinder_cover(double radius, double length) {
   if (length <= radius / 2) return {{Eigen::Vector3d::Zero(), std::hypot(radius, length / 2)}};
   std::vector<Sphere> balls;
-  const double end = std::min(radius / 2, length / 2);
+  const double end = std::min(0.55 * radius, length / 2);
   cover_slab(radius, (length - end) / 2, end / 2, balls);
   cover_slab(radius, -(length - end) / 2, end / 2, balls);
   const double between = length - 2 * end;

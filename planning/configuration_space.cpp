@@ -93,7 +93,12 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     const Requirement requirement = requirement_of(body);
     const double max_distance = state.options.max_distance;
     const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), state.map, max_distance);
-    state.bodies.emplace_back(body, state.map.blocked_space(requirement, region, max_distance));
+    Eigen::AlignedBox3d counts = reach_box(state.robot, body);  // voxels that can matter to the body
+    const double rounding =
+        1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());
+    counts.min().array() -= options.padding + rounding;
+    counts.max().array() += options.padding + rounding;
+    state.bodies.emplace_back(body, state.map.blocked_space(requirement, region, max_distance), counts);
     state.indices.push_back(static_cast<int>(i));
     state.levers.push_back(body_levers(state.robot, body));
   }

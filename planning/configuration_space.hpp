@@ -16,7 +16,7 @@ namespace clearway {
 /// the volumes that name the part, or inside any volume when none does), or `known_free` in a map that holds
 /// no paint at all; ConfigurationSpace::policies() says what was chosen.
 struct Policies {
-  std::map<std::string, Policy> parts;
+  std::map<std::string, Policy> parts = {};
   Policy other = Policy::not_occupied;
   bool critical_by_default = true;  ///< unlisted critical parts are `painted`
 };

@@ -21,8 +21,9 @@ Sphere bounding_ball(const Body& body) {
 
 }  // namespace
 
-GuardedBody::GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> space)
-    : body_(body), space_(std::move(space)), bound_(bounding_ball(body)) {
+GuardedBody::GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> space,
+                         const Eigen::AlignedBox3d& reach)
+    : body_(body), space_(std::move(space)), reach_(reach), bound_(bounding_ball(body)) {
   const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
   for (const Sphere& ball : body_.cover) {
     const double surface = body_.shape.signed_distance(shape_from_link * ball.center);
@@ -59,6 +60,7 @@ bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin
       bounds = body_.shape.bounds(query.map_from_shape);
       bounds.min().array() -= margin;
       bounds.max().array() += margin;
+      bounds = bounds.intersection(reach_);
     }
     // Whatever is within the margin of the body is within the margin of a ball that was not clear.
     Eigen::AlignedBox3d box(center - Eigen::Vector3d::Constant(reach),
@@ -96,6 +98,8 @@ bool GuardedBody::visit_near(const Eigen::Isometry3d& map_from_link, double marg
   Eigen::AlignedBox3d box = body_.shape.bounds(query.map_from_shape);
   box.min().array() -= margin;
   box.max().array() += margin;
+  box = box.intersection(reach_);
+  if (box.isEmpty()) return true;
   return space_->visit_blocked(box, [&query](const Eigen::Vector3d& cube) {
     const GuardedBody& self = query.self;
     const Eigen::Isometry3d& pose = query.map_from_shape;

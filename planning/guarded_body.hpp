@@ -12,10 +12,13 @@
 namespace clearway {
 
 /// A body and the voxels that its part's requirement forbids, ready for many queries. Balls against the
-/// distance field decide the clear cases, the exact shape against voxel cubes the rest.
+/// distance field decide the clear cases, the exact shape against voxel cubes the rest. Voxels outside
+/// `reach`, which the body cannot get to in any configuration, do not count: the unknown space above and
+/// below a disc that slides in one layer of known voxels is no obstacle.
 class GuardedBody {
  public:
-  GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> space);
+  /// `reach`: map frame; holds the body, and what it must stay away from, in every configuration.
+  GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> space, const Eigen::AlignedBox3d& reach);
 
   const Body& body() const { return body_; }
   const BlockedSpace& space() const { return *space_; }
@@ -45,6 +48,7 @@ class GuardedBody {
 
   Body body_;
   std::shared_ptr<const BlockedSpace> space_;
+  Eigen::AlignedBox3d reach_;
   Sphere bound_;            ///< link frame; holds the body
   std::vector<bool> core_;  ///< whether a cover ball's centre lies inside the body
   double excess_ = 0.0;

@@ -1,5 +1,6 @@
 #include "planning/shape.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <locale>
@@ -181,6 +182,29 @@ double Shape::signed_distance(const Eigen::Vector3d& point) const {
       break;
   }
   return of_extents(Eigen::Vector3d((point - box_center_).cwiseAbs() - edges_ / 2));
+}
+
+Eigen::Vector3d Shape::offset_to(const Eigen::Vector3d& point) const {
+  const auto past = [](double value, double half) { return value - std::clamp(value, -half, half); };
+  switch (kind_) {
+    case Kind::sphere:
+    case Kind::capsule: {
+      const Eigen::Vector3d offset(point.x(), point.y(), past(point.z(), length_ / 2));
+      const double norm = offset.norm();
+      return norm > radius_ ? Eigen::Vector3d(offset * (1.0 - radius_ / norm))
+                            : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    }
+    case Kind::cylinder: {
+      const double rho = std::hypot(point.x(), point.y());
+      const double beyond = rho > radius_ ? 1.0 - radius_ / rho : 0.0;
+      return {point.x() * beyond, point.y() * beyond, past(point.z(), length_ / 2)};
+    }
+    case Kind::box:
+    case Kind::convex:
+      break;
+  }
+  const Eigen::Vector3d local = point - box_center_;
+  return local - local.cwiseMax(-edges_ / 2).cwiseMin(edges_ / 2);
 }
 
 }  // namespace clearway

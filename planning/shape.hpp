@@ -45,6 +45,10 @@ class Shape {
   /// where it is that of the bounding box: a lower bound.
   double signed_distance(const Eigen::Vector3d& point) const;
 
+  /// From the nearest point of the shape (for `convex`: of the box around it) to a point outside, in the
+  /// shape's frame; zero for a point inside.
+  Eigen::Vector3d offset_to(const Eigen::Vector3d& point) const;
+
  private:
   Kind kind_ = Kind::sphere;
   double radius_ = 0.0, length_ = 0.0;

@@ -1,53 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <fcl/geometry/shape/box.h>
-#include <fcl/geometry/shape/capsule.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/sphere.h>
-#include <fcl/narrowphase/collision.h>
-#include <fcl/narrowphase/distance.h>
-
 #include "planning/segment_distance.hpp"
 #include "planning/shape.hpp"
+#include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
 
 namespace clearway {
 namespace {
-
-std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& shape) {
-  switch (shape.kind()) {
-    case Shape::Kind::sphere:
-      return std::make_shared<fcl::Sphered>(shape.radius());
-    case Shape::Kind::capsule:
-      return std::make_shared<fcl::Capsuled>(shape.radius(), shape.length());
-    case Shape::Kind::cylinder:
-      return std::make_shared<fcl::Cylinderd>(shape.radius(), shape.length());
-    default:
-      return std::make_shared<fcl::Boxd>(shape.edges());
-  }
-}
-
-/// FCL's unsigned distance: the smaller of its two solvers, since either alone can be far too large.
-double fcl_distance(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
-                    const Eigen::Isometry3d& pose_b) {
-  double least = 1e300;
-  for (const fcl::GJKSolverType solver : {fcl::GST_LIBCCD, fcl::GST_INDEP}) {
-    fcl::DistanceRequestd request;
-    request.gjk_solver_type = solver;
-    request.distance_tolerance = 1e-9;
-    fcl::DistanceResultd result;
-    least = std::min(
-        least, fcl::distance(fcl_geometry(a).get(), pose_a, fcl_geometry(b).get(), pose_b, request, result));
-  }
-  return std::max(least, 0.0);
-}
-
-bool fcl_collide(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
-                 const Eigen::Isometry3d& pose_b) {
-  fcl::CollisionResultd result;
-  return fcl::collide(fcl_geometry(a).get(), pose_a, fcl_geometry(b).get(), pose_b, fcl::CollisionRequestd(),
-                      result) > 0;
-}
 
 /// A body; sizes on a 5 cm grid or thin now and then, which is where distance codes fail.
 Shape random_shape(Random& random, bool on_grid) {
@@ -101,7 +60,9 @@ void compare(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b, co
     ASSERT_LT(b.signed_distance(pose_b.inverse() * bounds.point_b), 1e-6);
     ASSERT_NEAR((bounds.point_b - bounds.point_a).norm(), bounds.upper, 1e-9);
   }
-  const double expected = fcl_collide(a, pose_a, b, pose_b) ? 0.0 : fcl_distance(a, pose_a, b, pose_b);
+  const auto geometry_a = fcl_geometry(a), geometry_b = fcl_geometry(b);
+  const bool touch = fcl_collide(geometry_a.get(), pose_a, geometry_b.get(), pose_b);
+  const double expected = touch ? 0.0 : fcl_distance(geometry_a.get(), pose_a, geometry_b.get(), pose_b);
   tally.worst_lower = std::max(tally.worst_lower, bounds.lower - expected);
   if (bounds.upper < 0.01 || expected > 0.0)
     tally.worst_upper = std::max(tally.worst_upper, expected - bounds.upper);
