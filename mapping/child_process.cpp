@@ -21,17 +21,21 @@ namespace {
 // The first byte that a child sends tells what the rest is.
 constexpr char result_mark = 'R', failure_mark = 'F', end_mark = 'E';
 
-std::size_t address_space_in_use() {
-  std::ifstream statm("/proc/self/statm");
-  std::size_t pages = 0;
-  statm >> pages;
-  return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-}
-
 void limit(__rlimit_resource resource, rlim_t value) {
   const rlimit bound{value, value};
   ::setrlimit(resource, &bound);
 }
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+void limit_memory(std::size_t) {}  // sanitizers reserve terabytes
+#else
+void limit_memory(std::size_t beyond_present) {
+  std::ifstream statm("/proc/self/statm");
+  std::size_t pages = 0;
+  statm >> pages;
+  limit(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + beyond_present);
+}
+#endif
 
 bool send(int pipe, std::string_view text) {
   while (!text.empty()) {
@@ -50,9 +54,7 @@ bool send(int pipe, std::string_view text) {
   for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
-  limit(RLIMIT_AS, address_space_in_use() + limits.memory);
-#endif
+  limit_memory(limits.memory);
   bool sent = false;
   try {
     const std::string output = work();
