@@ -18,6 +18,7 @@ struct Bypass {
   BypassPlane plane;
   double lock_distance = 0.0;                          ///< d_lock
   Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of A_lock
+  double nearest = 0.0;                                ///< smallest ||q - q_goal|| so far
   int steps = 0;
   bool went_away = false;  ///< has been more than two steps away from the deadlock point
 
@@ -57,7 +58,8 @@ class BoundaryMotion {
     const Eigen::VectorXd wanted = step_to_goal(options_, motion_.position(), problem_.goal);
     local_ = local_step(constraints_, wanted, options_);
     motion_.note(constraints_, local_);
-    if (bypass_ && motion_.distance_to_goal() < given_.leave_ratio * bypass_->lock_distance) bypass_.reset();
+    if (bypass_) bypass_->nearest = std::min(bypass_->nearest, motion_.distance_to_goal());
+    if (bypass_ && bypass_->nearest < given_.leave_ratio * bypass_->lock_distance) bypass_.reset();
     if (bypass_) return follow_boundary();
     if (local_.step.norm() < std::max(given_.enter_ratio, kDeadlock) * wanted.norm()) return enter_bypass();
     ++local_steps_;
@@ -73,7 +75,7 @@ class BoundaryMotion {
     bypass.plane =
         bypass_plane(motion_.weighted_position(), w.cwiseProduct(problem_.goal), w.cwiseProduct(limit));
     if (problem_.start.size() == 2) keep_sense_of_turn(bypass.plane);
-    bypass.lock_distance = motion_.distance_to_goal();
+    bypass.lock_distance = bypass.nearest = motion_.distance_to_goal();
     const std::vector<ProjectedRow> rows = project(constraints_, bypass.plane, options_.max_step);
     const int first = first_followed(rows, local_.multipliers);
     if (first < 0) return stopped("Deadlock without a constraint to follow");
@@ -94,8 +96,10 @@ class BoundaryMotion {
   std::string follow_boundary() {
     const double max_step = options_.max_step;
     if (bypass_->has_returned(motion_.weighted_position(), max_step)) {
-      return stopped(
-          "Boundary following came back to the deadlock point: no path on this side in this plane");
+      return stopped("Boundary following came back to the deadlock point, never nearer to the goal than " +
+                     to_text(bypass_->nearest / bypass_->lock_distance) +
+                     " of its distance there (leave_ratio " + to_text(given_.leave_ratio) +
+                     "): no path on this side in this plane");
     }
     const std::vector<ProjectedRow> rows = project(constraints_, bypass_->plane, max_step);
     const int followed = tracked(rows, bypass_->followed);
