@@ -79,7 +79,9 @@ TEST(Simulate, TruthCornersAreWhatOpenCvProjects) {
   const Scene scene = prepared(folder);
   simulate(scene, folder / "out.rawlog");
   const auto& camera = *scene.setup.camera;
-  for (const auto& frame : Json::parse(bytes_of(folder / "truth.json"))["frames"]) {
+  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  size_t compared = 0;
+  for (const auto& frame : truth["frames"]) {
     const Eigen::Isometry3d camera_from_map = pose_of(frame["map_from_camera"]).inverse();
     const Eigen::Isometry3d map_from_probe = pose_of(frame["map_from_probe"]);
     const Eigen::Vector3d ball = map_from_probe * scene.setup.probe->ball_center;
@@ -103,9 +105,11 @@ TEST(Simulate, TruthCornersAreWhatOpenCvProjects) {
       for (size_t i = 0; i < 4; ++i) {
         EXPECT_NEAR(seen["corners"][i][0], pixels[i].x, 1e-6);
         EXPECT_NEAR(seen["corners"][i][1], pixels[i].y, 1e-6);
+        ++compared;
       }
     }
   }
+  EXPECT_EQ(compared, 6u * 5 * 4);
 }
 
 /// Tags by AprilTag, corners in the order and convention of truth.json.
