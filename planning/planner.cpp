@@ -8,6 +8,7 @@
 #include "planning/boundary_sides.hpp"
 #include "planning/constraint.hpp"
 #include "planning/nearest_name.hpp"
+#include "planning/rrtconnect.hpp"
 
 namespace clearway {
 namespace {
@@ -55,6 +56,7 @@ const std::vector<PlannerEntry>& planner_table() {
       {"boundary_sides", "the same on both sides and with both leave ratios, until one succeeds (ours)",
        make<BoundarySides>},
       {"constraint", "the local step of boundary alone: stops at the first deadlock", make<Constraint>},
+      {"rrtconnect", "RRT-Connect of OMPL, with certified edges", make<RrtConnect>},
   };
   return table;
 }
