@@ -11,18 +11,25 @@ namespace clearway {
 /// What the independent check found.
 struct PathVerdict {
   bool valid = false;
-  bool undecided = false;            ///< neither proved free nor shown to collide at the finest step; not valid
-  double min_clearance = 0.0;        ///< certified lower bound over the whole path, metres
-  std::string first_contact;         ///< empty when valid: edge, parameter, part, voxel state and place
-  int edge = -1;                     ///< of the first contact
-  double parameter = 0.0;            ///< along that edge, 0..1
-  std::vector<double> clearance;     ///< at each waypoint, metres, capped at `distance_cap`
-  std::string checker = "kdl+fcl";   ///< whose kinematics and geometry decided
+  bool undecided = false;         ///< neither proved free nor shown to collide at the finest step; not valid
+  double min_clearance = 0.0;     ///< to blocked voxels: certified lower bound over the whole path, metres,
+                                  ///< within 20 % of the true one, at most the cap; 0 when not valid
+  std::string first_contact;      ///< empty when valid: edge, parameter, part, voxel state and place
+  int edge = -1;                  ///< of the first contact
+  double parameter = 0.0;         ///< along that edge, 0..1
+  std::vector<double> clearance;  ///< to blocked voxels at each waypoint before the first contact, metres,
+                                  ///< capped at `distance_cap`
+  std::string checker = "kdl+fcl";  ///< whose kinematics and geometry decided
 };
 
 /// Re-checks a path in code that no planner shares: KDL kinematics built from the robot, FCL `collide` and
-/// unsigned `distance` (shape against voxel boxes read straight from the tree), its own edge subdivision.
-/// Contract as ConfigurationSpace: for EVERY configuration on every straight edge.
+/// unsigned `distance` (shape against voxel boxes read straight from the tree) with a separating plane as
+/// proof, conservative advancement along each edge with reach bounds of its own. Contract as
+/// ConfigurationSpace: for EVERY configuration on every straight edge. Parts that `policies` does not name
+/// are `not_occupied`. A path of one waypoint is checked there; no waypoint, a wrong size, NaN and values
+/// outside the joint limits are refused, naming the waypoint (`edge` is then its index).
+/// @throws std::invalid_argument for a padding or cap that is no length, or an edge that sweeps too many
+/// voxels.
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        double padding, const std::vector<Configuration>& waypoints,
                        double distance_cap = 0.2);

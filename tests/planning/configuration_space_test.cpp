@@ -17,9 +17,10 @@ struct World {
 
   World(const Robot& robot, Random& random, int count) {
     FreeSpaceMap builder({.resolution = edge});
+    const int last = std::min(3, static_cast<int>(robot.bodies.size()));  // obstacles about the hand
     for (int i = 0; i < count; ++i) {
       const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
-      const Body& body = robot.bodies[robot.bodies.size() - 1 - static_cast<std::size_t>(random.below(3))];
+      const Body& body = robot.bodies[robot.bodies.size() - 1 - static_cast<std::size_t>(random.below(last))];
       const Eigen::Vector3d near = poses[static_cast<std::size_t>(body.link)] * body.link_from_shape *
                                    body.shape.support(random.point(1.0));
       const Eigen::Vector3d cube = ((near / edge).array().floor() + 0.5) * edge;

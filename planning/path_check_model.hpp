@@ -1,0 +1,115 @@
+#pragma once
+
+// Private to path_check: the robot and the map in FCL's and KDL's own terms. Nothing here calls the
+// kinematics, distances or fields that the planners use.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/snapshot.hpp"
+#include "planning/robot.hpp"
+
+namespace clearway::check {
+
+/// What a body is placed at: pose of every body in the map frame.
+using BodyPoses = std::vector<Eigen::Isometry3d>;
+
+/// Kinematics by KDL: one chain from the root to the link of each body.
+class KdlArm {
+ public:
+  explicit KdlArm(const Robot& robot);
+  ~KdlArm();
+  KdlArm(const KdlArm&) = delete;
+  KdlArm& operator=(const KdlArm&) = delete;
+
+  /// Places all bodies.
+  void place(const Eigen::VectorXd& q, BodyPoses& poses) const;
+
+  /// Bound on the path length of any point of the body when each joint j turns or slides by abs_dq[j] in all.
+  double motion(std::size_t body, const Eigen::VectorXd& abs_dq) const;
+  /// The same for the approach of two bodies to each other.
+  double approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs_dq) const;
+  bool is_moved(std::size_t body) const;
+
+ private:
+  struct Chains;
+  std::unique_ptr<Chains> chains_;
+};
+
+/// Certified distances by FCL: LIBCCD `collide` first, then unsigned `distance` for a direction, and a
+/// separating plane along that direction for the proof. A wrong distance from FCL can only make the proof
+/// weaker. 0 when they touch or nothing is proved.
+class FclBodies {
+ public:
+  explicit FclBodies(const Robot& robot);
+  ~FclBodies();
+  FclBodies(const FclBodies&) = delete;
+  FclBodies& operator=(const FclBodies&) = delete;
+
+  bool touches_cube(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
+                    double edge) const;
+  double cube_distance(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
+                       double edge) const;
+  bool touch(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
+             const Eigen::Isometry3d& pose_b) const;
+  double distance(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
+                  const Eigen::Isometry3d& pose_b) const;
+
+  /// Half edges of a box in the body's own frame that holds the body, about `box_center`.
+  const Eigen::Vector3d& box_half(std::size_t body) const;
+  const Eigen::Vector3d& box_center(std::size_t body) const;
+
+ private:
+  struct Geometries;
+  std::unique_ptr<Geometries> geometries_;
+};
+
+/// The voxels that one part may not touch, read from the tree's leaves one by one inside `box`; everything
+/// outside the stored leaves is unknown. Kept as one byte per voxel.
+class BlockedCells {
+ public:
+  BlockedCells(const Snapshot& map, Policy policy, std::uint16_t volumes, const Eigen::AlignedBox3d& box);
+
+  double edge() const { return edge_; }
+  bool is_blocked(const Eigen::Vector3i& cell) const;
+  Eigen::Vector3d center(const Eigen::Vector3i& cell) const {
+    return (cell.cast<double>().array() + 0.5) * edge_;
+  }
+  /// The blocked cells that touch the box and are not wholly surrounded by blocked cells: a connected body
+  /// with one point in a free cell cannot reach the others without touching one of these.
+  std::vector<Eigen::Vector3i> shell(const Eigen::AlignedBox3d& box) const;
+  Eigen::Vector3i cell(const Eigen::Vector3d& point) const;
+
+ private:
+  enum : std::uint8_t { free_cell = 0, blocked_cell = 1, surrounded_cell = 2 };
+  void mark_surrounded();
+  std::size_t index(const Eigen::Vector3i& cell) const;
+  bool is_inside(const Eigen::Vector3i& cell) const;
+  double edge_ = 0.0;
+  bool outside_blocked_ = false;
+  Eigen::Vector3i first_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();
+  std::vector<std::uint8_t> cells_;
+};
+
+/// How near a body or pair is to what it must not touch, certified.
+struct Nearest {
+  double distance = 0.0;
+  std::optional<Eigen::Vector3d> cube;  ///< centre of the nearest blocked voxel
+};
+
+/// Map-frame box around a placed body, grown by `margin`.
+Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
+                           double margin);
+
+/// The nearest blocked voxel no farther than `limit` from the body; `distance` is `limit` when there is none.
+/// `inside`: a point inside the body, map frame.
+Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
+                      const Eigen::Vector3d& inside, const BlockedCells& cells, double limit);
+
+}  // namespace clearway::check
