@@ -55,7 +55,7 @@ struct BodyPose {
   double separation = std::numeric_limits<double>::infinity();
 };
 
-/// The pose of `body` from every one of its tags among `detections`; empty when none is seen or no pose
+/// The pose of `body` from its tags among `detections` (see min_facing); empty when none is seen or no pose
 /// explains them with all tags facing the camera. At most one detection per id is expected; further ones of
 /// an id are ignored.
 ///

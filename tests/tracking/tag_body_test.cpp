@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <random>
 #include <stdexcept>
 
 #include "tests/tracking/tag_scene.hpp"
 #include "tracking/pose_refinement.hpp"
+#include "tracking/tag_pose.hpp"
 
 namespace clearway {
 namespace {
@@ -156,6 +158,29 @@ TEST(BodyPose, a_flat_far_tag_is_told_to_be_ambiguous) {
   EXPECT_GT(ambiguous, 180);
 }
 
+TEST(BodyPose, leaves_out_a_tag_seen_at_a_graze_but_not_when_it_is_the_only_one) {
+  std::mt19937 random(37);
+  const TagBody cube = scene::cube("cube", 0, 0.05, 0.07);
+  const Eigen::Isometry3d truth = tag_before_camera(0.5, 12 * kDegree, M_PI / 2);  // one side at 78 degrees
+  std::vector<scene::PlacedTag> tags;
+  for (const auto& [id, tag] : cube.tags) tags.push_back({id, tag.size, truth * tag.body_from_tag});
+  std::erase_if(tags, [](const auto& tag) { return !faces_camera(tag.camera_from_tag); });
+  ASSERT_EQ(tags.size(), 2u);
+  auto seen = scene::noisy_detections(scene::plain_camera(), tags, 0.1, random);
+  const int frontal = 0, grazing = tags[1].id;
+  const auto pose = estimate_body_pose(cube, seen, scene::plain_camera());
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->tags, std::vector<int>{frontal});
+  BodyPoseOptions all;
+  all.min_facing = 0.0;
+  EXPECT_EQ(estimate_body_pose(cube, seen, scene::plain_camera(), all)->tags,
+            (std::vector<int>{frontal, grazing}));
+  seen.erase(seen.begin());
+  const auto alone = estimate_body_pose(cube, seen, scene::plain_camera());
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->tags, std::vector<int>{grazing});
+}
+
 TEST(BodyPose, uses_only_its_own_tags_and_is_empty_without_any) {
   std::mt19937 random(35);
   const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.1);
@@ -211,6 +236,11 @@ TEST(BodyPoseOptions, out_of_range_are_refused) {
   options.pixel_noise = 0.3;
   options.distinct_angle = 0.0;
   EXPECT_THROW(options.validate(), std::invalid_argument);
+  options.distinct_angle = 0.1;
+  for (double facing : {-0.1, 1.0, std::nan("")}) {
+    options.min_facing = facing;
+    EXPECT_THROW(options.validate(), std::invalid_argument);
+  }
 }
 
 }  // namespace
