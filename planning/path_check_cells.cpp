@@ -8,6 +8,7 @@ namespace clearway::check {
 namespace {
 
 constexpr double most_cells = 1e9;
+constexpr int block_edge = 8;  ///< cells
 
 }  // namespace
 
@@ -41,6 +42,7 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
     }
   });
   mark_surrounded();
+  mark_blocks();
 }
 
 /// A cell is surrounded when all 27 cells about it are blocked: a minimum over three cells along x, of that
@@ -89,6 +91,24 @@ std::vector<Eigen::Vector3i> BlockedCells::shell(const Eigen::AlignedBox3d& box)
   const Eigen::Vector3i end =
       cell(box.max().array() + touch * edge_ + 1e-12).cwiseMin(first_ + size_ - Eigen::Vector3i::Ones());
   std::vector<Eigen::Vector3i> found;
+  if ((begin.array() > end.array()).any()) return found;
+  const Eigen::Vector3i low = (begin - first_) / block_edge, high = (end - first_) / block_edge;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const Eigen::Vector3i block(x, y, z);
+        if (!block_has_shell_[block_index(block)]) continue;
+        const Eigen::Vector3i corner = first_ + block * block_edge;
+        append_shell(corner.cwiseMax(begin), (corner.array() + (block_edge - 1)).matrix().cwiseMin(end),
+                     found);
+      }
+    }
+  }
+  return found;
+}
+
+void BlockedCells::append_shell(const Eigen::Vector3i& begin, const Eigen::Vector3i& end,
+                                std::vector<Eigen::Vector3i>& found) const {
   for (int z = begin.z(); z <= end.z(); ++z) {
     for (int y = begin.y(); y <= end.y(); ++y) {
       for (int x = begin.x(); x <= end.x(); ++x) {
@@ -96,7 +116,26 @@ std::vector<Eigen::Vector3i> BlockedCells::shell(const Eigen::AlignedBox3d& box)
       }
     }
   }
-  return found;
+}
+
+void BlockedCells::mark_blocks() {
+  blocks_ = (size_.array() + (block_edge - 1)) / block_edge;
+  block_has_shell_.assign(static_cast<std::size_t>(blocks_.prod()), false);
+  std::size_t i = 0;
+  for (int z = 0; z < size_.z(); ++z) {
+    for (int y = 0; y < size_.y(); ++y) {
+      for (int x = 0; x < size_.x(); ++x, ++i) {
+        if (cells_[i] == blocked_cell)
+          block_has_shell_[block_index(Eigen::Vector3i(x, y, z) / block_edge)] = true;
+      }
+    }
+  }
+}
+
+std::size_t BlockedCells::block_index(const Eigen::Vector3i& block) const {
+  const Eigen::Matrix<std::size_t, 3, 1> at = block.cast<std::size_t>();
+  return at.x() +
+         static_cast<std::size_t>(blocks_.x()) * (at.y() + static_cast<std::size_t>(blocks_.y()) * at.z());
 }
 
 }  // namespace clearway::check

@@ -89,12 +89,18 @@ class BlockedCells {
  private:
   enum : std::uint8_t { free_cell = 0, blocked_cell = 1, surrounded_cell = 2 };
   void mark_surrounded();
+  void mark_blocks();
+  std::size_t block_index(const Eigen::Vector3i& block) const;
+  void append_shell(const Eigen::Vector3i& begin, const Eigen::Vector3i& end,
+                    std::vector<Eigen::Vector3i>& found) const;
   std::size_t index(const Eigen::Vector3i& cell) const;
   bool is_inside(const Eigen::Vector3i& cell) const;
   double edge_ = 0.0;
   bool outside_blocked_ = false;
   Eigen::Vector3i first_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();
   std::vector<std::uint8_t> cells_;
+  Eigen::Vector3i blocks_ = Eigen::Vector3i::Zero();  ///< of 8 x 8 x 8 cells, along each axis
+  std::vector<bool> block_has_shell_;
 };
 
 /// How near a body or pair is to what it must not touch, certified.

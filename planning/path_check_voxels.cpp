@@ -12,10 +12,11 @@ Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eige
   return {center - half, center + half};
 }
 
-Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
-                      const Eigen::Vector3d& inside, const BlockedCells& cells, double limit) {
-  if (const Eigen::Vector3i cell = cells.cell(inside); cells.is_blocked(cell))
-    return {0.0, cells.center(cell)};
+namespace {
+
+/// The nearest voxel of the shell no farther than `limit`.
+Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
+                         const BlockedCells& cells, double limit) {
   const double half_diagonal = 0.8660254037844387 * cells.edge() * (1.0 + 1e-9);
   const Eigen::Isometry3d body_from_map = pose.inverse();
   std::vector<std::pair<double, Eigen::Vector3d>>
@@ -36,6 +37,19 @@ Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Is
     if (distance <= 0.0) break;
   }
   return best;
+}
+
+}  // namespace
+
+Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
+                      const Eigen::Vector3d& inside, const BlockedCells& cells, double limit) {
+  if (const Eigen::Vector3i cell = cells.cell(inside); cells.is_blocked(cell))
+    return {0.0, cells.center(cell)};
+  for (double radius = std::min(3.0 * cells.edge(), limit);; radius = std::min(3.0 * radius, limit)) {
+    const Nearest found =
+        nearest_of_shell(bodies, body, pose, cells, radius);  // near voxels first: there are few
+    if (found.cube || radius >= limit) return found;
+  }
 }
 
 }  // namespace clearway::check
