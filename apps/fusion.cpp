@@ -156,6 +156,7 @@ void insert_scan(const Frame& frame, const CloudFrame& cloud, const Setup& setup
   if (setup.map.crop) filter.crop = *setup.map.crop;
   const ScanCounts done = map.insert(scan, filter);
   ++counts.scans;
+  counts.scan_origin_sum += scan.map_from_sensor.translation();
   counts.points.inserted += done.inserted;
   counts.points.beyond_range += done.beyond_range;
   counts.points.dropped_invalid += done.dropped_invalid;

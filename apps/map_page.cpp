@@ -42,9 +42,8 @@ PageShape page_shape(const Body& body, const Robot& robot) {
       break;
     case Shape::Kind::convex: {
       shape.kind = PageShape::Kind::mesh;
-      const ConvexHull hull = convex_hull(s.vertices());
-      shape.vertices = hull.vertices;
-      shape.triangles = hull.triangles;
+      shape.vertices = s.vertices();
+      shape.triangles = hull_triangles(s.vertices());
       break;
     }
   }
@@ -115,7 +114,9 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     shown_plan.status = "refused by the check";
     shown_plan.explanation = plan.validation.first_contact;
   }
-  shown_plan.figures = plan_figures(plan);
+  for (auto& figure : plan_figures(plan)) {  // the page shows these two by themselves
+    if (figure.first != "status" && figure.first != "explanation") shown_plan.figures.push_back(figure);
+  }
   shown_plan.joints = plan.joints;
   for (const Joint& joint : robot.joints)
     shown_plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);

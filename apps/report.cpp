@@ -1,6 +1,8 @@
 #include "apps/report.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "apps/map_page.hpp"
 #include "apps/parse.hpp"
@@ -75,6 +77,17 @@ Json plan_json(const ReplayPlan& entry) {
                       : plan.validation.valid  ? "valid"
                                                : "refused"},
           {"min_clearance_m", plan.validation.min_clearance}};
+}
+
+/// The first view of the page stands beside where the sensors stood, so that no wall hides what they saw.
+void look_from_the_sensors(ReportPage& page, const ReplayReport& report) {
+  const FusionCounts& counts = report.fusion->counts;
+  const Eigen::AlignedBox3d bounds = report.map.bounds();
+  if (counts.scans == 0 || bounds.isEmpty()) return;
+  const Eigen::Vector3d sensors = counts.scan_origin_sum / static_cast<double>(counts.scans);
+  const Eigen::Vector2d aside = (sensors - bounds.center()).head<2>();
+  if (aside.norm() < 0.15 * bounds.sizes().head<2>().norm()) return;
+  page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
 }
 
 }  // namespace
@@ -168,6 +181,7 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
       page_of_map(report.map, setup.title.empty() ? report.recording.filename().string() : setup.title);
   page.subtitle = report.recording.filename().string();
   page.figures = report_figures(report);
+  look_from_the_sensors(page, report);
   page.warnings = report.fusion->warnings;
   if (report.fusion->damage) page.warnings.push_back(*report.fusion->damage);
   if (!report.planning_problem.empty()) page.warnings.push_back(report.planning_problem);
@@ -176,7 +190,7 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
     show_robot(page, first.space->robot(), first.start);
     for (const ReplayPlan& entry : report.plans) {
       page.plans.push_back(
-          page_of_plan(entry.plan, *entry.space, entry.start, entry.query + ", " + entry.plan.planner));
+          page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
     }
     const auto table = plan_table(report);
     page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});

@@ -209,6 +209,7 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
   return {{"title", page.title},
           {"subtitle", page.subtitle},
           {"figures", figures_json(page.figures)},
+          {"isoAzimuth", page.iso_azimuth_deg},
           {"resolution", page.resolution},
           {"origin", kOriginVoxel},
           {"voxels", all_voxels_json(arrays, page)},

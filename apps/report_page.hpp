@@ -65,6 +65,7 @@ struct PageTable {
 struct ReportPage {
   std::string title, subtitle;
   std::vector<PageFigure> figures;
+  double iso_azimuth_deg = 35.0;   ///< where the eye of the first view stands: 0 at -y, 90 at +x
   double resolution = 0.0;         ///< of the map, metres; > 0 when there are voxels
   std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
   std::vector<PageBall> balls;

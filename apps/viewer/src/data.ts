@@ -38,6 +38,7 @@ export interface Table { name: string; header: string[]; rows: string[][] }
 export interface Page {
   title: string; subtitle: string; figures: Figure[];
   resolution: number; origin: number;
+  isoAzimuth: number;  // degrees
   voxels: VoxelSet[]; balls: Place; volumes: string[];
   robot: Shape[]; home: Place; plans: Plan[];
   tables: Table[]; warnings: string[]; report: Place;

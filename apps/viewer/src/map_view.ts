@@ -31,6 +31,7 @@ export class MapView {
   /// Throws when the browser offers no WebGL 2.
   constructor(private readonly page: Page, private readonly arrays: Arrays, options: Options, onLost: () => void) {
     this.stage = new Stage(byId("canvas-box"), onLost);
+    this.stage.isoAzimuth = page.isoAzimuth;
     const faces = unpackAll(page, arrays);
     this.robot = new RobotView(page, arrays);
     this.addMap(faces);

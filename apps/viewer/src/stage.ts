@@ -21,6 +21,7 @@ export class Stage {
   readonly scene = new Scene();
   onView: () => void = () => {};
   gridStep = 0;
+  isoAzimuth = namedViews.iso[0];  // degrees; the report knows from which side the sensors looked
   private readonly renderer: WebGLRenderer;
   private readonly camera = new PerspectiveCamera(38, 1, 0.01, 100);
   private readonly controls: OrbitControls;
@@ -89,12 +90,17 @@ export class Stage {
   look(name: string, box: Box3): void {
     const numbers = name.split(",").map(Number);
     const given = numbers.length >= 2 && numbers.every(Number.isFinite);
-    const [azimuth, elevation] = (given ? numbers : namedViews[name] ?? namedViews.iso).slice(0, 2)
+    const [azimuth, elevation] = (given ? numbers : this.named(name)).slice(0, 2)
       .map((degrees) => degrees * Math.PI / 180);
     const zoom = given && numbers[2] > 0 ? numbers[2] : 1;
     const direction = new Vector3(Math.sin(azimuth) * Math.cos(elevation), -Math.cos(azimuth) * Math.cos(elevation), Math.sin(elevation));
     this.framed = () => this.frame(box, direction, zoom);
     this.framed();
+  }
+
+  private named(name: string): [number, number] {
+    const view = namedViews[name] ?? namedViews.iso;
+    return view === namedViews.iso ? [this.isoAzimuth, view[1]] : view;
   }
 
   /// Moves back along `direction` until every corner of the box is inside the picture.

@@ -1,0 +1,305 @@
+// The main job against exact truth: a rendered recording of the miniature kitchen becomes a map and plans,
+// and everything in them is compared with the scene it was rendered from.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mapping/map_file.hpp"
+#include "planning/shape.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A shape of the scene, from truth.json.
+struct Obstacle {
+  std::string name;
+  Shape shape;
+  Eigen::Isometry3d map_from_shape;
+
+  bool contains(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d p = map_from_shape.inverse() * point;
+    switch (shape.kind()) {
+      case Shape::Kind::box:
+        return (p.cwiseAbs() - 0.5 * shape.edges()).maxCoeff() <= 0.0;
+      case Shape::Kind::cylinder:
+        return p.head<2>().norm() <= shape.radius() && std::abs(p.z()) <= 0.5 * shape.length();
+      default:
+        return p.norm() <= shape.radius();
+    }
+  }
+
+  /// All shapes are convex: a cube lies inside when its corners do.
+  bool holds_cube(const Eigen::Vector3d& center, double edge) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d offset(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+      if (!contains(center + edge * offset)) return false;
+    }
+    return true;
+  }
+};
+
+Shape shape_of(const Json& json) {
+  if (json.contains("box")) return Shape::box({json["box"][0], json["box"][1], json["box"][2]});
+  if (json.contains("cylinder")) return Shape::cylinder(json["cylinder"][0], json["cylinder"][1]);
+  return Shape::sphere(json["sphere"].get<double>());
+}
+
+std::vector<Obstacle> read_obstacles(const Json& truth) {
+  std::vector<Obstacle> obstacles;
+  for (const auto& json : truth["shapes"]) {
+    const auto pose = json["map_from_shape"].get<std::vector<double>>();
+    Eigen::Isometry3d map_from_shape = Eigen::Isometry3d::Identity();
+    map_from_shape.translation() = Eigen::Vector3d(pose[0], pose[1], pose[2]);
+    map_from_shape.linear() = Eigen::Quaterniond(pose[3], pose[4], pose[5], pose[6]).toRotationMatrix();
+    obstacles.push_back({json["name"], shape_of(json), map_from_shape});
+  }
+  return obstacles;
+}
+
+/// Calls `visit(centre)` for each finest voxel of a leaf.
+template <typename Visit>
+void for_each_voxel(const Voxel& leaf, double resolution, const Visit& visit) {
+  const int count = static_cast<int>(std::lround(leaf.size / resolution));
+  const Eigen::Vector3d low = leaf.center - Eigen::Vector3d::Constant(0.5 * leaf.size - 0.5 * resolution);
+  for (int x = 0; x < count; ++x) {
+    for (int y = 0; y < count; ++y) {
+      for (int z = 0; z < count; ++z) visit(Eigen::Vector3d(low + resolution * Eigen::Vector3d(x, y, z)));
+    }
+  }
+}
+
+class KitchenJob : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const std::string scene = std::string(CLEARWAY_SOURCE_DIR) + "/datasets/scenes/miniature_kitchen.yaml";
+    simulated_ = run_command({"simulate", scene, "--out", folder_->file("recording.rawlog"), "--quiet"});
+    replayed_ =
+        run_command({"replay", folder_->file("recording.rawlog"), "--out", folder_->file("out"), "--quiet"});
+    truth_ = Json::parse(read_file(folder_->file("truth.json")));
+    report_ = Json::parse(read_file(folder_->file("out/report.json")));
+    map_ = load_map(folder_->file("out"));
+    obstacles_ = read_obstacles(truth_);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static TemporaryFolder* folder_;
+  static CommandRun simulated_, replayed_;
+  static Json truth_, report_;
+  static Snapshot map_;
+  static std::vector<Obstacle> obstacles_;
+};
+
+TemporaryFolder* KitchenJob::folder_ = nullptr;
+CommandRun KitchenJob::simulated_, KitchenJob::replayed_;
+Json KitchenJob::truth_, KitchenJob::report_;
+Snapshot KitchenJob::map_;
+std::vector<Obstacle> KitchenJob::obstacles_;
+
+TEST_F(KitchenJob, ends_well_and_leaves_every_file_that_it_promises) {
+  EXPECT_EQ(simulated_.status, exit_done) << simulated_.log;
+  EXPECT_EQ(replayed_.status, exit_done) << replayed_.log << replayed_.out;
+  for (const char* name : {"map.ot", "painted.csv", "report.json", "report.html"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_->path() / "out" / name)) << name;
+  }
+  EXPECT_NE(replayed_.out.find("report.html"), std::string::npos);
+  for (const char* word : {"frames", "balls painted", "conflicts", "seen free", "cost J", "clearance mm"}) {
+    EXPECT_NE(replayed_.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST_F(KitchenJob, report_counts_what_the_recording_holds) {
+  EXPECT_EQ(report_["frames"]["images"], truth_["frames"].size());
+  EXPECT_EQ(report_["scans"]["count"], truth_["depth"].size());
+  EXPECT_EQ(report_["balls"], report_["tracking"]["accepted"]);
+  std::size_t samples = report_["tracking"]["accepted"];
+  for (const auto& [reason, count] : report_["tracking"]["refused"].items())
+    samples += count.get<std::size_t>();
+  EXPECT_EQ(samples, truth_["frames"].size());
+  EXPECT_GE(report_["balls"], 100);
+  EXPECT_EQ(report_["conflicts"], 0);
+}
+
+TEST_F(KitchenJob, every_painted_ball_is_within_the_tracking_error_of_where_the_probe_truly_was) {
+  ASSERT_EQ(map_.volumes().size(), 1u);
+  const PaintedVolume& volume = map_.volumes()[0];
+  const double budget = report_["tracking"]["error_budget"]["tracking_error_m"];
+  const double first = truth_["depth"][0]["time"];
+  double sum = 0.0;
+  for (std::size_t i = 0; i < volume.balls.size(); ++i) {
+    const Json* nearest = nullptr;
+    for (const auto& frame : truth_["frames"]) {
+      if (nearest == nullptr || std::abs(frame["time"].get<double>() - first - volume.times[i]) <
+                                    std::abs((*nearest)["time"].get<double>() - first - volume.times[i])) {
+        nearest = &frame;
+      }
+    }
+    const auto& ball = (*nearest)["ball"];
+    const double error = (volume.balls[i].center - Eigen::Vector3d(ball[0], ball[1], ball[2])).norm();
+    EXPECT_LE(error, budget) << "ball " << i;
+    sum += error;
+  }
+  EXPECT_LT(sum / static_cast<double>(volume.balls.size()), 0.5 * budget);
+}
+
+TEST_F(KitchenJob, no_painted_voxel_leaves_the_exact_union_of_balls) {
+  std::size_t painted = 0;
+  map_.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.volumes == 0) return;
+    for_each_voxel(leaf, map_.resolution(), [&](const Eigen::Vector3d& center) {
+      ++painted;
+      const double half_diagonal = 0.5 * std::sqrt(3.0) * map_.resolution();
+      bool inside_one = false;
+      for (const Sphere& ball : map_.volumes()[0].balls) {
+        // Farthest corner of the cube from the ball's centre.
+        const Eigen::Vector3d far =
+            (center - ball.center).cwiseAbs() + Eigen::Vector3d::Constant(0.5 * map_.resolution());
+        if ((center - ball.center).norm() <= ball.radius + half_diagonal &&
+            far.norm() <= ball.radius + 1e-12) {
+          inside_one = true;
+          break;
+        }
+      }
+      EXPECT_TRUE(inside_one) << center.transpose();
+    });
+  });
+  EXPECT_GT(painted, 10000u);
+}
+
+TEST_F(KitchenJob, no_painted_voxel_touches_an_obstacle) {
+  map_.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != VoxelState::painted) return;
+    for (const Obstacle& obstacle : obstacles_) {
+      EXPECT_GT(distance_to_cube(obstacle.shape, obstacle.map_from_shape, leaf.center, leaf.size).lower, 0.0)
+          << obstacle.name << " at " << leaf.center.transpose();
+    }
+  });
+}
+
+/// Of the voxels that lie wholly inside an obstacle, those that the map calls seen free; and all it observed.
+std::pair<std::size_t, std::size_t> wrongly_free(const Snapshot& map,
+                                                 const std::vector<Obstacle>& obstacles) {
+  std::size_t wrong = 0, free = 0;
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != VoxelState::seen_free) return;
+    for_each_voxel(leaf, map.resolution(), [&](const Eigen::Vector3d& center) {
+      ++free;
+      for (const Obstacle& obstacle : obstacles)
+        wrong += obstacle.holds_cube(center, map.resolution()) ? 1 : 0;
+    });
+  });
+  return {wrong, free};
+}
+
+TEST_F(KitchenJob, with_depth_noise_at_most_one_in_a_thousand_free_voxels_lies_inside_an_obstacle) {
+  const auto [wrong, free] = wrongly_free(map_, obstacles_);
+  RecordProperty("seen_free_inside_obstacles", static_cast<int>(wrong));
+  RecordProperty("seen_free", static_cast<int>(free));
+  EXPECT_GT(free, 500000u);
+  EXPECT_LE(static_cast<double>(wrong), 1e-3 * static_cast<double>(free));
+}
+
+TEST_F(KitchenJob, without_depth_noise_no_free_voxel_lies_inside_an_obstacle) {
+  const std::filesystem::path datasets = std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets";
+  std::string scene = read_file(datasets / "scenes" / "miniature_kitchen.yaml");
+  const auto set = [&](const std::string& key, const std::string& value) {
+    const std::size_t at = scene.find(key);
+    ASSERT_NE(at, std::string::npos) << key;
+    scene.replace(at, scene.find('\n', at) - at, key + value);
+  };
+  set("noise_constant:", " 0");
+  set("noise_quadratic:", " 0");
+  set("dropout:", " 0");
+  set("setup:", " " + (datasets / "setups" / "miniature_kitchen.yaml").string());
+  scene.erase(scene.find("\nstroke:"));  // the depth images alone
+  const TemporaryFolder folder;
+  const std::string recording = folder.file("exact.rawlog");
+  const CommandRun simulated =
+      run_command({"simulate", folder.write("exact.yaml", scene), "--out", recording, "--quiet"});
+  ASSERT_EQ(simulated.status, exit_done) << simulated.log;
+  const std::string bare =
+      folder.write("bare.yaml", "map: {resolution: 0.0025, min_range: 0.05, max_range: 1.0}\n");
+  const CommandRun run =
+      run_command({"replay", recording, "--setup", bare, "--out", folder.file("out"), "--quiet"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const auto [wrong, free] = wrongly_free(load_map(folder.file("out")), obstacles_);
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_GT(free, 500000u);
+}
+
+TEST_F(KitchenJob, plans_are_solved_and_the_check_command_confirms_each) {
+  ASSERT_GE(report_["plans"].size(), 2u);
+  for (const auto& plan : report_["plans"]) {
+    EXPECT_EQ(plan["status"], "solved") << plan;
+    EXPECT_EQ(plan["verdict"], "valid") << plan;
+    const CommandRun check =
+        run_command({"check", folder_->file("out/" + plan["file"].get<std::string>()), "--map",
+                     folder_->file("out"), "--robot", "puma560_miniature", "--json"});
+    EXPECT_EQ(check.status, exit_done) << check.out << check.log;
+    EXPECT_TRUE(Json::parse(check.out)["same_map"]);
+  }
+}
+
+TEST_F(KitchenJob, a_second_replay_writes_the_same_map_and_paths_byte_for_byte) {
+  ASSERT_EQ(
+      run_command({"replay", folder_->file("recording.rawlog"), "--out", folder_->file("again"), "--quiet"})
+          .status,
+      exit_done);
+  for (const char* name : {"map.ot", "painted.csv"}) {
+    EXPECT_EQ(read_file(folder_->path() / "out" / name), read_file(folder_->path() / "again" / name)) << name;
+  }
+  for (const auto& plan : report_["plans"]) {
+    const std::string name = plan["file"];
+    EXPECT_EQ(Json::parse(read_file(folder_->path() / "out" / name))["waypoints"],
+              Json::parse(read_file(folder_->path() / "again" / name))["waypoints"])
+        << name;
+  }
+}
+
+TEST_F(KitchenJob, a_truncated_recording_is_told_as_damage_and_what_came_before_is_kept) {
+  const std::string whole = read_file(folder_->file("recording.rawlog"));
+  const std::string cut = folder_->write("cut.rawlog", whole.substr(0, whole.size() / 4));
+  const CommandRun run = run_command({"replay", cut, "--out", folder_->file("cut"), "--no-plan"});
+  EXPECT_EQ(run.status, exit_damaged) << run.log;
+  EXPECT_NE(run.log.find("cut.rawlog"), std::string::npos) << run.log;
+  const Json report = Json::parse(read_file(folder_->file("cut/report.json")));
+  EXPECT_TRUE(report["recording"]["damage"].is_string());
+  EXPECT_GT(report["frames"]["total"], 10);
+  EXPECT_LT(report["frames"]["total"], report_["frames"]["total"]);
+}
+
+TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_leave_nothing) {
+  const TemporaryFolder folder;
+  const std::string setup = std::string(CLEARWAY_SOURCE_DIR) + "/datasets/setups/miniature_kitchen.yaml";
+  const auto expect_refused = [&](const std::vector<std::string>& arguments, const std::string& word) {
+    const auto before = folder.files();
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input) << run.log;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(word), std::string::npos) << run.log;
+    EXPECT_EQ(folder.files(), before);
+  };
+  expect_refused({"replay", folder.file("none.rawlog"), "--out", folder.file("out")}, "none.rawlog");
+  expect_refused({"replay", folder.write("text.rawlog", "hello"), "--out", folder.file("out")},
+                 "text.rawlog");
+  expect_refused({"replay", "/usr/share/mrpt/datasets/localization_demo.rawlog", "--setup", setup, "--out",
+                  folder.file("out")},
+                 "no camera image");
+  expect_refused({"replay", folder_->file("recording.rawlog"), "--out", "/proc/nowhere", "--no-plan"},
+                 "/proc/nowhere");
+  expect_refused(
+      {"replay", folder_->file("recording.rawlog"), "--out", folder.file("out"), "--planner", "beem"},
+      "beam");
+  expect_refused({"replay", folder_->file("recording.rawlog"), "--setup", folder.write("s.yaml", "mapp: {}"),
+                  "--out", folder.file("out")},
+                 "mapp");
+  expect_refused({"simulate", folder.file("none.yaml"), "--out", folder.file("a.rawlog")}, "none.yaml");
+}
+
+}  // namespace
+}  // namespace clearway
