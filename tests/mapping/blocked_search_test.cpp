@@ -71,6 +71,18 @@ TEST(BlockedSearch, FindsALoneVoxelFromEverywhere) {
   for (int i = 0; i < 5000; ++i) expect_nearest(*space, truth, dice.point(1.2), dice.uniform(0.0, 2.0));
 }
 
+TEST(BlockedSearch, ACubeExactlyAtTheLimitIsFound) {
+  FreeSpaceMap map({.resolution = 0.5});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(1.25, 0.25, 0.25);
+  scan.points = {{0.0F, 0.0F, 0.0F}};
+  map.insert(scan);
+  const auto space = map.snapshot().blocked_space({}, box_around(4.0), 4.0);
+  EXPECT_TRUE(space->nearest({1.25, 0.25, 0.25}, 0.0).found);  // inside
+  EXPECT_TRUE(space->nearest({-1.0, 0.25, 0.25}, 2.0).found);
+  EXPECT_FALSE(space->nearest({-1.0, 0.25, 0.25}, 1.999).found);
+}
+
 TEST(BlockedSearch, RefusesAPointThatIsNotFinite) {
   const auto space = Snapshot().blocked_space({}, box_around(2.0), 1.0);
   EXPECT_THROW(space->nearest({std::nan(""), 0.0, 0.0}, 1.0), std::invalid_argument);

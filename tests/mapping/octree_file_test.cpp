@@ -161,6 +161,7 @@ TEST(OctreeFile, DamagedForeignFilesNeverCrashAndTruncatedOnesAreRefused) {
   for (int i = 0; i < 50; ++i) color.updateNode(0.1 * i, 0.05, 0.05, true);
   for (const std::string& bytes : {stock_text(stock), stock_text(color), stock_binary(stock)}) {
     ASSERT_FALSE(is_refused(bytes));
+    ASSERT_TRUE(is_refused(bytes + '\0'));
     for (std::size_t length = 0; length < bytes.size(); ++length)
       ASSERT_TRUE(is_refused(bytes.substr(0, length)));
     Dice dice(7);
