@@ -17,20 +17,6 @@ constexpr double finest_step = 1e-6;        ///< joint-space length (rad, m) at 
 constexpr double probe_step = 1e-4;         ///< how far past a stall a contact is looked for
 constexpr double most_cells_at_once = 3e7;  ///< of one block of voxels; longer paths are checked in pieces
 
-/// What must be proved along every edge: a body against its voxels, or two bodies against each other.
-struct Item {
-  std::size_t body = 0;
-  std::optional<std::size_t> other;
-  std::size_t group = 0;  ///< which block of voxels
-};
-
-/// Bodies whose parts share a policy and painted volumes share their blocked voxels.
-struct Group {
-  Policy policy = Policy::not_occupied;
-  std::uint16_t volumes = 0xffff;
-  bool operator==(const Group&) const = default;
-};
-
 struct Contact {
   int edge = 0;
   double parameter = 0.0;
@@ -38,14 +24,21 @@ struct Contact {
   std::string what;
 };
 
+using check::Item;
 using check::Nearest;
 
 class Checker {
  public:
   Checker(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
           double padding, const std::vector<Configuration>& path, double cap)
-      : robot_(robot), map_(map), padding_(padding), path_(path), cap_(cap), arm_(robot), fcl_(robot) {
-    list_items(policies);
+      : robot_(robot),
+        map_(map),
+        padding_(padding),
+        path_(path),
+        cap_(cap),
+        arm_(robot),
+        fcl_(robot),
+        tasks_(check::list_tasks(robot, map, policies, arm_)) {
     verdict_.clearance.assign(path.size(), cap);
     least_ = measured_ = cap;
   }
@@ -69,63 +62,21 @@ class Checker {
   }
 
  private:
-  void list_items(const std::map<std::string, Policy>& policies) {
-    for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {
-      const std::string& part = robot_.bodies[i].part;
-      if (!arm_.is_moved(i)) continue;
-      Group group;
-      if (const auto policy = policies.find(part); policy != policies.end()) group.policy = policy->second;
-      if (group.policy == Policy::painted && map_.volumes_of_part(part) != 0)
-        group.volumes = map_.volumes_of_part(part);
-      auto known = std::find(groups_.begin(), groups_.end(), group);
-      if (known == groups_.end()) known = groups_.insert(groups_.end(), group);
-      items_.push_back({i, std::nullopt, static_cast<std::size_t>(known - groups_.begin())});
-    }
-    const Eigen::VectorXd one = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(robot_.dof()));
-    for (std::size_t a = 0; a < robot_.bodies.size(); ++a) {
-      for (std::size_t b = a + 1; b < robot_.bodies.size(); ++b) {
-        const auto pair = std::pair(static_cast<int>(a), static_cast<int>(b));
-        const bool exempt =
-            std::find(robot_.exempt.begin(), robot_.exempt.end(), pair) != robot_.exempt.end();
-        if (!exempt && arm_.approach(a, b, one) > 0.0) items_.push_back({a, b, 0});
-      }
-    }
-  }
-
   const Configuration& start(int edge) const { return path_[static_cast<std::size_t>(edge)]; }
   Eigen::VectorXd step(int edge) const {
     const auto end = std::min(static_cast<std::size_t>(edge) + 1, path_.size() - 1);
     return path_[end] - start(edge);
   }
 
-  /// A box that holds what the bodies of a group sweep on the edges first … last - 1.
-  Eigen::AlignedBox3d swept(std::size_t group, int first, int last) const {
-    Eigen::AlignedBox3d box;
-    check::BodyPoses poses;
-    for (int edge = first; edge < last; ++edge) {
-      const Eigen::VectorXd dq = step(edge), abs_dq = dq.cwiseAbs();
-      double motion = 0.0;
-      for (const Item& item : items_) {
-        if (!item.other && item.group == group) motion = std::max(motion, arm_.motion(item.body, abs_dq));
-      }
-      const int pieces =
-          std::clamp(static_cast<int>(std::ceil(motion / (10.0 * map_.resolution()))), 1, 10000);
-      for (int k = 0; k <= pieces; ++k) {
-        arm_.place(start(edge) + dq * k / pieces, poses);
-        for (const Item& item : items_) {
-          if (item.other || item.group != group) continue;
-          box.extend(check::bounds(fcl_, item.body, poses[item.body], motion / (2 * pieces)));
-        }
-      }
-    }
-    return box;
-  }
-
   void check_edges(int first, int last) {
     std::vector<Eigen::AlignedBox3d> boxes;
     double most = 0.0;
-    for (std::size_t group = 0; group < groups_.size(); ++group) {
-      Eigen::AlignedBox3d box = swept(group, first, last);
+    for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
+      Eigen::AlignedBox3d box;
+      for (int edge = first; edge < last; ++edge) {
+        box.extend(
+            check::swept_box(arm_, fcl_, tasks_, group, start(edge), step(edge), 10.0 * map_.resolution()));
+      }
       box.min().array() -= cap_ + padding_ + 2 * map_.resolution();
       box.max().array() += cap_ + padding_ + 2 * map_.resolution();
       boxes.push_back(box);
@@ -138,11 +89,11 @@ class Checker {
       return;
     }
     cells_.clear();
-    for (std::size_t group = 0; group < groups_.size(); ++group) {
-      cells_.emplace_back(map_, groups_[group].policy, groups_[group].volumes, boxes[group]);
+    for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
+      cells_.emplace_back(map_, tasks_.groups[group].policy, tasks_.groups[group].volumes, boxes[group]);
     }
     for (int edge = first; edge < last && !contact_; ++edge) {
-      for (const Item& item : items_) advance(item, edge);
+      for (const Item& item : tasks_.items) advance(item, edge);
     }
     if (!contact_ && last + 1 == static_cast<int>(path_.size())) measure_waypoint(path_.size() - 1);
   }
@@ -198,7 +149,7 @@ class Checker {
   }
 
   void measure_waypoint(std::size_t waypoint) {
-    for (const Item& item : items_) {
+    for (const Item& item : tasks_.items) {
       if (!item.other) note_clearance(waypoint, nearest(item, path_[waypoint]).distance);
     }
   }
@@ -212,8 +163,7 @@ class Checker {
   double cap_;
   check::KdlArm arm_;
   check::FclBodies fcl_;
-  std::vector<Group> groups_;
-  std::vector<Item> items_;
+  check::Tasks tasks_;
   std::vector<check::BlockedCells> cells_;  ///< of the edges at hand, one for each group
   check::BodyPoses poses_;
   PathVerdict verdict_;
@@ -246,7 +196,7 @@ std::string Checker::describe(const Item& item, const Nearest& near) const {
   if (item.other) {
     text << " touches " << robot_.bodies[*item.other].part;
   } else if (near.cube) {
-    const Policy policy = groups_[item.group].policy;
+    const Policy policy = tasks_.groups[item.group].policy;
     const std::string_view state = to_string(map_.state(*near.cube));
     text << (padding_ > 0.0 ? " comes too near to " : " touches ") << "a voxel that is " << state << ", at ("
          << near.cube->x() << ", " << near.cube->y() << ", " << near.cube->z() << "); its policy is "

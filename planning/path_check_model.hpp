@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -117,5 +118,32 @@ Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eige
 /// `inside`: a point inside the body, map frame.
 Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
                       const Eigen::Vector3d& inside, const BlockedCells& cells, double limit);
+
+/// What must be proved along every edge: a body against its voxels, or two bodies against each other.
+struct Item {
+  std::size_t body = 0;
+  std::optional<std::size_t> other;
+  std::size_t group = 0;  ///< which block of voxels
+};
+
+/// Bodies whose parts share a policy and painted volumes share their blocked voxels.
+struct Group {
+  Policy policy = Policy::not_occupied;
+  std::uint16_t volumes = 0xffff;
+  bool operator==(const Group&) const = default;
+};
+
+/// All that must be proved for a robot in a map.
+struct Tasks {
+  std::vector<Group> groups;
+  std::vector<Item> items;  ///< moved bodies in order, then pairs that are not exempt
+};
+Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+                 const KdlArm& arm);
+
+/// A box that holds what the bodies of a group sweep on one edge, looked at every `spacing` of motion.
+Eigen::AlignedBox3d swept_box(const KdlArm& arm, const FclBodies& bodies, const Tasks& tasks,
+                              std::size_t group, const Eigen::VectorXd& start, const Eigen::VectorXd& step,
+                              double spacing);
 
 }  // namespace clearway::check
