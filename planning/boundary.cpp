@@ -13,20 +13,38 @@ namespace {
 /// With enter_ratio 0, a local step shorter than this share of the wanted one is null.
 constexpr double kDeadlock = 1e-4;
 
+/// A place on a boundary, to tell when the robot is there again.
+struct Milestone {
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();     ///< (u1, u2)
+  Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of the row followed there
+  int since = 0;                                       ///< steps made since
+  bool went_away = false;                              ///< has been more than two steps' length away
+
+  /// Back within max_step, on the same face of the obstacle, after ten steps that led away.
+  bool is_reached_again(const Eigen::Vector2d& now, const Eigen::Vector2d& now_followed, double max_step) {
+    ++since;
+    const double away = (now - place).norm();
+    went_away = went_away || away > 2.0 * max_step;
+    return went_away && since >= 10 && away <= max_step && followed.dot(now_followed) > 0.0;
+  }
+};
+
 /// One run along a boundary, from a deadlock on.
 struct Bypass {
   BypassPlane plane;
   double lock_distance = 0.0;                          ///< d_lock
-  Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of A_lock
   double nearest = 0.0;                                ///< smallest ||q - q_goal|| so far
+  Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of A_lock
   int steps = 0;
-  bool went_away = false;  ///< has been more than two steps away from the deadlock point
+  Milestone lock;    ///< the deadlock point itself
+  Milestone latest;  ///< set anew after 64, 128, 256, ... steps
 
-  /// Back at the deadlock point: within max_step of it in (u1, u2), after ten steps that led away.
-  bool has_returned(const Eigen::VectorXd& y, double max_step) {
-    const double away = plane.coordinates(y).norm();
-    went_away = went_away || away > 2.0 * max_step;
-    return went_away && steps >= 10 && away <= max_step;
+  /// Back at the deadlock point, or on a round that does not pass it (a boundary lost for another one).
+  bool goes_round(const Eigen::VectorXd& y, double max_step) {
+    const Eigen::Vector2d now = plane.coordinates(y);
+    if (lock.is_reached_again(now, followed, max_step)) return true;
+    if (steps >= 64 && (steps & (steps - 1)) == 0) latest = {now, followed, 0, false};
+    return steps > 64 && latest.is_reached_again(now, followed, 0.5 * max_step);
   }
 };
 
@@ -38,7 +56,8 @@ class BoundaryMotion {
         given_(given),
         options_(resolve(given.local, problem)),
         max_steps_(resolve_max_steps(given.local, options_, problem)),
-        motion_(problem, options_) {}
+        motion_(problem, options_),
+        watch_(options_.max_step) {}
 
   PlanResult run(const PlanResult& ends) {
     std::string failure;
@@ -59,11 +78,25 @@ class BoundaryMotion {
     local_ = local_step(constraints_, wanted, options_);
     motion_.note(constraints_, local_);
     if (bypass_) bypass_->nearest = std::min(bypass_->nearest, motion_.distance_to_goal());
-    if (bypass_ && bypass_->nearest < given_.leave_ratio * bypass_->lock_distance) bypass_.reset();
+    if (bypass_ && bypass_->nearest < leave_distance()) end_bypass();
     if (bypass_) return follow_boundary();
-    if (local_.step.norm() < std::max(given_.enter_ratio, kDeadlock) * wanted.norm()) return enter_bypass();
+    const bool is_creeping = watch_.is_creeping(motion_.distance_to_goal());
+    const double least = std::max(given_.enter_ratio, kDeadlock) * wanted.norm();
+    if (is_creeping || local_.step.norm() < least) return enter_bypass();
     ++local_steps_;
     return motion_.take(local_.step) ? "" : stopped("The next local step could not be certified free");
+  }
+
+  /// Below it the local method is resumed: leave_ratio d_lock, and with leave_ratio 1 far enough below d_lock
+  /// that the local step does not fall back into the same deadlock at once.
+  double leave_distance() const {
+    const double lock = bypass_->lock_distance;
+    return std::min(given_.leave_ratio * lock, lock - std::min(0.1 * options_.max_step, 0.05 * lock));
+  }
+
+  void end_bypass() {
+    bypass_.reset();
+    watch_.restart();
   }
 
   /// Section 3.2: the plane, d_lock and the first A_lock at a deadlock.
@@ -79,7 +112,7 @@ class BoundaryMotion {
     const std::vector<ProjectedRow> rows = project(constraints_, bypass.plane, options_.max_step);
     const int first = first_followed(rows, local_.multipliers);
     if (first < 0) return stopped("Deadlock without a constraint to follow");
-    bypass.followed = rows[static_cast<std::size_t>(first)].direction;
+    bypass.followed = bypass.lock.followed = rows[static_cast<std::size_t>(first)].direction;
     ++deadlocks_;
     bypass_ = std::move(bypass);
     return follow_boundary();
@@ -95,7 +128,7 @@ class BoundaryMotion {
   /// Section 3.3: steps 2-5 of the algorithm.
   std::string follow_boundary() {
     const double max_step = options_.max_step;
-    if (bypass_->has_returned(motion_.weighted_position(), max_step)) {
+    if (bypass_->goes_round(motion_.weighted_position(), max_step)) {
       return stopped("Boundary following came back to the deadlock point, never nearer to the goal than " +
                      to_text(bypass_->nearest / bypass_->lock_distance) +
                      " of its distance there (leave_ratio " + to_text(given_.leave_ratio) +
@@ -104,7 +137,7 @@ class BoundaryMotion {
     const std::vector<ProjectedRow> rows = project(constraints_, bypass_->plane, max_step);
     const int followed = tracked(rows, bypass_->followed);
     if (followed < 0) {  // nothing near any more: nothing to go round
-      bypass_.reset();
+      end_bypass();
       ++lost_;
       return "";
     }
@@ -143,6 +176,7 @@ class BoundaryMotion {
   const DamperOptions options_;
   const int max_steps_;
   CertifiedMotion motion_;
+  CreepWatch watch_;
   StepConstraints constraints_;
   LocalStep local_;
   std::optional<Bypass> bypass_;

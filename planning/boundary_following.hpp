@@ -51,7 +51,7 @@ struct Vertex {
   Eigen::Vector2d du = Eigen::Vector2d::Zero();
   double advance = 0.0;  ///< along S; may be negative
   int blocking = -1;     ///< the row that ends the way along S; -1: the step length
-  int behind = -1;       ///< the row that ends it the other way; nothing is left when the two exclude each other
+  int behind = -1;  ///< the row that ends it the other way; nothing is left when the two exclude each other
 };
 Vertex vertex_on(const std::vector<ProjectedRow>& rows, int followed, double max_step);
 

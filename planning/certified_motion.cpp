@@ -69,6 +69,14 @@ PlanResult CertifiedMotion::result(PlanResult result, PlanStatus status,
   return result;
 }
 
+bool CreepWatch::is_creeping(double distance_to_goal) {
+  last_.push_back(distance_to_goal);
+  if (last_.size() <= 10) return false;
+  const double before = last_.front();
+  last_.pop_front();
+  return before - distance_to_goal < least_gain_;
+}
+
 std::string holding_back(const ConfigurationSpace& space, const StepConstraints& constraints,
                          const Eigen::VectorXd& multipliers) {
   Eigen::Index strongest = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,19 @@ class CertifiedMotion {
   std::size_t most_rows_ = 0;
   int shortened_ = 0, relaxed_ = 0;
   double least_separation_;
+};
+
+/// Tells when the local method creeps or rocks instead of coming nearer to the goal: over ten steps the
+/// distance to the goal (strictly decreasing, section 3.3) fell by less than a hundredth of one step.
+class CreepWatch {
+ public:
+  explicit CreepWatch(double max_step) : least_gain_(0.01 * max_step) {}
+  bool is_creeping(double distance_to_goal);
+  void restart() { last_.clear(); }
+
+ private:
+  double least_gain_;
+  std::deque<double> last_;
 };
 
 /// "tool is 1.2 mm from what blocks it at (x, y, z)" for the pair that holds the step back most (the largest

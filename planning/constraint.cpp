@@ -24,6 +24,7 @@ PlanResult Constraint::plan(const PlanProblem& problem) const {
   const DamperOptions options = resolve(options_, problem);
   const int max_steps = resolve_max_steps(options_, options, problem);
   CertifiedMotion motion(problem, options);
+  CreepWatch watch(options.max_step);
   while (!motion.is_at_goal()) {
     if (problem.out_of_time()) return motion.result(ends, PlanStatus::timed_out, "Out of time.");
     const StepConstraints constraints = constraints_at(problem.space, motion.position(), options);
@@ -36,7 +37,9 @@ PlanResult Constraint::plan(const PlanProblem& problem) const {
                                to_text(motion.distance_to_goal()) + " from the goal in joint space: " +
                                holding_back(problem.space, constraints, local.multipliers) + ".");
     };
-    if (local.step.norm() < kDeadlock * wanted.norm()) return stop("Deadlock of the local method");
+    const bool is_creeping = watch.is_creeping(motion.distance_to_goal());
+    if (is_creeping || local.step.norm() < kDeadlock * wanted.norm())
+      return stop("Deadlock of the local method");
     if (motion.steps() >= max_steps) return stop("Reached max_steps");
     if (!motion.take(local.step)) return stop("The next step could not be certified free");
   }
