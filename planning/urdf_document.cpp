@@ -15,6 +15,8 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 
+constexpr std::size_t most_joints = 500;  ///< a longer chain is no robot, and urdfdom walks it recursively
+
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
   throw std::invalid_argument(file.string() + ": " + what);
 }
@@ -185,6 +187,7 @@ UrdfDocument read_urdf_document(const std::filesystem::path& file) {
       refuse(file, where + ": link '" + child + "' already has a parent joint, expected a tree");
     }
     document.joint_order.push_back(name);
+    if (document.joint_order.size() > most_joints) refuse(file, "has more than 500 joints");
   }
   if (links.empty()) refuse(file, "has no links");
   check_tree(file, links, parent_of);

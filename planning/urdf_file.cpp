@@ -223,9 +223,6 @@ class Reader {
 Robot read_urdf(const std::filesystem::path& file) {
   const UrdfDocument document = read_urdf_document(file);
   if (document.joint_order.empty()) throw std::invalid_argument(file.string() + ": has no joints");
-  if (document.joint_order.size() > 500) {
-    throw std::invalid_argument(file.string() + ": has more than 500 joints");
-  }
   KeptMessages messages;
   urdf::ModelInterfaceSharedPtr model;
   try {

@@ -117,6 +117,12 @@ TEST_F(RobotFile, FilesThatAreNoTreeOfLinksAreRefused) {
             "r.urdf: the joints above link 'b' form a loop, expected a tree");
   EXPECT_EQ(refusal(write("r.urdf", links + fixed("x", "a", "c") + fixed("y", "b", "c") + "</robot>")),
             "r.urdf: joint 'y': link 'c' already has a parent joint, expected a tree");
+  std::string chain = "<robot name='r'><link name='0'/>";
+  for (int i = 1; i <= 600; ++i) {
+    chain += "<link name='" + std::to_string(i) + "'/>" +
+             fixed(std::to_string(i), std::to_string(i - 1), std::to_string(i));
+  }
+  EXPECT_EQ(refusal(write("r.urdf", chain + "</robot>")), "r.urdf: has more than 500 joints");
   EXPECT_EQ(refusal(write("r.urdf", links + fixed("x", "a", "d") + "</robot>")),
             "r.urdf: joint 'x': there is no link 'd'");
 }
