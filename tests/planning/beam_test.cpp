@@ -364,23 +364,5 @@ TEST(Beam, RefusesStepsThatDoNotFitTheRobot) {
   EXPECT_THROW(make_planner("beam", {{"width", "0"}}), std::invalid_argument);
 }
 
-TEST(Planner, UnknownNamesAreAnsweredWithTheNearest) {
-  try {
-    make_planner("bundary");
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "unknown planner 'bundary': did you mean 'boundary'?");
-  }
-  EXPECT_THROW(make_planner("beam", {{"widht", "3"}}), std::invalid_argument);
-}
-
-TEST(Planner, PrintedOptionsMakeTheSamePlanner) {
-  for (const PlannerEntry& entry : planner_table()) {
-    const auto planner = entry.make({});
-    EXPECT_FALSE(planner->options().empty()) << entry.name;
-    EXPECT_EQ(make_planner(entry.name, planner->options())->options(), planner->options()) << entry.name;
-  }
-}
-
 }  // namespace
 }  // namespace clearway
