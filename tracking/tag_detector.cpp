@@ -113,7 +113,8 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& gray) {
     throw std::invalid_argument("tag detector: image of " + std::to_string(gray.cols) + " x " +
                                 std::to_string(gray.rows) + " pixels, type " + std::to_string(gray.type()) +
                                 ", expected 8-bit grey of 32 to 20000 pixels a side after decimation");
-  image_u8_t image{gray.cols, gray.rows, static_cast<int>(gray.step[0]), gray.data};
+  const cv::Mat own = options.sigma > 0.0 ? gray.clone() : gray;  // apriltag blurs what it is given
+  image_u8_t image{own.cols, own.rows, static_cast<int>(own.step[0]), own.data};
   const std::unique_ptr<zarray_t, DetectionsDeleter> found(
       apriltag_detector_detect(impl_->detector.get(), &image));
   std::vector<TagDetection> tags;

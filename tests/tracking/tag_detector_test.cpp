@@ -87,6 +87,19 @@ TEST(TagDetector, gives_the_same_bits_again_and_with_one_or_four_threads) {
   }
 }
 
+TEST(TagDetector, leaves_the_image_as_it_was) {
+  const auto tags = tags_at_all_tilts(0.2, 0.14);
+  const cv::Mat image = scene::render(scene::plain_camera(), tags), before = image.clone();
+  for (double sigma : {0.0, 0.8})
+    for (int decimate : {1, 2}) {
+      TagDetectorOptions options;
+      options.sigma = sigma;
+      options.decimate = decimate;
+      EXPECT_EQ(TagDetector(options).detect(image).size(), tags.size());
+      EXPECT_EQ(cv::norm(image, before, cv::NORM_L1), 0.0) << sigma << " " << decimate;
+    }
+}
+
 TEST(TagDetector, reads_a_part_of_a_larger_image_without_copying_it) {
   const auto tags = tags_at_all_tilts(0.2, 0.14);
   const cv::Mat image = scene::render(scene::plain_camera(), tags);
