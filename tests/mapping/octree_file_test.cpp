@@ -191,6 +191,20 @@ TEST(OctreeFile, ChainsAndRubbishThatOverflowStockReadersAreRefused) {
   EXPECT_TRUE(is_refused(binary + std::string(100000, '\0')));
 }
 
+TEST(OctreeFile, SixteenLevelsAreReadAndSeventeenRefused) {
+  for (const int levels : {15, 16, 17}) {
+    const std::string rest = "\nid OcTree\nsize " + std::to_string(levels + 1) + "\nres 0.1\ndata\n";
+    std::string text = "# Octomap OcTree file" + rest, binary = "# Octomap OcTree binary file" + rest;
+    for (int i = 0; i < levels; ++i) {
+      text += std::string("\0\0\0\0\1", 5);
+      binary += std::string(i + 1 < levels ? "\3\0" : "\1\0", 2);
+    }
+    text += std::string("\0\0\0\0\0", 5);
+    EXPECT_EQ(is_refused(text), levels > 16) << levels;
+    EXPECT_EQ(is_refused(binary), levels > 16) << levels;
+  }
+}
+
 TEST(OctreeFile, RefusesAHeaderThatMakesNoSense) {
   const auto file = [](const std::string& id, const std::string& size, const std::string& res) {
     return "# Octomap OcTree file\nid " + id + "\nsize " + size + "\nres " + res + "\ndata\n" +
