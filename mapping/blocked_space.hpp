@@ -30,7 +30,7 @@ class BlockedSpace {
 
   virtual const Requirement& requirement() const = 0;
   virtual double resolution() const = 0;    ///< edge of a voxel cube, metres
-  virtual double max_distance() const = 0;  ///< where the field is truncated, metres
+  virtual double max_distance() const = 0;  ///< where the field ends, metres: as asked, at most 89 voxels
   virtual const Eigen::AlignedBox3d& region() const = 0;
   virtual std::size_t blocked_count() const = 0;  ///< blocked voxels inside the region
 
@@ -40,7 +40,8 @@ class BlockedSpace {
   /// than the true distance; 0 inside a blocked voxel and for a non-finite point; at most max_distance().
   virtual double clearance(const Eigen::Vector3d& point) const = 0;
 
-  /// The exact nearest blocked cube no farther than `limit` (<= max_distance()).
+  /// The exact nearest blocked cube no farther than `limit` (taken as at most max_distance()).
+  /// @throws std::invalid_argument for a non-finite point or a limit that is not >= 0.
   virtual NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const = 0;
 
   /// Calls `visit(centre)` for each blocked voxel whose closed cube meets the closed `box`, in a fixed order,
