@@ -104,7 +104,7 @@ TEST_F(CommandLine, inspect_counts_voxels_and_answers_points) {
   EXPECT_EQ(json["at"][0]["state"], "occupied");
   EXPECT_EQ(json["at"][0]["clearance_m"]["not_occupied"], 0.0);
   EXPECT_EQ(json["at"][1]["state"], "seen_free");
-  EXPECT_NEAR(json["at"][1]["clearance_m"]["not_occupied"].get<double>(), 0.5, 0.06);
+  EXPECT_NEAR(json["at"][1]["clearance_m"]["not_occupied"].get<double>(), 0.45, 0.02);
   EXPECT_EQ(json["at"][2]["state"], "unknown");
   EXPECT_EQ(json["at"][2]["clearance_m"]["known_free"], 0.0);
 }

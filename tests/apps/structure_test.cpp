@@ -54,7 +54,7 @@ TEST(Structure, headers_include_nothing_heavier_than_eigen) {
       if (quoted || file.extension() != ".hpp") return;
       EXPECT_FALSE(std::regex_match(name, heavy)) << file << " includes " << name;
       const bool opencv = name.rfind("opencv2/", 0) == 0;
-      EXPECT_TRUE(!opencv || (floor == "tracking" && name == "opencv2/core.hpp"))
+      EXPECT_TRUE(!opencv || (floor == "tracking" && name.starts_with("opencv2/core")))
           << file << " includes " << name;
       const bool octomap = name.rfind("octomap/", 0) == 0;
       EXPECT_TRUE(!octomap || file.filename() == "fused_tree.hpp") << file << " includes " << name;
