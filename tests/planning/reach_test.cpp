@@ -1,0 +1,49 @@
+#include "planning/reach.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/planning/random_world.hpp"
+
+namespace clearway {
+namespace {
+
+TEST(Reach, TheBoxHoldsTheBodyInEveryConfigurationAndIsNotFarTooLarge) {
+  for (const char* name : {"puma560", "arm5", "planar2", "point"}) {
+    Robot robot = load_robot(name);
+    Random random(1);
+    for (Joint& joint : robot.joints) {  // what Random samples
+      joint.lower = std::max(joint.lower, -2 * std::numbers::pi);
+      joint.upper = std::min(joint.upper, 2 * std::numbers::pi);
+    }
+    for (int placement = 0; placement < 2; ++placement) {
+      for (const Body& body : robot.bodies) {
+        const Eigen::AlignedBox3d box = reach_box(robot, body);
+        Eigen::AlignedBox3d seen;
+        for (int i = 0; i < 3'000; ++i) {
+          const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+          seen.extend(body.shape.bounds(poses[static_cast<std::size_t>(body.link)] * body.link_from_shape));
+        }
+        const Eigen::AlignedBox3d grown(box.min().array() - 1e-9, box.max().array() + 1e-9);
+        EXPECT_TRUE(grown.contains(seen)) << name << " " << body.part;
+        EXPECT_LT(box.sizes().maxCoeff(), 2.0 * seen.sizes().maxCoeff()) << name << " " << body.part;
+      }
+      robot.map_from_base = random.pose(1.0);
+    }
+  }
+}
+
+TEST(Reach, SlidingAndPlanarRobotsStayInTheirPlane) {
+  const Robot disc = load_robot("point"), arm = load_robot("planar2");
+  EXPECT_NEAR(reach_box(disc, disc.bodies.back()).sizes().z(), 0.01, 1e-12);
+  EXPECT_LT(reach_box(arm, arm.bodies.back()).sizes().z(), 0.12);  // capsules of radius 0.05
+}
+
+TEST(Reach, ALeverIsAsLongAsTheFarthestPointSeenFromTheJointAxis) {
+  const Robot arm = load_robot("planar2");
+  EXPECT_NEAR(lever(arm, 1, arm.bodies[0]), 1.05, 1e-2);  // about the shoulder
+  EXPECT_NEAR(lever(arm, 1, arm.bodies[1]), 2.05, 1e-2);
+  EXPECT_NEAR(lever(arm, 2, arm.bodies[1]), 1.05, 1e-2);  // about the elbow
+}
+
+}  // namespace
+}  // namespace clearway
