@@ -81,12 +81,18 @@ Json plan_json(const ReplayPlan& entry) {
 
 /// The first view of the page stands beside where the sensors stood, so that no wall hides what they saw.
 void look_from_the_sensors(ReportPage& page, const ReplayReport& report) {
+  Eigen::Vector3d occupied = Eigen::Vector3d::Zero();
+  double leaves = 0.0;
+  report.map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != VoxelState::occupied) return;
+    occupied += leaf.center;
+    leaves += 1.0;
+  });
   const FusionCounts& counts = report.fusion->counts;
-  const Eigen::AlignedBox3d bounds = report.map.bounds();
-  if (counts.scans == 0 || bounds.isEmpty()) return;
+  if (counts.scans == 0 || leaves == 0.0) return;
   const Eigen::Vector3d sensors = counts.scan_origin_sum / static_cast<double>(counts.scans);
-  const Eigen::Vector2d aside = (sensors - bounds.center()).head<2>();
-  if (aside.norm() < 0.15 * bounds.sizes().head<2>().norm()) return;
+  const Eigen::Vector2d aside = (sensors - occupied / leaves).head<2>();
+  if (aside.norm() < 0.1 * report.map.bounds().sizes().head<2>().norm()) return;
   page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
 }
 
@@ -189,8 +195,7 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
     const ReplayPlan& first = report.plans.front();
     show_robot(page, first.space->robot(), first.start);
     for (const ReplayPlan& entry : report.plans) {
-      page.plans.push_back(
-          page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
+      page.plans.push_back(page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
     }
     const auto table = plan_table(report);
     page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});
