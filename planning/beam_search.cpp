@@ -38,7 +38,7 @@ void append_last_segment(const PlanProblem& problem, PlanResult& result) {
   ++result.edges_checked;
   if (!problem.space.is_edge_free(end, problem.goal)) {
     result.explanation += " The last segment to the exact goal is not free: the path ends " +
-                          to_text(result.final_distance) + " before it.";
+                          short_text(result.final_distance) + " before it.";
     return;
   }
   result.last_segment = true;
@@ -66,7 +66,7 @@ void tell_failure(const PlanProblem& problem, const Lattice& lattice, const Beam
   result.final_distance = (lattice.configuration(best.node) - problem.goal).norm();
   const char* how = out_of_time ? "out of time" : paths.beam().empty() ? "stalled" : "stalled (max_steps)";
   result.explanation = std::string(how) + " after " + std::to_string(paths.steps()) +
-                       " steps: the best node is " + to_text(result.final_distance) +
+                       " steps: the best node is " + short_text(result.final_distance) +
                        " from the goal in joint space. " + blocking_sentence(problem, lattice, paths);
 }
 

@@ -130,7 +130,7 @@ class BoundaryMotion {
     const double max_step = options_.max_step;
     if (bypass_->goes_round(motion_.weighted_position(), max_step)) {
       return stopped("Boundary following came back to the deadlock point, never nearer to the goal than " +
-                     to_text(bypass_->nearest / bypass_->lock_distance) +
+                     short_text(bypass_->nearest / bypass_->lock_distance) +
                      " of its distance there (leave_ratio " + to_text(given_.leave_ratio) +
                      "): no path on this side in this plane");
     }
@@ -156,7 +156,7 @@ class BoundaryMotion {
 
   std::string stopped(const std::string& why) const {
     return why + ", after " + std::to_string(motion_.steps()) + " steps and " + std::to_string(deadlocks_) +
-           " deadlocks, " + to_text(motion_.distance_to_goal()) + " from the goal in joint space: " +
+           " deadlocks, " + short_text(motion_.distance_to_goal()) + " from the goal in joint space: " +
            holding_back(problem_.space, constraints_, local_.multipliers) + ".";
   }
 

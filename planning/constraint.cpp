@@ -34,7 +34,7 @@ PlanResult Constraint::plan(const PlanProblem& problem) const {
     const auto stop = [&](const std::string& why) {
       return motion.result(ends, PlanStatus::no_path,
                            why + " after " + std::to_string(motion.steps()) + " steps, " +
-                               to_text(motion.distance_to_goal()) + " from the goal in joint space: " +
+                               short_text(motion.distance_to_goal()) + " from the goal in joint space: " +
                                holding_back(problem.space, constraints, local.multipliers) + ".");
     };
     const bool is_creeping = watch.is_creeping(motion.distance_to_goal());

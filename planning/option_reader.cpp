@@ -20,6 +20,12 @@ std::string to_text(const std::vector<double>& values) {
   return text;
 }
 
+std::string short_text(double value) {
+  char buffer[40];
+  return std::string(buffer,
+                     std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 4).ptr);
+}
+
 OptionReader::OptionReader(std::string owner, const std::map<std::string, std::string>& given)
     : owner_(std::move(owner)), given_(given) {}
 

@@ -60,15 +60,17 @@ void expect_equal(const PlanResult& a, const PlanResult& b, const std::string& w
   EXPECT_EQ(a.statistics.at("heads"), b.statistics.at("heads")) << what;
 }
 
-/// Occupied blocks of random size and place around the robot.
-VoxelScene random_scene(std::mt19937_64& random, double size, double resolution, int blocks) {
+/// Occupied blocks of random size and place around the robot; through the plane z = 0 when it is `flat`.
+VoxelScene random_scene(std::mt19937_64& random, double size, double resolution, int blocks, bool flat) {
   std::uniform_real_distribution<double> place(-size, size), extent(0.02 * size, 0.15 * size);
   VoxelScene scene;
   scene.resolution = resolution;
   for (int i = 0; i < blocks; ++i) {
-    const Eigen::Vector3d corner(place(random), place(random), 0.5 * place(random));
-    scene.occupied.emplace_back(corner,
-                                corner + Eigen::Vector3d(extent(random), extent(random), extent(random)));
+    Eigen::AlignedBox3d box;
+    box.min() = Eigen::Vector3d(place(random), place(random), 0.5 * place(random));
+    box.max() = box.min() + Eigen::Vector3d(extent(random), extent(random), extent(random));
+    if (flat) box.min().z() = -resolution, box.max().z() = resolution;
+    scene.occupied.push_back(box);
   }
   return scene;
 }
@@ -76,7 +78,7 @@ VoxelScene random_scene(std::mt19937_64& random, double size, double resolution,
 struct Family {
   const char* robot;
   double size, resolution, step, reach;  ///< of the scene (m); steps and goal offsets in rad or m
-  int scenes, queries, widest;
+  int blocks, scenes, queries, widest;
 };
 
 class BeamAgainstReference : public testing::TestWithParam<Family> {};
@@ -89,7 +91,7 @@ TEST_P(BeamAgainstReference, GivesTheSamePathCostAndStepsBitForBit) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int solved = 0, failed = 0;
   for (int s = 0; s < family.scenes; ++s) {
-    const World world(robot, random_scene(random, family.size, family.resolution, 12));
+    const World world(robot, random_scene(random, family.size, family.resolution, family.blocks, n == 2));
     for (int i = 0; i < family.queries; ++i) {
       const Configuration start =
           Configuration::NullaryExpr(n, [&] { return family.reach * 3.0 * uniform(random); });
@@ -98,7 +100,7 @@ TEST_P(BeamAgainstReference, GivesTheSamePathCostAndStepsBitForBit) {
       const int width = 1 + static_cast<int>(random() % static_cast<unsigned>(family.widest));
       const PlannerOptions options = {{"width", std::to_string(width)},
                                       {"step", std::to_string(family.step)},
-                                      {"max_steps", "25"},
+                                      {"max_steps", std::to_string(3 + random() % 23)},
                                       {"node_only", i % 8 == 7 ? "true" : "false"}};
       const PlanResult fast = world.plan("beam", start, goal, options);
       if (fast.status == PlanStatus::start_invalid || fast.status == PlanStatus::goal_invalid) continue;
@@ -115,10 +117,10 @@ TEST_P(BeamAgainstReference, GivesTheSamePathCostAndStepsBitForBit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, BeamAgainstReference,
-                         testing::Values(Family{"point", 2.0, 0.1, 0.1, 0.8, 8, 40, 20},
-                                         Family{"planar2", 2.0, 0.1, 0.08, 0.7, 8, 40, 20},
-                                         Family{"arm5", 0.9, 0.05, 0.09, 0.4, 3, 5, 8},
-                                         Family{"puma560", 0.9, 0.05, 0.1, 0.35, 2, 4, 4}),
+                         testing::Values(Family{"point", 2.0, 0.1, 0.1, 1.0, 30, 12, 40, 20},
+                                         Family{"planar2", 2.0, 0.1, 0.1, 0.8, 8, 12, 40, 20},
+                                         Family{"arm5", 0.9, 0.05, 0.09, 0.5, 16, 4, 6, 8},
+                                         Family{"puma560", 0.9, 0.05, 0.1, 0.4, 16, 4, 5, 4}),
                          [](const auto& family) { return std::string(family.param.robot); });
 
 TEST(Beam, TiesAreBrokenTheSameWayInBoth) {
