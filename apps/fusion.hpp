@@ -21,8 +21,9 @@ struct FusionCounts {
   std::map<std::string, std::int64_t> samples;  ///< by "accepted" or the reason of refusal
   std::size_t accepted_outside_volumes = 0;     ///< accepted, but outside every volume's time span
   std::size_t balls = 0;
-  ScanCounts points;                  ///< summed over the scans
-  Eigen::Vector3d scan_origin_sum = Eigen::Vector3d::Zero();  ///< of the scans, metres: from where they looked
+  ScanCounts points;  ///< summed over the scans
+  Eigen::Vector3d scan_origin_sum =
+      Eigen::Vector3d::Zero();        ///< of the scans, metres: from where they looked
   std::size_t scans_refused = 0;      ///< whose origin was outside the map's key range
   double painted_radius = 0.0;        ///< r0 of eq. 3, metres
   double largest_center_sigma = 0.0;  ///< of the accepted samples, worst direction, metres

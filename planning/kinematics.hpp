@@ -21,8 +21,8 @@ Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q);
 
 /// Linear (rows 0-2) and angular (rows 3-5) velocity Jacobian, map frame, of the point `point` (map frame)
 /// that moves with `link`, given the link poses at q.
-Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const LinkPoses& map_from_link, int link,
-                                                  const Eigen::Vector3d& point);
+Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const LinkPoses& map_from_link,
+                                                  int link, const Eigen::Vector3d& point);
 
 /// Empty when q has the right size, is finite and keeps the joint limits; else one sentence naming the joint,
 /// the value and the limit.
@@ -32,9 +32,9 @@ struct IkOptions {
   double position_tolerance = 1e-6;     ///< metres
   double orientation_tolerance = 1e-6;  ///< radians
   int max_iterations = 200;
-  int restarts = 16;                    ///< seeded random restarts of the numeric solver
+  int restarts = 16;  ///< seeded random restarts of the numeric solver
   std::uint64_t seed = 1;
-  bool position_only = false;           ///< ignore orientation (arms with fewer than 6 joints)
+  bool position_only = false;  ///< ignore orientation (arms with fewer than 6 joints)
 };
 
 /// A configuration that puts the tip at `map_from_tip`, near `near`; within limits. Geometric for "puma"

@@ -11,7 +11,7 @@ namespace clearway {
 
 /// One plan of one or several legs, as plan.json stores it (keys fixed by the design page).
 struct Plan {
-  std::string robot;                       ///< name or path, as given
+  std::string robot;  ///< name or path, as given
   double robot_scale = 1.0;
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::vector<std::string> joints;
@@ -22,12 +22,12 @@ struct Plan {
   double map_resolution = 0.0;
   std::map<std::string, Policy> policies;  ///< per part
   double padding = 0.0;
-  std::vector<PlanResult> legs;            ///< each starts where the one before it ended
-  std::vector<Configuration> goals;        ///< as asked
+  std::vector<PlanResult> legs;      ///< each starts where the one before it ended
+  std::vector<Configuration> goals;  ///< as asked
   double time_s = 0.0;
-  PathVerdict validation;                  ///< of the whole path; `valid == false` and empty contact: not checked
+  PathVerdict validation;  ///< of the whole path; `valid == false` and empty contact: not checked
 
-  PlanStatus status() const;               ///< of the first leg that is not solved, else solved
+  PlanStatus status() const;  ///< of the first leg that is not solved, else solved
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
 };

@@ -23,17 +23,17 @@ struct Joint {
   double lower = 0.0, upper = 0.0;                  ///< limits; for an unlimited joint -infinity, infinity
   double max_velocity = 0.0;                        ///< rad/s or m/s; 0 when the URDF gives none
   double friction = 0.0;                            ///< mu_j of Chong et al. 2008, eq. 8
-  double step = 0.0;                                ///< epsilon_j, eq. 4: default perturbation of the beam search
+  double step = 0.0;  ///< epsilon_j, eq. 4: default perturbation of the beam search
 };
 
 /// A rigid link. Links are stored parents first; link 0 is the root.
 struct Link {
   std::string name;
-  int parent = -1;                                                       ///< index, -1 for the root
-  Eigen::Isometry3d parent_from_link = Eigen::Isometry3d::Identity();    ///< at joint value 0
-  int joint = -1;                ///< actuated joint that moves this link against its parent; -1: fixed
+  int parent = -1;                                                     ///< index, -1 for the root
+  Eigen::Isometry3d parent_from_link = Eigen::Isometry3d::Identity();  ///< at joint value 0
+  int joint = -1;  ///< actuated joint that moves this link against its parent; -1: fixed
   double multiplier = 1.0, offset = 0.0;  ///< joint value used = multiplier * q + offset (URDF mimic)
-  double mass = 0.0;             ///< kg
+  double mass = 0.0;                      ///< kg
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  ///< link frame
 };
 
@@ -53,9 +53,9 @@ struct Robot {
   std::vector<Link> links;
   std::vector<Body> bodies;
   std::vector<std::pair<int, int>> exempt;  ///< pairs of bodies (first < second) never tested for contact
-  int tip_link = 0;                                                ///< frame of the end effector, W'
-  Eigen::Isometry3d link_from_tip = Eigen::Isometry3d::Identity(); ///< tip frame on tip_link
-  std::vector<std::string> critical_parts;  ///< parts that `painted` is the default policy for
+  int tip_link = 0;                         ///< frame of the end effector, W'
+  Eigen::Isometry3d link_from_tip = Eigen::Isometry3d::Identity();  ///< tip frame on tip_link
+  std::vector<std::string> critical_parts;     ///< parts that `painted` is the default policy for
   std::string inverse_kinematics = "numeric";  ///< "numeric" or "puma" (geometric, Craig)
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
