@@ -39,14 +39,15 @@ double chosen_max_distance(const Robot& robot, double resolution) {
 
 /// Where a requirement has to be known. Under `not_occupied` nothing outside the map blocks; under the other
 /// policies everything outside it does, so that one layer of voxels around it stands for all of them.
+/// `wanted`: how far beyond its reach the robot has to know of blocked voxels, metres.
 Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach, const Snapshot& map,
-                              double max_distance) {
+                              double wanted) {
   const auto grown = [](Eigen::AlignedBox3d box, double by) {
     return Eigen::AlignedBox3d(box.min().array() - by, box.max().array() + by);
   };
-  const double margin = requirement.policy == Policy::not_occupied ? max_distance : map.resolution();
+  const double margin = requirement.policy == Policy::not_occupied ? wanted : map.resolution();
   const Eigen::AlignedBox3d bounds = map.bounds();
-  reach = grown(reach, max_distance);
+  reach = grown(reach, wanted);
   const Eigen::AlignedBox3d region = bounds.isEmpty() ? bounds : reach.intersection(grown(bounds, margin));
   if (!region.isEmpty()) return region;
   const Eigen::Vector3d corner = reach.min();  // nothing in reach is known: one voxel of the unknown
@@ -92,7 +93,8 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     if (!is_moved(state.robot, body.link)) continue;
     const Requirement requirement = requirement_of(body);
     const double max_distance = state.options.max_distance;
-    const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), state.map, max_distance);
+    const double wanted = std::max(max_distance, options.padding + state.map.resolution());
+    const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), state.map, wanted);
     Eigen::AlignedBox3d counts = reach_box(state.robot, body);  // voxels that can matter to the body
     const double rounding =
         1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());

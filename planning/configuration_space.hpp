@@ -12,9 +12,10 @@
 
 namespace clearway {
 
-/// The policy of each robot part. Unlisted parts have `other`, unlisted critical parts are `painted` (inside
-/// the volumes that name the part, or inside any volume when none does), or `known_free` in a map that holds
-/// no paint at all; ConfigurationSpace::policies() says what was chosen.
+/// The policy of each robot part. Unlisted parts have `other`, unlisted critical parts (those of the robot
+/// and those that a painted volume names) are `painted` (inside the volumes that name the part, or inside any
+/// volume when none does), or `known_free` in a map that holds no paint at all;
+/// ConfigurationSpace::policies() says what was chosen.
 struct Policies {
   std::map<std::string, Policy> parts = {};
   Policy other = Policy::not_occupied;

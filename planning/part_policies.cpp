@@ -21,7 +21,8 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
   for (const Body& body : robot.bodies) {
     const auto& list = robot.critical_parts;
     const bool is_critical =
-        policies.critical_by_default && std::find(list.begin(), list.end(), body.part) != list.end();
+        policies.critical_by_default &&
+        (std::find(list.begin(), list.end(), body.part) != list.end() || map.volumes_of_part(body.part) != 0);
     chosen[body.part] = is_critical ? critical : policies.other;
   }
   for (const auto& [part, policy] : policies.parts) {

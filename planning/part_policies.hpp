@@ -7,8 +7,9 @@
 
 namespace clearway {
 
-/// The policy of every part of the robot: as given; else `painted` for critical parts when the map holds any
-/// paint and `known_free` when it holds none; else `policies.other`.
+/// The policy of every part of the robot: as given; else `painted` for critical parts (of the robot, or named
+/// by a painted volume) when the map holds any paint and `known_free` when it holds none; else
+/// `policies.other`.
 /// @throws std::invalid_argument when a policy names a part that the robot does not have.
 std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
                                             const Policies& policies);

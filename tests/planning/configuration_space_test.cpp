@@ -218,6 +218,38 @@ TEST(ConfigurationSpace, PaddingKeepsItsDistanceAndVerdictsNamePartPlaceAndDepth
   EXPECT_TRUE(tight.is_edge_free(near, near));
 }
 
+TEST(ConfigurationSpace, PaddingBeyondTheFieldsReachStillCountsWhereTheRobotCannotGo) {
+  Robot robot = load_robot("point");  // a disc of radius 0.2
+  robot.joints[0].upper = 1.0;
+  FreeSpaceMap builder({.resolution = edge});
+  occupy(builder, {1.675, 0.025, 0.025});  // 0.45 m beyond the farthest that the disc gets
+  const Snapshot map = builder.snapshot();
+  for (const double max_distance : {0.0, 0.1, 1.0}) {
+    const auto padded = [&](double padding) {
+      return ConfigurationSpace(robot, map, not_occupied(),
+                                {.padding = padding, .max_distance = max_distance});
+    };
+    const Eigen::Vector2d far(0.0, 0.025), end(1.0, 0.025);
+    EXPECT_FALSE(padded(0.451).is_free(end));
+    EXPECT_FALSE(padded(0.451).is_edge_free(far, end));
+    EXPECT_LE(padded(0.451).clearance(end), 0.0);
+    EXPECT_TRUE(padded(0.449).is_edge_free(far, end));
+  }
+}
+
+TEST(ConfigurationSpace, APartThatAPaintedVolumeNamesIsCriticalThoughTheRobotDoesNotSaySo) {
+  Robot robot = load_robot("point");
+  robot.critical_parts.clear();  // as a bare URDF is
+  FreeSpaceMap builder({.resolution = edge});
+  builder.paint(builder.add_volume("free", {"base"}), {Eigen::Vector3d::Zero(), 0.5});
+  const Snapshot map = builder.snapshot();
+  const ConfigurationSpace space(robot, map);
+  EXPECT_EQ(space.policies().at("base"), Policy::painted);
+  EXPECT_TRUE(space.is_free(Eigen::Vector2d(0.0, 0.0)));
+  EXPECT_FALSE(space.is_free(Eigen::Vector2d(2.0, 0.0)));
+  EXPECT_EQ(ConfigurationSpace(robot, map, not_occupied()).policies().at("base"), Policy::not_occupied);
+}
+
 TEST(ConfigurationSpace, SelfContactIsNamed) {
   const Robot robot = load_robot("puma560");
   const ConfigurationSpace space(robot, Snapshot(), not_occupied());
