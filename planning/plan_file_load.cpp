@@ -188,7 +188,7 @@ Plan read_plan(const Field& root) {
   const std::vector<Configuration> whole = path(root.at("waypoints"), dof);
   for (const Field& item : root.at("legs").items()) plan.legs.push_back(leg(item, whole, dof));
   if (plan.status() != status(root.at("status"))) root.at("status").refuse("the status of the legs");
-  if (plan.waypoints().size() != whole.size()) root.at("legs").refuse("legs that make up all waypoints");
+  if (plan.waypoints() != whole) root.at("legs").refuse("legs that make up all waypoints");
   plan.time_s = root.at("time_s").number();
   plan.validation = validation(root.at("validation"));
   if (root.has("goals")) plan.goals = path(root.at("goals"), dof);

@@ -158,6 +158,13 @@ TEST(PlanFile, WrongValuesAreNamedWithTheirPlace) {
   EXPECT_NE(with("/joints", Json::array()).find("joints"), std::string::npos);
 }
 
+TEST(PlanFile, LegsThatLeaveOutAWaypointOfTheFileAreRefused) {
+  Json json = Json::parse(to_json(example()));
+  json["legs"][1]["waypoints"] = {0, 2};  // five waypoints again, but 3 and 4 are none of them
+  json["waypoints"][0] = json["waypoints"][2];
+  EXPECT_NE(refusal(json.dump()).find("field 'legs'"), std::string::npos) << refusal(json.dump());
+}
+
 TEST(PlanFile, NotJsonAndMissingFilesAreRefusedInOneSentence) {
   for (const char* text : {"", "[]", "{", "{\"robot\": NaN}", "\xff\xfe", "null", "3"})
     EXPECT_NE(refusal(text), "accepted") << text;
