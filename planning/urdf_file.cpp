@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "planning/mesh_file.hpp"
+#include "planning/reach.hpp"
 #include "planning/urdf_document.hpp"
 
 namespace clearway {
@@ -55,11 +56,23 @@ class Reader {
     add_link(*model_.getRoot(), -1);
     resolve_mimics();
     if (robot_.joints.empty()) refuse("no joint can move, expected at least one revolute or prismatic joint");
+    if (std::none_of(robot_.bodies.begin(), robot_.bodies.end(),
+                     [&](const Body& body) { return is_moved(robot_, body.link); })) {
+      refuse(
+          "no link that a joint moves has a <collision> body, expected at least one: nothing could be "
+          "checked against a map");
+    }
     robot_.tip_link = deepest_link();
     return std::move(robot_);
   }
 
  private:
+  struct Mimic {
+    int link = 0;
+    Joint joint;
+    std::string master;
+  };
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw std::invalid_argument(file_.string() + ": " + what);
   }
@@ -171,7 +184,27 @@ class Reader {
       }
       robot_.links[static_cast<std::size_t>(mimic.link)].joint =
           static_cast<int>(master - robot_.joints.begin());
+      keep_mimic_limits(mimic, *master);
       turn_link_frame(mimic.link, master->axis, mimic.joint.axis);
+    }
+  }
+
+  /// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own.
+  void keep_mimic_limits(const Mimic& mimic, Joint& master) const {
+    const Link& link = robot_.links[static_cast<std::size_t>(mimic.link)];
+    double lower = mimic.joint.lower - link.offset, upper = mimic.joint.upper - link.offset;
+    bool possible = lower <= 0.0 && upper >= 0.0;
+    if (link.multiplier != 0.0) {
+      lower /= link.multiplier;
+      upper /= link.multiplier;
+      if (link.multiplier < 0.0) std::swap(lower, upper);
+      master.lower = std::max(master.lower, lower);
+      master.upper = std::min(master.upper, upper);
+      possible = master.lower <= master.upper;
+    }
+    if (!possible) {
+      refuse("joint '" + mimic.joint.name + "' mimics '" + mimic.master +
+             "' and is never within its own limits");
     }
   }
 
@@ -206,11 +239,6 @@ class Reader {
     return best;
   }
 
-  struct Mimic {
-    int link = 0;
-    Joint joint;
-    std::string master;
-  };
   const std::filesystem::path& file_;
   const UrdfDocument& document_;
   const urdf::ModelInterface& model_;

@@ -76,6 +76,47 @@ TEST_F(RobotFile, CollisionGeometryThatUrdfdomDropsInSilenceIsRefused) {
             "r.urdf: link 'arm': none.stl: no such mesh file");
 }
 
+TEST_F(RobotFile, ARobotOfWhichNoMovedLinkHasABodyIsRefusedForNothingOfItCouldBeChecked) {
+  const std::string bare = "<robot name='r'><link name='base'/><link name='arm'><visual><geometry>" + ball +
+                           "</geometry></visual></link>" + turning + "</robot>";
+  const std::string expected =
+      "r.urdf: no link that a joint moves has a <collision> body, expected at least one: nothing could be "
+      "checked against a map";
+  EXPECT_EQ(refusal(write("r.urdf", bare)), expected);
+  std::string standing = bare;
+  standing.replace(standing.find("<link name='base'/>"), 19,
+                   "<link name='base'><collision><geometry>" + ball + "</geometry></collision></link>");
+  EXPECT_EQ(refusal(write("r.urdf", standing)), expected);
+}
+
+TEST_F(RobotFile, ALimitOfAMimicJointHoldsThroughTheJointThatItFollows) {
+  const auto limits = [&](const std::string& type, const std::string& mimic) {
+    return load_robot(
+               write("m.urdf",
+                     "<robot name='m'><link name='base'/><link name='a'><collision><geometry>" + ball +
+                         "</geometry></collision></link><link name='b'/>"
+                         "<joint name='j' type='revolute'><parent link='base'/><child link='a'/><axis xyz='0 "
+                         "0 1'/>"
+                         "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+                         "<joint name='k' type='" +
+                         type +
+                         "'><parent link='a'/><child link='b'/>"
+                         "<axis xyz='0 0 -1'/><limit lower='-0.5' upper='1.5' effort='1' velocity='1'/>" +
+                         mimic + "</joint></robot>"))
+        .joints.at(0);
+  };
+  const Joint tight = limits("revolute", "<mimic joint='j' multiplier='-2' offset='0.5'/>");  // 0.5 - 2 q
+  EXPECT_DOUBLE_EQ(tight.lower, -0.5);
+  EXPECT_DOUBLE_EQ(tight.upper, 0.5);
+  const Joint loose = limits("revolute", "<mimic joint='j' multiplier='0.25' offset='0'/>");
+  EXPECT_DOUBLE_EQ(loose.lower, -1.0);
+  EXPECT_DOUBLE_EQ(loose.upper, 1.0);
+  const Joint turning_freely = limits("continuous", "<mimic joint='j' multiplier='-2' offset='0.5'/>");
+  EXPECT_DOUBLE_EQ(turning_freely.upper, 1.0);
+  EXPECT_THROW(limits("revolute", "<mimic joint='j' multiplier='1' offset='4'/>"), std::invalid_argument);
+  EXPECT_THROW(limits("revolute", "<mimic joint='j' multiplier='0' offset='2'/>"), std::invalid_argument);
+}
+
 TEST_F(RobotFile, JointsThatCannotBeUsedAreRefused) {
   const auto with = [&](const std::string& type, const std::string& inside) {
     return refusal(urdf(ball, joint(type, inside)));
