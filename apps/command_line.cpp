@@ -131,6 +131,13 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("S");
   command->add_option("--out", options->out, "write the plan as JSON")->type_name("FILE");
   command->add_option("--csv", options->csv, "write the waypoints as CSV")->type_name("FILE");
+  command
+      ->add_option("--trajectory", options->trajectories,
+                   "write the motion with time, for a plan that is solved and valid: ros (JointTrajectory "
+                   "YAML) or urscript; repeatable")
+      ->type_name("FORMAT FILE")
+      ->expected(1)
+      ->take_all();
   return [options](Console& c) {
     if (!options->print_options) {
       for (const auto& [missing, flag] :
@@ -157,7 +164,6 @@ Command add_check(CLI::App& app, Console& console) {
 
 Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
-  auto slices = std::make_shared<std::vector<std::string>>();
   CLI::App* command = add_command(app, "inspect", "look at any map", console);
   command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
@@ -165,9 +171,9 @@ Command add_inspect(CLI::App& app, Console& console) {
   command->add_option("--at", options->at, "what is known of one point, metres; repeatable")
       ->type_name("X,Y,Z")
       ->take_all();
-  command->add_option("--slice", *slices, "draw a plane of the map as PNG: z=0.3 slice.png")
+  command->add_option("--slice", options->slices, "draw a plane of the map as PNG: z=0.3 slice.png")
       ->type_name("z=M FILE.png")
-      ->expected(2)
+      ->expected(1)
       ->take_all();
   command
       ->add_option("--export", options->exports,
@@ -176,12 +182,7 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->take_all();
   command->add_option("--view", options->view, "write a page that shows the map in 3D")
       ->type_name("FILE.html");
-  return [options, slices](Console& c) {
-    for (std::size_t i = 0; i + 1 < slices->size(); i += 2) {
-      options->slices.emplace_back((*slices)[i], (*slices)[i + 1]);
-    }
-    return run_inspect(*options, c);
-  };
+  return [options](Console& c) { return run_inspect(*options, c); };
 }
 
 Command add_simulate(CLI::App& app, Console& console) {

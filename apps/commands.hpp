@@ -50,6 +50,7 @@ struct PlanOptions {
   double time_limit = 60.0;
   std::filesystem::path out;  ///< plan.json; empty: none
   std::filesystem::path csv;
+  std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE)
   bool print_options = false;
 };
 int run_plan(const PlanOptions& options, Console& console);

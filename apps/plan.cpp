@@ -7,6 +7,7 @@
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/save_file.hpp"
+#include "planning/trajectory_file.hpp"
 
 namespace clearway {
 
@@ -30,6 +31,26 @@ int print_planner_options(const PlanOptions& options, Console& console) {
   return exit_done;
 }
 
+bool is_solved_and_valid(const Plan& plan) {
+  return plan.status() == PlanStatus::solved && plan.validation.valid;
+}
+
+/// Nothing but a proved path is given time: a controller would follow it.
+void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan, Console& console) {
+  if (options.trajectories.empty()) return;
+  if (!is_solved_and_valid(plan)) {
+    console.warn("clearway: no trajectory was written, because the plan is " +
+                 (plan.status() == PlanStatus::solved
+                      ? "refused by the check"
+                      : "not solved (" + std::string(to_string(plan.status())) + ")"));
+    return;
+  }
+  const Trajectory trajectory = time_path(robot, plan.waypoints());
+  for (const auto& [format, file] : options.trajectories) {
+    save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
+  }
+}
+
 }  // namespace
 
 int run_plan(const PlanOptions& options, Console& console) {
@@ -38,6 +59,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   const PlannerOptions settings = choose_planner_options(options.settings);
   make_planner(options.planner, settings);
   const Robot robot = choose_robot(options.robot);
+  for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
   const auto names = joint_names(robot);
   const auto prismatic = prismatic_joints(robot);
   const Configuration start =
@@ -55,13 +77,17 @@ int run_plan(const PlanOptions& options, Console& console) {
   const std::string text = to_json(plan);
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
+  save_trajectories(options, robot, plan, console);
   if (console.json) {
     console.out() << text << '\n';
   } else {
     print_rows(console.out(), plan_figures(plan));
     if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
+    for (const auto& [format, file] : options.trajectories) {
+      if (is_solved_and_valid(plan)) console.out() << "  trajectory: " << file << '\n';
+    }
   }
-  return plan.status() == PlanStatus::solved && plan.validation.valid ? exit_done : exit_no;
+  return is_solved_and_valid(plan) ? exit_done : exit_no;
 }
 
 }  // namespace clearway

@@ -209,6 +209,35 @@ TEST_F(CommandLine, plan_refuses_mistakes_in_one_sentence_and_writes_nothing) {
   EXPECT_EQ(folder_.files(), before);
 }
 
+TEST_F(CommandLine, a_solved_plan_is_written_as_a_trajectory_of_its_waypoints) {
+  const std::string file = folder_.file("motion.yaml"), again = folder_.file("again.yaml");
+  const CommandRun run = plan("-1,0", "1.4,0.1", {"--trajectory", "ros", file, "--trajectory", "ros", again});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_NE(run.out.find(file), std::string::npos) << run.out;
+  const std::string text = read_file(file);
+  EXPECT_NE(text.find("joint_names:\n  - \"x\"\n  - \"y\"\npoints:\n  - positions: [-1.0, 0.0]\n"),
+            std::string::npos)
+      << text.substr(0, 600);
+  EXPECT_LT(text.rfind("positions: [1.4, 0.1]\n    velocities: [0.0, 0.0]\n"), text.size());
+  EXPECT_EQ(read_file(again), text);
+}
+
+TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot_it_does_not_fit) {
+  const auto before = folder_.files();
+  const std::string file = folder_.file("motion.script");
+  const CommandRun in_post = plan("0.5,0", "1,1", {"--trajectory", "ros", file});
+  EXPECT_EQ(in_post.status, exit_no);
+  EXPECT_TRUE(in_post.told_in_one_sentence()) << in_post.log;
+  EXPECT_NE(in_post.log.find("no trajectory was written"), std::string::npos) << in_post.log;
+  expect_refused(plan("-1,0", "1,1", {"--trajectory", "urscript", file}), exit_bad_input,
+                 {"urscript", "six revolute", "2 joints"});
+  expect_refused(plan("-1,0", "1,1", {"--trajectory", "rso", file}), exit_bad_input, {"rso", "'ros'"});
+  expect_refused(plan("-1,0", "1,1", {"--trajectory", "ros"}), exit_bad_input, {"--trajectory"});
+  expect_refused(plan("-1,0", "1,1", {"--trajectory", "ros", "/nowhere/motion.yaml", "--json"}),
+                 exit_bad_input, {"/nowhere/motion.yaml"});
+  EXPECT_EQ(folder_.files(), before);
+}
+
 TEST_F(CommandLine, a_urdf_without_joints_or_with_nan_is_refused) {
   const std::string empty = folder_.write("stone.urdf", "<robot name='stone'><link name='stone'/></robot>");
   const std::string nan =
