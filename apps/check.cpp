@@ -1,11 +1,13 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <stdexcept>
 
 #include "apps/commands.hpp"
 #include "apps/parse.hpp"
 #include "apps/query.hpp"
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
+#include "planning/part_policies.hpp"
 #include "planning/path_check.hpp"
 #include "planning/plan_file.hpp"
 
@@ -32,9 +34,17 @@ void require_same_joints(const Robot& robot, const Plan& plan, const std::filesy
                               robot.name + "' (" + std::to_string(names.size()) + " joints)");
 }
 
-std::map<std::string, Policy> policies_of(const CheckOptions& options, const Plan& plan, const Robot& robot) {
-  std::map<std::string, Policy> policies = plan.policies;
+/// The plan's policies, unless a flag says otherwise. A part that the plan does not name gets what it would
+/// get by default: a plan file cannot loosen a policy by leaving it out.
+std::map<std::string, Policy> policies_of(const CheckOptions& options, const Plan& plan, const Robot& robot,
+                                          const Snapshot& map) {
   const Policies chosen = choose_policies(options.robot.policies, robot);
+  std::map<std::string, Policy> policies;
+  try {
+    policies = part_policies(robot, map, {.parts = plan.policies});
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(options.plan.string() + ": field 'policy': " + error.what());
+  }
   for (const std::string& text : options.robot.policies) {
     if (text.find('=') != std::string::npos) continue;
     for (const Body& body : robot.bodies) policies[body.part] = chosen.other;
@@ -55,11 +65,12 @@ int run_check(const CheckOptions& options, Console& console) {
 
   const double padding = std::max(options.robot.padding, plan.padding);
   const std::vector<Configuration> waypoints = plan.waypoints();
+  const auto policies = policies_of(options, plan, robot, map);
   PathVerdict verdict;
   if (waypoints.empty()) {
     verdict.first_contact = "the plan has no path (status " + std::string(to_string(plan.status())) + ")";
   } else {
-    verdict = check_path(robot, map, policies_of(options, plan, robot), padding, waypoints);
+    verdict = check_path(robot, map, policies, padding, waypoints);
   }
   const std::string word = verdict.valid ? "valid" : verdict.undecided ? "undecided" : "refused";
   if (console.json) {
@@ -69,7 +80,12 @@ int run_check(const CheckOptions& options, Console& console) {
     json["edge"] = verdict.edge;
     json["parameter"] = verdict.parameter;
     json["min_clearance_m"] = verdict.min_clearance;
+    for (const auto& [part, policy] : policies) json["policy"][part] = to_string(policy);
+    json["padding_m"] = padding;
     json["waypoints"] = waypoints.size();
+    json["plan_status"] = to_string(plan.status());
+    json["scale"] = robot.scale;
+    json["base"] = numbers_from_pose(robot.map_from_base);
     json["same_map"] = digest == plan.map_sha256;
     json["checker"] = verdict.checker;
     console.out() << json.dump(2) << '\n';
@@ -79,6 +95,10 @@ int run_check(const CheckOptions& options, Console& console) {
     if (verdict.valid)
       rows.emplace_back("min. clearance", significant(verdict.min_clearance * 1000.0, 3) + " mm");
     rows.emplace_back("waypoints", std::to_string(waypoints.size()));
+    if (plan.status() != PlanStatus::solved)
+      rows.emplace_back("plan", std::string(to_string(plan.status())) + ": not all legs have a path");
+    rows.emplace_back("padding", significant(padding * 1000.0, 3) + " mm");
+    rows.emplace_back("robot", options.robot.robot + " at scale " + significant(robot.scale));
     rows.emplace_back("checker", verdict.checker);
     print_rows(console.out(), rows);
   }
