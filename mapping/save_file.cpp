@@ -50,19 +50,35 @@ void write_all(const std::filesystem::path& temporary, std::string_view content)
   }
 }
 
+/// The file to replace: what a link points to, not the link.
+std::filesystem::path target_of(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::exists(file, error) ? std::filesystem::canonical(file, error) : file;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
 }  // namespace
 
-void save_file(const std::filesystem::path& file,
-               const std::function<void(const std::filesystem::path& temporary)>& write) {
+void require_writable(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     fail(file, "it exists and is not a regular file");
   }
   if (std::filesystem::exists(status) && ::access(file.c_str(), W_OK) != 0) fail(file, std::strerror(errno));
-  // Replace what a link points to, not the link.
-  const auto target = std::filesystem::exists(status) ? std::filesystem::canonical(file, error) : file;
-  const auto folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+  if (!file.has_filename()) fail(file, "expected the name of a file");
+  if (::access(folder_of(target_of(file)).c_str(), W_OK | X_OK) != 0) fail(file, std::strerror(errno));
+}
+
+void save_file(const std::filesystem::path& file,
+               const std::function<void(const std::filesystem::path& temporary)>& write) {
+  require_writable(file);
+  std::error_code error;
+  const auto target = target_of(file);
+  const auto folder = folder_of(target);
   const auto temporary =
       folder / ("." + target.filename().string() + "." + std::to_string(::getpid()) + ".part");
   try {

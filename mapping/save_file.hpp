@@ -6,6 +6,11 @@
 
 namespace clearway {
 
+/// Refuses early what `save_file` would refuse late: a folder that is not there or not writable, or a name
+/// that something else than a regular file has.
+/// @throws std::runtime_error naming `file` and the reason.
+void require_writable(const std::filesystem::path& file);
+
 /// Replaces `file` as a whole or not at all: calls `write` with a temporary name in the same folder, syncs
 /// what it wrote to disk and renames it. When `write` throws or anything fails, the temporary file is
 /// removed, the old file stays as it was and the error is passed on.

@@ -53,6 +53,19 @@ TEST(SaveFile, NamesTheFileThatCannotBeWritten) {
   }
 }
 
+TEST(SaveFile, RefusesEarlyWhatItWouldRefuseLateAndTouchesNothing) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "folder");
+  for (const fs::path& bad : {folder / "missing/a", folder / "folder", fs::path("/dev/full"), fs::path("")}) {
+    EXPECT_THROW(require_writable(bad), std::runtime_error) << bad;
+  }
+  save_file(folder / "old", "content");
+  EXPECT_NO_THROW(require_writable(folder / "old"));
+  EXPECT_NO_THROW(require_writable(folder / "new"));
+  EXPECT_EQ(read_all(folder / "old"), "content");
+  EXPECT_FALSE(fs::exists(folder / "new"));
+}
+
 TEST(SaveFile, WritesThroughALinkToTheFileBehindIt) {
   const TemporaryFolder folder;
   save_file(folder / "real", "old");
