@@ -10,10 +10,12 @@
 
 namespace clearway {
 
-DurableFile::DurableFile(const std::filesystem::path& file)
-    : file_(file),
-      part_(file.string() + ".part"),
-      descriptor_(open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+DurableFile::DurableFile(const std::filesystem::path& file) : file_(file), part_(file.string() + ".part") {
+  std::error_code error;
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
+    throw std::runtime_error("file '" + file.string() + "' cannot be written: it is not a regular file.");
+  }
+  descriptor_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail();
 }
 

@@ -25,6 +25,10 @@ class Simulation {
       : scene_(scene), progress_(progress), writer_(recording), truth_(scene), time_(scene.start_time) {
     result_.recording = recording;
     result_.truth = recording.parent_path() / "truth.json";
+    if (recording.filename() == "truth.json") {
+      throw std::invalid_argument("recording '" + recording.string() +
+                                  "': this name is the truth's; expected another, such as recording.rawlog.");
+    }
   }
 
   SimulationResult run() {
@@ -98,7 +102,8 @@ void Simulation::record_depth() {
   const std::vector<Surface> surfaces(scene_.shapes.begin(), scene_.shapes.end());
   const size_t count = scene_.depth->map_from_sensor.size();
   for (size_t i = 0; i < count; ++i) {
-    const DepthImage image = render_depth(*scene_.depth, i, surfaces, scene_.seed);
+    DepthImage image = render_depth(*scene_.depth, i, surfaces, scene_.seed);
+    count_whole_steps(image);
     writer_.write(time_, "depth", image);
     truth_.add_depth(time_, image.world_from_sensor);
     time_ += depth_interval;

@@ -216,5 +216,16 @@ TEST(Simulate, UnusableIncludesAndOutputsLeaveNothingBehind) {
   EXPECT_THROW(simulate(prepared(folder), folder / "no/folder/out.rawlog"), std::runtime_error);
 }
 
+TEST(Simulate, NoDeviceFolderOrTruthIsReplacedByTheRecording) {
+  const ScratchFolder folder;
+  EXPECT_THROW(simulate(prepared(folder), "/dev/null"), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  std::filesystem::create_directory(folder / "out.rawlog");
+  EXPECT_THROW(simulate(prepared(folder), folder / "out.rawlog"), std::runtime_error);
+  EXPECT_NE(complaint([&] { simulate(prepared(folder), folder / "truth.json"); }).find("truth"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "truth.json"));
+}
+
 }  // namespace
 }  // namespace clearway
