@@ -80,7 +80,8 @@ void shut_in(int pipe, int file, uint64_t file_size) {
 
 /// MRPT's messages run over many lines and name source files; the first line that says something is enough.
 std::string first_line(const std::string& message) {
-  const auto begin = message.find_first_not_of(" \t\r\n");
+  const auto told = message.find("Message:");  // below MRPT's banner
+  const auto begin = message.find_first_not_of(" \t\r\n", told == std::string::npos ? 0 : told + 8);
   if (begin == std::string::npos) return "no reason given";
   std::string line = message.substr(begin, message.find_first_of("\r\n", begin) - begin);
   const auto prefix = line.rfind("] ");  // "[file.cpp:123, function] what happened"
