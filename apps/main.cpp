@@ -11,5 +11,7 @@ int main(int argc, char** argv) {
   clearway::Console console(std::cout, std::cerr, isatty(STDERR_FILENO) == 1);
   const int status = clearway::run_command_line(std::vector<std::string>(argv + 1, argv + argc), console);
   std::cout.flush();
-  return std::cout ? status : clearway::exit_bad_input;
+  if (std::cout) return status;
+  console.warn("clearway: the result could not be written to standard output");
+  return clearway::exit_bad_input;
 }

@@ -163,6 +163,9 @@ int run_replay(const ReplayOptions& options, Console& console) {
                     {"insert", fusion.counts.insert_s},
                     {"fuse (all of it)", seconds_since(begin)}};
 
+  if (fusion.setup_source == "none")
+    console.log("note: no setup, neither by --setup nor in the recording: no painting and no plans");
+
   begin = Clock::now();
   prepare_output(options.out);
   report.map = fusion.map.snapshot();
