@@ -2,6 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <functional>
+#include <limits>
 #include <ostream>
 #include <stdexcept>
 
@@ -43,6 +46,30 @@ std::string nearest(const std::string& word, const std::vector<std::string>& can
   return best;
 }
 
+/// What an option's text must be; CLI11's own checks let NaN pass and quote limits of 300 digits.
+using Check = std::function<std::string(const std::string&)>;
+
+Check number(const std::string& expected, double low, double high) {
+  return [=](const std::string& text) {
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool good =
+        error == std::errc() && stop == text.data() + text.size() && value >= low && value <= high;
+    return good ? std::string() : "expected " + expected + ", got '" + text + "'";
+  };
+}
+
+Check positive() { return number("a positive number", std::numeric_limits<double>::min(), 1e9); }
+
+std::string whole_number(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool good = error == std::errc() && stop == text.data() + text.size();
+  return good ? "" : "expected a whole number from 0 to 2^64 - 1, got '" + text + "'";
+}
+
+std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       Console& console) {
   CLI::App* command = app.add_subcommand(name, description);
@@ -57,20 +84,24 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const std::string& 
       ->required()
       ->type_name("ROBOT");
   command.add_option("--scale", choice.scale, "size against the full-size robot" + default_note)
+      ->check(positive())
       ->type_name("S");
   command
       .add_option("--base", choice.base,
                   "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + default_note)
       ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(number("finite numbers", -1e9, 1e9))
       ->type_name("POSE");
   command
       .add_option(
           "--policy", choice.policies,
           "painted, known_free or not_occupied for all parts, or PART=P for one; repeatable" + default_note)
       ->type_name("[PART=]P")
+      ->allow_extra_args(false)
       ->take_all();
   command.add_option("--padding", choice.padding, "distance that every part keeps, metres")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number("a length not below 0", 0.0, 1e9))
       ->type_name("M");
 }
 
@@ -88,19 +119,22 @@ Command add_replay(CLI::App& app, Console& console) {
   command
       ->add_option("--out", options->out, "folder for map.ot, painted.csv, report.json, report.html, plans/")
       ->required()
+      ->check(file_name)
       ->type_name("DIR");
   command
       ->add_option("--resolution", options->resolution,
                    "edge of a voxel, metres; default: the setup's, else 0.02")
-      ->check(CLI::PositiveNumber)
+      ->check(number("a number from 0.0001 to 100", 1e-4, 100.0))
       ->type_name("M");
   command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")
       ->type_name("NAME")
+      ->allow_extra_args(false)
       ->take_all();
-  command->add_flag("!--no-plan", options->plan, "stop after the map");
-  command->add_option("--seed", options->seed, "of the planners")->type_name("N");
+  command->add_flag_callback(
+      "--no-plan", [options] { options->plan = false; }, "stop after the map");
+  command->add_option("--seed", options->seed, "of the planners")->type_name("N")->check(whole_number);
   command->add_option("--time-limit", options->time_limit, "seconds for each leg of a plan")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->type_name("S");
   return [options](Console& c) { return run_replay(*options, c); };
 }
@@ -115,6 +149,7 @@ Command add_plan(CLI::App& app, Console& console) {
   command->add_option("--start", options->start, "comma-separated joint values, rad or m")->type_name("Q");
   command->add_option("--goal", options->goals, "the same; several goals are legs of one path")
       ->type_name("Q")
+      ->allow_extra_args(false)
       ->take_all();
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")
@@ -122,15 +157,18 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("NAME");
   command->add_option("--set", options->settings, "planner option; repeatable")
       ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
       ->take_all();
   command->add_flag("--print-options", options->print_options,
                     "show the planner's options in force and stop");
-  command->add_option("--seed", options->seed, "of the planner")->type_name("N");
+  command->add_option("--seed", options->seed, "of the planner")->type_name("N")->check(whole_number);
   command->add_option("--time-limit", options->time_limit, "seconds for each leg")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->type_name("S");
-  command->add_option("--out", options->out, "write the plan as JSON")->type_name("FILE");
-  command->add_option("--csv", options->csv, "write the waypoints as CSV")->type_name("FILE");
+  command->add_option("--out", options->out, "write the plan as JSON")->type_name("FILE")->check(file_name);
+  command->add_option("--csv", options->csv, "write the waypoints as CSV")
+      ->type_name("FILE")
+      ->check(file_name);
   command
       ->add_option("--trajectory", options->trajectories,
                    "write the motion with time, for a plan that is solved and valid: ros (JointTrajectory "
@@ -170,6 +208,7 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->type_name("MAP");
   command->add_option("--at", options->at, "what is known of one point, metres; repeatable")
       ->type_name("X,Y,Z")
+      ->allow_extra_args(false)
       ->take_all();
   command->add_option("--slice", options->slices, "draw a plane of the map as PNG: z=0.3 slice.png")
       ->type_name("z=M FILE.png")
@@ -179,9 +218,11 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->add_option("--export", options->exports,
                    "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
       ->type_name("FILE")
+      ->allow_extra_args(false)
       ->take_all();
   command->add_option("--view", options->view, "write a page that shows the map in 3D")
-      ->type_name("FILE.html");
+      ->type_name("FILE.html")
+      ->check(file_name);
   return [options](Console& c) { return run_inspect(*options, c); };
 }
 
@@ -192,6 +233,7 @@ Command add_simulate(CLI::App& app, Console& console) {
   command->add_option("scene", options->scene, "scene file")->required()->type_name("SCENE.yaml");
   command->add_option("--out", options->out, "recording to write (.rawlog); truth.json appears beside it")
       ->required()
+      ->check(file_name)
       ->type_name("RECORDING");
   return [options](Console& c) { return run_simulate(*options, c); };
 }
@@ -213,6 +255,7 @@ int tell_usage_error(const CLI::App& app, const std::vector<std::string>& argume
     const std::string guess = nearest(arguments[0], names);
     sentence += guess.empty() ? " (see clearway --help)" : "; did you mean '" + guess + "'?";
   } else if (known) {
+    sentence = arguments[0] + ": " + sentence + " (see clearway " + arguments[0] + " --help)";
     std::vector<std::string> flags;
     const CLI::App* command = app.get_subcommand(arguments[0]);
     for (const CLI::Option* option : command->get_options()) {

@@ -133,6 +133,14 @@ int run_inspect(const InspectOptions& options, Console& console) {
     points.emplace_back(numbers[0], numbers[1], numbers[2]);
   }
   const Snapshot map = load_map(options.map);
+  const double farthest = 32000.0 * map.resolution();  // OctoMap's keys end at 32,768 voxels
+  for (const Eigen::Vector3d& point : points) {
+    if (point.cwiseAbs().maxCoeff() > farthest) {
+      throw std::invalid_argument("--at: " + significant(point.cwiseAbs().maxCoeff()) +
+                                  " m is beyond what a map of this resolution can hold, " +
+                                  significant(farthest) + " m");
+    }
+  }
 
   Json json = describe_map(options, map);
   for (const Eigen::Vector3d& point : points) json["at"].push_back(describe_point(map, point));

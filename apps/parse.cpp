@@ -21,8 +21,7 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& wh
     double value = 0.0;
     const auto [stop, error] = std::from_chars(first, item.data() + item.size(), value);
     if (item.empty() || error != std::errc() || stop != item.data() + item.size() || !std::isfinite(value)) {
-      throw std::invalid_argument(what + ": '" + item +
-                                  "' is not a finite number (expected comma-separated numbers)");
+      throw std::invalid_argument(what + ": '" + item + "' is not a finite number");
     }
     numbers.push_back(value);
     begin = end + 1;

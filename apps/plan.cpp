@@ -69,6 +69,12 @@ int run_plan(const PlanOptions& options, Console& console) {
     goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));
   }
   const Policies policies = choose_policies(options.robot.policies, robot);
+  for (const auto& file : {options.out, options.csv}) {
+    if (!file.empty()) require_writable(file);
+  }
+  if (!options.out.empty() && options.out == options.csv) {
+    throw std::invalid_argument("--csv: '" + options.csv.string() + "' is the file of --out, too");
+  }
   const Snapshot map = load_map(options.map);
 
   const ConfigurationSpace space(robot, map, policies, {.padding = options.robot.padding});

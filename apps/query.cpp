@@ -46,6 +46,20 @@ Policies choose_policies(const std::vector<std::string>& texts, const Robot& rob
   return policies;
 }
 
+std::string describe_policies(const std::map<std::string, Policy>& policies) {
+  std::map<Policy, std::size_t> parts;
+  for (const auto& [part, policy] : policies) ++parts[policy];
+  if (parts.empty()) return "-";
+  const Policy usual = std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+                         return a.second < b.second;
+                       })->first;
+  std::string text;
+  for (const auto& [part, policy] : policies) {
+    if (policy != usual) text += part + " " + std::string(to_string(policy)) + ", ";
+  }
+  return text + (text.empty() ? "all parts " : "other parts ") + std::string(to_string(usual));
+}
+
 PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
   PlannerOptions options;
   for (const std::string& text : texts) {
@@ -127,6 +141,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
     rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }
+  rows.emplace_back("policy", describe_policies(plan.policies));
   rows.emplace_back("configurations", grouped(checks));
   rows.emplace_back("time", significant(plan.time_s, 3) + " s");
   return rows;

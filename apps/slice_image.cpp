@@ -148,6 +148,9 @@ SlicePlane parse_slice(const std::string& text) {
 }
 
 void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file) {
+  if (file.extension() != ".png") {
+    throw std::invalid_argument("--slice: expected a .png file, got '" + file.string() + "'");
+  }
   const Eigen::AlignedBox3d bounds = map.bounds();
   if (bounds.isEmpty()) throw std::invalid_argument("--slice: the map is empty");
   if (plane.value < bounds.min()[plane.axis] || plane.value > bounds.max()[plane.axis]) {

@@ -238,6 +238,50 @@ TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot
   EXPECT_EQ(folder_.files(), before);
 }
 
+TEST_F(CommandLine, a_number_out_of_range_or_not_a_number_is_refused_in_one_short_sentence) {
+  const std::string file = folder_.write("log.rawlog", "x");
+  for (const char* text : {"nan", "inf", "-1", "0", "1e-9", "1e9", "abc"}) {
+    const CommandRun run =
+        run_command({"replay", file, "--out", folder_.file("out"), "--resolution=" + std::string(text)});
+    expect_refused(run, exit_bad_input, {"--resolution", "0.0001", "'" + std::string(text) + "'"});
+    EXPECT_LT(run.log.size(), 200u) << run.log;
+  }
+  for (const char* flag :
+       {"--time-limit=nan", "--time-limit=0", "--seed=-1", "--seed=1.5", "--seed=99999999999999999999999",
+        "--scale=nan", "--scale=0", "--padding=nan", "--padding=-1", "--base=nan,0,0"}) {
+    const std::string name(flag, std::string_view(flag).find('='));
+    const CommandRun run = plan("-1,0", "-1,1", {flag});
+    expect_refused(run, exit_bad_input, {name, "expected"});
+    EXPECT_LT(run.log.size(), 200u) << run.log;
+  }
+  expect_refused(plan("-1,0", "-1,1", {"--out", ""}), exit_bad_input, {"--out", "expected a file name"});
+  expect_refused(run_command({"inspect", map_, "--at", "1e300,0,0"}), exit_bad_input, {"--at", "beyond"});
+}
+
+TEST_F(CommandLine, a_flag_that_may_be_repeated_does_not_swallow_the_file_behind_it) {
+  const std::string file = folder_.file("plan.json");
+  ASSERT_EQ(plan("-1,0", "1.4,0.1", {"--out", file}).status, exit_done);
+  const CommandRun run =
+      run_command({"check", "--map", map_, "--robot", "point", "--policy", "not_occupied", file});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE(run.out.find("all parts not_occupied"), std::string::npos) << run.out;
+  EXPECT_EQ(
+      run_command({"inspect", "--at", "0,0,0", "--slice", "z=0.025", folder_.file("s.png"), map_}).status,
+      exit_done);
+}
+
+TEST_F(CommandLine, an_output_that_would_replace_a_device_a_folder_or_a_picture_of_another_kind_is_refused) {
+  const auto before = folder_.files();
+  expect_refused(plan("-1,0", "-1,1", {"--out", "/dev/null"}), exit_bad_input, {"/dev/null"});
+  expect_refused(plan("-1,0", "-1,1", {"--out", map_}), exit_bad_input, {map_});
+  expect_refused(plan("-1,0", "-1,1", {"--out", folder_.file("a"), "--csv", folder_.file("a")}),
+                 exit_bad_input, {"--csv", "--out"});
+  expect_refused(run_command({"inspect", map_, "--slice", "z=0.025", folder_.file("s.jpg")}), exit_bad_input,
+                 {"s.jpg", ".png"});
+  expect_refused(run_command({"inspect", map_, "--slice", "z=0.025"}), exit_bad_input, {"--slice"});
+  EXPECT_EQ(folder_.files(), before);
+}
+
 TEST_F(CommandLine, a_urdf_without_joints_or_with_nan_is_refused) {
   const std::string empty = folder_.write("stone.urdf", "<robot name='stone'><link name='stone'/></robot>");
   const std::string nan =
