@@ -1,5 +1,8 @@
 #include "datasets/depth_renderer.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "datasets/lens.hpp"
 #include "datasets/parallel.hpp"
 #include "datasets/random_numbers.hpp"
@@ -32,6 +35,14 @@ DepthImage render_depth(const SceneDepth& depth, size_t index, std::span<const S
     }
   });
   return image;
+}
+
+void count_whole_steps(DepthImage& image) {
+  constexpr double rounding = 1e-3;  // of a step: far more than float and pose rounding can add
+  for (float& range : image.ranges) {
+    const double steps = std::floor(static_cast<double>(range) / image.unit - rounding);
+    range = static_cast<float>(std::max(0.0, steps) * image.unit);
+  }
 }
 
 }  // namespace clearway

@@ -79,5 +79,21 @@ TEST(DepthRenderer, NoiseGrowsWithTheSquareOfTheRangeAndSomePixelsDropOut) {
   }
 }
 
+TEST(CountWholeSteps, puts_every_range_at_most_one_step_before_the_surface_and_never_behind) {
+  DepthImage image;
+  image.unit = 5e-5;
+  for (int i = 0; i < 20000; ++i) image.ranges.push_back(static_cast<float>(0.05 + 3.7e-5 * i));
+  image.ranges.push_back(0);
+  const std::vector<float> exact = image.ranges;
+  count_whole_steps(image);
+  for (size_t i = 0; i + 1 < exact.size(); ++i) {
+    EXPECT_LT(image.ranges[i], exact[i]);
+    EXPECT_GT(image.ranges[i], exact[i] - 1.002 * image.unit);
+    const double steps = image.ranges[i] / image.unit;
+    EXPECT_NEAR(steps, std::round(steps), 1e-2);
+  }
+  EXPECT_EQ(image.ranges.back(), 0.0f);
+}
+
 }  // namespace
 }  // namespace clearway
