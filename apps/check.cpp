@@ -63,6 +63,11 @@ int run_check(const CheckOptions& options, Console& console) {
   const std::string digest = map_sha256(options.map);
   if (digest != plan.map_sha256) console.log("note: the plan was made on another map (its sha256 differs)");
 
+  if (options.robot.robot != plan.robot && robot.name != plan.robot) {
+    console.log("note: the plan was made for robot '" + plan.robot + "'; scale " + significant(robot.scale) +
+                " is used");
+  }
+
   const double padding = std::max(options.robot.padding, plan.padding);
   const std::vector<Configuration> waypoints = plan.waypoints();
   const auto policies = policies_of(options, plan, robot, map);
@@ -94,6 +99,7 @@ int run_check(const CheckOptions& options, Console& console) {
     if (!verdict.first_contact.empty()) rows.emplace_back("first contact", verdict.first_contact);
     if (verdict.valid)
       rows.emplace_back("min. clearance", significant(verdict.min_clearance * 1000.0, 3) + " mm");
+    rows.emplace_back("policy", describe_policies(policies));
     rows.emplace_back("waypoints", std::to_string(waypoints.size()));
     if (plan.status() != PlanStatus::solved)
       rows.emplace_back("plan", std::string(to_string(plan.status())) + ": not all legs have a path");
