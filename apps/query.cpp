@@ -137,7 +137,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
     rows.emplace_back("steps", grouped(steps));
     rows.emplace_back("cost", significant(joules, 5) + " J");
-    rows.emplace_back("final distance", significant(rest, 3));
+    rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
     rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }

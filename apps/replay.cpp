@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <memory>
 #include <ostream>
@@ -57,6 +58,26 @@ void require_size(const std::vector<double>& q, const Robot& robot, const QueryS
                               " (robot '" + robot.name + "')");
 }
 
+/// A query's name becomes the name of its plans' files.
+void require_file_name(const std::string& name) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  });
+  if (!name.empty() && plain && name.front() != '.') return;
+  throw std::invalid_argument("setup, query '" + name +
+                              "', field 'name': expected letters, digits, '_', '-' and '.' only");
+}
+
+/// What an earlier replay left in this folder was made from another map: it goes before the new map comes.
+void remove_stale(const std::filesystem::path& out) {
+  for (const char* name : {"report.json", "report.html"}) std::filesystem::remove(out / name);
+  std::vector<std::filesystem::path> plans;
+  for (const auto& entry : std::filesystem::directory_iterator(out / "plans")) {
+    if (entry.is_regular_file() && entry.path().extension() == ".json") plans.push_back(entry.path());
+  }
+  for (const auto& plan : plans) std::filesystem::remove(plan);
+}
+
 /// All queries of the setup, each with each of its planners, on one map.
 class QueryRunner {
  public:
@@ -66,8 +87,9 @@ class QueryRunner {
         map_(map),
         robot_(choose_robot(robot_choice(*setup_.robot))) {
     robot_.map_from_base = setup_.robot->map_from_base;
-    digest_ = map_sha256(options.out);
     for (const QuerySetup& query : setup_.queries) {
+      require_file_name(query.name);
+      choose_policies(policy_texts(query), robot_);
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
       for (const std::string& planner : planners(query))
@@ -75,7 +97,9 @@ class QueryRunner {
     }
   }
 
+  /// Plans on the map that was saved in the output folder.
   std::vector<ReplayPlan> run(Console& console) {
+    const std::string digest = map_sha256(options_.out);
     std::vector<ReplayPlan> plans;
     for (const QuerySetup& query : setup_.queries) {
       spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_,
@@ -86,7 +110,7 @@ class QueryRunner {
       for (const auto& goal : query.goals) goals.push_back(configuration(goal));
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
-        Plan plan = solve({*spaces_.back(), setup_.robot->name, "map.ot", digest_, start, goals, planner,
+        Plan plan = solve({*spaces_.back(), setup_.robot->name, "map.ot", digest, start, goals, planner,
                            planner_options(query, planner), options_.seed, options_.time_limit});
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
@@ -120,7 +144,6 @@ class QueryRunner {
   const Setup& setup_;
   const Snapshot& map_;
   Robot robot_;
-  std::string digest_;
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
 };
 
@@ -167,17 +190,17 @@ int run_replay(const ReplayOptions& options, Console& console) {
     console.log("note: no setup, neither by --setup nor in the recording: no painting and no plans");
 
   begin = Clock::now();
-  prepare_output(options.out);
   report.map = fusion.map.snapshot();
+  std::unique_ptr<QueryRunner> runner;  // tells mistakes of the setup before anything is written
+  if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty())
+    runner = std::make_unique<QueryRunner>(options, fusion, report.map);
+  prepare_output(options.out);
+  remove_stale(options.out);
   save_map(report.map, options.out);
   report.timings.emplace_back("save map", seconds_since(begin));
 
   begin = Clock::now();
-  std::unique_ptr<QueryRunner> runner;
-  if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty()) {
-    runner = std::make_unique<QueryRunner>(options, fusion, report.map);
-    report.plans = runner->run(console);
-  }
+  if (runner) report.plans = runner->run(console);
   report.timings.emplace_back("plan and check", seconds_since(begin));
 
   const std::string json = report_json(report);

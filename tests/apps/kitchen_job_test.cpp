@@ -291,6 +291,20 @@ TEST_F(KitchenJob, a_truncated_recording_is_told_as_damage_and_what_came_before_
   EXPECT_LT(report["frames"]["total"], report_["frames"]["total"]);
 }
 
+TEST_F(KitchenJob, a_replay_into_the_same_folder_leaves_no_plan_of_the_map_before) {
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out");
+  std::filesystem::copy(folder_->path() / "out", out, std::filesystem::copy_options::recursive);
+  ASSERT_FALSE(std::filesystem::is_empty(out + "/plans"));
+  const std::string bare = folder.write("bare.yaml", "map: {resolution: 0.005}\n");
+  ASSERT_EQ(
+      run_command({"replay", folder_->file("recording.rawlog"), "--setup", bare, "--out", out, "--quiet"})
+          .status,
+      exit_done);
+  EXPECT_TRUE(std::filesystem::is_empty(out + "/plans"));
+  EXPECT_EQ(Json::parse(read_file(out + "/report.json"))["map"]["resolution"], 0.005);
+}
+
 TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_leave_nothing) {
   const TemporaryFolder folder;
   const std::string setup = std::string(CLEARWAY_SOURCE_DIR) + "/datasets/setups/miniature_kitchen.yaml";
@@ -316,6 +330,11 @@ TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_le
   expect_refused({"replay", folder_->file("recording.rawlog"), "--setup", folder.write("s.yaml", "mapp: {}"),
                   "--out", folder.file("out")},
                  "mapp");
+  const std::string query =
+      "robot: {name: point}\nqueries: [{name: ../evil, start: [0, 0], goals: [[1, 1]]}]\n";
+  expect_refused({"replay", "/usr/share/mrpt/datasets/localization_demo.rawlog", "--setup",
+                  folder.write("evil.yaml", query), "--out", folder.file("out")},
+                 "../evil");
   expect_refused({"simulate", folder.file("none.yaml"), "--out", folder.file("a.rawlog")}, "none.yaml");
 }
 
