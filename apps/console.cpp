@@ -22,13 +22,13 @@ void Console::warn(std::string_view line) {
 void Console::progress(std::string_view stage, double fraction) {
   if (quiet || !is_terminal_) return;
   const int permille = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 1000.0);
+  if (permille == 1000) return clear_bar();
   if (permille == drawn_) return;
   drawn_ = permille;
   constexpr int width = 40;
   const int filled = permille * width / 1000;
   *log_ << '\r' << stage << " [" << std::string(filled, '=') << std::string(width - filled, ' ') << "] "
         << permille / 10 << " %\x1b[K" << std::flush;
-  if (permille == 1000) clear_bar();
 }
 
 std::function<void(double)> Console::bar(std::string stage) {

@@ -22,7 +22,7 @@ class Console {
   void log(std::string_view line);
   /// One line that is shown even when quiet.
   void warn(std::string_view line);
-  /// Redraws the bar of `stage` at `fraction` (0..1); ends the line at 1.
+  /// Redraws the bar of `stage` at `fraction` (0..1); at 1 it goes away.
   void progress(std::string_view stage, double fraction);
   /// `progress` bound to a stage, for functions that report a fraction.
   std::function<void(double)> bar(std::string stage);
