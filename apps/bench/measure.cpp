@@ -1,0 +1,44 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+#include "apps/bench/bench.hpp"
+
+namespace clearway::bench {
+
+double quantile(std::vector<double> values, double p) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
+  return values[static_cast<std::size_t>(std::clamp(rank, 0.0, static_cast<double>(values.size() - 1)))];
+}
+
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+double cpu_time() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double wall_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double cpu_seconds(const std::function<void()>& work) {
+  const double begin = cpu_time();
+  work();
+  return cpu_time() - begin;
+}
+
+Pair interleave(int runs, const std::function<double()>& ours, const std::function<double()>& peer) {
+  std::vector<double> first, second;
+  for (int run = 0; run < runs; ++run) {
+    first.push_back(ours());
+    second.push_back(peer());
+  }
+  return {median(first), median(second)};
+}
+
+}  // namespace clearway::bench
