@@ -9,14 +9,13 @@
 #include <stdexcept>
 
 #include "apps/commands.hpp"
+#include "apps/flags.hpp"
 #include "mapping/map_file.hpp"
 #include "planning/planner.hpp"
 
 namespace clearway {
 
 namespace {
-
-using Command = std::function<int(Console&)>;
 
 /// "did you mean": the candidate with the smallest edit distance, if it is near.
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
@@ -44,39 +43,6 @@ std::string nearest(const std::string& word, const std::vector<std::string>& can
     }
   }
   return best;
-}
-
-/// What an option's text must be; CLI11's own checks let NaN pass and quote limits of 300 digits.
-using Check = std::function<std::string(const std::string&)>;
-
-Check number(const std::string& expected, double low, double high) {
-  return [=](const std::string& text) {
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool good =
-        error == std::errc() && stop == text.data() + text.size() && value >= low && value <= high;
-    return good ? std::string() : "expected " + expected + ", got '" + text + "'";
-  };
-}
-
-Check positive() { return number("a positive number", std::numeric_limits<double>::min(), 1e9); }
-
-std::string whole_number(const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool good = error == std::errc() && stop == text.data() + text.size();
-  return good ? "" : "expected a whole number from 0 to 2^64 - 1, got '" + text + "'";
-}
-
-std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }
-
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      Console& console) {
-  CLI::App* command = app.add_subcommand(name, description);
-  command->add_flag("--quiet", console.quiet, "no log, no progress; results and warnings still appear");
-  command->add_flag("--json", console.json, "print one JSON object on stdout and nothing else there");
-  command->get_formatter()->column_width(36);
-  return command;
 }
 
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const std::string& default_note) {
@@ -198,32 +164,6 @@ Command add_check(CLI::App& app, Console& console) {
       ->type_name("MAP");
   add_robot_flags(*command, options->robot, " (default: the plan's)");
   return [options](Console& c) { return run_check(*options, c); };
-}
-
-Command add_inspect(CLI::App& app, Console& console) {
-  auto options = std::make_shared<InspectOptions>();
-  CLI::App* command = add_command(app, "inspect", "look at any map", console);
-  command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
-      ->required()
-      ->type_name("MAP");
-  command->add_option("--at", options->at, "what is known of one point, metres; repeatable")
-      ->type_name("X,Y,Z")
-      ->allow_extra_args(false)
-      ->take_all();
-  command->add_option("--slice", options->slices, "draw a plane of the map as PNG: z=0.3 slice.png")
-      ->type_name("z=M FILE.png")
-      ->expected(1)
-      ->take_all();
-  command
-      ->add_option("--export", options->exports,
-                   "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
-      ->type_name("FILE")
-      ->allow_extra_args(false)
-      ->take_all();
-  command->add_option("--view", options->view, "write a page that shows the map in 3D")
-      ->type_name("FILE.html")
-      ->check(file_name);
-  return [options](Console& c) { return run_inspect(*options, c); };
 }
 
 Command add_simulate(CLI::App& app, Console& console) {

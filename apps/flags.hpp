@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "apps/console.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace clearway {
+
+// What the flags of every command are made of (CLI11). `command_line.cpp` puts the commands together; flags
+// of a command with many questions have a file of their own.
+
+/// A command, ready to run with the options that its flags filled.
+using Command = std::function<int(Console&)>;
+
+/// What an option's text must be; CLI11's own checks let NaN pass and quote limits of 300 digits.
+using Check = std::function<std::string(const std::string&)>;
+
+/// A number in [low, high], called `expected` when it is not.
+Check number(const std::string& expected, double low, double high);
+Check positive();
+std::string whole_number(const std::string& text);
+std::string file_name(const std::string& text);
+
+/// A command with the flags that all have: --quiet, --json.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      Console& console);
+
+Command add_inspect(CLI::App& app, Console& console);
+
+}  // namespace clearway

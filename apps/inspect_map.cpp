@@ -1,0 +1,74 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "apps/inspect_parts.hpp"
+#include "apps/parse.hpp"
+#include "apps/table.hpp"
+#include "mapping/map_file.hpp"
+
+namespace clearway {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+std::string point_text(const Json& point) {
+  std::string text;
+  for (const auto& value : point) text += (text.empty() ? "" : ", ") + significant(value.get<double>(), 6);
+  return text;
+}
+
+std::string join(const Json& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
+  return text.empty() ? "-" : text;
+}
+
+std::string millimetres(const Json& metres) { return significant(metres.get<double>() * 1000.0, 4) + " mm"; }
+
+Json describe_map(const InspectOptions& options, const Snapshot& map) {
+  const VoxelCounts counts = map.counts();
+  const double voxel_volume = std::pow(map.resolution(), 3);
+  Json json;
+  json["map"] = options.map.string();
+  json["sha256"] = map_sha256(options.map);
+  json["resolution"] = map.resolution();
+  json["voxels"] = {{"painted", counts.painted},
+                    {"seen_free", counts.seen_free},
+                    {"occupied", counts.occupied},
+                    {"conflict", counts.conflict}};
+  if (!map.bounds().isEmpty()) {
+    json["bounds"] = {{"min", to_json(map.bounds().min())}, {"max", to_json(map.bounds().max())}};
+  }
+  json["painted_volume_m3"] = static_cast<double>(counts.painted) * voxel_volume;
+  json["volumes"] = Json::array();
+  for (const PaintedVolume& volume : map.volumes()) {
+    json["volumes"].push_back(
+        {{"label", volume.label}, {"critical_parts", volume.critical_parts}, {"balls", volume.balls.size()}});
+  }
+  return json;
+}
+
+void print_map(const Json& json, std::ostream& out) {
+  std::vector<std::pair<std::string, std::string>> rows{{"map", json["map"].get<std::string>()},
+                                                        {"resolution", millimetres(json["resolution"])}};
+  if (json.contains("bounds")) {
+    const Json& box = json["bounds"];
+    const char* names[] = {"x", "y", "z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rows.emplace_back(names[axis], significant(box["min"][axis].get<double>()) + " to " +
+                                         significant(box["max"][axis].get<double>()) + " m");
+    }
+  }
+  for (const auto& [state, count] : json["voxels"].items())
+    rows.emplace_back(state, grouped(count.get<std::size_t>()));
+  for (const auto& volume : json["volumes"]) {
+    rows.emplace_back(
+        "volume " + volume["label"].get<std::string>(),
+        grouped(volume["balls"].get<std::size_t>()) + " balls, parts: " + join(volume["critical_parts"]));
+  }
+  print_rows(out, rows);
+}
+
+}  // namespace clearway

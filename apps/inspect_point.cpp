@@ -1,0 +1,59 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "apps/inspect_parts.hpp"
+#include "apps/parse.hpp"
+#include "apps/table.hpp"
+
+namespace clearway {
+
+using Json = nlohmann::ordered_json;
+
+Json describe_point(const Snapshot& map, const Eigen::Vector3d& point) {
+  const Voxel voxel = map.voxel(point);
+  Json json{{"point", to_json(point)}, {"state", to_string(voxel.state)}, {"observed", voxel.observed}};
+  if (voxel.observed) {
+    json["log_odds"] = voxel.log_odds;
+    json["probability"] = 1.0 - 1.0 / (1.0 + std::exp(voxel.log_odds));
+  }
+  json["voxel_center"] = to_json(voxel.center);
+  json["voxel_size"] = voxel.size;
+  json["painted_by"] = Json::array();
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    if ((voxel.volumes >> v & 1) != 0) json["painted_by"].push_back(map.volumes()[v].label);
+  }
+  json["inside_exact_balls"] = Json::array();
+  for (const PaintedVolume& volume : map.volumes()) {
+    if (volume.contains(point)) json["inside_exact_balls"].push_back(volume.label);
+  }
+  const double reach = 40.0 * map.resolution();
+  const Eigen::AlignedBox3d region(point - Eigen::Vector3d::Constant(reach),
+                                   point + Eigen::Vector3d::Constant(reach));
+  for (const Policy policy : {Policy::not_occupied, Policy::known_free, Policy::painted}) {
+    json["clearance_m"][std::string(to_string(policy))] =
+        map.blocked_space({policy, 0xffff}, region, reach)->clearance(point);
+  }
+  json["clearance_capped_at_m"] = reach;
+  return json;
+}
+
+void print_point(const Json& json, std::ostream& out) {
+  std::vector<std::pair<std::string, std::string>> rows{{"at", point_text(json["point"])},
+                                                        {"state", json["state"].get<std::string>()}};
+  if (json["observed"].get<bool>()) {
+    rows.emplace_back("sensors", "probability " + significant(json["probability"].get<double>(), 3) +
+                                     " (log-odds " + significant(json["log_odds"].get<double>(), 3) + ")");
+  } else {
+    rows.emplace_back("sensors", "never observed");
+  }
+  rows.emplace_back("painted by", join(json["painted_by"]));
+  rows.emplace_back("inside exact balls of", join(json["inside_exact_balls"]));
+  for (const auto& [policy, metres] : json["clearance_m"].items()) {
+    rows.emplace_back("clearance, " + policy, ">= " + millimetres(metres));
+  }
+  out << '\n';
+  print_rows(out, rows);
+}
+
+}  // namespace clearway
