@@ -4,6 +4,8 @@
 #include <limits>
 #include <mutex>
 
+#include "mapping/node_pool.hpp"
+
 namespace clearway {
 
 FusedNode::FusedNode(const FusedNode& other) : octomap::OcTreeNode() {
@@ -11,9 +13,30 @@ FusedNode::FusedNode(const FusedNode& other) : octomap::OcTreeNode() {
   if (other.children == nullptr) return;
   children = new octomap::AbstractOcTreeNode*[8]();
   for (unsigned i = 0; i < 8; ++i) {
-    if (other.children[i] == nullptr) continue;
-    children[i] = new FusedNode(*static_cast<const FusedNode*>(other.children[i]));
+    if (other.children[i] != nullptr) children[i] = static_cast<FusedNode*>(other.children[i])->share();
   }
+}
+
+void* FusedNode::operator new(std::size_t size) { return NodePool::allocate(size); }
+void FusedNode::operator delete(void* node, std::size_t size) { NodePool::free(node, size); }
+
+FusedNode* FusedNode::share() {
+  std::uint8_t count = owners().load(std::memory_order_relaxed);
+  do {
+    if (count == std::numeric_limits<std::uint8_t>::max()) return new FusedNode(*this);
+  } while (!owners().compare_exchange_weak(count, static_cast<std::uint8_t>(count + 1),
+                                           std::memory_order_relaxed));
+  return this;
+}
+
+void FusedNode::release(FusedNode* node) {
+  if (node == nullptr || node->owners().fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+  if (node->children != nullptr) {
+    for (unsigned i = 0; i < 8; ++i) release(static_cast<FusedNode*>(node->children[i]));
+    delete[] node->children;
+    node->children = nullptr;
+  }
+  delete node;
 }
 
 void FusedNode::copyData(const FusedNode& from) {
@@ -61,10 +84,25 @@ void FusedNode::observe(float log_odds) {
   value = log_odds;
 }
 
-CellCube CellCube::child(unsigned index) const {
-  const int half = edge / 2;
-  const Eigen::Vector3i step(index & 1U ? half : 0, index & 2U ? half : 0, index & 4U ? half : 0);
-  return {corner + step, half};
+FusedTree::FusedTree(const FusedTree& other) : OccupancyOcTreeBase<FusedNode>(other.resolution) {
+  clearKeyRays();  // 600 kB that only OctoMap's own insertion uses
+  clamping_thres_min = other.clamping_thres_min;
+  clamping_thres_max = other.clamping_thres_max;
+  prob_hit_log = other.prob_hit_log;
+  prob_miss_log = other.prob_miss_log;
+  occ_prob_thres_log = other.occ_prob_thres_log;
+  if (other.root != nullptr) root = other.root->share();
+  tree_size = other.tree_size;
+  size_changed = true;
+}
+
+FusedTree::~FusedTree() { release_root(); }
+
+void FusedTree::release_root() {
+  FusedNode::release(root);
+  root = nullptr;
+  tree_size = 0;
+  size_changed = true;
 }
 
 void FusedTree::register_type() {
@@ -98,28 +136,83 @@ std::optional<Eigen::Vector3i> FusedTree::cell(const Eigen::Vector3d& point) con
   return result;
 }
 
-/// The child to descend into: created under a new or partly filled node, expanded from a pruned one.
+FusedNode& FusedTree::root_for_writing(bool& created) {
+  created = root == nullptr;
+  if (created) {
+    root = new FusedNode();
+    tree_size = 1;
+    size_changed = true;
+  } else if (!root->has_one_owner()) {
+    auto* copy = new FusedNode(*root);
+    FusedNode::release(root);
+    root = copy;
+  }
+  return *root;
+}
+
 FusedNode& FusedTree::child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created) {
   created = false;
   if (!nodeChildExists(&node, index)) {
-    if (!nodeHasChildren(&node) && !just_created) {
+    if (node.children == nullptr && !just_created) {
       expandNode(&node);
     } else {
       createNodeChild(&node, index);
       created = true;
     }
+    return *getNodeChild(&node, index);
   }
+  FusedNode* child = getNodeChild(&node, index);
+  if (child->has_one_owner()) return *child;
+  node.children[index] = new FusedNode(*child);
+  FusedNode::release(child);
   return *getNodeChild(&node, index);
 }
 
-void FusedTree::set_observed(const octomap::OcTreeKey& key, float log_odds) {
-  bool created = root == nullptr;
-  if (created) {
-    root = new FusedNode();
-    tree_size = 1;
-    size_changed = true;
+bool FusedTree::pruneNode(FusedNode* node) {
+  if (node->children == nullptr) return false;
+  const FusedNode* first = node->child(0);
+  for (unsigned i = 0; i < 8; ++i) {
+    const FusedNode* child = node->child(i);
+    if (child == nullptr || child->has_children() || !(*child == *first)) return false;
   }
-  FusedNode* node = root;
+  node->copyData(*first);
+  for (unsigned i = 0; i < 8; ++i) FusedNode::release(static_cast<FusedNode*>(node->children[i]));
+  delete[] node->children;
+  node->children = nullptr;
+  tree_size -= 8;
+  size_changed = true;
+  return true;
+}
+
+FusedNode* FusedTree::updateNode(const octomap::OcTreeKey& key, float update, bool lazy) {
+  FusedNode* leaf = search(key);
+  const bool clamped = leaf != nullptr && ((update >= 0.0F && leaf->getLogOdds() >= clamping_thres_max) ||
+                                           (update <= 0.0F && leaf->getLogOdds() <= clamping_thres_min));
+  if (clamped) return leaf;
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  return update_below(top, created, 0, key, update, lazy);
+}
+
+FusedNode* FusedTree::update_below(FusedNode& node, bool just_created, unsigned depth,
+                                   const octomap::OcTreeKey& key, float update, bool lazy) {
+  if (depth == tree_depth) {
+    updateNodeLogOdds(&node, update);
+    return &node;
+  }
+  const unsigned index = octomap::computeChildIdx(key, static_cast<int>(tree_depth - 1 - depth));
+  bool created = false;
+  FusedNode& child = child_for_writing(node, index, just_created, created);
+  FusedNode* const updated = update_below(child, created, depth + 1, key, update, lazy);
+  if (lazy) return updated;
+  if (pruneNode(&node)) return &node;
+  node.updateOccupancyChildren();
+  return updated;
+}
+
+void FusedTree::set_observed(const octomap::OcTreeKey& key, float log_odds) {
+  bool created = false;
+  FusedNode* node = &root_for_writing(created);
   for (unsigned level = 0; level < tree_depth; ++level) {
     const unsigned index = octomap::computeChildIdx(key, static_cast<int>(tree_depth - 1 - level));
     bool child_created = false;
@@ -144,32 +237,6 @@ const FusedNode* FusedTree::find_leaf(const Eigen::Vector3i& cell, CellCube& cub
     cube = cube.child(index);
   }
   return node;
-}
-
-namespace {
-
-using LeafVisit = std::function<void(const FusedNode&, const CellCube&)>;
-
-void visit_below(const FusedTree& tree, const FusedNode& node, const CellCube& cube,
-                 const Eigen::Vector3i& first, const Eigen::Vector3i& last, const LeafVisit& visit) {
-  if ((cube.corner.array() > last.array()).any()) return;
-  if ((cube.corner.array() + (cube.edge - 1) < first.array()).any()) return;
-  if (!tree.nodeHasChildren(&node)) return visit(node, cube);
-  for (unsigned i = 0; i < 8; ++i) {
-    if (!tree.nodeChildExists(&node, i)) continue;
-    visit_below(tree, *tree.getNodeChild(&node, i), cube.child(i), first, last, visit);
-  }
-}
-
-}  // namespace
-
-void FusedTree::visit_leaves(const LeafVisit& visit) const {
-  visit_leaves(Eigen::Vector3i::Constant(-32768), Eigen::Vector3i::Constant(32767), visit);
-}
-
-void FusedTree::visit_leaves(const Eigen::Vector3i& first, const Eigen::Vector3i& last,
-                             const LeafVisit& visit) const {
-  if (root != nullptr) visit_below(*this, *root, CellCube{}, first, last, visit);
 }
 
 }  // namespace clearway

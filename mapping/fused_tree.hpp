@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,6 +22,9 @@ namespace clearway {
 /// whether any ray touched it, and the painted volumes that contain all of it. No larger than
 /// octomap::OcTreeNode. OctoMap finds these functions by static type; each hides one of the stock node on
 /// purpose.
+///
+/// Nodes may be shared by several trees (see FusedTree): `owners` counts the child arrays and roots that hold
+/// one. A node reachable by two trees is never written.
 class FusedNode : public octomap::OcTreeNode {
  public:
   /// Log-odds that an unobserved node carries: just under "occupied", so that stock code which knows no
@@ -30,8 +33,12 @@ class FusedNode : public octomap::OcTreeNode {
   static constexpr float unobserved_log_odds = -1e-6F;
 
   FusedNode() { value = unobserved_log_odds; }
-  FusedNode(const FusedNode& other);  ///< deep: children are copied as FusedNodes
+  FusedNode(const FusedNode& other);  ///< of the same content, on shared children
   FusedNode& operator=(const FusedNode&) = delete;
+
+  // 16 bytes each from a pool, where malloc takes 32 (see node_pool.hpp).
+  static void* operator new(std::size_t size);
+  static void operator delete(void* node, std::size_t size);
 
   bool operator==(const FusedNode& other) const {
     return value == other.value && painted_ == other.painted_ && observed_ == other.observed_;
@@ -53,9 +60,23 @@ class FusedNode : public octomap::OcTreeNode {
   void observe();
   void observe(float log_odds);
 
+  /// True when one tree alone holds this node, if it alone holds the parent.
+  bool has_one_owner() const { return owners().load(std::memory_order_acquire) == 1; }
+  /// One more owner: this node, or a copy of it when no more owners can be counted.
+  FusedNode* share();
+  /// One owner less; the last one takes the node away, and its hold on the children.
+  static void release(FusedNode* node);
+
+  bool has_children() const { return children != nullptr; }
+  const FusedNode* child(unsigned index) const { return static_cast<const FusedNode*>(children[index]); }
+
  private:
+  friend class FusedTree;
+  std::atomic_ref<std::uint8_t> owners() const { return std::atomic_ref<std::uint8_t>(owners_); }
+
   std::uint16_t painted_ = 0;
   std::uint8_t observed_ = 0;
+  mutable std::uint8_t owners_ = 1;
 };
 static_assert(sizeof(FusedNode) == sizeof(octomap::OcTreeNode));
 
@@ -65,7 +86,11 @@ struct CellCube {
   Eigen::Vector3i corner = Eigen::Vector3i::Constant(-32768);
   int edge = 65536;
 
-  CellCube child(unsigned index) const;
+  CellCube child(unsigned index) const {
+    const int half = edge / 2;
+    const Eigen::Vector3i step(index & 1U ? half : 0, index & 2U ? half : 0, index & 4U ? half : 0);
+    return {corner + step, half};
+  }
   /// Voxels in the cube.
   std::size_t volume() const { return static_cast<std::size_t>(edge) * edge * edge; }
 };
@@ -76,12 +101,22 @@ struct PaintTally {
 };
 
 /// The one store of sensors' evidence and paint: an OctoMap tree of FusedNodes, 16 levels deep.
+///
+/// Persistent: a copy shares all nodes with the original and costs nothing; a writer copies the nodes on its
+/// way to what it changes, when another tree holds them too. So copies may be read by other threads while the
+/// original is written. This holds for the functions of this class and for OctoMap's updateNode and
+/// insertPointCloud; its other writing functions (setNodeValue, deleteNode, expand, prune, ...) may only be
+/// used on a tree that shares nothing.
 class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
  public:
   static constexpr const char* type_name = "ClearwayFusedTree";
   static constexpr int volume_limit = 15;
 
   explicit FusedTree(double voxel_edge) : OccupancyOcTreeBase<FusedNode>(voxel_edge) {}
+  FusedTree(const FusedTree& other);  ///< shares all nodes
+  FusedTree& operator=(const FusedTree&) = delete;
+  ~FusedTree() override;
+  void clear() { release_root(); }
 
   FusedTree* create() const override { return new FusedTree(resolution); }
   std::string getTreeType() const override { return type_name; }
@@ -111,19 +146,83 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// The leaf that holds a cell, and its cube; null when nothing is stored there.
   const FusedNode* find_leaf(const Eigen::Vector3i& cell, CellCube& cube) const;
 
-  /// Calls `visit` for each leaf with the cube of voxels it stands for, children in index order.
-  void visit_leaves(const std::function<void(const FusedNode&, const CellCube&)>& visit) const;
+  /// Calls `visit(const FusedNode&, const CellCube&)` for each leaf with the cube of voxels it stands for,
+  /// children in index order.
+  template <class Visit>
+  void visit_leaves(const Visit& visit) const;
 
   /// The same for the leaves whose cubes overlap the cells first..last (inclusive).
-  void visit_leaves(const Eigen::Vector3i& first, const Eigen::Vector3i& last,
-                    const std::function<void(const FusedNode&, const CellCube&)>& visit) const;
+  template <class Visit>
+  void visit_leaves(const Eigen::Vector3i& first, const Eigen::Vector3i& last, const Visit& visit) const;
+
+  /// Calls `visit(const FusedNode* before, const FusedNode* now, const CellCube&)` for cubes that cover
+  /// everything that differs from another version of this tree; each is a leaf, or null for "nothing stored",
+  /// in both versions. Walks only the nodes that the two do not share.
+  template <class Visit>
+  void visit_changes(const FusedTree& before, const Visit& visit) const;
+
+  // OctoMap's own, for nodes that may be shared.
+  bool pruneNode(FusedNode* node) override;
+  using OccupancyOcTreeBase<FusedNode>::updateNode;
+  FusedNode* updateNode(const octomap::OcTreeKey& key, float update, bool lazy = false) override;
 
  private:
   struct Brush;
+  void release_root();
+  FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
+                          float update, bool lazy);
   void paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
   void paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
+
+  /// The root, made if need be, that this tree alone holds.
+  FusedNode& root_for_writing(bool& created);
+  /// The child to descend into, held by this tree alone if `node` is: created under a new or partly filled
+  /// node, expanded from a pruned one, copied from a shared one.
   FusedNode& child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created);
 };
+
+template <class Visit>
+void visit_leaves_below(const FusedNode& node, const CellCube& cube, const Eigen::Vector3i& first,
+                        const Eigen::Vector3i& last, const Visit& visit) {
+  if ((cube.corner.array() > last.array()).any()) return;
+  if ((cube.corner.array() + (cube.edge - 1) < first.array()).any()) return;
+  if (!node.has_children()) return visit(node, cube);
+  for (unsigned i = 0; i < 8; ++i) {
+    if (node.child(i) != nullptr) visit_leaves_below(*node.child(i), cube.child(i), first, last, visit);
+  }
+}
+
+template <class Visit>
+void FusedTree::visit_leaves(const Eigen::Vector3i& first, const Eigen::Vector3i& last,
+                             const Visit& visit) const {
+  if (root != nullptr) visit_leaves_below(*root, CellCube{}, first, last, visit);
+}
+
+template <class Visit>
+void FusedTree::visit_leaves(const Visit& visit) const {
+  visit_leaves(Eigen::Vector3i::Constant(-32768), Eigen::Vector3i::Constant(32767), visit);
+}
+
+template <class Visit>
+void visit_changes_below(const FusedNode* before, const FusedNode* now, const CellCube& cube,
+                         const Visit& visit) {
+  if (before == now) return;
+  const bool before_splits = before != nullptr && before->has_children();
+  const bool now_splits = now != nullptr && now->has_children();
+  if (!before_splits && !now_splits) {
+    if (before == nullptr || now == nullptr || !(*before == *now)) visit(before, now, cube);
+    return;
+  }
+  for (unsigned i = 0; i < 8; ++i) {
+    visit_changes_below(before_splits ? before->child(i) : before, now_splits ? now->child(i) : now,
+                        cube.child(i), visit);
+  }
+}
+
+template <class Visit>
+void FusedTree::visit_changes(const FusedTree& before, const Visit& visit) const {
+  visit_changes_below(before.root, root, CellCube{}, visit);
+}
 
 /// Copies a tree into another type of OctoMap tree, leaf by leaf at the same depth. `Tree` is an
 /// octomap::OccupancyOcTreeBase; `convert` fills a leaf of it.

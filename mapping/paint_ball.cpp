@@ -50,13 +50,9 @@ PaintTally FusedTree::paint(int volume, const Sphere& ball) {
   Brush brush{ball, static_cast<std::uint16_t>(1U << volume), resolution, {}};
   const CellCube whole;
   if (!brush.covers_some_voxel(whole)) return brush.tally;
-  const bool created = root == nullptr;
-  if (created) {
-    root = new FusedNode();
-    tree_size = 1;
-    size_changed = true;
-  }
-  paint_cube(*root, created, whole, brush);
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  paint_cube(top, created, whole, brush);
   return brush.tally;
 }
 
@@ -85,9 +81,9 @@ void FusedTree::paint_all(FusedNode& node, bool just_created, const CellCube& cu
     return;
   }
   for (unsigned i = 0; i < 8; ++i) {
-    const bool created = !nodeChildExists(&node, i);
-    if (created) createNodeChild(&node, i);
-    paint_all(*getNodeChild(&node, i), created, cube.child(i), brush);
+    bool created = false;
+    FusedNode& child = child_for_writing(node, i, false, created);
+    paint_all(child, created, cube.child(i), brush);
   }
   if (!pruneNode(&node)) node.updateOccupancyChildren();
 }

@@ -91,17 +91,21 @@ TEST(FusedTree, ACopyIsEqualAndIndependent) {
   EXPECT_EQ(cells_of(copy), before);
 }
 
+FusedTree coarse_tree(unsigned seed) {
+  FreeSpaceMap map({.resolution = 0.2});
+  map.add_volume("v", {});
+  Dice dice(seed);
+  for (int i = 0; i < 3; ++i) {
+    map.insert(testing::random_scan(dice, 50));
+    map.paint(0, {dice.point(0.5), 0.9});
+  }
+  return FusedTree(map.snapshot().tree());
+}
+
 TEST(FusedTree, ExpandingAndPruningKeepMasksAndLogOdds) {
   for (unsigned seed = 0; seed < 5; ++seed) {
-    FreeSpaceMap map({.resolution = 0.2});
-    map.add_volume("v", {});
-    Dice dice(seed);
-    for (int i = 0; i < 3; ++i) {
-      map.insert(testing::random_scan(dice, 50));
-      map.paint(0, {dice.point(0.5), 0.9});
-    }
-    FusedTree tree(map.snapshot().tree());
-    const FusedTree before(tree);
+    FusedTree tree = coarse_tree(seed);
+    const FusedTree before = coarse_tree(seed);
     for (int i = 0; i < 3; ++i) {  // one level at a time: whole expansion of the root would not fit memory
       std::vector<FusedNode*> coarse;
       for (auto it = tree.begin_leafs(), end = tree.end_leafs(); it != end; ++it) {
@@ -112,6 +116,84 @@ TEST(FusedTree, ExpandingAndPruningKeepMasksAndLogOdds) {
     EXPECT_EQ(cells_of(tree), cells_of(before));
     tree.prune();
     EXPECT_TRUE(tree == before);
+  }
+}
+
+TEST(FusedTree, CopiesStayAsTheyWereWhileTheOriginalIsWritten) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    Dice dice(seed);
+    FreeSpaceMap map({.resolution = 0.05});
+    map.add_volume("v", {});
+    std::vector<Snapshot> copies;
+    std::vector<Cells> expected;
+    for (int i = 0; i < 12; ++i) {
+      if (i % 2 == 0) map.insert(testing::random_scan(dice, 100));
+      if (i % 3 != 1) map.paint(0, testing::random_ball(dice));
+      copies.push_back(map.snapshot());
+      expected.push_back(cells_of(copies.back().tree()));
+      if (i % 4 == 3) {  // some go away early, out of order
+        copies.erase(copies.end() - 2);
+        expected.erase(expected.end() - 2);
+      }
+    }
+    for (std::size_t i = 0; i < copies.size(); ++i) {
+      EXPECT_EQ(cells_of(copies[i].tree()), expected[i]);
+      EXPECT_EQ(copies[i].tree().size(), copies[i].tree().calcNumNodes());
+    }
+  }
+}
+
+TEST(FusedTree, MoreCopiesMayLiveThanOwnersCanBeCounted) {
+  FreeSpaceMap map({.resolution = 0.1});
+  map.add_volume("v", {});
+  Dice dice(3);
+  map.insert(testing::random_scan(dice, 200));
+  const Cells first = cells_of(map.snapshot().tree());
+  std::vector<Snapshot> copies;
+  for (int i = 0; i < 1000; ++i) {
+    copies.push_back(map.snapshot());
+    map.paint(0, {dice.point(0.7), 0.12});
+  }
+  EXPECT_EQ(cells_of(copies.front().tree()), first);
+  const Cells last = cells_of(map.snapshot().tree());
+  while (copies.size() > 1) copies.erase(copies.begin());
+  EXPECT_EQ(cells_of(map.snapshot().tree()), last);
+  EXPECT_EQ(map.snapshot().tree().size(), map.snapshot().tree().calcNumNodes());
+}
+
+TEST(FusedTree, ChangesBetweenVersionsAreExactlyWhatDiffers) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Dice dice(seed);
+    FreeSpaceMap map({.resolution = 0.05});
+    map.add_volume("v", {});
+    Snapshot before = map.snapshot();
+    std::size_t visited = 0;
+    for (int i = 0; i < 6; ++i) {
+      if (i % 2 == 0) map.insert(testing::random_scan(dice, 60));
+      if (i % 2 == 1) map.paint(0, testing::random_ball(dice));
+      const Snapshot now = map.snapshot();
+      Cells patched = cells_of(before.tree());
+      now.tree().visit_changes(
+          before.tree(), [&](const FusedNode* was, const FusedNode* is, const CellCube& cube) {
+            ++visited;
+            ASSERT_TRUE(was == nullptr || is == nullptr || !(*was == *is));
+            for (int x = 0; x < cube.edge; ++x) {
+              for (int y = 0; y < cube.edge; ++y) {
+                for (int z = 0; z < cube.edge; ++z) {
+                  const std::tuple cell(cube.corner.x() + x, cube.corner.y() + y, cube.corner.z() + z);
+                  ASSERT_EQ(patched.count(cell) != 0, was != nullptr);
+                  patched.erase(cell);
+                  if (is != nullptr) patched[cell] = {is->getLogOdds(), is->painted(), is->observed()};
+                }
+              }
+            }
+          });
+      EXPECT_EQ(patched, cells_of(now.tree()));
+      before = now;
+    }
+    EXPECT_GT(visited, 100U);
+    map.snapshot().tree().visit_changes(
+        before.tree(), [&](const FusedNode*, const FusedNode*, const CellCube&) { ADD_FAILURE(); });
   }
 }
 
