@@ -1,10 +1,12 @@
 #include "datasets/room.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "datasets/depth_renderer.hpp"
 #include "datasets/lens.hpp"
+#include "datasets/random_numbers.hpp"
 
 namespace clearway {
 namespace {
@@ -75,29 +77,70 @@ Eigen::Isometry3d pose_on_walk(double share) {
 
 }  // namespace
 
-FurnishedRoom::FurnishedRoom(std::size_t frames, std::uint64_t seed, double noise) : seed_(seed) {
-  scene_.name = "furnished_room";
-  scene_.shapes = furnish();
+namespace {
+
+Scene room_scene(std::size_t frames) {
+  Scene scene;
+  scene.name = "furnished_room";
+  scene.shapes = furnish();
   SceneDepth depth;
   depth.intrinsics = {640, 480, 525.0, 525.0, 319.5, 239.5};
-  depth.noise_constant = 0.0012 * noise;
-  depth.noise_quadratic = 0.0019 * noise;
-  depth.dropout = noise > 0.0 ? 0.01 : 0.0;
   depth.max_range = 5.0;
   for (std::size_t i = 0; i < frames; ++i) {
     depth.map_from_sensor.push_back(pose_on_walk(static_cast<double>(i) / static_cast<double>(frames)));
   }
-  scene_.depth = depth;
+  scene.depth = depth;
+  return scene;
+}
+
+/// Signed distance from a point to the surface of a shape, negative inside. Exact.
+double signed_distance(const SceneShape& shape, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d local = shape.map_from_shape.inverse() * point;
+  if (const auto* sphere = std::get_if<BallShape>(&shape.geometry)) return local.norm() - sphere->radius;
+  Eigen::Array3d beyond = Eigen::Array3d::Zero();  // of each pair of sides
+  if (const auto* block = std::get_if<BoxShape>(&shape.geometry)) {
+    beyond = local.array().abs() - 0.5 * block->size.array();
+  } else {
+    const auto& round = std::get<CylinderShape>(shape.geometry);
+    beyond << local.head<2>().norm() - round.radius, std::abs(local.z()) - 0.5 * round.length, -HUGE_VAL;
+  }
+  return beyond.max(0.0).matrix().norm() + std::min(0.0, beyond.maxCoeff());
+}
+
+}  // namespace
+
+FurnishedRoom::FurnishedRoom(std::size_t frames, std::uint64_t seed, double noise)
+    : scene_(room_scene(frames)), seed_(seed) {
+  scene_.depth->noise_constant = 0.0012 * noise;
+  scene_.depth->noise_quadratic = 0.0019 * noise;
+  scene_.depth->dropout = noise > 0.0 ? 0.01 : 0.0;
   for (const SceneShape& shape : scene_.shapes) surfaces_.emplace_back(shape);
 }
 
+FurnishedRoom::FurnishedRoom(std::size_t frames, std::uint64_t seed, const RoomErrors& errors)
+    : scene_(room_scene(frames)), seed_(seed), errors_(errors) {
+  for (const SceneShape& shape : scene_.shapes) surfaces_.emplace_back(shape);
+}
+
+Eigen::Isometry3d FurnishedRoom::stated_pose(std::size_t index) const {
+  Eigen::Isometry3d pose = camera().map_from_sensor[index];
+  if (!errors_) return pose;
+  const RandomNumbers numbers(seed_, 5'000'000'000 + index);
+  const auto a = numbers.gaussian(0), b = numbers.gaussian(1), c = numbers.gaussian(2);
+  const Eigen::Vector3d turn = errors_->pose_turn * Eigen::Vector3d(b.second, c.first, c.second);
+  pose.pretranslate(errors_->pose_shift * Eigen::Vector3d(a.first, a.second, b.first));
+  if (turn.norm() > 0.0) pose.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  return pose;
+}
+
 CloudFrame FurnishedRoom::frame(std::size_t index) const {
-  DepthImage image = render_depth(camera(), index, surfaces_, seed_);
+  DepthImage image = errors_ ? render_noisy_depth(camera(), index, surfaces_, seed_, errors_->depth)
+                             : render_depth(camera(), index, surfaces_, seed_);
   count_whole_steps(image);
   CloudFrame cloud;
   cloud.kind = "depth";
   cloud.max_range = camera().max_range;
-  cloud.world_from_sensor = image.world_from_sensor;
+  cloud.world_from_sensor = stated_pose(index);
   const CameraIntrinsics& intrinsics = camera().intrinsics;
   for (int row = 0; row < intrinsics.height; ++row) {
     for (int column = 0; column < intrinsics.width; ++column) {
@@ -114,18 +157,19 @@ CloudFrame FurnishedRoom::frame(std::size_t index) const {
   return cloud;
 }
 
-bool FurnishedRoom::is_solid(const Eigen::Vector3d& point) const {
-  for (const SceneShape& shape : scene_.shapes) {
-    const Eigen::Vector3d local = shape.map_from_shape.inverse() * point;
-    if (const auto* block = std::get_if<BoxShape>(&shape.geometry)) {
-      if ((local.cwiseAbs().array() <= 0.5 * block->size.array()).all()) return true;
-    } else if (const auto* round = std::get_if<CylinderShape>(&shape.geometry)) {
-      if (local.head<2>().norm() <= round->radius && std::abs(local.z()) <= 0.5 * round->length) return true;
-    } else if (const auto* sphere = std::get_if<BallShape>(&shape.geometry)) {
-      if (local.norm() <= sphere->radius) return true;
-    }
-  }
-  return false;
+Hit FurnishedRoom::truth(std::size_t index, const Eigen::Vector3d& direction) const {
+  const Eigen::Isometry3d& pose = camera().map_from_sensor[index];
+  std::vector<const Surface*> all;
+  for (const Surface& surface : surfaces_) all.push_back(&surface);
+  return cast_ray(all, pose.translation(), pose.linear() * direction).hit;
 }
+
+double FurnishedRoom::distance_to_solid(const Eigen::Vector3d& point) const {
+  double nearest = HUGE_VAL;
+  for (const SceneShape& shape : scene_.shapes) nearest = std::min(nearest, signed_distance(shape, point));
+  return nearest;
+}
+
+bool FurnishedRoom::is_solid(const Eigen::Vector3d& point) const { return distance_to_solid(point) <= 0.0; }
 
 }  // namespace clearway
