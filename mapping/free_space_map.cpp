@@ -24,6 +24,7 @@ void check_options(const MapOptions& options) {
   check_range("miss_probability", options.miss_probability, 1e-6, 0.5);
   check_range("min_probability", options.min_probability, 1e-6, 0.49);
   check_range("max_probability", options.max_probability, 0.51, 0.999999);
+  check_range("threads", options.threads, 1, 64);
   check_range("occupied_probability", options.occupied_probability, options.min_probability,
               options.max_probability);
 }
@@ -40,6 +41,7 @@ struct FreeSpaceMap::State {
   }
   MapOptions options;
   FusedTree tree;
+  ScanWorkspace workspace;
   std::vector<PaintedVolume> volumes;
 };
 
@@ -87,7 +89,8 @@ PaintCounts FreeSpaceMap::paint(int volume, const Sphere& ball, double time) {
 }
 
 ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
-  return insert_scan(state_->tree, scan, filter, state_->options.discretize);
+  const ScanInsertion insertion{.discretize = state_->options.discretize, .threads = state_->options.threads};
+  return insert_scan(state_->tree, scan, filter, insertion, state_->workspace);
 }
 
 const MapOptions& FreeSpaceMap::options() const { return state_->options; }

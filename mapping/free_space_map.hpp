@@ -19,6 +19,7 @@ struct MapOptions {
   double max_probability = 0.971;     ///< clamping, as OctoMap
   double occupied_probability = 0.5;  ///< at or over it a voxel is occupied
   bool discretize = false;            ///< one ray per end voxel and scan (OctoMap's "discretized" insertion)
+  int threads = 1;                    ///< for inserting scans, in [1, 64]; results do not depend on it
 };
 
 /// What one painted ball did to the voxels.

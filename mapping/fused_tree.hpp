@@ -80,6 +80,8 @@ class FusedNode : public octomap::OcTreeNode {
 };
 static_assert(sizeof(FusedNode) == sizeof(octomap::OcTreeNode));
 
+class ScanGrid;
+
 /// Smallest corner of a cube of voxels in cells, and its edge: the cube spans
 /// [corner, corner + edge] * resolution in metres. Cells run from -32768 to 32767.
 struct CellCube {
@@ -136,6 +138,11 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// Updates inner nodes and prunes, after set_observed.
   void finish();
 
+  /// Applies one scan: a miss to each voxel that is free in `grid` and not occupied, a hit to each occupied
+  /// one; the tree that updateNode makes of them one by one. Takes the occupied bits out of the free ones.
+  /// @param threads >= 1; the result does not depend on it.
+  void update(ScanGrid& grid, int threads = 1);
+
   VoxelState state(const FusedNode& node) const;
   /// Log-odds at and over which an observed voxel is occupied, exactly as given (setOccupancyThres rounds).
   void set_occupied_log_odds(float log_odds) { occ_prob_thres_log = log_odds; }
@@ -168,6 +175,7 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
 
  private:
   struct Brush;
+  class ScanUpdate;
   void release_root();
   FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
                           float update, bool lazy);

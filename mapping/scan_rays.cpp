@@ -1,6 +1,5 @@
 #include "mapping/scan_rays.hpp"
 
-#include <cstdlib>
 #include <optional>
 
 #include "mapping/scan_filter.hpp"
@@ -8,92 +7,85 @@
 namespace clearway {
 namespace {
 
-using octomap::KeySet;
-using octomap::OcTreeKey;
 using octomap::point3d;
 
-/// Collects the voxels of one scan before any of them is updated.
-class RaySet {
+/// Where a point of a scan counts: the end of its ray, and whether that is a hit.
+class EndChooser {
  public:
-  RaySet(const FusedTree& tree, const Eigen::Vector3d& origin, double max_range)
+  EndChooser(const FusedTree& tree, const Eigen::Vector3f& origin, double max_range, bool discretize)
       : tree_(tree),
-        origin_(static_cast<float>(origin.x()), static_cast<float>(origin.y()),
-                static_cast<float>(origin.z())),
-        max_range_(max_range) {
-    origin_valid_ = key_of(origin_).has_value();
-  }
+        origin_(origin.x(), origin.y(), origin.z()),
+        max_range_(max_range),
+        discretize_(discretize) {}
 
-  bool origin_valid() const { return origin_valid_; }
-
-  void add(const Eigen::Vector3f& measured, bool discretize, ScanCounts& counts) {
-    point3d end(measured.x(), measured.y(), measured.z());
-    std::optional<OcTreeKey> key = key_of(end);
-    const bool repeated = discretize && key && !ends_.insert(*key).second;
-    if (discretize && key) end = tree_.keyToCoord(*key);
-
-    const bool beyond = max_range_ > 0.0 && (end - origin_).norm() > max_range_;
+  void add(const Eigen::Vector3f& measured, ScanWorkspace& workspace, ScanCounts& counts) const {
+    Eigen::Vector3f point = measured;
+    std::optional<Eigen::Vector3i> cell = tree_.cell(measured.cast<double>());
+    const bool repeated = discretize_ && cell && !workspace.seen.set_occupied(*cell);
+    if (discretize_ && cell)
+      point = ((cell->cast<double>().array() + 0.5) * tree_.getResolution()).cast<float>();  // keyToCoord
+    const bool beyond = max_range_ > 0.0 && is_beyond(point);
     if (beyond) {
-      end = origin_ + (end - origin_).normalized() * static_cast<float>(max_range_);
-      key = key_of(end);
+      point = shorten(point);
+      cell = tree_.cell(point.cast<double>());
     }
-    if (!key || !fits_ray(*key)) {
+    if (!cell) {
       ++counts.dropped_invalid;
       return;
     }
     ++(beyond ? counts.beyond_range : counts.inserted);
     if (repeated) return;
-    if (tree_.computeRayKeys(origin_, end, ray_)) free_.insert(ray_.begin(), ray_.end());
-    if (!beyond) occupied_.insert(*key);
-  }
-
-  void update(FusedTree& tree) const {
-    for (const OcTreeKey& key : free_) {
-      if (occupied_.find(key) == occupied_.end()) tree.updateNode(key, false);
-    }
-    for (const OcTreeKey& key : occupied_) tree.updateNode(key, true);
+    workspace.chosen.ends.push_back({point});
+    if (!beyond) workspace.grid.set_occupied(*cell);
   }
 
  private:
-  /// Refuses what coordToKeyChecked would wrap: it converts to int before it compares.
-  std::optional<OcTreeKey> key_of(const point3d& point) const {
-    OcTreeKey key;
-    if (!tree_.cell({point.x(), point.y(), point.z()})) return std::nullopt;
-    if (!tree_.coordToKeyChecked(point, key)) return std::nullopt;
-    return key;
+  bool is_beyond(const Eigen::Vector3f& point) const {
+    return (point3d(point.x(), point.y(), point.z()) - origin_).norm() > max_range_;
   }
 
-  /// octomap::KeyRay holds 100,000 keys and writes past its end without asserts.
-  bool fits_ray(const OcTreeKey& end) const {
-    const OcTreeKey start = *key_of(origin_);
-    int steps = 0;
-    for (unsigned axis = 0; axis < 3; ++axis) steps += std::abs(int{end[axis]} - int{start[axis]});
-    return steps < 99000;
+  Eigen::Vector3f shorten(const Eigen::Vector3f& point) const {
+    const point3d way = point3d(point.x(), point.y(), point.z()) - origin_;
+    const point3d end = origin_ + way.normalized() * static_cast<float>(max_range_);
+    return {end.x(), end.y(), end.z()};
   }
 
   const FusedTree& tree_;
   point3d origin_;
   double max_range_;
-  bool origin_valid_ = false;
-  octomap::KeyRay ray_;
-  KeySet free_, occupied_, ends_;
+  bool discretize_;
 };
 
 }  // namespace
 
-ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter, bool discretize) {
+ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter, bool discretize,
+                      ScanWorkspace& workspace, ScanCounts& counts) {
+  workspace.grid.clear();
+  workspace.seen.clear();
+  workspace.chosen.ends.clear();
   const FilteredPoints kept = filter_points(scan, filter);
-  ScanCounts counts;
-  counts.dropped_invalid = kept.dropped_invalid;
-  counts.dropped_filter = kept.dropped_filter;
-  RaySet rays(tree, kept.origin, filter.max_range);
-  if (!rays.origin_valid()) {
-    counts = {};
+  counts = {};
+  workspace.chosen.origin = kept.origin.cast<float>();
+  if (!kept.origin.allFinite() || !tree.cell(workspace.chosen.origin.cast<double>())) {
     counts.dropped_invalid = scan.points.size();
     counts.origin_invalid = true;
-    return counts;
+    return workspace.chosen;
   }
-  for (const Eigen::Vector3f& point : kept.points) rays.add(point, discretize, counts);
-  rays.update(tree);
+  counts.dropped_invalid = kept.dropped_invalid;
+  counts.dropped_filter = kept.dropped_filter;
+  workspace.chosen.ends.reserve(kept.points.size());
+  const EndChooser chooser(tree, workspace.chosen.origin, filter.max_range, discretize);
+  for (const Eigen::Vector3f& point : kept.points) chooser.add(point, workspace, counts);
+  return workspace.chosen;
+}
+
+ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
+                       const ScanInsertion& insertion, ScanWorkspace& workspace) {
+  ScanCounts counts;
+  const ScanRays& rays = choose_rays(tree, scan, filter, insertion.discretize, workspace, counts);
+  cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
+            workspace.grid);
+  tree.update(workspace.grid, insertion.threads);
   return counts;
 }
 

@@ -1,15 +1,36 @@
 #pragma once
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/ray_cast.hpp"
 #include "mapping/scan.hpp"
+#include "mapping/scan_grid.hpp"
 
 namespace clearway {
 
-/// Carves the rays of one scan into the tree with OctoMap's own traversal: within the scan every voxel is
-/// updated once, and a voxel in which any ray ends is occupied even where others pass (as computeUpdate).
-/// A point beyond max_range frees its ray up to that range and sets no hit. With `discretize` one ray is cast
-/// per end voxel, to its centre (as computeDiscreteUpdate).
+/// How one scan is integrated.
+struct ScanInsertion {
+  bool discretize = false;  ///< one ray per end voxel, to its centre (as computeDiscreteUpdate)
+  int threads = 1;          ///< >= 1; the result does not depend on it
+  InstructionSet instructions = best_instruction_set();
+};
+
+/// What insertion keeps from scan to scan: memory only, no evidence.
+struct ScanWorkspace {
+  RayWorkspace rays;
+  ScanGrid grid, seen;
+  ScanRays chosen;
+};
+
+/// Carves the rays of one scan into the tree as OctoMap does: within the scan every voxel is updated once,
+/// and a voxel in which any ray ends is occupied even where others pass (as computeUpdate). A point beyond
+/// max_range frees its ray up to that range and sets no hit.
 /// @throws std::invalid_argument for a filter that makes no sense (see filter_points).
-ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter, bool discretize);
+ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
+                       const ScanInsertion& insertion, ScanWorkspace& workspace);
+
+/// The first half of insert_scan: which rays to cast, and the end voxels, set occupied in `workspace.grid`
+/// (cleared before). Then follow cast_rays and FusedTree::update.
+ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter, bool discretize,
+                      ScanWorkspace& workspace, ScanCounts& counts);
 
 }  // namespace clearway

@@ -152,14 +152,17 @@ TEST(ScanRays, InsertsNothingFromAnOriginThatHasNoVoxel) {
   }
 }
 
-TEST(ScanRays, DropsARayLongerThanOctoMapsBuffer) {
+TEST(ScanRays, ARayMayBeLongerThanOctoMapsBuffer) {
   FreeSpaceMap map({.resolution = 0.001});  // the diagonal of the key range is 196,605 steps
   Scan scan;
   scan.map_from_sensor.translation().setConstant(-32.0);
   scan.points = {{64.0F, 64.0F, 64.0F}, {0.01F, 0.0F, 0.0F}};
   const ScanCounts counts = map.insert(scan);
-  EXPECT_EQ(counts.dropped_invalid, 1U);
-  EXPECT_EQ(counts.inserted, 1U);
+  EXPECT_EQ(counts.inserted, 2U);
+  EXPECT_EQ(counts.dropped_invalid, 0U);
+  const VoxelCounts voxels = map.snapshot().counts();
+  EXPECT_EQ(voxels.occupied, 2U);
+  EXPECT_NEAR(static_cast<double>(voxels.seen_free), 3 * 64000 + 9, 3);
 }
 
 TEST(ScanRays, EveryPointIsCountedOnce) {

@@ -1,0 +1,230 @@
+// One descent of the tree per scan: all free and occupied voxels of a ScanGrid at once, with the tree that
+// OctoMap's updateNode would make of them one by one.
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "mapping/fused_tree.hpp"
+#include "mapping/scan_grid.hpp"
+
+namespace clearway {
+
+/// Updates the nodes of cubes of voxels. A cube of level L has an edge of 2^L voxels; within a tile the cubes
+/// of a level are numbered in octree order.
+class FusedTree::ScanUpdate {
+ public:
+  static constexpr int tile_level = 5;
+
+  /// A tile's bits, and what they say of its cubes of 4 x 4 x 4 voxels: one bit each.
+  struct Tile {
+    explicit Tile(ScanTile& bits);
+    bool any_free() const { return has_free; }
+    bool any_hit() const { return has_hit; }
+
+    const ScanTile* bits;
+    std::array<std::uint64_t, 8> free{}, hit{}, full{};  ///< any free, any hit, all free
+    bool has_free = false, has_hit = false;
+    FusedNode* node = nullptr;  ///< the tile's, when anything may change in it
+    bool created = false;       ///< and whether this scan made it
+    bool changed = false;
+  };
+
+  /// @param tree allocates and counts the nodes; the sensor model is `model`'s.
+  ScanUpdate(FusedTree& tree, const FusedTree& model)
+      : tree_(tree),
+        hit_(model.prob_hit_log),
+        miss_(model.prob_miss_log),
+        low_(model.clamping_thres_min),
+        high_(model.clamping_thres_max) {}
+
+  /// Makes the nodes from `node` (of `level`) down to those of the tiles first..last.
+  void reach_tiles(FusedNode& node, int level, bool created, Tile* first, Tile* last);
+  /// Prunes the nodes above changed tiles and updates them. True when any changed.
+  bool close_above_tiles(FusedNode& node, int level, const Tile* first, const Tile* last);
+  /// Updates the voxels of one cube. True when any changed.
+  template <int Level>
+  bool update_cube(FusedNode& node, bool created, const Tile& tile, unsigned cube);
+
+ private:
+  template <int Level>
+  static bool any_free(const Tile& tile, unsigned cube) {
+    return bits_of<Level>(tile.free, tile.bits->free, cube) != 0;
+  }
+  template <int Level>
+  static bool any_hit(const Tile& tile, unsigned cube) {
+    return bits_of<Level>(tile.hit, tile.bits->occupied, cube) != 0;
+  }
+  template <int Level>
+  static bool all_free(const Tile& tile, unsigned cube);
+  template <int Level>
+  static std::uint64_t bits_of(const std::array<std::uint64_t, 8>& of_words,
+                               const std::array<std::uint64_t, 512>& of_voxels, unsigned cube);
+
+  /// The child of a cube of `level` that a tile lies in.
+  static unsigned child_of(const Tile& tile, int level) {
+    const Eigen::Vector3i& corner = tile.bits->corner;
+    const auto upper = [&](int axis) {
+      return static_cast<unsigned>((corner[axis] + 32768) >> (level - 1)) & 1U;
+    };
+    return upper(0) | upper(1) << 1U | upper(2) << 2U;
+  }
+
+  /// True when a stored leaf is clamped so that these updates do nothing (OctoMap's early abort).
+  bool is_settled(const FusedNode& leaf, bool some_free, bool some_hit) const {
+    return (!some_free || leaf.getLogOdds() <= low_) && (!some_hit || leaf.getLogOdds() >= high_);
+  }
+
+  void add(FusedNode& leaf, float log_odds) const {
+    float value = (leaf.observed() ? leaf.getLogOdds() : 0.0F) + log_odds;
+    if (value < low_) value = low_;
+    if (value > high_) value = high_;
+    leaf.observe(value);
+  }
+
+  FusedTree& tree_;
+  float hit_, miss_, low_, high_;
+};
+
+FusedTree::ScanUpdate::Tile::Tile(ScanTile& scan) : bits(&scan) {
+  for (unsigned i = 0; i < ScanTile::words; ++i) {
+    scan.free[i] &= ~scan.occupied[i];
+    const unsigned group = i >> 6U, bit = i & 63U;
+    free[group] |= std::uint64_t{scan.free[i] != 0} << bit;
+    hit[group] |= std::uint64_t{scan.occupied[i] != 0} << bit;
+    full[group] |= std::uint64_t{scan.free[i] == ~std::uint64_t{0}} << bit;
+  }
+  for (unsigned group = 0; group < 8; ++group) {
+    has_free |= free[group] != 0;
+    has_hit |= hit[group] != 0;
+  }
+}
+
+/// The bits of a cube: those of its voxels, or one for each word in it.
+template <int Level>
+std::uint64_t FusedTree::ScanUpdate::bits_of(const std::array<std::uint64_t, 8>& of_words,
+                                             const std::array<std::uint64_t, 512>& of_voxels, unsigned cube) {
+  if constexpr (Level == 4) return of_words[cube];
+  if constexpr (Level == 3) return of_words[cube >> 3U] >> 8 * (cube & 7U) & 0xffU;
+  if constexpr (Level == 2) return of_voxels[cube];
+  if constexpr (Level == 1) return of_voxels[cube >> 3U] >> 8 * (cube & 7U) & 0xffU;
+  if constexpr (Level == 0) return of_voxels[cube >> 6U] >> (cube & 63U) & 1U;
+  std::uint64_t all = 0;
+  if constexpr (Level == 5)
+    for (const std::uint64_t word : of_words) all |= word;
+  return all;
+}
+
+template <int Level>
+bool FusedTree::ScanUpdate::all_free(const Tile& tile, unsigned cube) {
+  if constexpr (Level == 5)
+    return std::all_of(tile.full.begin(), tile.full.end(), [](std::uint64_t word) { return ~word == 0; });
+  constexpr std::uint64_t all[] = {1, 0xff, ~std::uint64_t{0}, 0xff, ~std::uint64_t{0}, 0};
+  return bits_of<Level>(tile.full, tile.bits->free, cube) == all[Level];
+}
+
+template <int Level>
+bool FusedTree::ScanUpdate::update_cube(FusedNode& node, bool created, const Tile& tile, unsigned cube) {
+  if constexpr (Level == 0) {
+    add(node, any_hit<0>(tile, cube) ? hit_ : miss_);
+    return true;
+  } else {
+    if (!node.has_children() && all_free<Level>(tile, cube)) {
+      add(node, miss_);
+      return true;
+    }
+    bool changed = false;
+    for (unsigned i = 0; i < 8; ++i) {
+      const unsigned below = cube * 8 + i;
+      const bool some_free = any_free<Level - 1>(tile, below), some_hit = any_hit<Level - 1>(tile, below);
+      if (!some_free && !some_hit) continue;
+      if (node.has_children() && node.child(i) != nullptr && !node.child(i)->has_children() &&
+          is_settled(*node.child(i), some_free, some_hit))
+        continue;
+      bool child_created = false;
+      FusedNode& child = tree_.child_for_writing(node, i, created, child_created);
+      changed |= update_cube<Level - 1>(child, child_created, tile, below);
+    }
+    if (changed && !tree_.pruneNode(&node)) node.updateOccupancyChildren();
+    return changed;
+  }
+}
+
+void FusedTree::ScanUpdate::reach_tiles(FusedNode& node, int level, bool created, Tile* first, Tile* last) {
+  if (!created && !node.has_children()) {
+    const bool some_free = std::any_of(first, last, [](const Tile& tile) { return tile.has_free; });
+    const bool some_hit = std::any_of(first, last, [](const Tile& tile) { return tile.has_hit; });
+    if (is_settled(node, some_free, some_hit)) return;
+  }
+  if (level == tile_level) {
+    first->node = &node;
+    first->created = created;
+    return;
+  }
+  while (first != last) {
+    const unsigned index = child_of(*first, level);
+    Tile* const next =
+        std::find_if(first, last, [&](const Tile& tile) { return child_of(tile, level) != index; });
+    bool child_created = false;
+    FusedNode& child = tree_.child_for_writing(node, index, created, child_created);
+    reach_tiles(child, level - 1, child_created, first, next);
+    first = next;
+  }
+}
+
+bool FusedTree::ScanUpdate::close_above_tiles(FusedNode& node, int level, const Tile* first,
+                                              const Tile* last) {
+  if (level == tile_level) return first->changed;
+  bool changed = false;
+  while (first != last) {
+    const unsigned index = child_of(*first, level);
+    const Tile* const next =
+        std::find_if(first, last, [&](const Tile& tile) { return child_of(tile, level) != index; });
+    if (tree_.nodeChildExists(&node, index))
+      changed |= close_above_tiles(*tree_.getNodeChild(&node, index), level - 1, first, next);
+    first = next;
+  }
+  if (changed && !tree_.pruneNode(&node)) node.updateOccupancyChildren();
+  return changed;
+}
+
+void FusedTree::update(ScanGrid& grid, int threads) {
+  std::vector<ScanUpdate::Tile> tiles;
+  for (ScanTile* bits : grid.tiles()) {
+    tiles.emplace_back(*bits);
+    if (!tiles.back().any_free() && !tiles.back().any_hit()) tiles.pop_back();
+  }
+  if (tiles.empty()) return;
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  ScanUpdate above(*this, *this);
+  ScanUpdate::Tile* const first = tiles.data();
+  above.reach_tiles(top, static_cast<int>(tree_depth), created, first, first + tiles.size());
+
+  std::atomic<std::size_t> next{0};
+  const auto work = [&](FusedTree& tree) {
+    ScanUpdate update(tree, *this);
+    for (std::size_t i = next++; i < tiles.size(); i = next++) {
+      ScanUpdate::Tile& tile = tiles[i];
+      if (tile.node != nullptr)
+        tile.changed = update.update_cube<ScanUpdate::tile_level>(*tile.node, tile.created, tile, 0);
+    }
+  };
+  std::atomic<std::size_t> grown{0};
+  std::vector<std::thread> others;
+  for (int i = 1; i < threads; ++i) {
+    others.emplace_back([&] {
+      FusedTree counter(resolution);  // so that threads do not count nodes into one number
+      work(counter);
+      grown += counter.tree_size;  // wraps round where more nodes were pruned than made
+    });
+  }
+  work(*this);
+  for (std::thread& other : others) other.join();
+  tree_size += grown;
+  size_changed = true;
+  above.close_above_tiles(top, static_cast<int>(tree_depth), first, first + tiles.size());
+}
+
+}  // namespace clearway

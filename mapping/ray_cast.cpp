@@ -1,0 +1,155 @@
+#include "mapping/ray_cast.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <thread>
+
+#include "mapping/ray_window.hpp"
+
+namespace clearway {
+
+struct RayWorkspace::Windows {
+  std::vector<RayWindow> of_thread;
+};
+
+RayWorkspace::RayWorkspace() : windows_(std::make_unique<Windows>()) {}
+RayWorkspace::~RayWorkspace() = default;
+RayWorkspace::RayWorkspace(RayWorkspace&&) noexcept = default;
+RayWorkspace& RayWorkspace::operator=(RayWorkspace&&) noexcept = default;
+
+InstructionSet best_instruction_set() {
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512bw"))
+    return InstructionSet::avx512;
+  if (__builtin_cpu_supports("avx2")) return InstructionSet::avx2;
+#endif
+  return InstructionSet::portable;
+}
+
+namespace {
+
+/// Calls `work(0)` ... `work(threads - 1)`, each on a thread of its own, and waits for all.
+template <class Work>
+void on_threads(std::size_t threads, const Work& work) {
+  std::vector<std::thread> others;
+  for (std::size_t i = 1; i < threads; ++i) others.emplace_back([&work, i] { work(i); });
+  work(0);
+  for (std::thread& other : others) other.join();
+}
+
+/// The cells that a window should cover: all that the rays cross, when that fits; else those of the rays that
+/// end near the origin.
+Eigen::AlignedBox3i choose_box(const RayStarter& starter, const std::vector<RayEnd>& ends) {
+  int reach = 65536;
+  while (true) {
+    const Eigen::Vector3i origin = starter.origin_cell();
+    Eigen::AlignedBox3i box(origin);
+    const Eigen::AlignedBox3i near(origin.array() - reach, origin.array() + reach);
+    for (const RayEnd& ray : ends) {
+      const Eigen::Vector3i cell = starter.cell(ray.point);
+      if (near.contains(cell)) box.extend(cell);
+    }
+    if (RayWindow::bytes_of(box) <= RayWindow::most_cells) return box;
+    reach /= 2;
+  }
+}
+
+/// Rays that leave the window, one by one into the grid.
+void cast_far_rays(const RayStarter& starter, const std::vector<RayEnd>& ends, const Eigen::AlignedBox3i& box,
+                   ScanGrid& grid) {
+  for (const RayEnd& ray : ends) {
+    if (box.contains(starter.cell(ray.point))) continue;
+    grid.set_free(starter.origin_cell());
+    walk_ray(starter.start(ray), [&](const Eigen::Vector3i& cell) { grid.set_free(cell); });
+  }
+}
+
+/// Rays first..last of those that end in `box`, through the window.
+void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd* last,
+                    const Eigen::AlignedBox3i& box, InstructionSet set, RayWindow& window) {
+  RayPack pack;
+  std::array<RayEnd, RayPack::size> batch;
+  std::size_t count = 0;
+  const auto walk = [&] {
+    fill_pack(starter, window, batch.data(), count, pack);
+    count = 0;
+    if (pack.active == 0) return;
+    window.cells()[pack.origin] = 1;
+    if (set == InstructionSet::avx512) return walk_pack_avx512(pack, window.cells());
+    walk_pack_avx2(pack, window.cells());
+  };
+  for (; first != last; ++first) {
+    const Eigen::Vector3i cell = starter.cell(first->point);
+    if (cell == starter.origin_cell() || !box.contains(cell)) continue;
+    if (set != InstructionSet::portable) {
+      batch[count++] = *first;
+      if (count == batch.size()) walk();
+      continue;
+    }
+    window.cells()[window.index(starter.origin_cell())] = 1;
+    walk_ray(starter.start(*first), [&](const Eigen::Vector3i& at) { window.cells()[window.index(at)] = 1; });
+  }
+  if (count > 0) walk();
+}
+
+/// Moves the marks of one pair of tiles (64 x 32 x 32 cells from `corner`) from all windows to the grid.
+void collect_tiles(std::vector<RayWindow>& windows, const Eigen::Vector3i& corner, InstructionSet set,
+                   std::mutex& guard, ScanGrid& grid) {
+  std::uint64_t words[2][ScanTile::words];
+  bool any = false, fresh = true;
+  for (int block = 0; block < 64; ++block) {  // 4 x 4 rows
+    const Eigen::Vector3i cell = corner + 4 * Eigen::Vector3i(0, block % 8, block / 8);
+    std::uint64_t row[16] = {};
+    bool found = false;
+    for (RayWindow& window : windows)
+      found |=
+          collect_words(window.cells() + window.index(cell), window.stride(1), window.stride(2), set, row);
+    if (!found) continue;
+    any = true;
+    if (fresh) std::fill_n(words[0], 2 * ScanTile::words, 0U);
+    fresh = false;
+    for (int i = 0; i < 16; ++i)
+      words[i / 8][ScanTile::bit_of(cell + Eigen::Vector3i(4 * i, 0, 0)) >> 6U] = row[i];
+  }
+  if (!any) return;
+  for (int half = 0; half < 2; ++half) {
+    if (std::all_of(words[half], words[half] + ScanTile::words, [](std::uint64_t w) { return w == 0; }))
+      continue;
+    const std::lock_guard lock(guard);
+    ScanTile& tile = grid.tile(corner + Eigen::Vector3i(half * ScanTile::edge, 0, 0));
+    for (std::size_t i = 0; i < ScanTile::words; ++i) tile.free[i] |= words[half][i];
+  }
+}
+
+}  // namespace
+
+void cast_rays(const ScanRays& rays, double resolution, int threads, InstructionSet set,
+               RayWorkspace& workspace, ScanGrid& grid) {
+  if (rays.ends.empty()) return;
+  const RayStarter starter(rays.origin, resolution);
+  const Eigen::AlignedBox3i box = choose_box(starter, rays.ends);
+  const auto workers = static_cast<std::size_t>(threads);
+  std::vector<RayWindow>& windows = workspace.windows().of_thread;
+  windows.resize(workers);
+  on_threads(workers, [&](std::size_t worker) {
+    windows[worker].cover(box);
+    const RayEnd* const ends = rays.ends.data();
+    const std::size_t count = rays.ends.size();
+    cast_near_rays(starter, ends + count * worker / workers, ends + count * (worker + 1) / workers, box, set,
+                   windows[worker]);
+  });
+  std::mutex guard;
+  const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);
+  on_threads(workers, [&](std::size_t worker) {
+    const int pairs = tiles.prod();
+    for (int i = static_cast<int>(worker); i < pairs; i += static_cast<int>(workers)) {
+      const Eigen::Vector3i place(i % tiles.x(), i / tiles.x() % tiles.y(), i / tiles.x() / tiles.y());
+      collect_tiles(windows, windows[0].corner() + place.cwiseProduct(Eigen::Vector3i(64, 32, 32)), set,
+                    guard, grid);
+    }
+  });
+  cast_far_rays(starter, rays.ends, box, grid);
+}
+
+}  // namespace clearway
