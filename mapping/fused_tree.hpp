@@ -179,8 +179,9 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   void release_root();
   FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
                           float update, bool lazy);
-  void paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
-  void paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
+  bool is_painted_throughout(const FusedNode& node, std::uint16_t bit) const;
+  bool paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
+  bool paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
 
   /// The root, made if need be, that this tree alone holds.
   FusedNode& root_for_writing(bool& created);

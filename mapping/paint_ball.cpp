@@ -1,91 +1,78 @@
 // Painting: FusedTree's own descent. A node that `search` or `updateNode` returns may stand for many voxels,
 // so painting never goes through those.
 
-#include <algorithm>
-#include <array>
-#include <cmath>
+#include <bit>
 
-#include "mapping/fused_tree.hpp"
+#include "mapping/ball_table.hpp"
 
 namespace clearway {
 
 struct FusedTree::Brush {
-  Sphere ball;
+  BallTable ball;
   std::uint16_t bit = 0;
-  double resolution = 0.0;
   PaintTally tally;
-
-  /// Squared distance from the ball's centre to the farthest corner of a cube.
-  double farthest_corner_squared(const CellCube& cube) const {
-    double sum = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double low = std::abs(cube.corner[axis] * resolution - ball.center[axis]);
-      const double high = std::abs((cube.corner[axis] + cube.edge) * resolution - ball.center[axis]);
-      const double far = std::max(low, high);
-      sum += far * far;
-    }
-    return sum;
-  }
-
-  bool covers(const CellCube& cube) const {
-    return farthest_corner_squared(cube) <= ball.radius * ball.radius;
-  }
-
-  /// True when at least one voxel of the cube lies wholly inside the ball. The voxel with the nearest
-  /// farthest corner is, axis by axis, the one whose centre is nearest.
-  bool covers_some_voxel(const CellCube& cube) const {
-    CellCube voxel;
-    voxel.edge = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::floor(ball.center[axis] / resolution);
-      voxel.corner[axis] =
-          static_cast<int>(std::clamp(cell, static_cast<double>(cube.corner[axis]),
-                                      static_cast<double>(cube.corner[axis] + cube.edge - 1)));
-    }
-    return covers(voxel);
-  }
 };
 
 PaintTally FusedTree::paint(int volume, const Sphere& ball) {
-  Brush brush{ball, static_cast<std::uint16_t>(1U << volume), resolution, {}};
+  Brush brush{{ball, resolution}, static_cast<std::uint16_t>(1U << volume), {}};
   const CellCube whole;
-  if (!brush.covers_some_voxel(whole)) return brush.tally;
+  if (!brush.ball.covers_some_voxel(whole)) return brush.tally;
+  brush.tally.painted = brush.ball.count();
   bool created = false;
   FusedNode& top = root_for_writing(created);
-  paint_cube(top, created, whole, brush);
+  if (brush.ball.covers(whole)) {
+    paint_all(top, created, whole, brush);
+  } else {
+    paint_cube(top, created, whole, brush);
+  }
   return brush.tally;
 }
 
-/// Precondition: some voxel of the cube lies wholly inside the ball.
-void FusedTree::paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush) {
-  if (brush.covers(cube)) return paint_all(node, just_created, cube, brush);
-  for (unsigned i = 0; i < 8; ++i) {
-    const CellCube part = cube.child(i);
-    if (!brush.covers_some_voxel(part)) continue;
-    bool created = false;
-    FusedNode& child = child_for_writing(node, i, just_created, created);
-    paint_cube(child, created, part, brush);
-    just_created = false;
-  }
-  if (!pruneNode(&node)) node.updateOccupancyChildren();
+/// True when painting changes nothing in the node and meets no occupied voxel, whatever part the ball covers.
+bool FusedTree::is_painted_throughout(const FusedNode& node, std::uint16_t bit) const {
+  return (node.painted() & bit) != 0 && state(node) != VoxelState::conflict;
 }
 
-/// Paints every voxel of the cube; voxels that were not stored become painted and unobserved.
-void FusedTree::paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush) {
-  if (!nodeHasChildren(&node)) {
-    const std::size_t voxels = cube.volume();
-    brush.tally.painted += voxels;
-    if ((node.painted() & brush.bit) == 0) brush.tally.newly += voxels;
+/// Precondition: some voxel of the cube, but not all, lies wholly inside the ball. False when nothing
+/// changed.
+bool FusedTree::paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush) {
+  const BallTable::Children covered = brush.ball.children(cube);
+  bool changed = !node.has_children() && !just_created;  // split below: at least to be pruned again
+  for (unsigned left = covered.some; left != 0; left &= left - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(left));
+    const FusedNode* now = node.has_children() ? node.child(i) : nullptr;
+    if (now != nullptr && is_painted_throughout(*now, brush.bit)) continue;
+    bool created = false;
+    FusedNode& child = child_for_writing(node, i, just_created, created);
+    just_created = false;
+    const bool all = (covered.all >> i & 1U) != 0;
+    changed = (all ? paint_all(child, created, cube.child(i), brush)
+                   : paint_cube(child, created, cube.child(i), brush)) ||
+              changed;
+  }
+  if (changed && !pruneNode(&node)) node.updateOccupancyChildren();
+  return changed;
+}
+
+/// Paints every voxel of the cube; voxels that were not stored become painted and unobserved. False when
+/// nothing changed.
+bool FusedTree::paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush) {
+  bool changed = false;
+  if (!node.has_children()) {
+    changed = (node.painted() & brush.bit) == 0;
+    if (changed) brush.tally.newly += cube.volume();
     node.add_paint(brush.bit);
-    if (!just_created && state(node) == VoxelState::conflict) brush.tally.conflicts += voxels;
-    return;
+    if (!just_created && state(node) == VoxelState::conflict) brush.tally.conflicts += cube.volume();
+    return changed;
   }
   for (unsigned i = 0; i < 8; ++i) {
+    if (node.child(i) != nullptr && is_painted_throughout(*node.child(i), brush.bit)) continue;
     bool created = false;
     FusedNode& child = child_for_writing(node, i, false, created);
-    paint_all(child, created, cube.child(i), brush);
+    changed = paint_all(child, created, cube.child(i), brush) || changed;
   }
-  if (!pruneNode(&node)) node.updateOccupancyChildren();
+  if (changed && !pruneNode(&node)) node.updateOccupancyChildren();
+  return changed;
 }
 
 }  // namespace clearway

@@ -68,6 +68,46 @@ TEST(Painting, NoPaintedVoxelReachesOutsideTheUnionOfBalls) {
   EXPECT_GT(painted, 100U);
 }
 
+TEST(Painting, ABallMakesTheTreeThatItsVoxelsMakeOneByOne) {
+  for (unsigned seed = 0; seed < 15; ++seed) {
+    Dice dice(seed);
+    constexpr double resolution = 0.05;
+    FreeSpaceMap whole({.resolution = resolution}), single({.resolution = resolution});
+    for (FreeSpaceMap* map : {&whole, &single}) {
+      map->add_volume("a", {});
+      map->add_volume("b", {});
+    }
+    for (int step = 0; step < 12; ++step) {
+      const int volume = dice.whole(0, 1);
+      const Sphere ball = testing::random_ball(dice);
+      const Snapshot before = whole.snapshot();  // some nodes are shared, as when a reader looks on
+      PaintCounts sum;
+      const PaintCounts counts = whole.paint(volume, ball);
+      for (int x = -24; x < 24; ++x) {
+        for (int y = -24; y < 24; ++y) {
+          for (int z = -24; z < 24; ++z) {
+            if (!corners_inside({x, y, z}, resolution, ball)) continue;
+            // About the voxel's middle, just large enough for it alone.
+            const PaintCounts one = single.paint(
+                volume, {(Eigen::Vector3d(x, y, z).array() + 0.5) * resolution, resolution * 0.8661});
+            sum.painted += one.painted;
+            sum.newly += one.newly;
+            sum.conflicts += one.conflicts;
+          }
+        }
+      }
+      EXPECT_EQ(counts.painted, sum.painted);
+      EXPECT_EQ(counts.newly, sum.newly);
+      EXPECT_EQ(counts.conflicts, sum.conflicts);
+      ASSERT_TRUE(whole.snapshot().tree() == single.snapshot().tree());
+      if (step % 3 != 0) continue;
+      const Scan scan = testing::random_scan(dice, 100);
+      whole.insert(scan);
+      single.insert(scan);
+    }
+  }
+}
+
 TEST(Painting, RepaintingIsCountedButChangesNothing) {
   FreeSpaceMap map({.resolution = 0.05});
   map.add_volume("v", {});
