@@ -7,12 +7,12 @@
 
 namespace clearway {
 
-/// An OctoMap file whose structure was checked, ready for OctoMap's own recursive reader, which checks
-/// nothing.
+/// An OctoMap file whose header and seal were checked; its nodes are checked as they are read
+/// (octree_reader.hpp).
 struct CheckedOctree {
-  std::string type;     ///< as the header names it, e.g. OcTree
-  bool binary = false;  ///< .bt: free or occupied only
-  std::size_t nodes = 0;
+  std::string type;         ///< as the header names it, e.g. OcTree
+  bool binary = false;      ///< .bt: free or occupied only
+  std::size_t nodes = 0;    ///< as the header says
   double resolution = 0.0;  ///< metres
   std::string_view header;  ///< with comments
   std::string_view data;
@@ -21,8 +21,7 @@ struct CheckedOctree {
 /// The header of an OctoMap file, up to the first byte of data; the resolution with every digit.
 std::string octree_header(bool binary, std::string_view type, std::size_t nodes, double resolution);
 
-/// Checks header and tree without recursion: known type, resolution in [1e-4, 100], at most 16 levels, as
-/// many nodes as the header says, finite log-odds, nothing after the last node.
+/// Checks the header: known type, resolution in [1e-4, 100]; and the seal of a file of ours.
 /// @throws DamagedFile naming `file` and what is wrong.
 CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file);
 

@@ -2,17 +2,16 @@
 
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
-#include <octomap/OcTreeStamped.h>
 
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/octree_check.hpp"
+#include "mapping/octree_reader.hpp"
 #include "mapping/painted_csv.hpp"
 
 namespace clearway {
@@ -31,40 +30,6 @@ std::string comments(std::string_view header, std::string_view prefix) {
     header.remove_prefix(line.size());
   }
   return found;
-}
-
-/// Copies a stock tree, whose every leaf a sensor has seen.
-template <class Tree>
-std::shared_ptr<const FusedTree> fuse(const Tree& tree) {
-  auto fused = std::make_shared<MirrorTree<FusedTree>>(tree.getResolution());
-  fused->mirror(tree, [](const auto& leaf, FusedNode& node) { node.observe(leaf.getLogOdds()); });
-  fused->prune();
-  return fused;
-}
-
-std::istringstream stream_of(std::string_view data) { return std::istringstream(std::string(data)); }
-
-std::shared_ptr<const FusedTree> read_binary_tree(const CheckedOctree& checked) {
-  octomap::OcTree tree(checked.resolution);
-  auto stream = stream_of(checked.data);
-  if (checked.nodes > 0) tree.readBinaryData(stream);
-  return fuse(tree);
-}
-
-/// By OctoMap's registry of tree types. Its own `read` would do the same and talk on stderr.
-std::unique_ptr<octomap::AbstractOcTree> read_registered_tree(const CheckedOctree& checked) {
-  FusedTree::register_type();
-  std::unique_ptr<octomap::AbstractOcTree> tree(
-      octomap::AbstractOcTree::createTree(checked.type, checked.resolution));
-  auto stream = stream_of(checked.data);
-  if (checked.nodes > 0) tree->readData(stream);  // from nothing it would read a node of rubbish
-  return tree;
-}
-
-std::shared_ptr<FusedTree> as_fused(std::unique_ptr<octomap::AbstractOcTree>& tree) {
-  auto* fused = dynamic_cast<FusedTree*>(tree.get());
-  if (fused != nullptr) static_cast<void>(tree.release());
-  return std::shared_ptr<FusedTree>(fused);
 }
 
 void restore_threshold(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
@@ -99,21 +64,10 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
 
 OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file) {
   const CheckedOctree checked = check_octree(bytes, file);
-  if (checked.binary) return {read_binary_tree(checked), {}, false};
-
-  std::unique_ptr<octomap::AbstractOcTree> tree = read_registered_tree(checked);
-  if (const auto fused = as_fused(tree)) {
-    restore_threshold(*fused, checked.header, file);
-    OctreeContent content{fused, parse_painted(comments(checked.header, painted_comment), file), true};
-    return content;
-  }
-  if (const auto* plain = dynamic_cast<const octomap::OcTree*>(tree.get())) return {fuse(*plain), {}, false};
-  if (const auto* color = dynamic_cast<const octomap::ColorOcTree*>(tree.get()))
-    return {fuse(*color), {}, false};
-  if (const auto* stamped = dynamic_cast<const octomap::OcTreeStamped*>(tree.get())) {
-    return {fuse(*stamped), {}, false};
-  }
-  throw std::logic_error("OctoMap refused an .ot file that was checked");
+  const std::shared_ptr<FusedTree> tree = read_tree(checked, file);
+  if (checked.binary || checked.type != FusedTree::type_name) return {tree, {}, false};
+  restore_threshold(*tree, checked.header, file);
+  return {tree, parse_painted(comments(checked.header, painted_comment), file), true};
 }
 
 std::string format_color_tree(const FusedTree& tree) {
