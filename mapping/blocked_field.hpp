@@ -51,6 +51,8 @@ class BlockedField final : public BlockedSpace {
   bool is_blocked(const Eigen::Vector3d& point) const override;
   double clearance(const Eigen::Vector3d& point) const override;
   NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const override;
+  RayHit cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                  double max_range) const override;
   bool visit_blocked(const Eigen::AlignedBox3d& box,
                      const std::function<bool(const Eigen::Vector3d&)>& visit) const override;
 

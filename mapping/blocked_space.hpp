@@ -18,6 +18,13 @@ struct NearestBlocked {
   bool found = false;                                   ///< false: nothing within the search distance
 };
 
+/// Where a ray first meets blocked space.
+struct RayHit {
+  bool hit = false;
+  Eigen::Vector3d voxel = Eigen::Vector3d::Zero();  ///< centre of the blocked voxel, or of the last one seen
+  double distance = 0.0;                            ///< from the origin to that centre, metres
+};
+
 /// The voxels that one requirement forbids, inside one region, ready for geometric queries.
 /// Immutable and safe to read from many threads. Everything here is derived from the map's tree.
 ///
@@ -43,6 +50,14 @@ class BlockedSpace {
   /// The exact nearest blocked cube no farther than `limit` (taken as at most max_distance()).
   /// @throws std::invalid_argument for a non-finite point or a limit that is not >= 0.
   virtual NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const = 0;
+
+  /// The first blocked voxel that a ray enters, its own included: the voxel that OctoMap's castRay stops at
+  /// (`not_occupied`: with unknown ignored; `known_free`: without). Origin and direction are rounded to
+  /// float, as there.
+  /// @param max_range to the voxel's centre, metres; 0: as far as the region goes.
+  /// @throws std::invalid_argument for a ray that is not finite or has no direction, or a negative range.
+  virtual RayHit cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                          double max_range) const = 0;
 
   /// Calls `visit(centre)` for each blocked voxel whose closed cube meets the closed `box`, in a fixed order,
   /// until it returns false. Returns false when it was stopped. (Blocked space beyond the region, where the
