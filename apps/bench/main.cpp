@@ -18,6 +18,8 @@ struct Entry {
 
 constexpr Entry table[] = {
     {"insert", "scan insertion against OctoMap's insertPointCloud", bench_insert},
+    {"cast_ray", "rays through the map against OctoMap's castRay", bench_cast_ray},
+    {"snapshot", "a snapshot against OctoMap's copy; readers beside a live writer", bench_snapshot},
 };
 
 double machine_load() {
