@@ -20,7 +20,7 @@ RayWorkspace& RayWorkspace::operator=(RayWorkspace&&) noexcept = default;
 InstructionSet best_instruction_set() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512bw"))
+      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
     return InstructionSet::avx512;
   if (__builtin_cpu_supports("avx2")) return InstructionSet::avx2;
 #endif
@@ -38,20 +38,30 @@ void on_threads(std::size_t threads, const Work& work) {
   for (std::thread& other : others) other.join();
 }
 
-/// The cells that a window should cover: all that the rays cross, when that fits; else those of the rays that
-/// end near the origin.
-Eigen::AlignedBox3i choose_box(const RayStarter& starter, const std::vector<RayEnd>& ends) {
-  int reach = 65536;
-  while (true) {
-    const Eigen::Vector3i origin = starter.origin_cell();
-    Eigen::AlignedBox3i box(origin);
+/// The cells that a window covers, and whether all rays stay in it.
+struct Coverage {
+  Eigen::AlignedBox3i box;
+  bool whole;
+};
+
+/// All cells that the rays cross, when that fits; else those of the rays that end near the origin.
+Coverage choose_coverage(const RayStarter& starter, const std::vector<RayEnd>& ends) {
+  Eigen::Array3f low = starter.origin(), high = low;
+  for (const RayEnd& ray : ends) {
+    low = low.min(ray.point.array());
+    high = high.max(ray.point.array());
+  }
+  const Eigen::AlignedBox3i all(starter.cell(low), starter.cell(high));  // cells grow with coordinates
+  if (RayWindow::bytes_of(all) <= RayWindow::most_cells) return {all, true};
+  const Eigen::Vector3i& origin = starter.origin_cell();
+  for (int reach = 32768;; reach /= 2) {
     const Eigen::AlignedBox3i near(origin.array() - reach, origin.array() + reach);
+    Eigen::AlignedBox3i box(origin);
     for (const RayEnd& ray : ends) {
       const Eigen::Vector3i cell = starter.cell(ray.point);
       if (near.contains(cell)) box.extend(cell);
     }
-    if (RayWindow::bytes_of(box) <= RayWindow::most_cells) return box;
-    reach /= 2;
+    if (RayWindow::bytes_of(box) <= RayWindow::most_cells) return {box, false};
   }
 }
 
@@ -67,30 +77,33 @@ void cast_far_rays(const RayStarter& starter, const std::vector<RayEnd>& ends, c
 
 /// Rays first..last of those that end in `box`, through the window.
 void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd* last,
-                    const Eigen::AlignedBox3i& box, InstructionSet set, RayWindow& window) {
+                    const Coverage& coverage, InstructionSet set, RayWindow& window) {
+  if (set == InstructionSet::portable) {
+    for (; first != last; ++first) {
+      const Eigen::Vector3i cell = starter.cell(first->point);
+      if (cell == starter.origin_cell() || !coverage.box.contains(cell)) continue;
+      window.cells()[window.index(starter.origin_cell())] = 1;
+      walk_ray(starter.start(*first),
+               [&](const Eigen::Vector3i& at) { window.cells()[window.index(at)] = 1; });
+    }
+    return;
+  }
   RayPack pack;
   std::array<RayEnd, RayPack::size> batch;
-  std::size_t count = 0;
-  const auto walk = [&] {
-    fill_pack(starter, window, batch.data(), count, pack);
-    count = 0;
-    if (pack.active == 0) return;
+  while (first != last) {
+    std::size_t count = 0;
+    for (; first != last && count < batch.size(); ++first)
+      if (coverage.whole || coverage.box.contains(starter.cell(first->point))) batch[count++] = *first;
+    std::fill(batch.begin() + static_cast<std::ptrdiff_t>(count), batch.end(), RayEnd{starter.origin()});
+    fill_pack(starter, window, batch, set, pack);
+    if (pack.active == 0) continue;
     window.cells()[pack.origin] = 1;
-    if (set == InstructionSet::avx512) return walk_pack_avx512(pack, window.cells());
-    walk_pack_avx2(pack, window.cells());
-  };
-  for (; first != last; ++first) {
-    const Eigen::Vector3i cell = starter.cell(first->point);
-    if (cell == starter.origin_cell() || !box.contains(cell)) continue;
-    if (set != InstructionSet::portable) {
-      batch[count++] = *first;
-      if (count == batch.size()) walk();
-      continue;
+    if (set == InstructionSet::avx512) {
+      walk_pack_avx512(pack, window.cells());
+    } else {
+      walk_pack_avx2(pack, window.cells());
     }
-    window.cells()[window.index(starter.origin_cell())] = 1;
-    walk_ray(starter.start(*first), [&](const Eigen::Vector3i& at) { window.cells()[window.index(at)] = 1; });
   }
-  if (count > 0) walk();
 }
 
 /// Moves the marks of one pair of tiles (64 x 32 x 32 cells from `corner`) from all windows to the grid.
@@ -128,16 +141,16 @@ void cast_rays(const ScanRays& rays, double resolution, int threads, Instruction
                RayWorkspace& workspace, ScanGrid& grid) {
   if (rays.ends.empty()) return;
   const RayStarter starter(rays.origin, resolution);
-  const Eigen::AlignedBox3i box = choose_box(starter, rays.ends);
+  const Coverage coverage = choose_coverage(starter, rays.ends);
   const auto workers = static_cast<std::size_t>(threads);
   std::vector<RayWindow>& windows = workspace.windows().of_thread;
   windows.resize(workers);
   on_threads(workers, [&](std::size_t worker) {
-    windows[worker].cover(box);
+    windows[worker].cover(coverage.box);
     const RayEnd* const ends = rays.ends.data();
     const std::size_t count = rays.ends.size();
-    cast_near_rays(starter, ends + count * worker / workers, ends + count * (worker + 1) / workers, box, set,
-                   windows[worker]);
+    cast_near_rays(starter, ends + count * worker / workers, ends + count * (worker + 1) / workers, coverage,
+                   set, windows[worker]);
   });
   std::mutex guard;
   const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);
@@ -149,7 +162,7 @@ void cast_rays(const ScanRays& rays, double resolution, int threads, Instruction
                     guard, grid);
     }
   });
-  cast_far_rays(starter, rays.ends, box, grid);
+  if (!coverage.whole) cast_far_rays(starter, rays.ends, coverage.box, grid);
 }
 
 }  // namespace clearway

@@ -6,6 +6,7 @@
 #include <immintrin.h>
 
 // g++ 12 takes the "undefined" sources of its own intrinsics for a mistake (bug 105593).
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
 namespace clearway {

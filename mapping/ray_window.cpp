@@ -126,37 +126,4 @@ bool collect_words(std::uint8_t* first, std::int64_t stride_y, std::int64_t stri
   return collect_portable(first, stride_y, stride_z, words);
 }
 
-void fill_pack(const RayStarter& starter, const RayWindow& window, const RayEnd* rays, std::size_t count,
-               RayPack& pack) {
-  pack.active = 0;
-  pack.origin = window.index(starter.origin_cell());
-  for (std::size_t lane = 0; lane < RayPack::size; ++lane) {
-    const bool idle = lane >= count || starter.cell(rays[lane].point) == starter.origin_cell();
-    if (idle) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        pack.next[axis][lane] = pack.delta[axis][lane] = 0.0;
-        pack.step[axis][lane] = 0;
-      }
-      pack.at[lane] = pack.end[lane] = pack.origin;
-      pack.reach[lane] = 0.0;
-      pack.safe[lane] = 0;
-      continue;
-    }
-    const RayState ray = starter.start(rays[lane]);
-    double crossings = -7.0;  // 3 for the fractions, 3 for rounding, 1 more
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      pack.next[axis][lane] = ray.next[axis];
-      pack.delta[axis][lane] = ray.delta[axis];
-      pack.step[axis][lane] = ray.step[axis] * window.stride(axis);
-      if (ray.reach >= ray.next[axis]) crossings += 1.0 + (ray.reach - ray.next[axis]) / ray.delta[axis];
-    }
-    pack.at[lane] = pack.origin;
-    pack.end[lane] = window.index(ray.end);
-    pack.reach[lane] = ray.reach;
-    const int steps = (ray.end - ray.cell).cwiseAbs().sum();
-    pack.safe[lane] = crossings > 0.0 ? static_cast<std::int64_t>(std::min(crossings, steps - 1.0)) : 0;
-    pack.active |= 1U << lane;
-  }
-}
-
 }  // namespace clearway

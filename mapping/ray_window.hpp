@@ -66,10 +66,9 @@ struct RayPack {
   std::int64_t origin;                  ///< index of the origin's cell; idle lanes mark it again
 };
 
-/// Fills a pack with up to 16 rays that end inside of the window; those that end in the origin's cell stay
-/// idle.
-void fill_pack(const RayStarter& starter, const RayWindow& window, const RayEnd* rays, std::size_t count,
-               RayPack& pack);
+/// Fills a pack with rays that end inside of the window; those that end in the origin's cell stay idle.
+void fill_pack(const RayStarter& starter, const RayWindow& window,
+               const std::array<RayEnd, RayPack::size>& rays, InstructionSet set, RayPack& pack);
 
 // Mark with 1 the bytes of all cells that the rays of a pack free, the origin's left out.
 void walk_pack_avx2(RayPack& pack, std::uint8_t* cells);
