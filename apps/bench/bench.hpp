@@ -51,5 +51,7 @@ Pair interleave(int runs, const std::function<double()>& ours, const std::functi
 BenchResult bench_insert(const BenchOptions& options);
 BenchResult bench_cast_ray(const BenchOptions& options);
 BenchResult bench_snapshot(const BenchOptions& options);
+BenchResult bench_checks(const BenchOptions& options);
+BenchResult bench_load(const BenchOptions& options);
 
 }  // namespace clearway::bench

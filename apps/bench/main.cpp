@@ -20,6 +20,8 @@ constexpr Entry table[] = {
     {"insert", "scan insertion against OctoMap's insertPointCloud", bench_insert},
     {"cast_ray", "rays through the map against OctoMap's castRay", bench_cast_ray},
     {"snapshot", "a snapshot against OctoMap's copy; readers beside a live writer", bench_snapshot},
+    {"checks", "configuration checks against FCL shapes on fcl::OcTree", bench_checks},
+    {"load", "loading a map of 10 million nodes against octomap::OcTree", bench_load},
 };
 
 double machine_load() {

@@ -8,7 +8,7 @@ namespace clearway {
 namespace {
 
 TEST(Reach, TheBoxHoldsTheBodyInEveryConfigurationAndIsNotFarTooLarge) {
-  for (const char* name : {"puma560", "arm5", "planar2", "point"}) {
+  for (const char* name : {"puma560", "panda", "arm5", "planar2", "point"}) {
     Robot robot = load_robot(name);
     Random random(1);
     for (Joint& joint : robot.joints) {  // what Random samples

@@ -4,7 +4,9 @@
 
 #include <fstream>
 
+#include "planning/configuration_space.hpp"
 #include "planning/kinematics.hpp"
+#include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
 
 namespace clearway {
@@ -284,6 +286,43 @@ TEST(Robot, ThePumaFollowsCraigsTable) {
              Eigen::Vector3d(0.4318 + 0.4331, 0.1501, 0.0203))
                 .norm(),
             1e-9);
+}
+
+/// z axis of a Denavit-Hartenberg row (modified): Rx(alpha) Tx(a) Rz(theta) Tz(d), multiplied out by hand.
+Eigen::Isometry3d modified_dh(double a, double alpha, double d, double theta) {
+  const double ca = std::cos(alpha), sa = std::sin(alpha), ct = std::cos(theta), st = std::sin(theta);
+  Eigen::Isometry3d row = Eigen::Isometry3d::Identity();
+  row.matrix() << ct, -st, 0, a, st * ca, ct * ca, -sa, -d * sa, st * sa, ct * sa, ca, d * ca, 0, 0, 0, 1;
+  return row;
+}
+
+TEST(Robot, ThePandaFollowsItsPublishedTableAndItsHomePoseTouchesNothing) {
+  const Robot panda = load_robot("panda");
+  ASSERT_EQ(panda.dof(), 7u);
+  const double quarter = std::numbers::pi / 2;
+  const double table[7][3] = {{0, 0, 0.333},        {0, -quarter, 0},           {0, quarter, 0.316},
+                              {0.0825, quarter, 0}, {-0.0825, -quarter, 0.384}, {0, quarter, 0},
+                              {0.088, quarter, 0}};
+  Random random(2);
+  for (int i = 0; i < 50; ++i) {
+    const Configuration q = random.configuration(panda);
+    Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();
+    for (int j = 0; j < 7; ++j)
+      expected = expected * modified_dh(table[j][0], table[j][1], table[j][2], q[j]);
+    expected = expected * modified_dh(0, 0, 0.107 + 0.1034, -quarter / 2);
+    EXPECT_LT((tip_pose(panda, q).matrix() - expected.matrix()).norm(), 1e-9);
+  }
+  Configuration home(7);
+  home << 0, -quarter / 2, 0, -1.5 * quarter, 0, quarter, quarter / 2;
+  EXPECT_EQ(limit_violation(panda, home), "");
+  EXPECT_TRUE(ConfigurationSpace(panda, Snapshot(), {.critical_by_default = false}).is_free(home));
+  int touching = 0;
+  const FclTruth truth(panda, {}, 0.05);
+  for (int i = 0; i < 2'000; ++i) {
+    touching += truth.touches_itself(forward_kinematics(panda, random.configuration(panda)));
+  }
+  EXPECT_GT(touching, 100);  // hand against forearm, foot, shoulder
+  EXPECT_LT(touching, 400);  // and nothing that always touches
 }
 
 TEST(Robot, ScalingScalesEveryLengthAndMassesWithTheCube) {

@@ -1,0 +1,169 @@
+// Configuration checks: ConfigurationSpace::is_free against FCL's shapes on an fcl::OcTree of the same map.
+// In `detail`: how often ours is wrong against brute force, and what its first stage alone would refuse.
+
+#include <fcl/geometry/octree/octree.h>
+#include <octomap/OcTree.h>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/brute_force.hpp"
+#include "planning/guarded_body.hpp"
+#include "planning/reach.hpp"
+
+namespace clearway::bench {
+namespace {
+
+/// The occupied voxels of a map as the octree that FCL takes.
+std::shared_ptr<octomap::OcTree> occupied_tree(const Snapshot& map) {
+  auto tree = std::make_shared<octomap::OcTree>(map.resolution());
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != VoxelState::occupied) return;
+    const double half = (leaf.size - map.resolution()) / 2;
+    for (double x = -half; x <= half * 1.001; x += map.resolution()) {
+      for (double y = -half; y <= half * 1.001; y += map.resolution()) {
+        for (double z = -half; z <= half * 1.001; z += map.resolution()) {
+          const Eigen::Vector3d at = leaf.center + Eigen::Vector3d(x, y, z);
+          tree->updateNode(
+              octomap::point3d(octomath::Vector3(static_cast<float>(at.x()), static_cast<float>(at.y()),
+                                                 static_cast<float>(at.z()))),
+              true, true);
+        }
+      }
+    }
+  });
+  tree->updateInnerOccupancy();
+  tree->prune();
+  return tree;
+}
+
+/// What one would write with FCL alone: each moved body against the tree, then the pairs of bodies.
+class FclOnOctree {
+ public:
+  FclOnOctree(const Robot& robot, const Snapshot& map, const BruteForce& pairs)
+      : robot_(robot), pairs_(pairs), tree_(occupied_tree(map)) {
+    for (const Body& body : robot.bodies) shapes_.push_back(fcl_shape(body.shape));
+  }
+
+  bool is_free(const Configuration& q) const {
+    const LinkPoses poses = forward_kinematics(robot_, q);
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      if (is_moved(robot_, robot_.bodies[i].link) &&
+          BruteForce::collide(&tree_, Eigen::Isometry3d::Identity(), shapes_[i].get(),
+                              pairs_.place(i, poses))) {
+        return false;
+      }
+    }
+    return !pairs_.touches_itself(poses);
+  }
+
+ private:
+  const Robot& robot_;
+  const BruteForce& pairs_;
+  fcl::OcTreed tree_;
+  std::vector<std::shared_ptr<fcl::CollisionGeometryd>> shapes_;
+};
+
+/// What the first stage, balls against the field, would say alone.
+class BallsAlone {
+ public:
+  BallsAlone(const Robot& robot, const Snapshot& map) {
+    for (const Body& body : robot.bodies) {
+      if (!is_moved(robot, body.link)) continue;
+      const Eigen::AlignedBox3d reach = reach_box(robot, body);
+      bodies_.emplace_back(body, map.blocked_space({}, reach, 0.5), reach);
+    }
+  }
+  bool is_clear(const LinkPoses& poses) const {
+    return std::all_of(bodies_.begin(), bodies_.end(), [&](const GuardedBody& body) {
+      return body.quick_clearance(poses[static_cast<std::size_t>(body.body().link)]) > 0.0;
+    });
+  }
+
+ private:
+  std::vector<GuardedBody> bodies_;
+};
+
+constexpr int judged = 100'000;  ///< configurations of each arm against brute force
+
+nlohmann::ordered_json count_errors(const Robot& robot, const Snapshot& map) {
+  Agreement uniform, borderline;
+  Dice dice(3);
+  for (const Policies& policies : {Policies{.critical_by_default = false}, Policies{},
+                                   Policies{.other = Policy::known_free, .critical_by_default = false}}) {
+    const ConfigurationSpace space(robot, map, policies);
+    const BruteForce truth = brute_force_of(space);
+    uniform += compare(space, truth, dice, judged / 3 + 1, 0, 0);
+    borderline += compare(space, truth, dice, 0, 2'000, 16);  // some 10 um from touching
+  }
+  const auto told = [](const Agreement& sum) {
+    return nlohmann::ordered_json{{"checked", sum.checked},
+                                  {"free", sum.free},
+                                  {"wrongly_accepted", sum.wrongly_accepted},
+                                  {"wrongly_refused", sum.wrongly_refused},
+                                  {"widest_wrongly_refused_m", sum.widest}};
+  };
+  return {{"uniform", told(uniform)}, {"borderline", told(borderline)}};
+}
+
+/// Of the truly free configurations, those that balls alone would refuse, percent.
+double refused_by_balls(const Robot& robot, const Snapshot& map, const std::vector<Configuration>& list) {
+  const ConfigurationSpace space(robot, map, {.critical_by_default = false});
+  const BallsAlone balls(robot, map);
+  int free = 0, refused = 0;
+  for (const Configuration& q : list) {
+    if (!space.is_free(q)) continue;
+    ++free;
+    refused += !balls.is_clear(forward_kinematics(robot, q));
+  }
+  return 100.0 * refused / std::max(free, 1);
+}
+
+}  // namespace
+
+BenchResult bench_checks(const BenchOptions& options) {
+  const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
+  std::vector<double> ours, peer;
+  nlohmann::ordered_json detail{{"resolution", resolution}};
+  for (const char* name : {"puma560", "panda"}) {
+    const Robot robot = load_robot(name);
+    const Snapshot map = ArmWorld{.resolution = resolution,
+                                  .half = 1.2,
+                                  .gap = resolution,
+                                  .painted = 40,
+                                  .critical = robot.critical_parts}
+                             .snapshot(robot);
+    const ConfigurationSpace space(robot, map, {.critical_by_default = false});
+    const BruteForce truth = brute_force_of(space);
+    const FclOnOctree fcl(robot, map, truth);
+    Dice dice(1);
+    std::vector<Configuration> list(2'000);
+    for (Configuration& q : list) q = dice.configuration(robot);
+    int free_ours = 0, free_peer = 0;
+    const auto rate = [&](const auto& checker, std::size_t count, int& free) {
+      free = 0;
+      const double seconds = cpu_seconds([&] {
+        for (std::size_t i = 0; i < count; ++i) free += checker.is_free(list[i]);
+      });
+      return static_cast<double>(count) / seconds;
+    };
+    const Pair pair = interleave(
+        options.runs, [&] { return rate(space, list.size(), free_ours); },
+        [&] { return rate(fcl, list.size() / 10, free_peer); });
+    ours.push_back(pair.ours);
+    peer.push_back(pair.peer);
+    detail[name] = {{"ours_per_s", pair.ours},
+                    {"peer_per_s", pair.peer},
+                    {"occupied_voxels", map.counts().occupied},
+                    {"free_percent", 100.0 * free_ours / static_cast<double>(list.size())},
+                    {"free_but_refused_by_balls_alone_percent", refused_by_balls(robot, map, list)},
+                    {"against_brute_force", count_errors(robot, map)}};
+  }
+  return {*std::min_element(ours.begin(), ours.end()),
+          *std::max_element(peer.begin(), peer.end()),
+          "FCL shapes on fcl::OcTree",
+          "configurations/s",
+          false,
+          options.runs,
+          detail};
+}
+
+}  // namespace clearway::bench
