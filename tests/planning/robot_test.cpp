@@ -187,7 +187,7 @@ TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
             "r.yaml: 'inverse_kinematics' must be numeric or puma");
   EXPECT_TRUE(refusal(write("r.yaml", "a: [")).starts_with("r.yaml: is not readable YAML: "));
   EXPECT_TRUE(
-      refusal("no_such_robot").starts_with("unknown robot 'no_such_robot': expected one of arm5, planar2, "));
+      refusal("no_such_robot").starts_with("unknown robot 'no_such_robot': expected one of arm5, panda, "));
 }
 
 TEST_F(RobotFile, UnlimitedAndMimicJointsAndUnnormalisedAxesAreUnderstood) {
