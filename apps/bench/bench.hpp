@@ -53,5 +53,6 @@ BenchResult bench_cast_ray(const BenchOptions& options);
 BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);
 BenchResult bench_load(const BenchOptions& options);
+BenchResult bench_paint(const BenchOptions& options);
 
 }  // namespace clearway::bench

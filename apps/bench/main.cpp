@@ -22,6 +22,7 @@ constexpr Entry table[] = {
     {"snapshot", "a snapshot against OctoMap's copy; readers beside a live writer", bench_snapshot},
     {"checks", "configuration checks against FCL shapes on fcl::OcTree", bench_checks},
     {"load", "loading a map of 10 million nodes against octomap::OcTree", bench_load},
+    {"paint", "painting balls along a stroke against OctoMap's updateNode", bench_paint},
 };
 
 double machine_load() {
