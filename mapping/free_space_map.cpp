@@ -25,6 +25,11 @@ void check_options(const MapOptions& options) {
   check_range("min_probability", options.min_probability, 1e-6, 0.49);
   check_range("max_probability", options.max_probability, 0.51, 0.999999);
   check_range("threads", options.threads, 1, 64);
+  check_range("margins.band", options.margins.band, 0.0, 100.0);
+  check_range("margins.sigmas", options.margins.sigmas, 0.0, 100.0);
+  check_range("margins.noise_constant", options.margins.noise_constant, 0.0, 100.0);
+  check_range("margins.noise_quadratic", options.margins.noise_quadratic, 0.0, 100.0);
+  check_range("margins.noise_limit", options.margins.noise_limit, 0.0, 100.0);
   check_range("occupied_probability", options.occupied_probability, options.min_probability,
               options.max_probability);
 }
@@ -89,7 +94,10 @@ PaintCounts FreeSpaceMap::paint(int volume, const Sphere& ball, double time) {
 }
 
 ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
-  const ScanInsertion insertion{.discretize = state_->options.discretize, .threads = state_->options.threads};
+  const MapOptions& options = state_->options;
+  ScanInsertion insertion{.discretize = options.discretize, .threads = options.threads};
+  insertion.integration = options.integration;
+  insertion.margins = options.margins;
   return insert_scan(state_->tree, scan, filter, insertion, state_->workspace);
 }
 

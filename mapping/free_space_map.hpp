@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "mapping/safe_margins.hpp"
 #include "mapping/scan.hpp"
 #include "mapping/snapshot.hpp"
 
 namespace clearway {
 
-/// How sensors and painting are fused. Defaults are OctoMap's own sensor model.
+/// How sensors and painting are fused. Probabilities are OctoMap's own by default.
 struct MapOptions {
   double resolution = 0.02;           ///< edge of a voxel, metres, in [1e-4, 100]
   double hit_probability = 0.7;       ///< of a voxel in which a ray ends
@@ -20,6 +21,8 @@ struct MapOptions {
   double occupied_probability = 0.5;  ///< at or over it a voxel is occupied
   bool discretize = false;            ///< one ray per end voxel and scan (OctoMap's "discretized" insertion)
   int threads = 1;                    ///< for inserting scans, in [1, 64]; results do not depend on it
+  Integration integration = Integration::compatible;  ///< what a scan frees
+  SafeMargins margins{};                              ///< of safe integration
 };
 
 /// What one painted ball did to the voxels.
@@ -48,7 +51,7 @@ class FreeSpaceMap {
   /// @throws std::invalid_argument for an unknown volume, a non-finite ball or a radius <= 0.
   PaintCounts paint(int volume, const Sphere& ball, double time = 0.0);
 
-  /// Integrates a scan by ray carving (OctoMap's traversal).
+  /// Integrates a scan by ray carving (OctoMap's traversal); in `safe` integration less is freed.
   ScanCounts insert(const Scan& scan, const ScanFilter& filter = {});
 
   const MapOptions& options() const;

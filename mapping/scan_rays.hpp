@@ -2,6 +2,7 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/ray_cast.hpp"
+#include "mapping/safe_margins.hpp"
 #include "mapping/scan.hpp"
 #include "mapping/scan_grid.hpp"
 
@@ -11,6 +12,8 @@ namespace clearway {
 struct ScanInsertion {
   bool discretize = false;  ///< one ray per end voxel, to its centre (as computeDiscreteUpdate)
   int threads = 1;          ///< >= 1; the result does not depend on it
+  Integration integration = Integration::compatible;
+  SafeMargins margins{};  ///< of safe integration
   InstructionSet instructions = best_instruction_set();
 };
 
@@ -23,14 +26,16 @@ struct ScanWorkspace {
 
 /// Carves the rays of one scan into the tree as OctoMap does: within the scan every voxel is updated once,
 /// and a voxel in which any ray ends is occupied even where others pass (as computeUpdate). A point beyond
-/// max_range frees its ray up to that range and sets no hit.
+/// max_range frees its ray up to that range and sets no hit. In safe integration the hits are the same and a
+/// subset is freed: rays that hit end early by margins.trim(length), and nothing is freed within the band
+/// around this scan's hits (see SafeMargins).
 /// @throws std::invalid_argument for a filter that makes no sense (see filter_points).
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
                        const ScanInsertion& insertion, ScanWorkspace& workspace);
 
 /// The first half of insert_scan: which rays to cast, and the end voxels, set occupied in `workspace.grid`
-/// (cleared before). Then follow cast_rays and FusedTree::update.
-ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter, bool discretize,
-                      ScanWorkspace& workspace, ScanCounts& counts);
+/// (cleared before). Then follow cast_rays, in safe integration spare_surfaces, and FusedTree::update.
+ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter,
+                      const ScanInsertion& insertion, ScanWorkspace& workspace, ScanCounts& counts);
 
 }  // namespace clearway

@@ -43,6 +43,7 @@ inline FreeSpaceMap random_map(unsigned seed, double resolution = 0.05, int roun
   Dice dice(seed);
   MapOptions options;
   options.resolution = resolution;
+  options.integration = Integration::compatible;  // frees more: more kinds of voxels side by side
   FreeSpaceMap map(options);
   map.add_volume("tunnel", {"tool", "load"});
   map.add_volume("dock", {"base"});

@@ -17,6 +17,7 @@ namespace {
 
 using testing::Dice;
 using testing::random_scan;
+constexpr Integration compatible = Integration::compatible;
 
 void insert_stock(octomap::OcTree& tree, const Scan& scan, double max_range, bool discretize) {
   octomap::Pointcloud cloud;
@@ -46,7 +47,7 @@ TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
         Dice dice(seed);
         const double resolution = dice.uniform(0.03, 0.1);
         octomap::OcTree stock(resolution);
-        FreeSpaceMap map({.resolution = resolution, .discretize = discretize});
+        FreeSpaceMap map({.resolution = resolution, .discretize = discretize, .integration = compatible});
         for (int i = 0; i < 4; ++i) {
           const Scan scan = random_scan(dice, 400);
           insert_stock(stock, scan, max_range > 0.0 ? max_range : -1.0, discretize);
@@ -62,7 +63,7 @@ TEST(ScanRays, RepeatedScansReachClampingAsStockOctoMapDoes) {
   Dice dice(9);
   const Scan scan = random_scan(dice, 300);
   octomap::OcTree stock(0.05);
-  FreeSpaceMap map({.resolution = 0.05});
+  FreeSpaceMap map({.resolution = 0.05, .integration = compatible});
   for (int i = 0; i < 25; ++i) {
     insert_stock(stock, scan, -1.0, false);
     map.insert(scan);
@@ -81,7 +82,8 @@ TEST(ScanRays, ForeignSensorModelsAreStockOctoMapsToo) {
                     .hit_probability = 0.9,
                     .miss_probability = 0.3,
                     .min_probability = 0.02,
-                    .max_probability = 0.99});
+                    .max_probability = 0.99,
+                    .integration = compatible});
   for (int i = 0; i < 8; ++i) {
     const Scan scan = random_scan(dice, 200);
     insert_stock(stock, scan, -1.0, false);
@@ -91,7 +93,7 @@ TEST(ScanRays, ForeignSensorModelsAreStockOctoMapsToo) {
 }
 
 TEST(ScanRays, ARayFreesWhatItPassesAndFillsWhereItEnds) {
-  FreeSpaceMap map({.resolution = 0.1});
+  FreeSpaceMap map({.resolution = 0.1, .integration = compatible});
   Scan scan;
   scan.map_from_sensor.translation() = Eigen::Vector3d(0.05, 0.05, 0.05);
   scan.points = {{1.0F, 0.0F, 0.0F}};
@@ -104,7 +106,7 @@ TEST(ScanRays, ARayFreesWhatItPassesAndFillsWhereItEnds) {
 }
 
 TEST(ScanRays, WithinOneScanOccupiedBeatsFree) {
-  FreeSpaceMap map({.resolution = 0.1});
+  FreeSpaceMap map({.resolution = 0.1, .integration = compatible});
   Scan scan;
   scan.points = {{0.55F, 0.02F, 0.02F}, {1.55F, 0.05F, 0.05F}, {1.55F, 0.06F, 0.05F}, {1.55F, 0.05F, 0.06F}};
   map.insert(scan);
@@ -112,7 +114,7 @@ TEST(ScanRays, WithinOneScanOccupiedBeatsFree) {
 }
 
 TEST(ScanRays, BeyondMaxRangeARayOnlyFrees) {
-  FreeSpaceMap map({.resolution = 0.01});
+  FreeSpaceMap map({.resolution = 0.01, .integration = compatible});
   Scan scan;
   scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.005);
   scan.points = {{400.0F, 0.0F, 0.0F}};  // outside the key range of 1 cm: stock code makes it an obstacle
@@ -125,7 +127,7 @@ TEST(ScanRays, BeyondMaxRangeARayOnlyFrees) {
 
 TEST(ScanRays, DropsAndCountsPointsThatHaveNoVoxel) {
   for (const bool discretize : {false, true}) {
-    FreeSpaceMap map({.resolution = 0.01, .discretize = discretize});
+    FreeSpaceMap map({.resolution = 0.01, .discretize = discretize, .integration = compatible});
     const float nan = std::nanf(""), inf = HUGE_VALF;
     Scan scan;
     scan.points = {{nan, 0, 0},  {0, inf, 0},   {0, 0, -inf}, {400, 0, 0},
@@ -140,7 +142,7 @@ TEST(ScanRays, DropsAndCountsPointsThatHaveNoVoxel) {
 
 TEST(ScanRays, InsertsNothingFromAnOriginThatHasNoVoxel) {
   for (const double bad : {std::nan(""), HUGE_VAL, 400.0, -1e200}) {
-    FreeSpaceMap map({.resolution = 0.01});
+    FreeSpaceMap map({.resolution = 0.01, .integration = compatible});
     Scan scan;
     scan.map_from_sensor.translation().y() = bad;
     scan.points = {{0.5F, 0, 0}, {0, 0.5F, 0}};
@@ -153,7 +155,8 @@ TEST(ScanRays, InsertsNothingFromAnOriginThatHasNoVoxel) {
 }
 
 TEST(ScanRays, ARayMayBeLongerThanOctoMapsBuffer) {
-  FreeSpaceMap map({.resolution = 0.001});  // the diagonal of the key range is 196,605 steps
+  FreeSpaceMap map(
+      {.resolution = 0.001, .integration = compatible});  // the diagonal of the key range is 196,605 steps
   Scan scan;
   scan.map_from_sensor.translation().setConstant(-32.0);
   scan.points = {{64.0F, 64.0F, 64.0F}, {0.01F, 0.0F, 0.0F}};
@@ -168,7 +171,7 @@ TEST(ScanRays, ARayMayBeLongerThanOctoMapsBuffer) {
 TEST(ScanRays, EveryPointIsCountedOnce) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Dice dice(seed);
-    FreeSpaceMap map({.resolution = 0.05, .discretize = seed % 2 == 0});
+    FreeSpaceMap map({.resolution = 0.05, .discretize = seed % 2 == 0, .integration = compatible});
     Scan scan = random_scan(dice, 500);
     for (int i = 0; i < 20; ++i) scan.points.push_back({std::nanf(""), 0.0F, 0.0F});
     ScanFilter filter;
@@ -195,7 +198,7 @@ TEST(ScanRays, ARealSphericalScanGivesStockOctoMapsTree) {
   ASSERT_TRUE(graph.readBinary(file.string()));
   ::testing::internal::GetCapturedStderr();
   octomap::OcTree stock(0.1);
-  FreeSpaceMap map({.resolution = 0.1});
+  FreeSpaceMap map({.resolution = 0.1, .integration = compatible});
   for (const octomap::ScanNode* node : graph) {
     Scan scan;
     scan.map_from_sensor.translation() = Eigen::Vector3d(node->pose.x(), node->pose.y(), node->pose.z());

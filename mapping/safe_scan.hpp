@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/safe_margins.hpp"
+#include "mapping/scan_grid.hpp"
+
+namespace clearway {
+
+/// A neighbourhood of a cell, by steps: each step adds neighbours to what the steps before it reached.
+enum class GrowthStep {
+  faces,  ///< the 6 cells that share a face
+  edges,  ///< the 18 that share a face or an edge
+  cube,   ///< all 26
+};
+
+/// The neighbourhood that a band of this width (metres, >= 0) is at this resolution, with n = band /
+/// resolution, rounded, at most 4: faces for n = 0, cube for 1, and for more in turn edges, faces, edges,
+/// faces: the cells at most n away along each axis and n + (n + 1) / 2 along all three together. None for a
+/// band of 0.
+std::vector<GrowthStep> growth_of(double band, double resolution);
+
+/// Takes every cell within the neighbourhood of an occupied cell out of `grid`'s free cells: a scan's hit
+/// beats its misses around it. Occupied cells and their bits stay as they are. Bit-parallel: a few operations
+/// for 64 cells. @param threads >= 1; the result does not depend on it.
+void spare_surfaces(ScanGrid& grid, const std::vector<GrowthStep>& growth, int threads);
+
+}  // namespace clearway
