@@ -68,6 +68,7 @@ struct InspectOptions {
   std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
   std::vector<std::filesystem::path> exports;
   std::filesystem::path view;  ///< HTML
+  bool holes = false;          ///< quality of the painted volumes
 };
 int run_inspect(const InspectOptions& options, Console& console);
 

@@ -36,6 +36,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
 
   Json json = describe_map(options, map);
   for (const Eigen::Vector3d& point : points) json["at"].push_back(describe_point(map, point));
+  if (options.holes) json["painted_volumes"] = describe_volumes(map);
   for (const auto& [plane, file] : slices) write_slice_image(map, plane, file);
   for (const auto& file : options.exports) export_map(map, file);
   if (!options.view.empty()) save_file(options.view, map_page(map, options.map.filename().string()));
@@ -48,6 +49,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (json.contains("at")) {
     for (const auto& point : json["at"]) print_point(point, console.out());
   }
+  if (options.holes) print_volumes(json["painted_volumes"], console.out());
   for (const auto& slice : options.slices) console.out() << "  picture: " << slice.second << '\n';
   for (const auto& file : options.exports) console.out() << "  exported: " << file.string() << '\n';
   if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';

@@ -16,6 +16,8 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->type_name("X,Y,Z")
       ->allow_extra_args(false)
       ->take_all();
+  command->add_flag("--holes", options->holes,
+                    "quality of each painted volume: exact volume, surface, spacing, holes, thin necks");
   command->add_option("--slice", options->slices, "draw a plane of the map as PNG: z=0.3 slice.png")
       ->type_name("z=M FILE.png")
       ->expected(1)

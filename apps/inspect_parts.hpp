@@ -21,6 +21,10 @@ void print_map(const nlohmann::ordered_json& json, std::ostream& out);
 nlohmann::ordered_json describe_point(const Snapshot& map, const Eigen::Vector3d& point);
 void print_point(const nlohmann::ordered_json& json, std::ostream& out);
 
+/// Quality of each painted volume: exact volume and area, what the voxels lose, sample spacing, holes, necks.
+nlohmann::ordered_json describe_volumes(const Snapshot& map);
+void print_volumes(const nlohmann::ordered_json& json, std::ostream& out);
+
 /// A point or direction as [x, y, z].
 nlohmann::ordered_json to_json(const Eigen::Vector3d& v);
 
