@@ -35,6 +35,11 @@ struct PaintedSpace::Rod {
     if (length > 0.0) axis = (b - a) / length;
   }
   Eigen::Vector3d at(double along) const { return start + along * axis; }
+  /// True when a point within `radius` of the axis lies in the rod.
+  bool is_between_ends(const Eigen::Vector3d& point) const {
+    const double along = (point - start).dot(axis);
+    return !flat || (along >= 0.0 && along <= length);
+  }
   /// How far along the axis, to either side of a point, a ball of `clearance` about it holds the rod.
   double reach(double clearance) const {
     if (clearance <= radius) return 0.0;
@@ -71,8 +76,8 @@ bool PaintedSpace::contains(const Cylinder& cylinder) const {
   return holds(Rod(cylinder.a, cylinder.b, cylinder.radius, cylinder.a != cylinder.b));
 }
 
-/// Steps along the axis as far as the field allows; where it does not, pieces of some voxels are checked
-/// against the cubes. The pieces together are the rod.
+/// Steps along the axis as far as the field allows; where it does not, the nearest cube may refuse the rod,
+/// else a piece of some voxels is checked against all cubes near. The pieces together are the rod.
 bool PaintedSpace::holds(const Rod& rod) const {
   if (space_ == nullptr) return false;
   if (space_->is_blocked(rod.at(0.0)) || space_->is_blocked(rod.at(rod.length))) return false;
@@ -84,6 +89,8 @@ bool PaintedSpace::holds(const Rod& rod) const {
     if (space_->is_blocked(point)) return false;
     double next = done + rod.reach(space_->clearance(point));
     if (next < done + 0.5 * voxel && next < rod.length + slack * voxel) {
+      const NearestBlocked near = space_->nearest(point, rod.radius);
+      if (near.found && rod.is_between_ends(near.point)) return false;
       next = done + 4.0 * voxel;
       if (!holds_piece(rod, done, std::min(next, rod.length))) return false;
     }
@@ -95,22 +102,28 @@ bool PaintedSpace::holds(const Rod& rod) const {
 
 /// True when no blocked cube meets the piece of the rod from `from` to `to` along its axis.
 bool PaintedSpace::holds_piece(const Rod& rod, double from, double to) const {
+  const double voxel = space_->resolution();
   struct Piece {
-    Eigen::Vector3d a, b;
-    double radius, half;
+    Eigen::Vector3d a, along;
+    double length, radius, half;
     bool flat;
-  } const piece{rod.at(from), rod.at(to), rod.radius + slack * space_->resolution(),
-                0.5 * space_->resolution(), rod.flat};
-  Eigen::AlignedBox3d bounds(piece.a);
-  bounds.extend(piece.b);
-  bounds.min().array() -= piece.radius;
-  bounds.max().array() += piece.radius;
-  return space_->visit_blocked(bounds, [&piece](const Eigen::Vector3d& center) {
+
+    /// From the axis to a point, squared.
+    double off_axis(const Eigen::Vector3d& p) const {
+      return (a + std::clamp((p - a).dot(along), 0.0, length) * along - p).squaredNorm();
+    }
+  } const piece{rod.at(from), rod.axis, to - from, rod.radius + slack * voxel, 0.5 * voxel, rod.flat};
+  const Eigen::Vector3d end = rod.at(to);
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(piece.radius);
+  const Eigen::AlignedBox3d bounds(piece.a.cwiseMin(end) - reach, piece.a.cwiseMax(end) + reach);
+  return space_->visit_blocked(bounds, [&piece, &end](const Eigen::Vector3d& center) {
+    const double far = piece.radius + 1.7320508076 * piece.half;  // from where a cube's centre is clear
+    if (piece.off_axis(center) > far * far) return true;
     const Eigen::Vector3d half = Eigen::Vector3d::Constant(piece.half);
     const Eigen::AlignedBox3d cube(center - half, center + half);
-    if (segment_box_squared(piece.a, piece.b, cube) > piece.radius * piece.radius) return true;
-    return piece.flat && piece.a != piece.b &&
-           axis_distance_between_ends({piece.a, piece.b, piece.radius}, cube) > piece.radius;
+    if (segment_box_squared(piece.a, end, cube) > piece.radius * piece.radius) return true;
+    return piece.flat && piece.length > 0.0 &&
+           axis_distance_between_ends({piece.a, end, piece.radius}, cube) > piece.radius;
   });
 }
 

@@ -54,5 +54,6 @@ BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);
 BenchResult bench_load(const BenchOptions& options);
 BenchResult bench_paint(const BenchOptions& options);
+BenchResult bench_bodies(const BenchOptions& options);
 
 }  // namespace clearway::bench

@@ -23,6 +23,7 @@ constexpr Entry table[] = {
     {"checks", "configuration checks against FCL shapes on fcl::OcTree", bench_checks},
     {"load", "loading a map of 10 million nodes against octomap::OcTree", bench_load},
     {"paint", "painting balls along a stroke against OctoMap's updateNode", bench_paint},
+    {"bodies", "bodies in a painted volume: its voxels against the exact balls", bench_bodies},
 };
 
 double machine_load() {
