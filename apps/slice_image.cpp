@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "apps/parse.hpp"
+#include "apps/slice_clearance.hpp"
 #include "mapping/save_file.hpp"
 
 namespace clearway {
@@ -17,7 +18,8 @@ namespace {
 
 constexpr std::array<VoxelState, 5> states = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
                                               VoxelState::seen_free, VoxelState::unknown};
-constexpr int margin_left = 70, margin_top = 34, margin_bottom = 46, margin_right = 190;
+constexpr int margin_left = SliceCanvas::margin_left, margin_top = SliceCanvas::margin_top;
+constexpr int margin_bottom = SliceCanvas::margin_bottom, margin_right = SliceCanvas::margin_right;
 
 cv::Scalar colour(VoxelState state) {  // RGB
   switch (state) {
@@ -63,23 +65,8 @@ double tick_step(double span, int count) {
   return 10.0 * power;
 }
 
-/// The picture's frame: which map axes run right and up, and how many pixels a voxel takes.
-struct Canvas {
-  int right, up, columns, rows;
-  double low_right, low_up, resolution, pixels;
-
-  int x(double metres) const {
-    return margin_left + static_cast<int>(std::lround((metres - low_right) / resolution * pixels));
-  }
-  int y(double metres) const {
-    return margin_top + height() - static_cast<int>(std::lround((metres - low_up) / resolution * pixels));
-  }
-  int width() const { return static_cast<int>(std::lround(columns * pixels)); }
-  int height() const { return static_cast<int>(std::lround(rows * pixels)); }
-};
-
-Canvas make_canvas(const Snapshot& map, const SlicePlane& plane, const Eigen::AlignedBox3d& bounds) {
-  Canvas canvas{};
+SliceCanvas make_canvas(const Snapshot& map, const SlicePlane& plane, const Eigen::AlignedBox3d& bounds) {
+  SliceCanvas canvas{};
   canvas.right = plane.axis == 0 ? 1 : 0;
   canvas.up = plane.axis == 2 ? 1 : 2;
   canvas.resolution = map.resolution();
@@ -94,7 +81,7 @@ Canvas make_canvas(const Snapshot& map, const SlicePlane& plane, const Eigen::Al
   return canvas;
 }
 
-void draw_axes(cv::Mat& image, const Canvas& canvas) {
+void draw_axes(cv::Mat& image, const SliceCanvas& canvas) {
   const char* names = "xyz";
   const cv::Scalar ink(150, 150, 150);
   const auto draw = [&](double low, double span, bool horizontal) {
@@ -121,7 +108,8 @@ void draw_axes(cv::Mat& image, const Canvas& canvas) {
                 {margin_left + canvas.width(), margin_top + canvas.height()}, ink);
 }
 
-void draw_legend(cv::Mat& image, const Canvas& canvas, const std::array<std::size_t, 5>& counts) {
+void draw_legend(cv::Mat& image, const SliceCanvas& canvas, const std::array<std::size_t, 5>& counts,
+                 std::optional<Policy> policy, double step) {
   int y = margin_top + 12;
   const int x = margin_left + canvas.width() + 16;
   for (std::size_t s = 0; s < states.size(); ++s, y += 22) {
@@ -132,6 +120,11 @@ void draw_legend(cv::Mat& image, const Canvas& canvas, const std::array<std::siz
     put_text(image, name + "  " + grouped(counts[s]), {x + 20, y});
   }
   put_text(image, "voxel " + significant(canvas.resolution * 1000.0, 3) + " mm", {x, y + 6});
+  if (!policy) return;
+  std::string name(to_string(*policy));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  put_text(image, "clearance, " + name + ":", {x, y + 38});
+  put_text(image, "a line each " + significant(step * 1000.0, 3) + " mm", {x, y + 58});
 }
 
 }  // namespace
@@ -147,7 +140,8 @@ SlicePlane parse_slice(const std::string& text) {
   return {text[0] - 'x', numbers[0]};
 }
 
-void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file) {
+void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file,
+                       std::optional<Policy> clearance) {
   if (file.extension() != ".png") {
     throw std::invalid_argument("--slice: expected a .png file, got '" + file.string() + "'");
   }
@@ -158,7 +152,7 @@ void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::
                                 significant(bounds.min()[plane.axis]) + " to " +
                                 significant(bounds.max()[plane.axis]) + " m on that axis");
   }
-  const Canvas canvas = make_canvas(map, plane, bounds);
+  const SliceCanvas canvas = make_canvas(map, plane, bounds);
   cv::Mat image(canvas.height() + margin_top + margin_bottom, canvas.width() + margin_left + margin_right,
                 CV_8UC3, cv::Scalar(250, 250, 250));
   std::array<std::size_t, 5> counts{};
@@ -177,8 +171,9 @@ void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::
       cv::rectangle(image, cv::Rect(low, cv::Size(side, side)), colour(state), cv::FILLED);
     }
   }
+  const double step = clearance ? draw_clearance(image, canvas, map, plane, *clearance) : 0.0;
   draw_axes(image, canvas);
-  draw_legend(image, canvas, counts);
+  draw_legend(image, canvas, counts, clearance, step);
   const char* names = "xyz";
   put_text(image, std::string("slice ") + names[plane.axis] + " = " + significant(plane.value) + " m",
            {margin_left, 20}, 0.5);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "mapping/snapshot.hpp"
@@ -17,9 +18,11 @@ struct SlicePlane {
 SlicePlane parse_slice(const std::string& text);
 
 /// Draws the voxel states in the plane as a PNG: one square per voxel, axes in metres, a legend with the
-/// states' colours and voxel counts in the plane.
+/// states' colours and voxel counts in the plane. With `clearance`, also lines of equal clearance under that
+/// policy.
 /// @throws std::invalid_argument when the map is empty or the plane misses it (naming its range);
 ///         std::runtime_error when the file cannot be written.
-void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file);
+void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file,
+                       std::optional<Policy> clearance = std::nullopt);
 
 }  // namespace clearway
