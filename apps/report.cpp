@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "apps/inspect_parts.hpp"
 #include "apps/map_page.hpp"
 #include "apps/parse.hpp"
 
@@ -126,6 +127,7 @@ std::string report_json(const ReplayReport& report) {
     json["volumes"].push_back(
         {{"label", volume.label}, {"critical_parts", volume.critical_parts}, {"balls", volume.balls.size()}});
   }
+  json["painted_volumes"] = describe_volumes(report.map);
   json["plans"] = Json::array();
   for (const ReplayPlan& plan : report.plans) json["plans"].push_back(plan_json(plan));
   json["planning_problem"] = report.planning_problem;
