@@ -17,47 +17,34 @@ std::uint16_t cap_of(const FieldRegion& region) {
 
 }  // namespace
 
-BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells)
+BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
+                           bool updatable)
     : requirement_(requirement),
       outside_blocked_(!allows(requirement, VoxelState::unknown, 0)),
       cells_(cells),
       inverse_resolution_(1.0 / cells.resolution),
       box_((cells.first.cast<double>() * cells.resolution).eval(),
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
-      field_(cells.size.x(), cells.size.y(), cells.size.z(), cap_of(cells)) {
-  mark_blocked(tree);
-  transform_distances(field_);
-}
+      layers_(blocked_cells(tree, requirement, cells.first, cells.size), cap_of(cells), updatable),
+      blocked_count_(layers_.blocked().count()) {}
 
-/// Cells become 0 where the requirement forbids the voxel, cap elsewhere.
-void BlockedField::mark_blocked(const FusedTree& tree) {
-  const Eigen::Vector3i& size = cells_.size;
-  const auto fill = [&](const Eigen::Vector3i& low, const Eigen::Vector3i& high, std::uint16_t value) {
-    for (int z = low.z(); z < high.z(); ++z) {
-      for (int y = low.y(); y < high.y(); ++y) {
-        std::fill_n(&field_.squared[field_.index(low.x(), y, z)], high.x() - low.x(), value);
-      }
-    }
-  };
-  if (outside_blocked_) fill(Eigen::Vector3i::Zero(), size, 0);
-  const Eigen::Vector3i last = cells_.first + size - Eigen::Vector3i::Ones();
-  tree.visit_leaves(cells_.first, last, [&](const FusedNode& node, const CellCube& cube) {
-    const bool allowed = allows(requirement_, tree.state(node), node.painted());
-    if (allowed != outside_blocked_) return;  // as it was filled
-    const Eigen::Vector3i low = (cube.corner - cells_.first).cwiseMax(0);
-    const Eigen::Vector3i high =
-        (cube.corner.array() + cube.edge - cells_.first.array()).matrix().cwiseMin(size);
-    fill(low, high, allowed ? field_.cap : std::uint16_t{0});
-  });
-  blocked_count_ = static_cast<std::size_t>(std::count(field_.squared.begin(), field_.squared.end(), 0));
-}
+BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before)
+    : requirement_(before.requirement_),
+      outside_blocked_(before.outside_blocked_),
+      cells_(before.cells_),
+      inverse_resolution_(before.inverse_resolution_),
+      box_(before.box_),
+      layers_(before.layers_,
+              blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked())),
+      blocked_count_(layers_.blocked().count()) {}
 
 bool BlockedField::is_blocked(const Eigen::Vector3d& point) const {
   if (!point.allFinite()) return true;
   const Eigen::Array3d scaled = (point * inverse_resolution_).array().floor();
   const Eigen::Array3d offset = scaled - cells_.first.cast<double>().array();
   if ((offset < 0.0).any() || (offset >= cells_.size.cast<double>().array()).any()) return outside_blocked_;
-  return squared(scaled.cast<int>()) == 0;
+  const Eigen::Vector3i at = offset.cast<int>();
+  return layers_.blocked().at(at.x(), at.y(), at.z());
 }
 
 Eigen::Vector3i BlockedField::cell_near(const Eigen::Vector3d& point) const {
@@ -67,20 +54,30 @@ Eigen::Vector3i BlockedField::cell_near(const Eigen::Vector3d& point) const {
 }
 
 /// max over the 8 surrounding cells of D(centre) - |point - centre|: each is a lower bound, for D is
-/// 1-Lipschitz.
+/// 1-Lipschitz. Single precision chooses the cell, double gives its bound.
 double BlockedField::bound_from_cells(const Eigen::Vector3d& inside) const {
-  const Eigen::Vector3d half_cell = Eigen::Vector3d::Constant(0.5 * cells_.resolution);
-  const Eigen::Vector3i low = cell_near(inside - half_cell);
-  const Eigen::Vector3i last = cells_.first + cells_.size - Eigen::Vector3i::Ones();
-  const Eigen::Vector3i high = (low.array() + 1).min(last.array());
-  double bound = 0.0;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3i cell(corner & 1U ? high.x() : low.x(), corner & 2U ? high.y() : low.y(),
-                               corner & 4U ? high.z() : low.z());
-    const double distance = 0.5 * cells_.resolution * std::sqrt(static_cast<double>(squared(cell)));
-    if (distance > bound) bound = std::max(bound, distance - (inside - center(cell)).norm());
+  std::array<Eigen::Vector3i, 2> cells;  // of the region; low, high
+  std::array<Eigen::Vector3d, 2> gaps;   // from the point to their centres, in cells, squared
+  for (int axis = 0; axis < 3; ++axis) {
+    const double at = inside[axis] * inverse_resolution_ - cells_.first[axis];
+    const int low = std::min(static_cast<int>(std::max(at - 0.5, 0.0)), cells_.size[axis] - 1);
+    const int high = std::min(low + 1, cells_.size[axis] - 1);
+    cells[0][axis] = low;
+    cells[1][axis] = high;
+    gaps[0][axis] = (at - low - 0.5) * (at - low - 0.5);
+    gaps[1][axis] = (at - high - 0.5) * (at - high - 0.5);
   }
-  return bound;
+  Eigen::Array<float, 8, 1> squares, gap_squares;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const unsigned x = corner & 1U, y = corner >> 1U & 1U, z = corner >> 2U;
+    squares[corner] = layers_.squared(cells[x].x(), cells[y].y(), cells[z].z());
+    gap_squares[corner] = static_cast<float>(gaps[x].x() + gaps[y].y() + gaps[z].z());
+  }
+  Eigen::Index best = 0;
+  (0.5F * squares.sqrt() - gap_squares.sqrt()).maxCoeff(&best);
+  const auto corner = static_cast<unsigned>(best);
+  const double gap = gaps[corner & 1U].x() + gaps[corner >> 1U & 1U].y() + gaps[corner >> 2U].z();
+  return (0.5 * std::sqrt(static_cast<double>(squares[best])) - std::sqrt(gap)) * cells_.resolution;
 }
 
 /// The exact distance to the blocked cubes among the 27 around the point; others are beyond those cells. So
@@ -90,16 +87,23 @@ double BlockedField::bound_from_neighbours(const Eigen::Vector3d& inside) const 
   const Eigen::Array3d offset = (inside - center(cell)).array();
   double nearest_squared = (1.5 * cells_.resolution - offset.abs()).minCoeff();
   nearest_squared *= std::max(nearest_squared, 0.0);
-  const Eigen::Vector3i last = cells_.first + cells_.size - Eigen::Vector3i::Ones();
-  const Eigen::Vector3i low = (cell.array() - 1).max(cells_.first.array());
-  const Eigen::Vector3i high = (cell.array() + 1).min(last.array());
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        if (squared({x, y, z}) != 0) continue;
-        const Eigen::Array3d gap =
-            ((inside - center({x, y, z})).array().abs() - 0.5 * cells_.resolution).max(0.0);
-        nearest_squared = std::min(nearest_squared, gap.square().sum());
+  // Gaps to the cells before, of and after the point's own, along each axis.
+  Eigen::Array33d gaps;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int step = -1; step <= 1; ++step) {
+      const double gap =
+          std::max(std::abs(offset[axis] - step * cells_.resolution) - 0.5 * cells_.resolution, 0.0);
+      gaps(axis, step + 1) = gap * gap;
+    }
+  }
+  const Eigen::Vector3i at = cell - cells_.first;
+  for (int z = std::max(at.z() - 1, 0); z <= std::min(at.z() + 1, cells_.size.z() - 1); ++z) {
+    for (int y = std::max(at.y() - 1, 0); y <= std::min(at.y() + 1, cells_.size.y() - 1); ++y) {
+      const unsigned bits = layers_.blocked().around(at.x(), y, z);
+      if (bits == 0) continue;
+      const double gap = gaps(1, y - at.y() + 1) + gaps(2, z - at.z() + 1);
+      for (int x = 0; x < 3; ++x) {
+        if ((bits >> x & 1U) != 0) nearest_squared = std::min(nearest_squared, gaps(0, x) + gap);
       }
     }
   }

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "mapping/blocked_space.hpp"
-#include "mapping/distance_transform.hpp"
+#include "mapping/distance_layers.hpp"
 
 namespace clearway {
 
@@ -32,15 +32,24 @@ constexpr std::size_t field_memory_limit = std::size_t{1} << 30U;
 FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance,
                          std::size_t memory_limit = field_memory_limit);
 
-/// Memory of the field of a region, bytes.
-std::size_t field_bytes(const FieldRegion& region);
+/// Memory of the field of a region at most, bytes: 2.1 a cell, or 4.1 when it can be updated.
+std::size_t field_bytes(const FieldRegion& region, bool updatable);
 
 /// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel.
 class BlockedField final : public BlockedSpace {
  public:
-  BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells);
+  /// From nothing.
+  BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
+               bool updatable = true);
+
+  /// The field of a newer version of the tree: equal, cell for cell, to one made from nothing. It shares with
+  /// `before` what did not change.
+  /// @param before is updatable. @param tree_before is what it was made of, with the same occupancy
+  /// threshold.
+  BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before);
 
   const FieldRegion& cells() const { return cells_; }
+  const DistanceLayers& layers() const { return layers_; }
 
   const Requirement& requirement() const override { return requirement_; }
   double resolution() const override { return cells_.resolution; }
@@ -58,10 +67,9 @@ class BlockedField final : public BlockedSpace {
 
  private:
   class Search;
-  void mark_blocked(const FusedTree& tree);
   std::uint16_t squared(const Eigen::Vector3i& cell) const {
     const Eigen::Vector3i at = cell - cells_.first;
-    return field_.squared[field_.index(at.x(), at.y(), at.z())];
+    return layers_.squared(at.x(), at.y(), at.z());
   }
   Eigen::Vector3d center(const Eigen::Vector3i& cell) const {
     return (cell.cast<double>().array() + 0.5) * cells_.resolution;
@@ -78,8 +86,8 @@ class BlockedField final : public BlockedSpace {
   FieldRegion cells_;
   double inverse_resolution_;
   Eigen::AlignedBox3d box_;
-  std::size_t blocked_count_ = 0;
-  DistanceBlock field_;
+  DistanceLayers layers_;
+  std::size_t blocked_count_;
 };
 
 }  // namespace clearway

@@ -112,7 +112,7 @@ NearestBlocked BlockedField::nearest(const Eigen::Vector3d& point, double limit)
     if (best.found) limit = best.distance;
   }
   const Eigen::Vector3i cell = cell_near(point);
-  if (squared(cell) < field_.cap) {  // a blocked cube is at most this far
+  if (squared(cell) < layers_.cap()) {  // a blocked cube is at most this far
     const double known = 0.5 * cells_.resolution * std::sqrt(static_cast<double>(squared(cell)));
     limit = std::min(limit, (known + (point - center(cell)).norm()) * (1.0 + 1e-9));
   }

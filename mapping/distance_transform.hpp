@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "mapping/distance_axes.hpp"
+
 namespace clearway {
 
-/// A block of cells with their squared distances, x fastest. Rows are padded to a multiple of `lane` cells so
-/// that the hot loops have a fixed length.
+/// A block of cells with their squared distances, x fastest. Rows are padded to a multiple of `lane` cells.
 struct DistanceBlock {
-  static constexpr int lane = 32;
+  static constexpr int lane = lane_cells;
 
   int nx = 0, ny = 0, nz = 0;
   int stride = 0;         ///< cells from one row to the next, >= nx
@@ -27,13 +28,9 @@ struct DistanceBlock {
   }
 };
 
-/// Largest cap for which no intermediate sum leaves 16 bits: distances up to 90.5 voxels.
-constexpr std::uint16_t largest_cap = 32767;
-
 /// Exact truncated distance transform: on entry cells are 0 (blocked) or `cap`; on return each holds
 ///   min(cap, min over blocked cells b of the sum over axes of max(2|delta|-1, 0)^2),
 /// which is the squared distance from the cell's centre to the nearest blocked *cube* in half voxels.
-/// Separable over the axes: Saito and Toriwaki 1994, with a window bounded by the cap.
 void transform_distances(DistanceBlock& block);
 
 }  // namespace clearway

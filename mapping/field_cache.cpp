@@ -1,29 +1,55 @@
 #include "mapping/field_cache.hpp"
 
+#include <algorithm>
+
 #include "mapping/fused_tree.hpp"
 
 namespace clearway {
+
+FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous)
+    : tree_(std::move(tree)), memory_limit_(memory_limit) {
+  if (previous == nullptr) return;
+  const std::lock_guard lock(previous->building_);
+  for (const Entry& entry : previous->entries_) {
+    const bool comparable = entry.tree->getResolution() == tree_->getResolution() &&
+                            entry.tree->getOccupancyThresLog() == tree_->getOccupancyThresLog();
+    if (comparable && entry.space->layers().keeps_planes()) entries_.push_back(entry);
+  }
+}
 
 std::shared_ptr<const BlockedField> FieldCache::get(const Requirement& requirement,
                                                     const Eigen::AlignedBox3d& region, double max_distance) {
   const FieldRegion cells = field_region(region, tree_->getResolution(), max_distance, memory_limit_);
   const std::lock_guard lock(building_);
-  for (const Entry& entry : entries_) {
-    if (entry.requirement == requirement && entry.region.min() == region.min() &&
-        entry.region.max() == region.max() && entry.max_distance == max_distance) {
-      return entry.space;
-    }
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.requirement == requirement && entry.region.min() == region.min() &&
+           entry.region.max() == region.max() && entry.max_distance == max_distance;
+  });
+  Entry entry{requirement, region, max_distance, nullptr, tree_};
+  if (found == entries_.end()) {
+    const bool updatable = can_update(cells);
+    make_room(field_bytes(cells, updatable));
+    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable);
+  } else {
+    if (found->tree == tree_) return found->space;
+    entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space);
+    entries_.erase(found);
   }
-  make_room(field_bytes(cells));
-  auto space = std::make_shared<const BlockedField>(*tree_, requirement, cells);
-  entries_.push_back({requirement, region, max_distance, space});
-  return space;
+  entries_.push_back(entry);
+  return entry.space;
+}
+
+bool FieldCache::can_update(const FieldRegion& cells) const {
+  return field_bytes(cells, true) <= memory_limit_ / 4;
 }
 
 void FieldCache::make_room(std::size_t bytes) {
-  for (const Entry& entry : entries_) bytes += field_bytes(entry.space->cells());
+  const auto taken = [](const Entry& entry) {
+    return field_bytes(entry.space->cells(), entry.space->layers().keeps_planes());
+  };
+  for (const Entry& entry : entries_) bytes += taken(entry);
   while (!entries_.empty() && bytes > memory_limit_) {
-    bytes -= field_bytes(entries_.front().space->cells());
+    bytes -= taken(entries_.front());
     entries_.erase(entries_.begin());
   }
 }

@@ -10,10 +10,12 @@ namespace clearway {
 
 /// The blocked spaces of one tree, each built once for equal arguments. Safe to use from many threads. When
 /// they would exceed the memory limit together, the oldest make room; whoever still holds one keeps it alive.
+/// A field can be updated if it then takes no more than a quarter of the limit.
 class FieldCache {
  public:
-  FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit)
-      : tree_(std::move(tree)), memory_limit_(memory_limit) {}
+  /// @param previous the cache of an earlier version of the same tree, or null: what it holds now is updated
+  ///        instead of built, when the same is asked for. It may be destroyed afterwards.
+  FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous = nullptr);
 
   /// @throws std::invalid_argument as field_region does.
   std::shared_ptr<const BlockedField> get(const Requirement& requirement, const Eigen::AlignedBox3d& region,
@@ -25,13 +27,16 @@ class FieldCache {
     Eigen::AlignedBox3d region;
     double max_distance;
     std::shared_ptr<const BlockedField> space;
+    std::shared_ptr<const FusedTree> tree;  ///< what it was made of
   };
+  bool can_update(const FieldRegion& cells) const;
   void make_room(std::size_t bytes);
 
   std::shared_ptr<const FusedTree> tree_;
   std::size_t memory_limit_;
   std::mutex building_;
-  std::vector<Entry> entries_;  ///< oldest first
+  std::vector<Entry>
+      entries_;  ///< oldest first; of this tree, or of an earlier version and not yet asked for
 };
 
 }  // namespace clearway

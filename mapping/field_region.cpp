@@ -10,15 +10,23 @@ namespace {
 
 constexpr double farthest_cell = 1 << 28;
 
-std::size_t padded(int cells) {
-  return static_cast<std::size_t>((cells + DistanceBlock::lane - 1) / DistanceBlock::lane *
-                                  DistanceBlock::lane);
+constexpr double cells_of_a_tile = double{TiledCells::nx} * TiledCells::ny * TiledCells::nz;
+
+/// Bytes that a tile of cells takes: its distances, its place among the tiles, its bits.
+constexpr double bytes_of_a_tile(bool updatable) {
+  return (updatable ? 2.0 : 1.0) * (TiledCells::tile_bytes + 48.0) + cells_of_a_tile / 8.0;
+}
+
+double bytes_of(const Eigen::Array3d& size, bool updatable) {
+  const double tiles = std::ceil(size.x() / TiledCells::nx) * std::ceil(size.y() / TiledCells::ny) *
+                       std::ceil(size.z() / TiledCells::nz);
+  return tiles * bytes_of_a_tile(updatable);
 }
 
 [[noreturn]] void refuse_size(const Eigen::Vector3d& size, double bytes, double resolution,
                               std::size_t limit) {
-  const double cells = std::cbrt(static_cast<double>(limit) / sizeof(std::uint16_t));
-  const double edge = std::max(1.0, std::floor(cells) - DistanceBlock::lane) * resolution;
+  const double cells = std::cbrt(static_cast<double>(limit) * cells_of_a_tile / bytes_of_a_tile(false));
+  const double edge = std::max(1.0, std::floor(cells) - TiledCells::nx) * resolution;
   const auto text = [](double value) {
     std::string digits = std::to_string(value);
     return digits.substr(0, digits.find('.') + 3);
@@ -49,9 +57,7 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
                                 std::to_string(farthest_cell * resolution) + " m from the origin");
   }
   const Eigen::Array3d size = high - low;
-  const double rows = size.y() * size.z();
-  const double row = std::ceil(size.x() / DistanceBlock::lane) * DistanceBlock::lane;
-  const double bytes = sizeof(std::uint16_t) * rows * row;
+  const double bytes = bytes_of(size, false);
   if (bytes > static_cast<double>(memory_limit)) {
     refuse_size(region.sizes(), bytes, resolution, memory_limit);
   }
@@ -59,9 +65,8 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
           std::min(max_distance, 89.0 * resolution)};
 }
 
-std::size_t field_bytes(const FieldRegion& region) {
-  return sizeof(std::uint16_t) * padded(region.size.x()) * static_cast<std::size_t>(region.size.y()) *
-         static_cast<std::size_t>(region.size.z());
+std::size_t field_bytes(const FieldRegion& region, bool updatable) {
+  return static_cast<std::size_t>(bytes_of(region.size.cast<double>().array(), updatable));
 }
 
 }  // namespace clearway
