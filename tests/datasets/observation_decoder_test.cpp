@@ -7,6 +7,7 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -189,6 +190,69 @@ TEST(ObservationDecoder, InvalidAndOutOfRangeBeamsAreLeftOut) {
   EXPECT_TRUE(cloud.points[2].isApprox(Eigen::Vector3f(0, 5, 0), 1e-5f));
   scan.rightToLeft = false;
   EXPECT_TRUE(std::get<CloudFrame>(decoded(scan).at(0)).points[0].isApprox(Eigen::Vector3f(0, 1, 0), 1e-5f));
+}
+
+mrpt::poses::CPose3D tilted() { return mrpt::poses::CPose3D(0.5, -1.0, 2.0, 0.3, -0.2, 0.1); }
+
+/// The point in the world, as MRPT composes it.
+Eigen::Vector3d placed_by_mrpt(const Eigen::Vector3f& point) {
+  Eigen::Vector3d placed;
+  tilted().composePoint(point.x(), point.y(), point.z(), placed.x(), placed.y(), placed.z());
+  return placed;
+}
+
+TEST(ObservationDecoder, APointCloudKeepsItsFinitePointsAndItsSensorsPose) {
+  mrpt::obs::CObservationPointCloud observation;
+  auto cloud = mrpt::maps::CSimplePointsMap::Create();
+  for (int i = 0; i < 100; ++i) cloud->insertPoint(0.01F * i, 1.0F, -0.5F);
+  cloud->insertPoint(NAN, 0.0F, 0.0F);
+  observation.pointcloud = cloud;
+  observation.sensorPose = tilted();
+  const auto frame = std::get<CloudFrame>(decoded(observation).at(0));
+  EXPECT_EQ(frame.kind, "points");
+  ASSERT_EQ(frame.points.size(), 100U);
+  const Eigen::Vector3d ours = frame.world_from_sensor * frame.points[70].cast<double>();
+  EXPECT_LT((ours - placed_by_mrpt({0.7F, 1.0F, -0.5F})).norm(), 1e-6);
+
+  observation.setAsExternalStorage("elsewhere/cloud.bin",
+                                   mrpt::obs::CObservationPointCloud::ExternalStorageFormat::KittiBinFile);
+  std::vector<std::string> skipped;
+  EXPECT_TRUE(decoded(observation, &skipped).empty());
+  EXPECT_EQ(skipped.size(), 1U);
+}
+
+TEST(ObservationDecoder, AVelodyneScanKeepsItsReturnsAndItsSensorsPose) {
+  mrpt::obs::CObservationVelodyneScan observation;
+  observation.maxRange = 120.0F;
+  observation.sensorPose = tilted();
+  for (int i = 1; i <= 50; ++i) {
+    observation.point_cloud.x.push_back(0.2F * static_cast<float>(i));
+    observation.point_cloud.y.push_back(-1.0F);
+    observation.point_cloud.z.push_back(0.25F);
+  }
+  for (auto* axis : {&observation.point_cloud.x, &observation.point_cloud.y, &observation.point_cloud.z}) {
+    axis->push_back(0.0F);  // no return
+  }
+  const auto frame = std::get<CloudFrame>(decoded(observation).at(0));
+  EXPECT_EQ(frame.kind, "velodyne");
+  EXPECT_EQ(frame.max_range, 120.0);
+  ASSERT_EQ(frame.points.size(), 50U);
+  const Eigen::Vector3d ours = frame.world_from_sensor * frame.points[9].cast<double>();
+  EXPECT_LT((ours - placed_by_mrpt({2.0F, -1.0F, 0.25F})).norm(), 1e-6);
+}
+
+TEST(ObservationDecoder, PointsOfARangeCameraAreReadWhereItHasNoRangeImage) {
+  mrpt::obs::CObservation3DRangeScan scan;
+  scan.hasPoints3D = true;
+  scan.points3D_x = {1.0F, 0.0F, 2.0F};
+  scan.points3D_y = {0.5F, 0.0F, NAN};
+  scan.points3D_z = {0.25F, 0.0F, 1.0F};
+  scan.sensorPose = tilted();
+  const auto frame = std::get<CloudFrame>(decoded(scan).at(0));
+  ASSERT_EQ(frame.points.size(), 1U);
+  EXPECT_LT(
+      (frame.world_from_sensor * frame.points[0].cast<double>() - placed_by_mrpt({1.0F, 0.5F, 0.25F})).norm(),
+      1e-6);
 }
 
 }  // namespace

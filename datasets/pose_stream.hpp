@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace clearway {
+
+/// Poses of one moving body over time, and where it was in between: straight line and shortest turn between
+/// the reading before and the one after (mrpt::poses::CPose3DInterpolator). Nothing is guessed beyond the
+/// first and last reading, nor across a gap.
+class PoseStream {
+ public:
+  /// @param max_gap longest time between the two readings around an answer, seconds, > 0
+  explicit PoseStream(double max_gap = 0.5);
+  ~PoseStream();
+  PoseStream(PoseStream&&) noexcept;
+  PoseStream& operator=(PoseStream&&) noexcept;
+
+  /// Adds a reading, in any order; a second one at the same time replaces the first.
+  /// @throws std::invalid_argument for a time or pose that is not finite.
+  void add(double time, const Eigen::Isometry3d& pose);
+
+  /// The pose at `time`; empty before the first reading, after the last, or in a gap longer than max_gap.
+  std::optional<Eigen::Isometry3d> at(double time) const;
+
+  /// The reading nearest in time; empty when none lies within max_gap.
+  std::optional<Eigen::Isometry3d> nearest(double time) const;
+
+  /// Time of the last reading; empty without one.
+  std::optional<double> last_time() const;
+  std::size_t size() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Poses from text in the format of the TUM RGB-D benchmark: lines "time x y z qx qy qz qw" (s, m), `#`
+/// starts a comment. @throws std::invalid_argument naming `name`, the line and what was expected.
+PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap);
+
+/// The same from a file of at most 256 MB. @throws std::invalid_argument also when it cannot be read.
+PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap);
+
+}  // namespace clearway
