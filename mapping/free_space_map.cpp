@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "mapping/fused_tree.hpp"
@@ -44,11 +45,38 @@ struct FreeSpaceMap::State {
     tree.setClampingThresMax(options.max_probability);
     tree.setOccupancyThres(options.occupied_probability);
   }
+  void check_ball(int volume, const Sphere& ball, double time) const;
+  RepaintTally repaint(const PaintLog::Change& change);
+
   MapOptions options;
   FusedTree tree;
   ScanWorkspace workspace;
-  std::vector<PaintedVolume> volumes;
+  std::optional<Snapshot> last;  ///< the next one takes over its blocked spaces
+  PaintLog paint;
+  ConflictWatch conflicts;
+  std::optional<ScanLog> scans;
+  int scans_inserted = 0;
 };
+
+void FreeSpaceMap::State::check_ball(int volume, const Sphere& ball, double time) const {
+  const std::size_t volumes = paint.volumes().size();
+  if (volume < 0 || volume >= static_cast<int>(volumes)) {
+    throw std::invalid_argument("painted volume " + std::to_string(volume) + " does not exist, " +
+                                std::to_string(volumes) + " were added");
+  }
+  if (!ball.center.allFinite() || !std::isfinite(ball.radius) || !(ball.radius > 0.0) ||
+      !std::isfinite(time)) {
+    throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
+  }
+}
+
+/// Lets the voxels agree with the balls again.
+RepaintTally FreeSpaceMap::State::repaint(const PaintLog::Change& change) {
+  const PaintedVolume& volume = paint.volumes()[static_cast<std::size_t>(change.volume)];
+  const RepaintTally tally = tree.repaint(change.volume, change.balls, volume.balls);
+  conflicts.repainted(tree);
+  return tally;
+}
 
 FreeSpaceMap::FreeSpaceMap(const MapOptions& options) {
   check_options(options);
@@ -59,7 +87,7 @@ FreeSpaceMap::FreeSpaceMap(FreeSpaceMap&&) noexcept = default;
 FreeSpaceMap& FreeSpaceMap::operator=(FreeSpaceMap&&) noexcept = default;
 
 int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::string>& critical_parts) {
-  auto& volumes = state_->volumes;
+  const auto& volumes = state_->paint.volumes();
   const bool known =
       std::any_of(volumes.begin(), volumes.end(), [&](const auto& v) { return v.label == label; });
   if (known)
@@ -73,24 +101,47 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
     throw std::invalid_argument("painted volume '" + label +
                                 "': expected a label and part names without control characters");
   }
-  volumes.push_back({label, critical_parts, {}, {}});
-  return static_cast<int>(volumes.size()) - 1;
+  return state_->paint.add_volume(label, critical_parts);
 }
 
 PaintCounts FreeSpaceMap::paint(int volume, const Sphere& ball, double time) {
-  if (volume < 0 || volume >= static_cast<int>(state_->volumes.size())) {
-    throw std::invalid_argument("painted volume " + std::to_string(volume) + " does not exist, " +
-                                std::to_string(state_->volumes.size()) + " were added");
-  }
-  if (!ball.center.allFinite() || !std::isfinite(ball.radius) || !(ball.radius > 0.0) ||
-      !std::isfinite(time)) {
-    throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
-  }
+  state_->check_ball(volume, ball, time);
   const PaintTally tally = state_->tree.paint(volume, ball);
-  PaintedVolume& painted = state_->volumes[static_cast<std::size_t>(volume)];
-  painted.balls.push_back(ball);
-  painted.times.push_back(time);
+  state_->paint.paint(volume, ball, time);
+  state_->conflicts.painted(ball, state_->options.resolution, tally.new_conflicts, time,
+                            state_->paint.open_stroke(), volume);
   return {tally.painted, tally.newly, tally.conflicts};
+}
+
+EraseCounts FreeSpaceMap::erase(int volume, const Sphere& eraser, double time) {
+  state_->check_ball(volume, eraser, time);
+  const PaintLog::Change change = state_->paint.erase(volume, eraser, time);
+  const std::size_t unpainted = state_->repaint(change).unpainted;
+  return {change.shrunk, change.removed, unpainted};
+}
+
+int FreeSpaceMap::begin_stroke(const std::string& label, const std::string& source) {
+  if (!is_storable_name(label) || !is_storable_name(source)) {
+    throw std::invalid_argument("stroke '" + label + "': expected names without control characters");
+  }
+  return state_->paint.begin_stroke(label, source);
+}
+
+void FreeSpaceMap::end_stroke() { state_->paint.end_stroke(); }
+
+int FreeSpaceMap::undo_stroke() {
+  const int last = state_->paint.last_stroke();
+  return last < 0 ? -1 : undo_stroke(last);
+}
+
+int FreeSpaceMap::undo_stroke(int stroke) {
+  const std::size_t strokes = state_->paint.strokes().size();
+  if (stroke < 0 || static_cast<std::size_t>(stroke) >= strokes) {
+    throw std::invalid_argument("stroke " + std::to_string(stroke) + " does not exist, " +
+                                std::to_string(strokes) + " were begun");
+  }
+  for (const PaintLog::Change& change : state_->paint.undo(stroke)) state_->repaint(change);
+  return stroke;
 }
 
 ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
@@ -98,14 +149,37 @@ ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
   ScanInsertion insertion{.discretize = options.discretize, .threads = options.threads};
   insertion.integration = options.integration;
   insertion.margins = options.margins;
-  return insert_scan(state_->tree, scan, filter, insertion, state_->workspace);
+  const ScanCounts counts = insert_scan(state_->tree, scan, filter, insertion, state_->workspace);
+  const int number = state_->scans_inserted++;
+  if (counts.origin_invalid) return counts;
+  state_->conflicts.inserted(state_->tree, state_->workspace.grid, scan.time, number);
+  if (state_->scans) state_->scans->add(number, scan.sensor, scan.time, state_->workspace.grid);
+  return counts;
+}
+
+void FreeSpaceMap::keep_scans(std::size_t budget) { state_->scans.emplace(budget); }
+
+const ConflictLog& FreeSpaceMap::conflicts() const { return state_->conflicts.log(); }
+
+Provenance FreeSpaceMap::provenance() const {
+  Provenance result;
+  result.resolution = state_->options.resolution;
+  for (const PaintedVolume& volume : volumes()) result.volumes.push_back(volume.label);
+  result.strokes = state_->paint.strokes();
+  result.events = state_->paint.events();
+  result.conflicts = conflicts();
+  if (state_->scans) result.scans = *state_->scans;
+  return result;
 }
 
 const MapOptions& FreeSpaceMap::options() const { return state_->options; }
-const std::vector<PaintedVolume>& FreeSpaceMap::volumes() const { return state_->volumes; }
+const std::vector<PaintedVolume>& FreeSpaceMap::volumes() const { return state_->paint.volumes(); }
 
 Snapshot FreeSpaceMap::snapshot() const {
-  return {std::make_shared<const FusedTree>(state_->tree), state_->volumes};
+  auto tree = std::make_shared<const FusedTree>(state_->tree);
+  state_->last = state_->last ? Snapshot(std::move(tree), state_->paint.volumes(), *state_->last)
+                              : Snapshot(std::move(tree), state_->paint.volumes());
+  return *state_->last;
 }
 
 }  // namespace clearway

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/provenance.hpp"
 #include "mapping/safe_margins.hpp"
 #include "mapping/scan.hpp"
 #include "mapping/snapshot.hpp"
@@ -32,6 +33,13 @@ struct PaintCounts {
   std::size_t conflicts = 0;  ///< of these, voxels that sensors call occupied
 };
 
+/// What one eraser did to the balls of a volume and to the voxels.
+struct EraseCounts {
+  std::size_t shrunk = 0;     ///< balls that are smaller now
+  std::size_t removed = 0;    ///< balls of which nothing was left
+  std::size_t unpainted = 0;  ///< voxels that this volume does not paint any more
+};
+
 /// The one map: fuses painted balls and scans into one OctoMap tree. Written by one thread; read through
 /// snapshots. Painting never changes a sensor's log-odds; sensing never erases paint: a voxel that is both
 /// painted and occupied is a conflict, blocked and counted.
@@ -50,6 +58,36 @@ class FreeSpaceMap {
   /// Paints the voxels that lie wholly inside `ball` and keeps the ball itself (Chong et al. 2008, eq. 2).
   /// @throws std::invalid_argument for an unknown volume, a non-finite ball or a radius <= 0.
   PaintCounts paint(int volume, const Sphere& ball, double time = 0.0);
+
+  /// Erases what `volume` painted inside of `eraser`: shrinks each of its balls that the eraser reaches to
+  /// the radius at which the two only touch, and removes those whose centre it holds. So no painted voxel
+  /// overlaps the eraser, and what is left is a union of balls again; but a ball that is large beside the
+  /// eraser loses more than the eraser holds. What is painted later is not erased.
+  /// @throws std::invalid_argument as `paint`.
+  EraseCounts erase(int volume, const Sphere& eraser, double time = 0.0);
+
+  /// Starts a stroke: what is painted and erased until end_stroke (or the next begin_stroke) belongs to it
+  /// and can be undone. Returns its number, 0, 1, 2 ...
+  /// @param source who paints: a sensor label, a person; may be empty.
+  /// @throws std::invalid_argument for names with control characters.
+  int begin_stroke(const std::string& label, const std::string& source = "");
+  void end_stroke();
+
+  /// Undoes a stroke, or the last one that is not undone: balls and voxels are afterwards as if it had never
+  /// been, with all that was painted, erased and sensed since. Ends an open stroke.
+  /// Returns the number of the stroke undone, -1 when there is none.
+  /// @throws std::invalid_argument for a number that no stroke has.
+  int undo_stroke();
+  int undo_stroke(int stroke);
+
+  /// From now on keeps which scan touched which voxel (see ScanLog), in at most `budget` bytes. Costs a few
+  /// per cent of the time of inserting. Call it before the first scan.
+  void keep_scans(std::size_t budget = ScanLog::default_budget);
+
+  /// Conflicts as they appeared.
+  const ConflictLog& conflicts() const;
+  /// Why the map is what it is; without scans when keep_scans was not called.
+  Provenance provenance() const;
 
   /// Integrates a scan by ray carving (OctoMap's traversal); in `safe` integration less is freed.
   ScanCounts insert(const Scan& scan, const ScanFilter& filter = {});

@@ -84,6 +84,12 @@ void FusedNode::observe(float log_odds) {
   value = log_odds;
 }
 
+void FusedNode::forget() {
+  value = unobserved_log_odds;
+  painted_ = 0;
+  observed_ = 0;
+}
+
 FusedTree::FusedTree(const FusedTree& other) : OccupancyOcTreeBase<FusedNode>(other.resolution) {
   clearKeyRays();  // 600 kB that only OctoMap's own insertion uses
   clamping_thres_min = other.clamping_thres_min;
@@ -220,6 +226,20 @@ void FusedTree::set_observed(const octomap::OcTreeKey& key, float log_odds) {
     created = child_created;
   }
   node->observe(log_odds);
+}
+
+void FusedTree::set_leaf(const CellCube& cube, const FusedNode& content) {
+  bool created = false;
+  FusedNode* node = &root_for_writing(created);
+  for (CellCube at; at.edge > cube.edge;) {
+    const Eigen::Array3i upper = (cube.corner - at.corner).array() / (at.edge / 2);
+    const auto index = static_cast<unsigned>(upper[0] + 2 * upper[1] + 4 * upper[2]);
+    bool child_created = false;
+    node = &child_for_writing(*node, index, created, child_created);
+    created = child_created;
+    at = at.child(index);
+  }
+  node->copyData(content);
 }
 
 void FusedTree::finish() {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mapping/sphere.hpp"
 #include "mapping/voxel_state.hpp"
@@ -56,6 +57,9 @@ class FusedNode : public octomap::OcTreeNode {
   std::uint16_t painted() const { return painted_; }
 
   void add_paint(std::uint16_t volumes) { painted_ = static_cast<std::uint16_t>(painted_ | volumes); }
+  void remove_paint(std::uint16_t volumes) { painted_ = static_cast<std::uint16_t>(painted_ & ~volumes); }
+  /// Back to what a new node knows: neither observed nor painted.
+  void forget();
   /// Marks as observed; the first time log-odds start from 0.
   void observe();
   void observe(float log_odds);
@@ -100,6 +104,13 @@ struct CellCube {
 /// What painting one ball did; see PaintCounts.
 struct PaintTally {
   std::size_t painted = 0, newly = 0, conflicts = 0;
+  std::vector<CellCube>
+      new_conflicts{};  ///< cubes of occupied voxels that this volume had not painted before
+};
+
+/// What repainting changed, in voxels.
+struct RepaintTally {
+  std::size_t painted = 0, unpainted = 0;
 };
 
 /// The one store of sensors' evidence and paint: an OctoMap tree of FusedNodes, 16 levels deep.
@@ -133,9 +144,18 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// a cube that lies inside as a whole) and prunes on the way back.
   PaintTally paint(int volume, const Sphere& ball);
 
+  /// Makes the paint of `volume` agree with the list of its balls again after some of them changed: a voxel
+  /// is painted when it lies wholly inside one of `balls`. Looks only at voxels wholly inside one of
+  /// `changed`, which must hold the balls that were in the list before or are now, but not both. Afterwards
+  /// the tree is the one that only ever was painted with `balls`.
+  RepaintTally repaint(int volume, const std::vector<Sphere>& changed, const std::vector<Sphere>& balls);
+
   /// Sets one voxel to an observed log-odds; leaves inner nodes and pruning to finish().
   void set_observed(const octomap::OcTreeKey& key, float log_odds);
-  /// Updates inner nodes and prunes, after set_observed.
+  /// Makes one cube of voxels a leaf of this content; leaves inner nodes and pruning to finish().
+  /// Precondition: nothing is stored there.
+  void set_leaf(const CellCube& cube, const FusedNode& content);
+  /// Updates inner nodes and prunes, after set_observed or set_leaf.
   void finish();
 
   /// Applies one scan: a miss to each voxel that is free in `grid` and not occupied, a hit to each occupied
@@ -182,6 +202,12 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   bool is_painted_throughout(const FusedNode& node, std::uint16_t bit) const;
   bool paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
   bool paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
+
+  struct Repainting;
+  void repaint_cube(FusedNode& node, bool just_created, const Repainting& work);
+  void repaint_all(FusedNode& node, bool paint, const CellCube& cube, const Repainting& work);
+  bool may_be_painted(const FusedNode& node, unsigned index, bool just_created, std::uint16_t bit) const;
+  void remove_child(FusedNode& node, unsigned index);
 
   /// The root, made if need be, that this tree alone holds.
   FusedNode& root_for_writing(bool& created);

@@ -62,7 +62,9 @@ bool FusedTree::paint_all(FusedNode& node, bool just_created, const CellCube& cu
     changed = (node.painted() & brush.bit) == 0;
     if (changed) brush.tally.newly += cube.volume();
     node.add_paint(brush.bit);
-    if (!just_created && state(node) == VoxelState::conflict) brush.tally.conflicts += cube.volume();
+    if (just_created || state(node) != VoxelState::conflict) return changed;
+    brush.tally.conflicts += cube.volume();
+    if (changed) brush.tally.new_conflicts.push_back(cube);
     return changed;
   }
   for (unsigned i = 0; i < 8; ++i) {

@@ -11,8 +11,9 @@
 namespace clearway {
 namespace {
 
-constexpr std::string_view column_names = "volume,label,critical_parts,x,y,z,radius,time";
-constexpr std::size_t column_count = 8;
+constexpr std::string_view old_column_names = "volume,label,critical_parts,x,y,z,radius,time";
+constexpr std::string_view column_names =
+    "volume,label,critical_parts,x,y,z,radius,time,stroke,stroke_label,source";
 using Row = std::vector<std::string>;
 
 std::string number(double value) {
@@ -77,6 +78,14 @@ class Reader {
     return line;
   }
 
+  /// The line with the names of the columns: all of them, or those that there were before strokes.
+  void take_head() {
+    const std::string_view line = take_line();
+    if (line != column_names && line != old_column_names) refuse_columns();
+    columns_ = 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
+  }
+
+  /// One line; the columns that an old file lacks are empty.
   Row take_row() {
     std::string_view line = take_line();
     Row row(1);
@@ -92,7 +101,8 @@ class Reader {
         row.back() += line[i];
       }
     }
-    if (inside_quotes || row.size() != column_count) refuse("the columns " + std::string(column_names));
+    if (inside_quotes || row.size() != columns_) refuse_columns();
+    row.resize(all_columns);
     return row;
   }
 
@@ -106,9 +116,13 @@ class Reader {
   }
 
  private:
+  [[noreturn]] void refuse_columns() const { refuse("the columns " + std::string(column_names)); }
+
+  static constexpr std::size_t all_columns = 11;
   std::string_view text_;
   const std::filesystem::path& file_;
   int line_ = 0;
+  std::size_t columns_ = 0;
 };
 
 /// The volume of a row; volumes appear in order, and a repeated one repeats its label and parts.
@@ -120,7 +134,7 @@ PaintedVolume& volume_of(const Row& row, std::vector<PaintedVolume>& volumes, co
       reader.refuse("a label of its own for each volume");
     if (!is_storable_name(row[1]) || !is_storable_name(row[2]))
       reader.refuse("names without control characters");
-    volumes.push_back({row[1], split_parts(row[2]), {}, {}});
+    volumes.push_back({row[1], split_parts(row[2])});
   } else if (volumes.empty() || index != static_cast<double>(volumes.size() - 1)) {
     reader.refuse("volumes numbered 0, 1, 2 ... 14 in order");
   }
@@ -128,6 +142,47 @@ PaintedVolume& volume_of(const Row& row, std::vector<PaintedVolume>& volumes, co
     reader.refuse("the same label and critical parts on every line of a volume");
   }
   return volumes.back();
+}
+
+/// The stroke of a row, -1 for none; strokes appear in order, and a repeated one repeats its names.
+int stroke_of(const Row& row, PaintedVolume& volume, const Reader& reader) {
+  if (row[8].empty()) return -1;
+  const double index = reader.finite(row[8], "stroke");
+  if (index == static_cast<double>(volume.strokes.size())) {
+    if (!is_storable_name(row[9]) || !is_storable_name(row[10]))
+      reader.refuse("names without control characters");
+    volume.strokes.push_back({row[9], row[10]});
+  }
+  const bool known = index >= 0.0 && index < static_cast<double>(volume.strokes.size());
+  if (!known || index != std::floor(index)) reader.refuse("strokes numbered 0, 1, 2 ... in order");
+  const auto stroke = static_cast<std::size_t>(index);
+  if (volume.strokes[stroke].label != row[9] || volume.strokes[stroke].source != row[10]) {
+    reader.refuse("the same label and source on every line of a stroke");
+  }
+  return static_cast<int>(stroke);
+}
+
+/// Strokes in the order in which their balls appear, which is the order that stroke_of expects.
+class StrokeNumbers {
+ public:
+  int number(int stroke) {
+    const auto found = std::find(order_.begin(), order_.end(), stroke);
+    if (found == order_.end()) order_.push_back(stroke);
+    return static_cast<int>(std::find(order_.begin(), order_.end(), stroke) - order_.begin());
+  }
+
+ private:
+  std::vector<int> order_;
+};
+
+std::string stroke_columns(const PaintedVolume& volume, std::size_t ball, StrokeNumbers& numbers) {
+  const Stroke* stroke = volume.stroke(ball);
+  if (stroke == nullptr) return ",,,";
+  if (!is_storable_name(stroke->label) || !is_storable_name(stroke->source)) {
+    throw std::invalid_argument("stroke '" + stroke->label + "': expected names without control characters");
+  }
+  return "," + std::to_string(numbers.number(volume.stroke_of[ball])) + "," + in_quotes(stroke->label) + "," +
+         in_quotes(stroke->source);
 }
 
 }  // namespace
@@ -146,14 +201,15 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes) {
     }
     const std::string start = std::to_string(v) + "," + in_quotes(volume.label) + "," +
                               in_quotes(join_parts(volume.critical_parts)) + ",";
-    if (volume.balls.empty()) text += start + ",,,,\n";
+    if (volume.balls.empty()) text += start + ",,,,,,,\n";
+    StrokeNumbers numbers;
     for (std::size_t i = 0; i < volume.balls.size(); ++i) {
       const Sphere& ball = volume.balls[i];
       const double time = i < volume.times.size() ? volume.times[i] : 0.0;
       text += start;
       for (double value : {ball.center.x(), ball.center.y(), ball.center.z(), ball.radius})
         text += number(value) + ",";
-      text += number(time) + "\n";
+      text += number(time) + stroke_columns(volume, i, numbers) + "\n";
     }
   }
   return text;
@@ -162,7 +218,7 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes) {
 std::vector<PaintedVolume> parse_painted(std::string_view text, const std::filesystem::path& file) {
   Reader reader(text, file);
   std::vector<PaintedVolume> volumes;
-  if (reader.take_line() != column_names) reader.refuse("the columns " + std::string(column_names));
+  reader.take_head();
   while (!reader.at_end()) {
     const Row row = reader.take_row();
     PaintedVolume& volume = volume_of(row, volumes, reader);
@@ -171,8 +227,7 @@ std::vector<PaintedVolume> parse_painted(std::string_view text, const std::files
     const Sphere ball{{reader.finite(row[3], "x"), reader.finite(row[4], "y"), reader.finite(row[5], "z")},
                       reader.finite(row[6], "radius")};
     if (!(ball.radius > 0.0)) reader.refuse("a radius > 0");
-    volume.balls.push_back(ball);
-    volume.times.push_back(reader.finite(row[7], "time"));
+    volume.add(ball, reader.finite(row[7], "time"), stroke_of(row, volume, reader));
   }
   return volumes;
 }

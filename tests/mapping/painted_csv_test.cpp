@@ -10,13 +10,14 @@ namespace {
 
 std::vector<PaintedVolume> awkward_volumes() {
   testing::Dice dice(1);
-  std::vector<PaintedVolume> volumes = {{"plain", {"tool", "load"}, {}, {}},
-                                        {"a \"quoted\", label", {"semi;colon", "back\\slash", ""}, {}, {}},
-                                        {"", {}, {}, {}}};
+  std::vector<PaintedVolume> volumes = {
+      {"plain", {"tool", "load"}}, {"a \"quoted\", label", {"semi;colon", "back\\slash", ""}}, {"", {}}};
+  volumes[0].strokes = {{"first, \"quoted\"", "camera"}, {"", ""}};
   for (int i = 0; i < 200; ++i) {
     PaintedVolume& volume = volumes[static_cast<std::size_t>(i) % 2];
-    volume.balls.push_back({dice.point(3.0) * std::pow(10.0, dice.uniform(-9, 3)), dice.uniform(1e-9, 2.0)});
-    volume.times.push_back(dice.uniform(0, 1.7e9));
+    const int stroke = i < 20 || i % 2 == 1 ? -1 : (i / 30) % 2;
+    volume.add({dice.point(3.0) * std::pow(10.0, dice.uniform(-9, 3)), dice.uniform(1e-9, 2.0)},
+               dice.uniform(0, 1.7e9), stroke);
   }
   return volumes;
 }
@@ -27,6 +28,8 @@ void expect_same(const std::vector<PaintedVolume>& a, const std::vector<PaintedV
     EXPECT_EQ(a[v].label, b[v].label);
     EXPECT_EQ(a[v].critical_parts, b[v].critical_parts);
     EXPECT_EQ(a[v].times, b[v].times);
+    EXPECT_EQ(a[v].strokes, b[v].strokes);
+    EXPECT_EQ(a[v].stroke_of, b[v].stroke_of);
     ASSERT_EQ(a[v].balls.size(), b[v].balls.size());
     for (std::size_t i = 0; i < a[v].balls.size(); ++i) {
       EXPECT_EQ(a[v].balls[i].center, b[v].balls[i].center);  // the same bits
@@ -71,6 +74,33 @@ TEST(PaintedCsv, NamesTheLineAndWhatWasExpected) {
   EXPECT_NE(refusal("0,a,,0,0,0,1,0\n0,b,,0,0,0,1,0\n").find("same label"), std::string::npos);
   EXPECT_NE(refusal("0,a,,0,0,0,1,0\n1,a,,0,0,0,1,0\n").find("label of its own"), std::string::npos);
   EXPECT_NE(refusal("0,\"a,,0,0,0,1,0\n").find("line 2"), std::string::npos);
+}
+
+TEST(PaintedCsv, AStrokeThatIsWhollyErasedIsNotWritten) {
+  PaintedVolume volume{"v", {}};
+  volume.strokes = {{"erased", "hand"}, {"left", "hand"}};
+  volume.add({{1.0, 2.0, 3.0}, 0.1}, 5.0, 1);
+  const auto read = parse_painted(format_painted({volume}), "p.csv");
+  ASSERT_EQ(read[0].strokes.size(), 1U);
+  EXPECT_EQ(*read[0].stroke(0), (Stroke{"left", "hand", 5.0, 5.0}));
+}
+
+TEST(PaintedCsv, RefusesStrokesThatContradictThemselves) {
+  const std::string head = "volume,label,critical_parts,x,y,z,radius,time,stroke,stroke_label,source\n";
+  const auto refusal = [&](const std::string& lines) -> std::string {
+    try {
+      parse_painted(head + lines, "p.csv");
+    } catch (const DamagedFile& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("0,a,,0,0,0,1,0,0,s,me\n0,a,,0,0,0,1,0,,,\n0,a,,0,0,0,1,0,0,s,me\n"), "");
+  EXPECT_NE(refusal("0,a,,0,0,0,1,0,1,s,me\n").find("in order"), std::string::npos);
+  EXPECT_NE(refusal("0,a,,0,0,0,1,0,0.5,s,me\n").find("in order"), std::string::npos);
+  EXPECT_NE(refusal("0,a,,0,0,0,1,0,-1,s,me\n").find("in order"), std::string::npos);
+  EXPECT_NE(refusal("0,a,,0,0,0,1,0,0,s,me\n0,a,,0,0,0,1,0,0,t,me\n").find("same label"), std::string::npos);
+  EXPECT_NE(refusal("0,a,,0,0,0,1,0\n").find("the columns"), std::string::npos);
 }
 
 TEST(PaintedCsv, SurvivesRandomDamage) {
