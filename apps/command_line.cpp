@@ -75,7 +75,9 @@ Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
       app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
-  command->add_option("recording", options->recording, "MRPT rawlog, gzipped or plain")
+  command
+      ->add_option("recording", options->recording,
+                   "MRPT rawlog, gzipped or plain; or a .pcd or .ply file, or a folder of them")
       ->required()
       ->type_name("RECORDING");
   command

@@ -23,10 +23,12 @@ struct FusionCounts {
   std::size_t balls = 0;
   ScanCounts points;  ///< summed over the scans
   Eigen::Vector3d scan_origin_sum =
-      Eigen::Vector3d::Zero();        ///< of the scans, metres: from where they looked
-  std::size_t scans_refused = 0;      ///< whose origin was outside the map's key range
-  double painted_radius = 0.0;        ///< r0 of eq. 3, metres
-  double largest_center_sigma = 0.0;  ///< of the accepted samples, worst direction, metres
+      Eigen::Vector3d::Zero();          ///< of the scans, metres: from where they looked
+  std::size_t scans_without_pose = 0;   ///< at their time nothing tells where their sensor was: left out
+  std::size_t scans_without_probe = 0;  ///< no image near in time shows the probe: taken as not in the way
+  std::size_t scans_refused = 0;        ///< whose origin was outside the map's key range
+  double painted_radius = 0.0;          ///< r0 of eq. 3, metres
+  double largest_center_sigma = 0.0;    ///< of the accepted samples, worst direction, metres
   double mean_center_sigma = 0.0;
   double mean_reprojection_px = 0.0;  ///< of the probe, accepted samples
   double duration = 0.0;              ///< seconds between first and last frame
@@ -45,6 +47,7 @@ struct Fusion {
 };
 
 /// Recording -> tag poses -> painted balls and integrated scans -> one fused map.
+/// `recording`: a rawlog, or clouds (see frame_source.hpp).
 /// @param setup_file empty: the setup embedded in the recording (its first comment), if there is one.
 /// @param resolution metres; 0: the setup's, else 0.02.
 /// @throws std::invalid_argument: the recording or setup cannot be used (missing, a probe without boards, not

@@ -112,6 +112,8 @@ std::string report_json(const ReplayReport& report) {
   json["balls"] = counts.balls;
   json["scans"] = {{"count", counts.scans},
                    {"refused", counts.scans_refused},
+                   {"without_pose", counts.scans_without_pose},
+                   {"without_probe", counts.scans_without_probe},
                    {"points_inserted", counts.points.inserted},
                    {"points_beyond_range", counts.points.beyond_range},
                    {"points_invalid", counts.points.dropped_invalid},

@@ -20,7 +20,20 @@ MapSetup read_map(const YamlFields& fields) {
   map.max_range = fields.optional_number("max_range", positive);
   map.min_range = fields.optional_number("min_range", not_negative);
   map.thin_to = fields.number("thin_to", not_negative, 0);
+  if (fields.has("outliers")) {
+    const YamlFields outliers = fields.map("outliers");
+    map.outliers.emplace();
+    map.outliers->neighbours = outliers.integer("neighbours", {1, 1000}, map.outliers->neighbours);
+    map.outliers->deviations = outliers.number("deviations", not_negative, map.outliers->deviations);
+    outliers.finish();
+  }
   if (fields.has("discretize")) map.discretize = fields.boolean("discretize");
+  if (fields.has("integration")) {
+    map.integration = fields.text("integration");
+    if (map.integration != "safe" && map.integration != "compatible")
+      fields.fail("integration", "expected safe or compatible");
+  }
+  map.safe_band = fields.optional_number("safe_band", not_negative);
   if (fields.has("crop")) {
     const auto values = fields.numbers("crop", within_reach, 6);
     map.crop.emplace(Eigen::Vector3d(values.data()), Eigen::Vector3d(values.data() + 3));
@@ -62,6 +75,35 @@ std::vector<BoardSetup> read_boards(const YamlFields& fields) {
   return boards;
 }
 
+SensorSetup read_sensor(const YamlFields& fields, const Setup& setup, const std::filesystem::path& folder) {
+  SensorSetup sensor;
+  sensor.name = fields.text("name");
+  sensor.mount = fields.pose("pose", sensor.mount);
+  if (fields.has("poses")) sensor.poses = folder / fields.text("poses");
+  sensor.board = fields.text("board", "");
+  if (!sensor.board.empty()) {
+    if (!setup.board(sensor.board))
+      fields.fail("board", "expected the name of one of the boards, got '" + sensor.board + "'");
+    if (setup.board(sensor.board)->map_from_board)
+      fields.fail("board", "expected a board that moves; give the sensor's fixed place as its pose");
+    if (!sensor.poses.empty()) fields.fail("poses", "expected either a board or a file of poses");
+  }
+  sensor.max_gap = fields.number("max_gap", positive, sensor.max_gap);
+  fields.finish();
+  return sensor;
+}
+
+std::vector<SensorSetup> read_sensors(const YamlFields& fields, const Setup& setup,
+                                      const std::filesystem::path& folder) {
+  std::vector<SensorSetup> sensors;
+  std::set<std::string> names;
+  for (const auto& entry : fields.list_of_maps("sensors")) {
+    sensors.push_back(read_sensor(entry, setup, folder));
+    if (!names.insert(sensors.back().name).second) entry.fail("name", "this sensor is given twice");
+  }
+  return sensors;
+}
+
 ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   ProbeSetup probe;
   probe.board = fields.text("board");
@@ -72,6 +114,10 @@ ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   probe.robot_error = fields.number("robot_error", not_negative, 0);
   probe.tracking_error = fields.number("tracking_error", not_negative, 0);
   probe.modelling_error = fields.number("modelling_error", not_negative, 0);
+  for (const auto& entry : fields.list_of_maps("hand")) {
+    probe.hand.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", positive)});
+    entry.finish();
+  }
   if (probe.painted_radius() <= 0)
     fields.fail("ball_radius",
                 "expected more than the sum of robot_error, tracking_error and modelling_error");
@@ -115,6 +161,8 @@ RobotSetup read_robot(const YamlFields& fields) {
   robot.name = fields.text("name");
   robot.map_from_base = fields.pose("base", robot.map_from_base);
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  if (fields.has_angles("joints")) robot.joints = fields.angles("joints");
+  robot.self_margin = fields.number("self_margin", not_negative, robot.self_margin);
   fields.finish();
   return robot;
 }
@@ -173,6 +221,15 @@ const BoardSetup* Setup::board(const std::string& name) const {
   return found == boards.end() ? nullptr : &*found;
 }
 
+const SensorSetup* Setup::sensor(const std::string& label, const std::string& kind) const {
+  for (const std::string& name : {label, kind}) {
+    for (const SensorSetup& sensor : sensors) {
+      if (sensor.name == name) return &sensor;
+    }
+  }
+  return nullptr;
+}
+
 Setup parse_setup(const std::string& text, const std::string& name) {
   const YamlFields fields(text, "setup '" + name + "'");
   Setup setup;
@@ -180,6 +237,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
   if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
   setup.boards = read_boards(fields);
+  setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());
   if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));

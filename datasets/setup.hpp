@@ -12,13 +12,23 @@
 
 namespace clearway {
 
+/// Statistical outlier removal: points whose mean distance to their neighbours is that many standard
+/// deviations above the scan's mean.
+struct OutlierSetup {
+  int neighbours = 20;
+  double deviations = 2.0;
+};
+
 /// How sensors and painting become voxels. What is left out is the mapping's own default.
 struct MapSetup {
   std::optional<double> resolution;            ///< m, edge of a voxel
   std::optional<double> min_range, max_range;  ///< m, returns outside are dropped
   std::optional<Eigen::AlignedBox3d> crop;     ///< in the map frame; nothing outside is mapped
   double thin_to = 0;                          ///< m, one point per cube of this side; 0 = keep all
+  std::optional<OutlierSetup> outliers;        ///< left out: all points count
   std::optional<bool> discretize;              ///< one ray per end voxel: faster, same end voxels
+  std::optional<std::string> integration;      ///< "safe" or "compatible": what a scan frees
+  std::optional<double> safe_band;  ///< m, around a scan's hits, which safe integration does not free
 };
 
 /// A tag36h11 tag. Its frame: origin in the middle of the tag, x right and y up as one faces it, z out of the
@@ -36,12 +46,30 @@ struct BoardSetup {
   std::optional<Eigen::Isometry3d> map_from_board;
 };
 
+/// A capsule on a board: radius around the segment from `from` to `to`, metres, in the board's frame.
+struct CapsuleSetup {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  double radius = 0;
+};
+
+/// Where the scans of one sensor come from, when it is not where the recording says. One of three: fixed in
+/// the map (`mount` = map_from_sensor); on a body whose poses a file gives (`mount` = body_from_sensor); or
+/// on a board that the camera tracks (`mount` = board_from_sensor).
+struct SensorSetup {
+  std::string name;             ///< label of the sensor in the recording, or a kind of cloud
+  std::filesystem::path poses;  ///< TUM format, map_from_body; empty: no file
+  std::string board;            ///< empty: no board
+  Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
+  double max_gap = 0.5;  ///< s between the two poses around a scan, at most
+};
+
 /// The probe: a ball on a stick on a board.
 struct ProbeSetup {
   std::string board;
   Eigen::Vector3d ball_center = Eigen::Vector3d::Zero();            ///< m, in the board's frame
   double ball_radius = 0;                                           ///< m
   double robot_error = 0, tracking_error = 0, modelling_error = 0;  ///< m
+  std::vector<CapsuleSetup> hand;  ///< what holds it; scans must not see it, nor the ball and its stick
 
   /// Radius that is painted, eq. 3: r0 = r - (robot + tracking + modelling error).
   double painted_radius() const { return ball_radius - robot_error - tracking_error - modelling_error; }
@@ -69,6 +97,8 @@ struct RobotSetup {
   std::string name;  ///< in datasets/robots, or a URDF path
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::optional<double> scale;
+  std::vector<double> joints;  ///< where it stands while scans are taken; empty: it is not in their way
+  double self_margin = 0.02;   ///< m, points this near to its bodies are its own
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.
@@ -88,6 +118,7 @@ struct Setup {
   MapSetup map;
   std::optional<CameraIntrinsics> camera;  ///< overrides the recording's
   std::vector<BoardSetup> boards;
+  std::vector<SensorSetup> sensors;  ///< those that are not where the recording says
   std::optional<ProbeSetup> probe;
   std::vector<VolumeSetup> volumes;  ///< never empty: by default one, "free", over everything
   AcceptanceSetup acceptance;
@@ -96,11 +127,14 @@ struct Setup {
 
   /// The board of that name; null when there is none.
   const BoardSetup* board(const std::string& name) const;
+  /// The sensor of that label, else of that kind; null: where the recording says.
+  const SensorSetup* sensor(const std::string& label, const std::string& kind) const;
 };
 
 /// Reads a setup from YAML text; `name` is what errors call it. @throws std::invalid_argument, one sentence
 /// naming the file, the line, the key and what was expected: unknown keys (with the nearest known one),
-/// numbers that are not finite or out of range, tag ids used twice, a probe without its board.
+/// numbers that are not finite or out of range, tag ids used twice, a probe or sensor without its board.
+/// Files that it names are relative to the folder of `name`.
 Setup parse_setup(const std::string& text, const std::string& name);
 
 /// The same from a file. @throws std::invalid_argument also when it cannot be read.

@@ -66,12 +66,17 @@ void check_pcd_is_whole(const std::filesystem::path& file) {
   }
 }
 
-/// Runs in the child: the points as raw floats.
+constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
+
+/// Runs in the child: the viewpoint (x y z, qw qx qy qz) and the points as raw floats.
 std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
   if (is_pcd) check_pcd_is_whole(file);
   pcl::PCLPointCloud2 cloud;
-  const int status =
-      is_pcd ? pcl::PCDReader().read(file.string(), cloud) : pcl::PLYReader().read(file.string(), cloud);
+  Eigen::Vector4f origin = Eigen::Vector4f::Zero();
+  Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
+  int version = 0;
+  const int status = is_pcd ? pcl::PCDReader().read(file.string(), cloud, origin, turn, version)
+                            : pcl::PLYReader().read(file.string(), cloud, origin, turn, version);
   if (status < 0) throw std::runtime_error("PCL cannot read it");
   const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (count == 0) throw std::runtime_error("it holds no points");
@@ -80,13 +85,38 @@ std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
   }
   const std::size_t offsets[3] = {field_offset(cloud, "x"), field_offset(cloud, "y"),
                                   field_offset(cloud, "z")};
-  std::string points(count * sizeof(Eigen::Vector3f), '\0');
+  std::string points(viewpoint_bytes + count * sizeof(Eigen::Vector3f), '\0');
+  const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+  std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::memcpy(&points[(3 * i + axis) * sizeof(float)], &cloud.data[i * cloud.point_step + offsets[axis]],
-                  sizeof(float));
+      std::memcpy(&points[viewpoint_bytes + (3 * i + axis) * sizeof(float)],
+                  &cloud.data[i * cloud.point_step + offsets[axis]], sizeof(float));
     }
   }
+  return points;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
+  throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
+}
+
+/// What read_with_pcl gives, if it ends well in a process of its own.
+std::string read_in_child(const std::filesystem::path& file) {
+  const std::size_t size = std::filesystem::file_size(file);
+  if (size == 0) refuse(file, "it is empty");
+  const std::size_t budget = least_memory + 20 * size;
+  const bool is_pcd = file.extension() == ".pcd";
+  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, 10});
+  if (!read.finished) refuse(file, read.failure);
+  return std::move(read.output);
+}
+
+std::vector<Eigen::Vector3f> points_of(const std::string& bytes) {
+  std::vector<Eigen::Vector3f> points((bytes.size() - viewpoint_bytes) / sizeof(Eigen::Vector3f));
+  if (!points.empty())
+    std::memcpy(points.front().data(), bytes.data() + viewpoint_bytes, points.size() * sizeof(points[0]));
+  std::erase_if(points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
   return points;
 }
 
@@ -99,20 +129,21 @@ std::string raw(const std::vector<Eigen::Vector3f>& points) {
 }  // namespace
 
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
-  const auto refuse = [&](const std::string& reason) {
-    throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
-  };
-  const std::size_t size = std::filesystem::file_size(file);
-  if (size == 0) refuse("it is empty");
-  const std::size_t budget = least_memory + 20 * size;
-  const bool is_pcd = file.extension() == ".pcd";
-  const ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, 10});
-  if (!read.finished) refuse(read.failure);
-  std::vector<Eigen::Vector3f> points(read.output.size() / sizeof(Eigen::Vector3f));
-  if (!points.empty())
-    std::memcpy(points.front().data(), read.output.data(), points.size() * sizeof(points[0]));
-  std::erase_if(points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
-  return points;
+  return points_of(read_in_child(file));
+}
+
+ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
+  const std::string bytes = read_in_child(file);
+  float viewpoint[7];
+  std::memcpy(viewpoint, bytes.data(), sizeof(viewpoint));
+  const Eigen::Vector3f origin(viewpoint[0], viewpoint[1], viewpoint[2]);
+  const Eigen::Quaternionf turn(viewpoint[3], viewpoint[4], viewpoint[5], viewpoint[6]);
+  if (!origin.allFinite() || !(std::abs(turn.norm() - 1.0F) < 1e-3F)) {
+    refuse(file, "its viewpoint is not a finite place and a unit quaternion");
+  }
+  ViewedCloud cloud{points_of(bytes), Eigen::Isometry3d(turn.normalized().cast<double>())};
+  cloud.file_from_viewpoint.translation() = origin.cast<double>();
+  return cloud;
 }
 
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points, double resolution,

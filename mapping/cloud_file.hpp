@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +14,16 @@ class FusedTree;
 /// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files.
 /// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);
+
+/// A cloud and the place it was seen from, both in the file's own frame.
+struct ViewedCloud {
+  std::vector<Eigen::Vector3f> points;  ///< finite ones
+  Eigen::Isometry3d file_from_viewpoint = Eigen::Isometry3d::Identity();
+};
+
+/// The same with the file's viewpoint (VIEWPOINT of a .pcd, the camera of a .ply; the origin without one).
+/// @throws DamagedFile also for a viewpoint that is not a finite place and a unit quaternion.
+ViewedCloud read_viewed_cloud(const std::filesystem::path& file);
 
 /// A tree in which each voxel that holds a point is occupied.
 /// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest

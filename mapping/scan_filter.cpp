@@ -1,11 +1,13 @@
 #include "mapping/scan_filter.hpp"
 
+#include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -22,6 +24,11 @@ void check_filter(const ScanFilter& filter) {
   check_length(filter.min_range, "min_range");
   check_length(filter.max_range, "max_range");
   check_length(filter.thin_to, "thin_to");
+  check_length(filter.outlier_deviations, "outlier_deviations");
+  if (filter.outlier_neighbours < 0 || filter.outlier_neighbours > 1000) {
+    throw std::invalid_argument("scan filter: outlier_neighbours is " +
+                                std::to_string(filter.outlier_neighbours) + ", expected 0 to 1000");
+  }
   for (const Capsule& body : filter.bodies) {
     if (!body.a.allFinite() || !body.b.allFinite()) {
       throw std::invalid_argument(
@@ -62,6 +69,31 @@ void thin(std::vector<Eigen::Vector3f>& points, double edge) {
   for (const auto& point : thinned) points.emplace_back(point.x, point.y, point.z);
 }
 
+/// Drops the points that stand apart from the others. Rays beyond max_range end nowhere and stay.
+void drop_outliers(FilteredPoints& scan, const ScanFilter& filter) {
+  const double limit = filter.max_range > 0.0 ? filter.max_range : std::numeric_limits<double>::infinity();
+  const auto is_hit = [&](const Eigen::Vector3f& point) {
+    return (point.cast<double>() - scan.origin).norm() <= limit;
+  };
+  const auto middle = std::stable_partition(scan.points.begin(), scan.points.end(), is_hit);
+  const auto hits = static_cast<std::size_t>(middle - scan.points.begin());
+  if (hits <= static_cast<std::size_t>(filter.outlier_neighbours)) return;
+  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (auto it = scan.points.begin(); it != middle; ++it) cloud->push_back({it->x(), it->y(), it->z()});
+  pcl::StatisticalOutlierRemoval<pcl::PointXYZ> removal;
+  removal.setInputCloud(cloud);
+  removal.setMeanK(filter.outlier_neighbours);
+  removal.setStddevMulThresh(filter.outlier_deviations);
+  pcl::Indices kept;
+  removal.filter(kept);
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(kept.size() + scan.points.size() - hits);
+  for (const auto index : kept) points.push_back(scan.points[static_cast<std::size_t>(index)]);
+  points.insert(points.end(), middle, scan.points.end());
+  scan.dropped_filter += scan.points.size() - points.size();
+  scan.points = std::move(points);
+}
+
 }  // namespace
 
 bool contains(const Capsule& capsule, const Eigen::Vector3d& point) {
@@ -93,6 +125,7 @@ FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
     thin(result.points, filter.thin_to);
     result.dropped_filter += before - result.points.size();
   }
+  if (filter.outlier_neighbours > 0) drop_outliers(result, filter);
   return result;
 }
 

@@ -17,7 +17,8 @@ struct FilteredPoints {
 /// Transforms a scan into the map frame and drops what is not finite, nearer than min_range, outside the crop
 /// box, inside a body, or thinned away. Rays beyond max_range stay: they still free space. Thinning keeps one
 /// point, the centroid, per cube that holds any (pcl::VoxelGrid); a scan too wide to be thinned on 32-bit
-/// cube indices stays whole.
+/// cube indices stays whole. Last, statistical outliers go (pcl::StatisticalOutlierRemoval), among the points
+/// within max_range.
 /// @throws std::invalid_argument naming the field of the filter that is negative or not finite.
 FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter);
 

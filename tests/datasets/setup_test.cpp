@@ -54,6 +54,56 @@ TEST(Setup, EveryKeyIsRead) {
   EXPECT_EQ(setup.queries[1].goals, (std::vector<std::vector<double>>{{3, 4}}));
 }
 
+const std::string mounted = R"(
+map: {outliers: {neighbours: 12, deviations: 1.5}}
+boards:
+  - {name: base, map_from_board: [0, 0, 0, 0, 0, 0], tags: [{id: 0, size: 0.03}]}
+  - {name: rig, tags: [{id: 5, size: 0.05}]}
+sensors:
+  - {name: wall, pose: [1, 2, 3, 0, 0, 0]}
+  - {name: walker, poses: walk.txt, pose: [0, 0, 0.1, 0, 0, 0], max_gap: 0.2}
+  - {name: depth, board: rig, pose_deg: [0, 0, 0, 0, 90, 0]}
+probe: {board: rig, ball_center: [0, 0, -0.1], ball_radius: 0.02,
+        hand: [{from: [0, 0, 0], to: [0, 0, 0.1], radius: 0.06}]}
+robot: {name: puma560, joints_deg: [0, -90, 0, 0, 0, 0], self_margin: 0.03}
+)";
+
+TEST(Setup, SensorsTheHandAndTheStandingRobotAreRead) {
+  const auto setup = parse_setup(mounted, "folder/mounted.yaml");
+  EXPECT_EQ(setup.map.outliers->neighbours, 12);
+  EXPECT_EQ(setup.map.outliers->deviations, 1.5);
+  ASSERT_EQ(setup.sensors.size(), 3u);
+  EXPECT_EQ(setup.sensor("wall", "depth")->mount.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(setup.sensor("walker", "laser2d")->poses, "folder/walk.txt");
+  EXPECT_EQ(setup.sensor("walker", "laser2d")->max_gap, 0.2);
+  EXPECT_EQ(setup.sensor("kinect", "depth")->board, "rig");
+  EXPECT_EQ(setup.sensor("kinect", "laser2d"), nullptr);
+  EXPECT_EQ(setup.probe->hand.at(0).radius, 0.06);
+  EXPECT_NEAR(setup.robot->joints.at(1), -M_PI / 2, 1e-15);
+  EXPECT_EQ(setup.robot->self_margin, 0.03);
+}
+
+TEST(Setup, SensorsWithMistakesAreRefused) {
+  const auto refusal = [](const std::string& from, const std::string& to) -> std::string {
+    std::string text = mounted;
+    text.replace(text.find(from), from.size(), to);
+    try {
+      parse_setup(text, "m.yaml");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal("board: rig, pose_deg", "board: nose, pose_deg").find("got 'nose'"), std::string::npos);
+  EXPECT_NE(refusal("board: rig, pose_deg", "board: base, pose_deg").find("a board that moves"),
+            std::string::npos);
+  EXPECT_NE(refusal("board: rig, pose_deg", "board: rig, poses: a.txt, pose_deg").find("either"),
+            std::string::npos);
+  EXPECT_NE(refusal("name: walker", "name: wall").find("given twice"), std::string::npos);
+  EXPECT_NE(refusal("max_gap: 0.2", "max_gap: 0").find("max_gap"), std::string::npos);
+  EXPECT_NE(refusal("neighbours: 12", "neighbors: 12").find("neighbours"), std::string::npos);
+}
+
 TEST(Setup, DegreesAreDegreesAndRadiansRadians) {
   const auto setup = parse_setup(full, "full.yaml");
   EXPECT_NEAR(setup.queries[0].start[1], M_PI / 2, 1e-15);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -77,6 +78,55 @@ TEST(ScanFilter, AScanTooWideToThinStaysWhole) {
   EXPECT_EQ(filter_points(scan, {.thin_to = 1e-3}).points.size(), 3U);
 }
 
+TEST(ScanFilter, OutliersAreThoseWhoseNeighboursAreUnusuallyFar) {
+  Dice dice(4);
+  Scan scan;
+  for (int i = 0; i < 300; ++i) {  // a wall with a few points in front of it
+    const auto aside = dice.point(1.0).cast<float>();
+    scan.points.emplace_back(i % 30 == 0 ? 1.0F : 2.0F, aside.y(), aside.z());
+  }
+  const int neighbours = 8;
+  const double deviations = 1.5;
+  std::vector<double> mean_distances;
+  for (const Eigen::Vector3f& point : scan.points) {
+    std::vector<double> distances;
+    for (const Eigen::Vector3f& other : scan.points)
+      distances.push_back((other - point).cast<double>().norm());
+    std::sort(distances.begin(), distances.end());  // the first is the point itself
+    mean_distances.push_back(std::accumulate(distances.begin() + 1, distances.begin() + 1 + neighbours, 0.0) /
+                             neighbours);
+  }
+  const double count = static_cast<double>(scan.points.size());
+  const double mean = std::accumulate(mean_distances.begin(), mean_distances.end(), 0.0) / count;
+  double squares = 0.0;
+  for (const double value : mean_distances) squares += (value - mean) * (value - mean);
+  const double limit = mean + deviations * std::sqrt(squares / (count - 1.0));
+  std::vector<Eigen::Vector3f> expected;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    if (mean_distances[i] <= limit) expected.push_back(scan.points[i]);
+  }
+  ASSERT_LT(expected.size(), scan.points.size());
+  ScanFilter filter;
+  filter.outlier_neighbours = neighbours;
+  filter.outlier_deviations = deviations;
+  const FilteredPoints kept = filter_points(scan, filter);
+  EXPECT_EQ(kept.points, expected);
+  EXPECT_EQ(kept.points.size() + kept.dropped_filter, scan.points.size());
+}
+
+TEST(ScanFilter, RaysBeyondTheRangeAreNoOutliers) {
+  Scan scan;
+  for (int i = 0; i < 50; ++i) scan.points.emplace_back(1.0F, 0.01F * static_cast<float>(i), 0.0F);
+  scan.points.emplace_back(0.0F, 0.0F, 9.0F);   // far from the others
+  scan.points.emplace_back(0.0F, 0.0F, -1.5F);  // and so is this, a hit
+  ScanFilter filter;
+  filter.max_range = 2.0;
+  filter.outlier_neighbours = 5;
+  const FilteredPoints kept = filter_points(scan, filter);
+  EXPECT_EQ(kept.points.size(), 51U);
+  EXPECT_EQ(kept.points.back(), Eigen::Vector3f(0.0F, 0.0F, 9.0F));
+}
+
 TEST(ScanFilter, NamesTheFieldThatMakesNoSense) {
   const auto refusal = [](const ScanFilter& filter) -> std::string {
     try {
@@ -88,6 +138,8 @@ TEST(ScanFilter, NamesTheFieldThatMakesNoSense) {
   };
   EXPECT_NE(refusal({.min_range = -1.0}).find("min_range"), std::string::npos);
   EXPECT_NE(refusal({.max_range = std::nan("")}).find("max_range"), std::string::npos);
+  EXPECT_NE(refusal({.outlier_neighbours = -1}).find("outlier_neighbours"), std::string::npos);
+  EXPECT_NE(refusal({.outlier_deviations = -1.0}).find("outlier_deviations"), std::string::npos);
   EXPECT_NE(refusal({.thin_to = HUGE_VAL}).find("thin_to"), std::string::npos);
   EXPECT_NE(refusal({.crop = {}, .bodies = {{{0, 0, 0}, {0, 0, 1}, -0.1}}}).find("radius"),
             std::string::npos);
