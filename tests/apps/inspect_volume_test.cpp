@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Two balls that meet in a circle of 6 cm, a third one apart from them, and an occupied voxel in the first.
+/// Two balls that meet in a circle of 6 cm, and a third one apart from them with an occupied voxel.
 std::string dumbbell(const TemporaryFolder& folder) {
   FreeSpaceMap map({.resolution = 0.01});
   map.add_volume("tunnel", {"tool"});
@@ -19,7 +19,7 @@ std::string dumbbell(const TemporaryFolder& folder) {
   map.paint(0, {{0.16, 0.0, 0.0}, 0.1});
   map.paint(0, {{0.5, 0.0, 0.0}, 0.1});
   Scan scan;
-  scan.map_from_sensor.translation() = Eigen::Vector3d(0.0, 0.5, 0.0);
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0.5, 0.5, 0.0);
   scan.points = {{0.005F, -0.495F, 0.005F}};
   map.insert(scan);
   save_map(map.snapshot(), folder.file("map"));
