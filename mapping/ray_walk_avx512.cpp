@@ -68,6 +68,20 @@ __attribute__((target("avx512f,avx512dq"))) inline std::int64_t least_safe(const
   return _mm512_reduce_min_epi64(_mm512_min_epi64(a, b));
 }
 
+/// Through registers: loads from memory that was just written wait for the stores of earlier marks.
+__attribute__((target("avx512f,avx512dq"))) inline void mark_four(__m256i at, std::uint8_t* cells) {
+  const __m128i low = _mm256_castsi256_si128(at), high = _mm256_extracti128_si256(at, 1);
+  cells[_mm_cvtsi128_si64(low)] = 1;
+  cells[_mm_extract_epi64(low, 1)] = 1;
+  cells[_mm_cvtsi128_si64(high)] = 1;
+  cells[_mm_extract_epi64(high, 1)] = 1;
+}
+
+__attribute__((target("avx512f,avx512dq"))) inline void mark(const Eight& r, std::uint8_t* cells) {
+  mark_four(_mm512_castsi512_si256(r.at), cells);
+  mark_four(_mm512_extracti64x4_epi64(r.at, 1), cells);
+}
+
 }  // namespace
 
 __attribute__((target("avx512f,avx512dq"))) void walk_pack_avx512(RayPack& pack, std::uint8_t* cells) {
@@ -76,17 +90,12 @@ __attribute__((target("avx512f,avx512dq"))) void walk_pack_avx512(RayPack& pack,
   load(pack, 8, b);
   unsigned active = pack.active;
   std::int64_t done = 0;
-  alignas(64) std::int64_t at[RayPack::size];
-  const auto mark = [&]() __attribute__((always_inline, target("avx512f,avx512dq"))) {
-    _mm512_store_si512(at, a.at);
-    _mm512_store_si512(at + 8, b.at);
-    for (std::size_t lane = 0; lane < RayPack::size; ++lane) cells[at[lane]] = 1;
-  };
   while (active != 0) {
     for (const std::int64_t safe = least_safe(pack, active); done < safe; ++done) {
       advance(a);
       advance(b);
-      mark();
+      mark(a, cells);
+      mark(b, cells);
     }
     unsigned halted = 0;
     while (halted == 0) {
@@ -98,7 +107,8 @@ __attribute__((target("avx512f,avx512dq"))) void walk_pack_avx512(RayPack& pack,
         halt(a, halted & 0xffU, pack.origin);
         halt(b, halted >> 8U, pack.origin);
       }
-      mark();
+      mark(a, cells);
+      mark(b, cells);
     }
     active &= ~halted;
   }

@@ -3,7 +3,6 @@
 #include "mapping/scan_rays.hpp"
 
 #include <gtest/gtest.h>
-#include <octomap/OcTree.h>
 #include <octomap/ScanGraph.h>
 
 #include <cstdlib>
@@ -11,34 +10,16 @@
 
 #include "mapping/free_space_map.hpp"
 #include "tests/mapping/random_map.hpp"
+#include "tests/mapping/stock_octomap.hpp"
 
 namespace clearway {
 namespace {
 
 using testing::Dice;
+using testing::expect_equal;
+using testing::insert_stock;
 using testing::random_scan;
 constexpr Integration compatible = Integration::compatible;
-
-void insert_stock(octomap::OcTree& tree, const Scan& scan, double max_range, bool discretize) {
-  octomap::Pointcloud cloud;
-  for (const Eigen::Vector3f& point : scan.points) {
-    const Eigen::Vector3f at = (scan.map_from_sensor * point.cast<double>()).cast<float>();
-    cloud.push_back(at.x(), at.y(), at.z());
-  }
-  const Eigen::Vector3f origin = scan.map_from_sensor.translation().cast<float>();
-  tree.insertPointCloud(cloud, {origin.x(), origin.y(), origin.z()}, max_range, false, discretize);
-}
-
-void expect_equal(const octomap::OcTree& stock, const FusedTree& fused) {
-  ASSERT_EQ(stock.size(), fused.size());
-  auto it = fused.begin_tree();
-  for (auto expected = stock.begin_tree(), end = stock.end_tree(); expected != end; ++expected, ++it) {
-    ASSERT_EQ(it.getKey(), expected.getKey());
-    ASSERT_EQ(it.getDepth(), expected.getDepth());
-    ASSERT_EQ(it->getLogOdds(), expected->getLogOdds());
-    ASSERT_TRUE(it->observed());
-  }
-}
 
 TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
   for (const bool discretize : {false, true}) {
@@ -50,7 +31,7 @@ TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
         FreeSpaceMap map({.resolution = resolution, .discretize = discretize, .integration = compatible});
         for (int i = 0; i < 4; ++i) {
           const Scan scan = random_scan(dice, 400);
-          insert_stock(stock, scan, max_range > 0.0 ? max_range : -1.0, discretize);
+          insert_stock(stock, scan, max_range, discretize);
           map.insert(scan, {.max_range = max_range});
         }
         expect_equal(stock, map.snapshot().tree());
@@ -65,7 +46,7 @@ TEST(ScanRays, RepeatedScansReachClampingAsStockOctoMapDoes) {
   octomap::OcTree stock(0.05);
   FreeSpaceMap map({.resolution = 0.05, .integration = compatible});
   for (int i = 0; i < 25; ++i) {
-    insert_stock(stock, scan, -1.0, false);
+    insert_stock(stock, scan, 0.0, false);
     map.insert(scan);
   }
   expect_equal(stock, map.snapshot().tree());
@@ -86,7 +67,7 @@ TEST(ScanRays, ForeignSensorModelsAreStockOctoMapsToo) {
                     .integration = compatible});
   for (int i = 0; i < 8; ++i) {
     const Scan scan = random_scan(dice, 200);
-    insert_stock(stock, scan, -1.0, false);
+    insert_stock(stock, scan, 0.0, false);
     map.insert(scan);
   }
   expect_equal(stock, map.snapshot().tree());
@@ -207,7 +188,7 @@ TEST(ScanRays, ARealSphericalScanGivesStockOctoMapsTree) {
     for (const octomap::point3d& point : *node->scan)
       scan.points.push_back({point.x(), point.y(), point.z()});
     EXPECT_GT(scan.points.size(), 1000U);
-    insert_stock(stock, scan, -1.0, false);
+    insert_stock(stock, scan, 0.0, false);
     EXPECT_EQ(map.insert(scan).inserted, scan.points.size());
   }
   expect_equal(stock, map.snapshot().tree());
