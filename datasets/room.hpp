@@ -37,6 +37,9 @@ class FurnishedRoom {
   /// Its pose is the stated one, wrong by the pose errors asked for.
   CloudFrame frame(std::size_t index) const;
 
+  /// The pose that frame `index` comes with: the camera's own, wrong by the pose errors asked for.
+  Eigen::Isometry3d stated_pose(std::size_t index) const;
+
   /// Where the ray of frame `index` through `direction` (sensor frame, unit length) truly meets something:
   /// the range, infinite for nowhere, and the normal in the map frame. From the true pose.
   Hit truth(std::size_t index, const Eigen::Vector3d& direction) const;
@@ -49,8 +52,6 @@ class FurnishedRoom {
   const std::vector<Surface>& surfaces() const { return surfaces_; }
 
  private:
-  Eigen::Isometry3d stated_pose(std::size_t index) const;
-
   Scene scene_;
   std::uint64_t seed_;
   std::optional<RoomErrors> errors_;

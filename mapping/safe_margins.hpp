@@ -16,7 +16,7 @@ struct SafeMargins {
   double band = 0.02;
   /// A ray frees nothing within `sigmas` * sigma(range) before its end, where
   /// sigma(range) = min(noise_constant + noise_quadratic * range^2, noise_limit).
-  double sigmas = 3.0;
+  double sigmas = 2.0;
   double noise_constant = 0.0012;   ///< metres (structured light: Nguyen et al. 2012)
   double noise_quadratic = 0.0019;  ///< 1/m
   double noise_limit = 0.05;        ///< metres; a lidar's range does not make it as bad as a camera

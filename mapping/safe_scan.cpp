@@ -85,16 +85,13 @@ struct Grower {
       widen<2>(cells, z);
       add(x, z);
       add(y, z);
-    } else if (step == GrowthStep::edges) {
+    } else {
       widen<1>(x, y);
       widen<2>(x, z);
       add(y, z);
       widen<1>(cells, x);
       widen<2>(x, y);
       add(y, z);
-    } else {
-      widen<1>(x, y);
-      widen<2>(y, z);
     }
     std::swap(cells, z);
   }
@@ -132,7 +129,6 @@ std::vector<GrowthStep> growth_of(double band, double resolution) {
   if (!(band > 0.0)) return {};
   const int radius = static_cast<int>(std::min(4.0, std::round(band / resolution)));
   if (radius == 0) return {GrowthStep::faces};
-  if (radius == 1) return {GrowthStep::cube};
   std::vector<GrowthStep> steps;
   for (int i = 0; i < radius; ++i) steps.push_back(i % 2 == 0 ? GrowthStep::edges : GrowthStep::faces);
   return steps;

@@ -11,13 +11,12 @@ namespace clearway {
 enum class GrowthStep {
   faces,  ///< the 6 cells that share a face
   edges,  ///< the 18 that share a face or an edge
-  cube,   ///< all 26
 };
 
-/// The neighbourhood that a band of this width (metres, >= 0) is at this resolution, with n = band /
-/// resolution, rounded, at most 4: faces for n = 0, cube for 1, and for more in turn edges, faces, edges,
-/// faces: the cells at most n away along each axis and n + (n + 1) / 2 along all three together. None for a
-/// band of 0.
+/// The neighbourhood that a band of this width (metres, >= 0) is at this resolution. With n = band /
+/// resolution, rounded, at most 4: n steps, in turn edges and faces, which reach the cells at most n away
+/// along each axis and n + (n + 1) / 2 along all three together. Faces alone for n = 0, nothing for a band of
+/// 0.
 std::vector<GrowthStep> growth_of(double band, double resolution);
 
 /// Takes every cell within the neighbourhood of an occupied cell out of `grid`'s free cells: a scan's hit

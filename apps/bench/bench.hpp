@@ -49,6 +49,7 @@ Pair interleave(int runs, const std::function<double()>& ours, const std::functi
 
 // One benchmark a file.
 BenchResult bench_insert(const BenchOptions& options);
+BenchResult bench_erosion(const BenchOptions& options);
 BenchResult bench_cast_ray(const BenchOptions& options);
 BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);

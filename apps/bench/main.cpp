@@ -18,6 +18,8 @@ struct Entry {
 
 constexpr Entry table[] = {
     {"insert", "scan insertion against OctoMap's insertPointCloud", bench_insert},
+    {"erosion", "held-out surface points that the map calls free, ours in safe integration against OctoMap's",
+     bench_erosion},
     {"cast_ray", "rays through the map against OctoMap's castRay", bench_cast_ray},
     {"snapshot", "a snapshot against OctoMap's copy; readers beside a live writer", bench_snapshot},
     {"checks", "configuration checks against FCL shapes on fcl::OcTree", bench_checks},
