@@ -9,7 +9,7 @@ namespace clearway {
 FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous)
     : tree_(std::move(tree)), memory_limit_(memory_limit) {
   if (previous == nullptr) return;
-  const std::lock_guard lock(previous->building_);
+  const std::lock_guard lock(previous->guard_);
   for (const Entry& entry : previous->entries_) {
     const bool comparable = entry.tree->getResolution() == tree_->getResolution() &&
                             entry.tree->getOccupancyThresLog() == tree_->getOccupancyThresLog();
@@ -20,21 +20,22 @@ FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory
 std::shared_ptr<const BlockedField> FieldCache::get(const Requirement& requirement,
                                                     const Eigen::AlignedBox3d& region, double max_distance) {
   const FieldRegion cells = field_region(region, tree_->getResolution(), max_distance, memory_limit_);
-  const std::lock_guard lock(building_);
+  const std::lock_guard building(building_);  // only the one who builds changes the entries
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.requirement == requirement && entry.region.min() == region.min() &&
            entry.region.max() == region.max() && entry.max_distance == max_distance;
   });
   Entry entry{requirement, region, max_distance, nullptr, tree_};
+  const bool updatable = can_update(cells);
   if (found == entries_.end()) {
-    const bool updatable = can_update(cells);
-    make_room(field_bytes(cells, updatable));
     entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable);
   } else {
     if (found->tree == tree_) return found->space;
     entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space);
-    entries_.erase(found);
   }
+  const std::lock_guard lock(guard_);
+  if (found != entries_.end()) entries_.erase(found);
+  make_room(field_bytes(cells, updatable));
   entries_.push_back(entry);
   return entry.space;
 }

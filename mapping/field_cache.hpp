@@ -34,7 +34,8 @@ class FieldCache {
 
   std::shared_ptr<const FusedTree> tree_;
   std::size_t memory_limit_;
-  std::mutex building_;
+  std::mutex building_;  ///< one at a time builds
+  std::mutex guard_;  ///< of the entries, held briefly: whoever takes over this cache waits for no building
   std::vector<Entry>
       entries_;  ///< oldest first; of this tree, or of an earlier version and not yet asked for
 };

@@ -23,8 +23,8 @@ Voxel voxel_of(const FusedTree& tree, const FusedNode& node, const CellCube& cub
 }  // namespace
 
 struct Snapshot::State {
-  State(std::shared_ptr<const FusedTree> stored, std::vector<PaintedVolume> painted)
-      : tree(std::move(stored)), volumes(std::move(painted)), fields(tree, field_memory_limit) {}
+  State(std::shared_ptr<const FusedTree> stored, std::vector<PaintedVolume> painted, FieldCache* previous)
+      : tree(std::move(stored)), volumes(std::move(painted)), fields(tree, field_memory_limit, previous) {}
   std::shared_ptr<const FusedTree> tree;
   std::vector<PaintedVolume> volumes;
   mutable FieldCache fields;
@@ -33,7 +33,11 @@ struct Snapshot::State {
 Snapshot::Snapshot() : Snapshot(std::make_shared<const FusedTree>(1.0), {}) {}
 
 Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes)
-    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes))) {}
+    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), nullptr)) {}
+
+Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
+                   const Snapshot& previous)
+    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), &previous.state_->fields)) {}
 
 double Snapshot::resolution() const { return state_->tree->getResolution(); }
 const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->volumes; }

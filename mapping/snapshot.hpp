@@ -38,6 +38,10 @@ class Snapshot {
   /// An empty map of 1 m voxels; real ones come from FreeSpaceMap::snapshot() and load_map().
   Snapshot();
   Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes);
+  /// The same for a later version of `previous`, whose blocked spaces are then updated where it is asked for
+  /// them again, not built anew.
+  Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
+           const Snapshot& previous);
 
   double resolution() const;                          ///< metres
   const std::vector<PaintedVolume>& volumes() const;  ///< exact balls; empty for a bare tree

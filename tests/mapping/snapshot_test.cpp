@@ -131,6 +131,30 @@ TEST(Snapshot, SharesABlockedSpaceThatWasBuiltForTheSameArguments) {
   EXPECT_NE(map.blocked_space({Policy::painted}, box_around(0.5), 0.31), space);
 }
 
+TEST(Snapshot, BlockedSpacesOfALaterSnapshotAreThoseOfItsOwnTree) {
+  FreeSpaceMap map = testing::random_map(6);
+  testing::Dice dice(12);
+  std::size_t compared = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Snapshot snapshot = map.snapshot();
+    const Snapshot alone(std::make_shared<const FusedTree>(snapshot.tree()), snapshot.volumes());
+    for (const Policy policy : {Policy::painted, Policy::known_free, Policy::not_occupied}) {
+      if (i == 3 && policy == Policy::painted) continue;  // this one is asked for again two versions later
+      const auto updated = snapshot.blocked_space({policy, 1}, box_around(0.8), 0.4);
+      const auto built = alone.blocked_space({policy, 1}, box_around(0.8), 0.4);
+      EXPECT_EQ(updated->blocked_count(), built->blocked_count());
+      for (int k = 0; k < 500; ++k, ++compared) {
+        const Eigen::Vector3d point = dice.point(0.9);
+        ASSERT_EQ(updated->clearance(point), built->clearance(point));
+        ASSERT_EQ(updated->is_blocked(point), built->is_blocked(point));
+      }
+    }
+    if (i % 2 == 0) map.insert(testing::random_scan(dice, 100));
+    if (i % 2 == 1) map.paint(0, testing::random_ball(dice));
+  }
+  EXPECT_GT(compared, 10000U);
+}
+
 TEST(Snapshot, IsReadFromManyThreadsWhileTheMapIsWritten) {
   FreeSpaceMap map = testing::random_map(4);
   const Snapshot snapshot = map.snapshot();
