@@ -161,6 +161,25 @@ TEST(MapFile, ACloudBecomesTheVoxelsThatHoldItsPoints) {
   EXPECT_THROW(load_map(folder / "far.pcd", 0.1), std::invalid_argument);
 }
 
+TEST(MapFile, ACloudKeepsThePlaceItWasSeenFrom) {
+  const TemporaryFolder folder;
+  std::string bytes = format_pcd({{1.0F, 2.0F, 3.0F}, {-1.0F, 0.5F, 0.25F}});
+  const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+  bytes.replace(bytes.find(none), none.size(), "VIEWPOINT 0.5 -1 2 0.70710678 0 0 0.70710678");
+  write_all(folder / "a.pcd", bytes);
+  const ViewedCloud cloud = read_viewed_cloud(folder / "a.pcd");
+  EXPECT_EQ(cloud.points, read_cloud(folder / "a.pcd"));
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_LT((cloud.file_from_viewpoint * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.5, 0.0, 2.0)).norm(),
+            1e-6);
+  write_all(folder / "b.ply", format_ply({{1.0F, 2.0F, 3.0F}}));
+  EXPECT_TRUE(
+      read_viewed_cloud(folder / "b.ply").file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity()));
+  bytes.replace(bytes.find("0.70710678 0 0"), 14, "0 0 0 0 0 0 00");
+  write_all(folder / "c.pcd", bytes);
+  EXPECT_THROW(read_viewed_cloud(folder / "c.pcd"), DamagedFile);
+}
+
 TEST(MapFile, DamagedCloudsNeverCrash) {
   const TemporaryFolder folder;
   Dice dice(7);
