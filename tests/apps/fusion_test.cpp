@@ -5,12 +5,16 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "datasets/recording.hpp"
+#include "datasets/scene.hpp"
+#include "datasets/simulate.hpp"
 #include "mapping/cloud_file.hpp"
 #include "planning/kinematics.hpp"
 #include "planning/robot.hpp"
 #include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/small_scene.hpp"
 
 namespace clearway {
 namespace {
@@ -143,6 +147,96 @@ TEST(Fusion, TheStandingRobotDoesNotSeeItself) {
   EXPECT_EQ(fusion.counts.points.dropped_filter, own.size() - 1);
   EXPECT_EQ(state_at(fusion, (eye + wall).cast<double>()), VoxelState::occupied);
   EXPECT_THROW(fused(folder / "r.rawlog", folder / "bad.yaml"), std::invalid_argument);
+}
+
+/// Half a second of a stroke before tags, with scans of our own among its images: a sensor on the
+/// probe's board that sees one point, and one fixed in the room that sees the probe.
+class FusionWithTags : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_text(folder_ / "setup.yaml", small_setup);
+    Scene scene = parse_scene(small_scene, "small scene", folder_ / "");
+    scene.depth.reset();
+    simulate(scene, folder_ / "stroke.rawlog");
+    std::ifstream(folder_ / "truth.json") >> truth_;
+    RecordingReader reader(folder_ / "stroke.rawlog");
+    RecordingWriter writer(folder_ / "r.rawlog");
+    while (auto frame = reader.next()) {
+      if (std::holds_alternative<ImageFrame>(frame->content)) {
+        const double time = frame->time;
+        writer.write(scan_frame(time, "carried", {Eigen::Vector3f(0.2F, 0.0F, 0.0F)}));
+        times_.push_back(time);
+      }
+      if (!std::holds_alternative<CommentFrame>(frame->content)) writer.write(*frame);
+    }
+    writer.write(scan_frame(times_.back() + 60.0, "carried", {Eigen::Vector3f(0.2F, 0.0F, 0.0F)}));
+    writer.finish();
+    setup_text_ = small_setup;
+  }
+
+  Eigen::Isometry3d map_from_probe(std::size_t image) const {
+    const auto v = truth_["frames"][image]["map_from_probe"].get<std::vector<double>>();
+    Eigen::Isometry3d pose(Eigen::Quaterniond(v[3], v[4], v[5], v[6]));
+    pose.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+    return pose;
+  }
+
+  const ScratchFolder folder_;
+  nlohmann::json truth_;
+  std::string setup_text_;
+  std::vector<double> times_;
+};
+
+TEST_F(FusionWithTags, ASensorOnATaggedBoardIsWhereTheCameraSeesTheBoard) {
+  write_text(folder_ / "s.yaml",
+             setup_text_ + "sensors: [{name: carried, board: probe, pose: [0, 0, 0.05, 0, 0, 0]}]\n");
+  const Fusion fusion = fused(folder_ / "r.rawlog", folder_ / "s.yaml", 0.01);
+  EXPECT_EQ(fusion.counts.scans, times_.size() + 1);
+  EXPECT_GE(fusion.counts.scans_without_pose, 1U);  // the last, a minute after the last image
+  EXPECT_LT(fusion.counts.scans_without_pose, times_.size());
+  const Snapshot map = fusion.map.snapshot();
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    const Eigen::Vector3d expected = map_from_probe(i) * Eigen::Vector3d(0.2, 0.0, 0.05);
+    bool hit = false;
+    for (int corner = 0; corner < 27; ++corner) {  // within a voxel
+      const Eigen::Vector3d step(corner % 3 - 1, corner / 3 % 3 - 1, corner / 9 - 1);
+      const VoxelState state = map.state(expected + 0.01 * step);
+      hit = hit || state == VoxelState::occupied || state == VoxelState::conflict;
+    }
+    near += hit;
+  }
+  EXPECT_GE(near + fusion.counts.scans_without_pose, times_.size());
+}
+
+TEST_F(FusionWithTags, TheProbeAndTheHandAreNoObstacles) {
+  RecordingReader reader(folder_ / "stroke.rawlog");
+  RecordingWriter writer(folder_ / "seen.rawlog");
+  std::size_t image = 0;
+  const Eigen::Isometry3d place(Eigen::Translation3d(-0.4, 0.0, 0.5));
+  const Eigen::Vector3d ball(0.0, 0.0, -0.08), hand(0.0, 0.0, 0.06), elsewhere(0.1, 0.0, 0.05);
+  while (auto frame = reader.next()) {
+    if (std::holds_alternative<CommentFrame>(frame->content)) continue;
+    if (std::holds_alternative<ImageFrame>(frame->content)) {
+      std::vector<Eigen::Vector3f> points;
+      for (const Eigen::Vector3d& on_probe : {ball, hand, elsewhere}) {
+        points.push_back((place.inverse() * map_from_probe(image) * on_probe).cast<float>());
+      }
+      writer.write(scan_frame(frame->time + 1e-3, "room", points, place));
+      ++image;
+    }
+    writer.write(*frame);
+  }
+  writer.finish();
+  std::string with_hand = setup_text_;
+  const auto at = with_hand.rfind("ball_radius");
+  ASSERT_NE(at, std::string::npos);
+  with_hand.insert(at, "hand: [{from: [0, 0, 0.02], to: [0, 0, 0.1], radius: 0.03}], ");
+  write_text(folder_ / "s.yaml", with_hand);
+  const Fusion fusion = fused(folder_ / "seen.rawlog", folder_ / "s.yaml", 0.005);
+  const std::size_t unseen = fusion.counts.scans_without_probe;
+  EXPECT_LT(unseen, image);
+  EXPECT_EQ(fusion.counts.points.inserted, (image - unseen) + 3 * unseen);
 }
 
 }  // namespace
