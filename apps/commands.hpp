@@ -66,9 +66,18 @@ struct InspectOptions {
   std::filesystem::path map;
   std::vector<std::string> at;                              ///< "X,Y,Z"
   std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
+  std::string clearance;  ///< policy whose clearance the slices show; or empty
   std::vector<std::filesystem::path> exports;
-  std::filesystem::path view;  ///< HTML
-  bool holes = false;          ///< quality of the painted volumes
+  std::filesystem::path view;     ///< HTML
+  bool holes = false;             ///< quality of the painted volumes
+  std::vector<std::string> rays;  ///< "ox,oy,oz,dx,dy,dz"
+  bool conflicts = false;         ///< list them
+  std::filesystem::path diff;     ///< map to compare with; empty: none
+  // A new map made of this one, in this order; all else is then asked of it.
+  std::filesystem::path merge;    ///< map to add; empty: none
+  std::string crop;               ///< "x0,y0,z0,x1,y1,z1"; empty: all of it
+  std::optional<double> coarsen;  ///< edge of a voxel, metres
+  std::filesystem::path save;     ///< folder for the new map; empty: none
 };
 int run_inspect(const InspectOptions& options, Console& console);
 

@@ -10,7 +10,7 @@ namespace clearway {
 
 using Json = nlohmann::ordered_json;
 
-Json describe_point(const Snapshot& map, const Eigen::Vector3d& point) {
+Json describe_point(const Snapshot& map, const Provenance* provenance, const Eigen::Vector3d& point) {
   const Voxel voxel = map.voxel(point);
   Json json{{"point", to_json(point)}, {"state", to_string(voxel.state)}, {"observed", voxel.observed}};
   if (voxel.observed) {
@@ -27,6 +27,7 @@ Json describe_point(const Snapshot& map, const Eigen::Vector3d& point) {
   for (const PaintedVolume& volume : map.volumes()) {
     if (volume.contains(point)) json["inside_exact_balls"].push_back(volume.label);
   }
+  if (provenance != nullptr) json["provenance"] = describe_provenance(*provenance, map, point);
   const double reach = 40.0 * map.resolution();
   const Eigen::AlignedBox3d region(point - Eigen::Vector3d::Constant(reach),
                                    point + Eigen::Vector3d::Constant(reach));
@@ -49,6 +50,9 @@ void print_point(const Json& json, std::ostream& out) {
   }
   rows.emplace_back("painted by", join(json["painted_by"]));
   rows.emplace_back("inside exact balls of", join(json["inside_exact_balls"]));
+  if (json.contains("provenance")) {
+    for (auto& row : provenance_rows(json["provenance"])) rows.push_back(std::move(row));
+  }
   for (const auto& [policy, metres] : json["clearance_m"].items()) {
     rows.emplace_back("clearance, " + policy, ">= " + millimetres(metres));
   }

@@ -70,7 +70,7 @@ void require_file_name(const std::string& name) {
 
 /// What an earlier replay left in this folder was made from another map: it goes before the new map comes.
 void remove_stale(const std::filesystem::path& out) {
-  for (const char* name : {"report.json", "report.html"}) std::filesystem::remove(out / name);
+  for (const char* name : {"report.json", "report.html", "provenance.bin"}) std::filesystem::remove(out / name);
   std::vector<std::filesystem::path> plans;
   for (const auto& entry : std::filesystem::directory_iterator(out / "plans")) {
     if (entry.is_regular_file() && entry.path().extension() == ".json") plans.push_back(entry.path());
@@ -197,6 +197,8 @@ int run_replay(const ReplayOptions& options, Console& console) {
   prepare_output(options.out);
   remove_stale(options.out);
   save_map(report.map, options.out);
+  report.provenance = fusion.map.provenance();
+  save_provenance(report.provenance, options.out);
   report.timings.emplace_back("save map", seconds_since(begin));
 
   begin = Clock::now();

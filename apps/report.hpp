@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/fusion.hpp"
+#include "mapping/provenance.hpp"
 #include "mapping/snapshot.hpp"
 #include "planning/configuration_space.hpp"
 #include "planning/plan_file.hpp"
@@ -26,6 +27,7 @@ struct ReplayReport {
   std::filesystem::path recording;
   const Fusion* fusion = nullptr;
   Snapshot map;
+  Provenance provenance;
   std::vector<ReplayPlan> plans;
   std::string planning_problem;  ///< why queries could not be asked at all; empty when they could
   std::vector<std::pair<std::string, double>> timings;  ///< stage, seconds

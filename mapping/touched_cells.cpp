@@ -74,38 +74,61 @@ class Reader {
 
   bool sound() const { return sound_; }
 
-  /// Calls `visit(corner, words)` for each tile until it returns false.
-  template <class Visit>
-  void visit(const Visit& visit) {
+  /// Calls `visit(corner, words)` for each tile of which `wants(corner)` is true, until it returns false.
+  template <class Wants, class Visit>
+  void visit(const Wants& wants, const Visit& visit) {
     std::array<std::uint64_t, ScanTile::words> words{};
     while (sound_ && at_ < bytes_.size()) {
       Eigen::Vector3i corner;
       for (int axis = 0; axis < 3; ++axis) corner[axis] = static_cast<std::int16_t>(get(2));
-      read_words(words);
+      const Codes codes = read_codes();
+      if (!wants(corner)) {
+        skip_words(codes);
+        continue;
+      }
+      read_words(codes, words);
       if (sound_ && !visit(corner, words)) return;
     }
   }
 
  private:
+  /// Goes on by `count` bytes; false, and no more to read, when there are not as many.
+  bool skip(std::size_t count) {
+    sound_ = sound_ && bytes_.size() - at_ >= count;
+    at_ = sound_ ? at_ + count : bytes_.size();
+    return sound_;
+  }
+
   std::uint64_t get(std::size_t count) {
-    if (bytes_.size() - at_ < count) {
-      sound_ = false;
-      at_ = bytes_.size();
-      return 0;
-    }
+    const std::size_t from = at_;
+    if (!skip(count)) return 0;
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < count; ++i)
-      value |= std::uint64_t{static_cast<unsigned char>(bytes_[at_ + i])} << 8 * i;
-    at_ += count;
+      value |= std::uint64_t{static_cast<unsigned char>(bytes_[from + i])} << 8 * i;
     return value;
   }
 
-  void read_words(std::array<std::uint64_t, ScanTile::words>& words) {
-    std::array<unsigned, cubes> codes{};
+  using Codes = std::array<unsigned, cubes>;
+
+  Codes read_codes() {
+    Codes codes{};
     for (std::size_t i = 0; i < cubes; i += 4) {
       const std::uint64_t four = get(1);
       for (std::size_t j = 0; j < 4; ++j) codes[i + j] = static_cast<unsigned>(four >> 2 * j & 3U);
     }
+    return codes;
+  }
+
+  void skip_words(const Codes& codes) {
+    constexpr std::uint64_t high_bits = 0xaaaaU;  // of a code: set for `some`
+    for (const unsigned code : codes) {
+      if (code != some) continue;
+      const std::uint64_t of_words = get(2);
+      skip(8 * static_cast<std::size_t>(std::popcount(of_words & high_bits & ~(of_words << 1U))));
+    }
+  }
+
+  void read_words(const Codes& codes, std::array<std::uint64_t, ScanTile::words>& words) {
     for (std::size_t cube = 0; cube < cubes; ++cube) {
       const std::uint64_t of_words = codes[cube] == some ? get(2) : codes[cube] == every ? 0x5555U : 0U;
       for (std::size_t i = 0; i < words_per_cube; ++i) {
@@ -119,6 +142,8 @@ class Reader {
   std::size_t at_ = 0;
   bool sound_ = true;
 };
+
+bool every_tile(const Eigen::Vector3i&) { return true; }
 
 }  // namespace
 
@@ -138,9 +163,11 @@ TouchedCells::TouchedCells(std::string packed, std::uint32_t raw_bytes)
 bool TouchedCells::contains(const Eigen::Vector3i& cell) const {
   bool found = false;
   Reader reader(packed_, raw_bytes_);
-  reader.visit([&](const Eigen::Vector3i& corner, const auto& words) {
+  const auto holds = [&](const Eigen::Vector3i& corner) {
     const Eigen::Array3i local = cell.array() - corner.array();
-    if ((local < 0).any() || (local >= ScanTile::edge).any()) return true;
+    return (local >= 0).all() && (local < ScanTile::edge).all();
+  };
+  reader.visit(holds, [&](const Eigen::Vector3i&, const auto& words) {
     const unsigned bit = ScanTile::bit_of(cell);
     found = (words[bit >> 6U] >> (bit & 63U) & 1U) != 0;
     return false;
@@ -151,7 +178,7 @@ bool TouchedCells::contains(const Eigen::Vector3i& cell) const {
 std::size_t TouchedCells::count() const {
   std::size_t cells = 0;
   Reader reader(packed_, raw_bytes_);
-  reader.visit([&](const Eigen::Vector3i&, const auto& words) {
+  reader.visit(every_tile, [&](const Eigen::Vector3i&, const auto& words) {
     for (const std::uint64_t word : words) cells += static_cast<std::size_t>(std::popcount(word));
     return true;
   });
@@ -160,7 +187,7 @@ std::size_t TouchedCells::count() const {
 
 bool TouchedCells::is_sound() const {
   Reader reader(packed_, raw_bytes_);
-  reader.visit([](const Eigen::Vector3i&, const auto&) { return true; });
+  reader.visit(every_tile, [](const Eigen::Vector3i&, const auto&) { return true; });
   return reader.sound();
 }
 

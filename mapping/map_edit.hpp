@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "mapping/snapshot.hpp"
+
+namespace clearway {
+
+// Maps made of maps. None calls a voxel free that its sources do not; the exact balls go with the voxels, and
+// painted voxels lie in the union of the balls that remain.
+
+/// Both maps in one: log-odds of the sensors are added and clamped where both observed, painted volumes of
+/// the same label become one (balls that both hold count once). What one map calls occupied and the other
+/// painted becomes a conflict. Adding supposes independent scans: a scan that is in both maps counts twice.
+/// @throws std::invalid_argument when resolution, occupancy threshold or the critical parts of a common
+/// volume
+///         differ, or there would be more than 15 volumes.
+Snapshot merge(const Snapshot& map, const Snapshot& other);
+
+/// The voxels of a box, snapped outwards to voxels; all else is unknown. Balls that do not reach the box go;
+/// the others stay whole.
+/// @throws std::invalid_argument for an empty or non-finite box.
+Snapshot crop(const Snapshot& map, const Eigen::AlignedBox3d& box);
+
+/// The same map in voxels of `resolution`, conservatively: a coarse voxel is
+///   painted by a volume when all of its voxels are;
+///   occupied (or a conflict, when it is painted) when any of its voxels is;
+///   seen free when all of its voxels were observed and none is occupied; else unknown, if not painted.
+/// @throws std::invalid_argument unless `resolution` is 2, 4, 8 ... times the map's, and at most 100 m.
+Snapshot coarsen(const Snapshot& map, double resolution);
+
+}  // namespace clearway
