@@ -18,7 +18,7 @@ Eigen::AlignedBox3d box_around(double reach) {
 
 /// One ray along x from the origin's voxel that ends at 0.55 m, and paint around 0.35 to 0.75 m.
 FreeSpaceMap corridor() {
-  FreeSpaceMap map({.resolution = 0.1});
+  FreeSpaceMap map({.resolution = 0.1, .integration = Integration::compatible});
   map.add_volume("paint", {"tool"});
   Scan scan;
   scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.05);
