@@ -46,6 +46,15 @@ inline __attribute__((always_inline)) void lower_body(const std::uint16_t* cente
   }
 }
 
+template <int Bytes>
+inline __attribute__((always_inline)) bool above_body(const std::uint16_t* numbers, std::uint16_t limit) {
+  using Vector = typename VectorOf<std::uint16_t, Bytes>::type;
+  for (int part = 0; part < lane_cells; part += Bytes / 2) {
+    if (any_above<Bytes>(*reinterpret_cast<const Vector*>(numbers + part), limit)) return true;
+  }
+  return false;
+}
+
 /// 0xff for each set bit of a byte.
 constexpr std::array<std::uint64_t, 256> make_spread() {
   std::array<std::uint64_t, 256> spread{};
@@ -106,6 +115,9 @@ inline __attribute__((always_inline)) void square_body(const std::uint8_t* steps
   }
 }
 
+bool above_portable(const std::uint16_t* numbers, std::uint16_t limit) {
+  return above_body<16>(numbers, limit);
+}
 void lower_portable(const std::uint16_t* center, std::ptrdiff_t stride, const std::uint16_t* gaps,
                     int nearest, int window, std::uint16_t* out) {
   lower_body<16>(center, stride, gaps, nearest, window, out);
@@ -118,6 +130,9 @@ void square_portable(const std::uint8_t* steps, int window, std::uint16_t cap, s
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)
+__attribute__((target("avx2"))) bool above_avx2(const std::uint16_t* numbers, std::uint16_t limit) {
+  return above_body<32>(numbers, limit);
+}
 __attribute__((target("avx2"))) void lower_avx2(const std::uint16_t* center, std::ptrdiff_t stride,
                                                 const std::uint16_t* gaps, int nearest, int window,
                                                 std::uint16_t* out) {
@@ -131,6 +146,9 @@ __attribute__((target("avx2"))) void square_avx2(const std::uint8_t* steps, int 
                                                  std::uint16_t* squared) {
   square_body<32>(steps, window, cap, squared);
 }
+__attribute__((target("avx512bw"))) bool above_avx512(const std::uint16_t* numbers, std::uint16_t limit) {
+  return above_body<64>(numbers, limit);
+}
 __attribute__((target("avx512bw"))) void lower_avx512(const std::uint16_t* center, std::ptrdiff_t stride,
                                                       const std::uint16_t* gaps, int nearest, int window,
                                                       std::uint16_t* out) {
@@ -139,6 +157,43 @@ __attribute__((target("avx512bw"))) void lower_avx512(const std::uint16_t* cente
 #endif
 
 }  // namespace
+
+namespace {
+
+/// The least number before and after among those that differ, of 32; 16 bytes at a time, as every machine
+/// can.
+template <class Number>
+Number least_of_changed(const Number* before, const Number* after) {
+  using Vector = typename VectorOf<Number, 16>::type;
+  constexpr int width = 16 / sizeof(Number);
+  Vector least = ~Vector{};
+  for (int part = 0; part < lane_cells; part += width) {
+    const Vector was = *reinterpret_cast<const Vector*>(before + part);
+    const Vector is = *reinterpret_cast<const Vector*>(after + part);
+    const Vector lower = (was < is ? was : is) | reinterpret_cast<Vector>(was == is);
+    least = lower < least ? lower : least;
+  }
+  Number result = least[0];
+  for (int i = 1; i < width; ++i) result = std::min<Number>(result, least[i]);
+  return result;
+}
+
+}  // namespace
+
+LineChange line_change(const std::uint16_t* before, const std::uint16_t* after) {
+  LineChange change;
+  change.least = least_of_changed(before, after);
+  int first = 0, last = lane_cells - 1;
+  while (before[first] == after[first]) ++first;
+  while (before[last] == after[last]) --last;
+  change.first = static_cast<std::uint8_t>(first);
+  change.last = static_cast<std::uint8_t>(last);
+  return change;
+}
+
+std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after) {
+  return least_of_changed(before, after);
+}
 
 Vectors widest_vectors() {
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -152,7 +207,12 @@ Vectors widest_vectors() {
 }
 
 DistanceAxes::DistanceAxes(std::uint16_t cap, Vectors vectors)
-    : cap_(cap), window_(0), lower_(lower_portable), count_(count_portable), square_(square_portable) {
+    : cap_(cap),
+      window_(0),
+      lower_(lower_portable),
+      above_(above_portable),
+      count_(count_portable),
+      square_(square_portable) {
   while (gap_squared(window_ + 1) < cap) ++window_;
   for (int steps = 0; steps <= window_ + unroll; ++steps) {
     gaps_.push_back(static_cast<std::uint16_t>(std::min(gap_squared(steps), int{cap})));
@@ -160,6 +220,7 @@ DistanceAxes::DistanceAxes(std::uint16_t cap, Vectors vectors)
 #if defined(__x86_64__) && defined(__GNUC__)
   if (vectors == Vectors::portable) return;
   lower_ = vectors == Vectors::avx2 ? lower_avx2 : lower_avx512;
+  above_ = vectors == Vectors::avx2 ? above_avx2 : above_avx512;
   count_ = count_avx2;
   square_ = square_avx2;
 #else

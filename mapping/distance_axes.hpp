@@ -16,6 +16,20 @@ constexpr std::uint16_t largest_cap = 32767;
 /// Squared distance along one axis, in half voxels, from a cell's centre to the cube `steps` cells away.
 constexpr int gap_squared(int steps) { return steps == 0 ? 0 : (2 * steps - 1) * (2 * steps - 1); }
 
+/// What changed in 32 cells: the least of the numbers before and after among the cells that differ, and the
+/// first and last of them.
+struct LineChange {
+  std::uint16_t least = 0xffff;  ///< so when none differs
+  std::uint8_t first = 0, last = 0;
+  bool any() const { return least != 0xffff; }
+};
+
+/// @param before, after 32 numbers below 0xffff, some of which differ.
+LineChange line_change(const std::uint16_t* before, const std::uint16_t* after);
+
+/// The least of 32 steps before and after, among those that differ.
+std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after);
+
 /// Which vector registers the hot loops use. Integers only, so all give the same result.
 enum class Vectors { portable, avx2, avx512 };
 
@@ -47,6 +61,11 @@ class DistanceAxes {
   /// Squares 32 steps. Returns true when any of them is below the cap.
   bool square_steps(const std::uint8_t* steps, std::uint16_t* squared) const;
 
+  /// True when any of 32 numbers is at least `value`.
+  bool any_at_least(const std::uint16_t* numbers, std::uint16_t value) const {
+    return value == 0 || above_(numbers, static_cast<std::uint16_t>(value - 1));
+  }
+
   /// Second and third axis, for 32 cells: out[k] = min over |d| <= window() of
   /// center[k + d * stride] + gap_squared(d), where nothing nearer than `nearest` steps needs looking at but
   /// the cells themselves. Reads margin() strides either side. `out` must not overlap the input.
@@ -61,9 +80,12 @@ class DistanceAxes {
   using Count = void (*)(const std::uint32_t*, int, int, int, std::uint8_t*);
   using Square = void (*)(const std::uint8_t*, int, std::uint16_t, std::uint16_t*);
 
+  using Above = bool (*)(const std::uint16_t*, std::uint16_t);
+
   std::uint16_t cap_;
   int window_;
   Lower lower_;
+  Above above_;
   Count count_;
   Square square_;
   std::vector<std::uint16_t> gaps_;  ///< squared, by steps; a few beyond the window

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "mapping/tile_pool.hpp"
+
 namespace clearway {
 
 TiledCells::TiledCells(const Eigen::Vector3i& size, std::uint16_t value)
     : size_((size.x() + nx - 1) / nx, (size.y() + ny - 1) / ny, (size.z() + nz - 1) / nz) {
-  const auto uniform = std::make_shared<Tile>();
+  const auto uniform = std::allocate_shared<Tile>(TileAllocator<Tile>());
   uniform->fill(value);
   tiles_.assign(size_.cast<std::size_t>().prod(), uniform);
   shared_.assign(tiles_.size(), 1);
@@ -19,7 +21,7 @@ bool TiledCells::write(int lane, int y, int z, const std::uint16_t* line) {
   std::uint16_t* cells = tiles_[index]->data() + offset(y, z);
   if (std::memcmp(cells, line, bytes) == 0) return false;
   if (shared_[index] != 0) {
-    tiles_[index] = std::make_shared<Tile>(*tiles_[index]);
+    tiles_[index] = std::allocate_shared<Tile>(TileAllocator<Tile>(), *tiles_[index]);
     shared_[index] = 0;
     cells = tiles_[index]->data() + offset(y, z);
   }
