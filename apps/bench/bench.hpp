@@ -55,6 +55,7 @@ BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);
 BenchResult bench_load(const BenchOptions& options);
 BenchResult bench_paint(const BenchOptions& options);
+BenchResult bench_provenance(const BenchOptions& options);
 BenchResult bench_bodies(const BenchOptions& options);
 
 }  // namespace clearway::bench

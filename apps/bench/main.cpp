@@ -25,6 +25,7 @@ constexpr Entry table[] = {
     {"checks", "configuration checks against FCL shapes on fcl::OcTree", bench_checks},
     {"load", "loading a map of 10 million nodes against octomap::OcTree", bench_load},
     {"paint", "painting balls along a stroke against OctoMap's updateNode", bench_paint},
+    {"provenance", "inserting scans with keeping what they touched against without", bench_provenance},
     {"bodies", "bodies in a painted volume: its voxels against the exact balls", bench_bodies},
 };
 

@@ -1,0 +1,70 @@
+// What keeping scans costs: inserting with it against without, bytes a scan, a look-up; erasing and undoing.
+
+#include "mapping/provenance.hpp"
+
+#include "apps/bench/bench.hpp"
+#include "datasets/room.hpp"
+#include "mapping/free_space_map.hpp"
+
+namespace clearway::bench {
+namespace {
+
+Scan scan_of(const CloudFrame& frame) {
+  Scan scan;
+  scan.sensor = frame.kind;
+  scan.map_from_sensor = frame.world_from_sensor;
+  scan.points = frame.points;
+  return scan;
+}
+
+/// A dense stroke of 1,000 balls of 4 cm along 2 m.
+void paint_stroke(FreeSpaceMap& map) {
+  map.begin_stroke("stroke");
+  for (int i = 0; i < 1000; ++i) map.paint(0, {{0.5 + 0.002 * i, 1.0, 1.0}, 0.04});
+}
+
+}  // namespace
+
+BenchResult bench_provenance(const BenchOptions& options) {
+  const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
+  const FurnishedRoom room(static_cast<std::size_t>(options.runs), 1, 1.0);
+  FreeSpaceMap keeping({.resolution = resolution}), plain({.resolution = resolution});
+  keeping.keep_scans();
+  std::size_t next_ours = 0, next_peer = 0;
+  const auto insert = [&](FreeSpaceMap& map, std::size_t& next) {
+    const Scan scan = scan_of(room.frame(next++));
+    return 1e3 * cpu_seconds([&] { map.insert(scan); });
+  };
+  const Pair pair = interleave(
+      options.runs, [&] { return insert(keeping, next_ours); }, [&] { return insert(plain, next_peer); });
+
+  const Provenance provenance = keeping.provenance();
+  const double scans = static_cast<double>(provenance.scans.scans().size());
+  const double look_up =
+      cpu_seconds([&] { static_cast<void>(provenance.scans.touched(Eigen::Vector3i(25, 25, 25))); });
+  const double file_bytes = static_cast<double>(format_provenance(provenance).size());
+
+  keeping.add_volume("tunnel", {});
+  const double paint = cpu_seconds([&] { paint_stroke(keeping); });
+  std::vector<double> erasing;
+  for (int i = 0; i < options.runs; ++i) {
+    keeping.begin_stroke("eraser");
+    erasing.push_back(1e3 * cpu_seconds([&] { keeping.erase(0, {{0.6 + 0.15 * i, 1.0, 1.0}, 0.04}); }));
+  }
+  const double undo = cpu_seconds([&] { keeping.undo_stroke(0); });
+  return {pair.ours,
+          pair.peer,
+          "inserting without keeping scans",
+          "CPU ms per scan",
+          true,
+          options.runs,
+          {{"resolution", resolution},
+           {"bytes_per_scan", static_cast<double>(provenance.scans.bytes()) / scans},
+           {"file_bytes", file_bytes},
+           {"look_up_ms_per_scan", 1e3 * look_up / scans},
+           {"paint_1000_balls_ms", 1e3 * paint},
+           {"erase_ms", median(erasing)},
+           {"undo_1000_balls_ms", 1e3 * undo}}};
+}
+
+}  // namespace clearway::bench
