@@ -18,7 +18,14 @@ SceneStroke sample_stroke() {
   return stroke;
 }
 
-const ProbeSetup probe{"probe", {0.01, 0.02, -0.1}, 0.02};
+ProbeSetup probe_setup() {
+  ProbeSetup setup;
+  setup.board = "probe";
+  setup.ball_center = {0.01, 0.02, -0.1};
+  setup.ball_radius = 0.02;
+  return setup;
+}
+const ProbeSetup probe = probe_setup();
 
 TEST(ProbeMotion, GoesThroughTheWaypointsInOrderAtConstantSpeed) {
   const SceneStroke stroke = sample_stroke();

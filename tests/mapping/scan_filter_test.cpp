@@ -82,7 +82,7 @@ TEST(ScanFilter, OutliersAreThoseWhoseNeighboursAreUnusuallyFar) {
   Dice dice(4);
   Scan scan;
   for (int i = 0; i < 300; ++i) {  // a wall with a few points in front of it
-    const auto aside = dice.point(1.0).cast<float>();
+    const Eigen::Vector3f aside = dice.point(1.0).cast<float>();
     scan.points.emplace_back(i % 30 == 0 ? 1.0F : 2.0F, aside.y(), aside.z());
   }
   const int neighbours = 8;
@@ -136,15 +136,18 @@ TEST(ScanFilter, NamesTheFieldThatMakesNoSense) {
     }
     return "";
   };
-  EXPECT_NE(refusal({.min_range = -1.0}).find("min_range"), std::string::npos);
-  EXPECT_NE(refusal({.max_range = std::nan("")}).find("max_range"), std::string::npos);
-  EXPECT_NE(refusal({.outlier_neighbours = -1}).find("outlier_neighbours"), std::string::npos);
-  EXPECT_NE(refusal({.outlier_deviations = -1.0}).find("outlier_deviations"), std::string::npos);
-  EXPECT_NE(refusal({.thin_to = HUGE_VAL}).find("thin_to"), std::string::npos);
-  EXPECT_NE(refusal({.crop = {}, .bodies = {{{0, 0, 0}, {0, 0, 1}, -0.1}}}).find("radius"),
-            std::string::npos);
-  EXPECT_NE(refusal({.crop = {}, .bodies = {{{0, std::nan(""), 0}, {0, 0, 1}, 0.1}}}).find("axis"),
-            std::string::npos);
+  const auto refused = [&](const std::string& word, const auto& spoil) {
+    ScanFilter filter;
+    spoil(filter);
+    EXPECT_NE(refusal(filter).find(word), std::string::npos) << word;
+  };
+  refused("min_range", [](ScanFilter& filter) { filter.min_range = -1.0; });
+  refused("max_range", [](ScanFilter& filter) { filter.max_range = std::nan(""); });
+  refused("outlier_neighbours", [](ScanFilter& filter) { filter.outlier_neighbours = -1; });
+  refused("outlier_deviations", [](ScanFilter& filter) { filter.outlier_deviations = -1.0; });
+  refused("thin_to", [](ScanFilter& filter) { filter.thin_to = HUGE_VAL; });
+  refused("radius", [](ScanFilter& filter) { filter.bodies = {{{0, 0, 0}, {0, 0, 1}, -0.1}}; });
+  refused("axis", [](ScanFilter& filter) { filter.bodies = {{{0, std::nan(""), 0}, {0, 0, 1}, 0.1}}; });
 }
 
 }  // namespace
