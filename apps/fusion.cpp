@@ -71,10 +71,9 @@ Fusion fuse(const std::filesystem::path& recording, const std::filesystem::path&
   MapOptions options;
   options.resolution = resolution > 0.0 ? resolution : fusion.setup.map.resolution.value_or(0.02);
   options.discretize = fusion.setup.map.discretize.value_or(false);
-  if (fusion.setup.map.integration) {
-    options.integration =
-        *fusion.setup.map.integration == "safe" ? Integration::safe : Integration::compatible;
-  }
+  options.integration = fusion.setup.map.integration.value_or("safe") == "compatible"
+                            ? Integration::compatible
+                            : Integration::safe;
   options.margins.band = fusion.setup.map.safe_band.value_or(options.margins.band);
   fusion.map = FreeSpaceMap(options);
   fusion.map.keep_scans();

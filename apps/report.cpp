@@ -118,7 +118,12 @@ std::string report_json(const ReplayReport& report) {
                    {"points_beyond_range", counts.points.beyond_range},
                    {"points_invalid", counts.points.dropped_invalid},
                    {"points_filtered", counts.points.dropped_filter}};
-  json["map"] = {{"file", "map.ot"}, {"resolution", report.map.resolution()}};
+  const MapOptions& options = report.fusion->map.options();
+  const bool safe = options.integration == Integration::safe;
+  json["map"] = {{"file", "map.ot"},
+                 {"resolution", report.map.resolution()},
+                 {"integration", safe ? "safe" : "compatible"}};
+  if (safe) json["map"]["safe_band"] = options.margins.band;
   json["voxels"] = {{"painted", voxels.painted},
                     {"seen_free", voxels.seen_free},
                     {"occupied", voxels.occupied},

@@ -1,9 +1,11 @@
 #pragma once
 
-#include <opencv2/core.hpp>
-
 #include "apps/slice_canvas.hpp"
 #include "apps/slice_image.hpp"
+
+namespace cv {
+class Mat;
+}
 
 namespace clearway {
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "mapping/free_space_map.hpp"
@@ -38,7 +39,8 @@ TEST(SliceClearance, LinesLieWhereTheDistanceToTheObstacleIsAMultipleOfTheStep) 
   const int row = canvas.y(0.25);
   std::vector<double> at;
   for (int x = SliceCanvas::margin_left; x < SliceCanvas::margin_left + canvas.width() - 1; ++x)
-    if (image.at<cv::Vec3b>(row, x) != paper) at.push_back(canvas.right_at(x));
+    if (image.at<cv::Vec3b>(row, x) != paper && image.at<cv::Vec3b>(row, x - 1) == paper)
+      at.push_back(canvas.right_at(x));
   ASSERT_GE(at.size(), 8U);
   for (std::size_t line = 0; line < 8; ++line)
     EXPECT_NEAR(at[line] - 0.3, step * static_cast<double>(line + 1), 0.04) << "line " << line;
