@@ -1,8 +1,11 @@
-// Rays against a BlockedField: OctoMap's castRay, step for step, without a search of the tree at each.
+// Rays against the bits of a BlockedField: OctoMap's castRay, step for step, without a search of the tree at
+// each.
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 
@@ -36,36 +39,48 @@ class CellWalk {
   const Eigen::Vector3i& cell() const { return cell_; }
   const Eigen::Vector3i& step() const { return step_; }
 
-  void advance(int steps) {
-    double nx = next_[0], ny = next_[1], nz = next_[2];
-    int x = cell_.x(), y = cell_.y(), z = cell_.z();
+  /// Goes on by at most `steps`, until it stands in a cell of which `stops(x, y, z)` is true.
+  template <class Stops>
+  void advance(int steps, const Stops& stops) {
+    Axis x = axis(0), y = axis(1), z = axis(2);
     for (; steps > 0; --steps) {
-      const bool xy = nx < ny, xz = nx < nz, yz = ny < nz;
-      const bool on_x = xy && xz, on_y = !xy && yz, on_z = !on_x && !on_y;
-      x += on_x ? step_.x() : 0;
-      y += on_y ? step_.y() : 0;
-      z += on_z ? step_.z() : 0;
-      nx = on_x ? nx + delta_[0] : nx;
-      ny = on_y ? ny + delta_[1] : ny;
-      nz = on_z ? nz + delta_[2] : nz;
+      const Choice x_before_y = less(x.next, y.next);
+      const Choice on_x = x_before_y & less(x.next, z.next);
+      const Choice on_y = ~x_before_y & less(y.next, z.next);
+      go(x, on_x);
+      go(y, on_y);
+      go(z, ~(on_x | on_y));
+      if (stops(static_cast<int>(x.cell), static_cast<int>(y.cell), static_cast<int>(z.cell))) break;
     }
-    next_ = {nx, ny, nz};
-    cell_ = {x, y, z};
+    next_ = {x.next, y.next, z.next};
+    cell_ = {static_cast<int>(x.cell), static_cast<int>(y.cell), static_cast<int>(z.cell)};
   }
 
  private:
+  // All bits or none, so that a step has no branch to guess wrong.
+  using Choice = std::int64_t;
+  struct Axis {
+    double next;
+    std::int64_t delta, cell, step;  ///< delta: the bits of a double
+  };
+  Axis axis(int i) const {
+    const auto at = static_cast<std::size_t>(i);
+    return {next_[at], std::bit_cast<std::int64_t>(delta_[at]), cell_[i], step_[i]};
+  }
+  static Choice less(double a, double b) { return -static_cast<std::int64_t>(a < b); }
+  static void go(Axis& axis, Choice chosen) {
+    axis.next += std::bit_cast<double>(axis.delta & chosen);  // adding 0.0 changes nothing
+    axis.cell += axis.step & chosen;
+  }
+
   static constexpr double never = std::numeric_limits<double>::max();
   Eigen::Vector3f origin_;
   Eigen::Vector3i cell_ = Eigen::Vector3i::Zero(), step_ = Eigen::Vector3i::Zero();
   std::array<double, 3> next_{never, never, never}, delta_{never, never, never};
 };
 
-/// Steps after which a walk can at the earliest stand in a blocked cell. `gap` is the squared distance, in
-/// half voxels, from its cell's centre to the nearest blocked cube; the cube that a walk reaches in n steps
-/// is at most 2n - 1 away.
-int steps_to_blocked(std::uint16_t gap) {
-  return static_cast<int>(std::ceil((std::sqrt(static_cast<float>(gap)) + 1.0F) * 0.5F));
-}
+/// A walk looks at its range after so many steps at most.
+constexpr int steps_at_once = 32;
 
 /// Steps after which a walk from `cell` can at the earliest stand outside the region.
 int steps_to_border(const FieldRegion& cells, const Eigen::Vector3i& cell, const Eigen::Vector3i& step) {
@@ -98,27 +113,37 @@ RayHit BlockedField::cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector
   CellWalk walk(origin, direction, cells_.resolution);
   if (walk.step().isZero()) throw std::invalid_argument("ray: expected a direction that is not zero");
   const Eigen::Vector3f start = origin.cast<float>();
-  RayHit result;
+  const double limit = max_range > 0.0 ? max_range * max_range : std::numeric_limits<double>::infinity();
+  const auto end_at = [&](const Eigen::Vector3i& cell, bool hit) {
+    const Eigen::Vector3d voxel = center(cell);
+    return RayHit{hit, voxel, std::sqrt(squared_range(start, voxel.cast<float>()))};
+  };
+  // Bits, not the field: they stay in the cache, and a distance would have to be fetched from memory.
+  const BlockedCells& blocked = layers_.blocked();
+  const Eigen::Vector3i origin_cell = cells_.first;
+  const auto is_stop = [&](int x, int y, int z) {
+    return blocked.at(x - origin_cell.x(), y - origin_cell.y(), z - origin_cell.z());
+  };
   for (bool first = true;; first = false) {
     const Eigen::Vector3i cell = walk.cell();
-    result.voxel = center(cell);
-    const double range = squared_range(start, result.voxel.cast<float>());
-    result.distance = std::sqrt(range);
-    if (max_range > 0.0 && range > max_range * max_range && !first) return result;
-    const bool inside = cells_.contains(cell);
-    const std::uint16_t gap = inside ? squared(cell) : std::uint16_t{0};
-    result.hit = inside ? gap == 0 : outside_blocked_;
-    if (result.hit) return result;
-    if (inside) {
-      walk.advance(std::min(steps_to_blocked(gap), steps_to_border(cells_, cell, walk.step())));
+    if (!first && squared_range(start, center(cell).cast<float>()) > limit) return end_at(cell, false);
+    if (cells_.contains(cell)) {
+      if (is_stop(cell.x(), cell.y(), cell.z())) return end_at(cell, true);
+      const int inside = steps_to_border(cells_, cell, walk.step()) - 1;
+      if (inside > 0) {
+        walk.advance(std::min(inside, steps_at_once), is_stop);
+      } else {
+        walk.advance(1, [](int, int, int) { return true; });
+      }
       continue;
     }
+    if (outside_blocked_) return end_at(cell, true);
     const Eigen::Array3i ahead = walk.step().array();
     const Eigen::Array3i from_first = (cell - cells_.first).array();
     const bool leaves =
         ((from_first >= cells_.size.array() && ahead >= 0) || (from_first < 0 && ahead <= 0)).any();
-    if (leaves) return result;
-    walk.advance(1);
+    if (leaves) return end_at(cell, false);
+    walk.advance(1, [](int, int, int) { return true; });
   }
 }
 
