@@ -44,47 +44,88 @@ std::size_t BlockedCells::count() const {
 
 namespace {
 
-/// The part of a cube of voxels that lies in a block, in cells of the block; empty when low >= high
-/// somewhere.
-struct Part {
-  Part(const CellCube& cube, const Eigen::Vector3i& first, const Eigen::Vector3i& size)
-      : low((cube.corner - first).cwiseMax(0)),
-        high((cube.corner.array() + cube.edge - first.array()).matrix().cwiseMin(size)) {}
-  bool is_empty() const { return (low.array() >= high.array()).any(); }
+/// What a requirement forbids of a tree, in a block of cells. An inner node knows the highest log-odds below
+/// it and the volumes that contain all of it, which often decides about the whole cube.
+class TreeReader {
+ public:
+  TreeReader(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+             BlockedCells& cells)
+      : tree_(tree),
+        requirement_(requirement),
+        unknown_blocked_(!allows(requirement, VoxelState::unknown, 0)),
+        first_(first),
+        cells_(cells) {}
 
-  Eigen::Vector3i low, high;
+  /// Fills in what is stored; the rest stays.
+  void read(const FusedNode* node, const CellCube& cube) {
+    if (node == nullptr || is_outside(cube)) return;
+    const bool allowed = is_allowed(*node);
+    if (allowed || !node->has_children()) {
+      if (allowed == unknown_blocked_) fill(cube, !allowed);
+      return;
+    }
+    for (unsigned i = 0; i < 8; ++i) read(node->child(i), cube.child(i));
+  }
+
+  /// Fills in what differs between two versions of the tree.
+  void follow(const FusedNode* before, const FusedNode* now, const CellCube& cube) {
+    if (before == now || is_outside(cube)) return;
+    const bool was_allowed = is_allowed(before), allowed = is_allowed(now);
+    if (was_allowed && allowed) return;
+    const bool before_splits = before != nullptr && !was_allowed && before->has_children();
+    const bool now_splits = now != nullptr && !allowed && now->has_children();
+    if (!before_splits && !now_splits) {
+      if (was_allowed != allowed) fill(cube, !allowed);
+      return;
+    }
+    // Where one version is allowed as a whole it stands for each of its parts.
+    for (unsigned i = 0; i < 8; ++i) {
+      follow(before_splits ? before->child(i) : before, now_splits ? now->child(i) : now, cube.child(i));
+    }
+  }
+
+ private:
+  bool is_outside(const CellCube& cube) const {
+    const Eigen::Array3i corner = (cube.corner - first_).array();
+    return (corner + cube.edge <= 0).any() || (corner >= cells_.size().array()).any();
+  }
+  bool is_allowed(const FusedNode* node) const {
+    return node == nullptr ? !unknown_blocked_ : is_allowed(*node);
+  }
+
+  /// True when all of the cube is allowed; for an inner node false may mean "in part".
+  bool is_allowed(const FusedNode& node) const {
+    const bool says_for_all =
+        !node.has_children() || requirement_.policy == Policy::not_occupied || node.painted() != 0;
+    return says_for_all && allows(requirement_, tree_.state(node), node.painted());
+  }
+
+  void fill(const CellCube& cube, bool blocked) {
+    const Eigen::Vector3i corner = cube.corner - first_;
+    cells_.fill(corner.cwiseMax(0), (corner.array() + cube.edge).matrix().cwiseMin(cells_.size()), blocked);
+  }
+
+  const FusedTree& tree_;
+  Requirement requirement_;
+  bool unknown_blocked_;
+  Eigen::Vector3i first_;
+  BlockedCells& cells_;
 };
 
 }  // namespace
 
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size) {
-  const bool unknown_blocked = !allows(requirement, VoxelState::unknown, 0);
-  BlockedCells cells(size, unknown_blocked);
-  const Eigen::Vector3i last = first + size - Eigen::Vector3i::Ones();
-  tree.visit_leaves(first, last, [&](const FusedNode& node, const CellCube& cube) {
-    const bool blocked = !allows(requirement, tree.state(node), node.painted());
-    if (blocked == unknown_blocked) return;  // as it started
-    const Part part(cube, first, size);
-    cells.fill(part.low, part.high, blocked);
-  });
+  BlockedCells cells(size, !allows(requirement, VoxelState::unknown, 0));
+  TreeReader(tree, requirement, first, cells).read(tree.getRoot(), CellCube{});
   return cells;
 }
 
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const FusedTree& before,
                            const BlockedCells& cells_before) {
-  const bool unknown_blocked = !allows(requirement, VoxelState::unknown, 0);
-  const auto is_blocked = [&](const FusedNode* node) {
-    return node == nullptr ? unknown_blocked : !allows(requirement, tree.state(*node), node->painted());
-  };
   BlockedCells cells = cells_before;
-  tree.visit_changes(before, [&](const FusedNode* was, const FusedNode* is, const CellCube& cube) {
-    const bool blocked = is_blocked(is);
-    if (blocked == is_blocked(was)) return;
-    const Part part(cube, first, cells.size());
-    if (!part.is_empty()) cells.fill(part.low, part.high, blocked);
-  });
+  TreeReader(tree, requirement, first, cells).follow(before.getRoot(), tree.getRoot(), CellCube{});
   return cells;
 }
 
