@@ -40,6 +40,10 @@ double wall_time();
 /// CPU seconds of one call.
 double cpu_seconds(const std::function<void()>& work);
 
+/// malloc puts off sorting what was freed until someone asks for a large block. Call it before a measurement, so
+/// that neither side pays for what the other one freed.
+void settle_heap();
+
 /// Medians of `runs` interleaved pairs (ours, peer, ours, ...). Each function makes one run, set-up included,
 /// and returns the figure that it measured inside.
 struct Pair {
@@ -50,12 +54,14 @@ Pair interleave(int runs, const std::function<double()>& ours, const std::functi
 // One benchmark a file.
 BenchResult bench_insert(const BenchOptions& options);
 BenchResult bench_erosion(const BenchOptions& options);
+BenchResult bench_field(const BenchOptions& options);
+BenchResult bench_field_update(const BenchOptions& options);
 BenchResult bench_cast_ray(const BenchOptions& options);
 BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);
 BenchResult bench_load(const BenchOptions& options);
 BenchResult bench_paint(const BenchOptions& options);
-BenchResult bench_provenance(const BenchOptions& options);
 BenchResult bench_bodies(const BenchOptions& options);
+BenchResult bench_provenance(const BenchOptions& options);
 
 }  // namespace clearway::bench

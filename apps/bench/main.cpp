@@ -20,13 +20,16 @@ constexpr Entry table[] = {
     {"insert", "scan insertion against OctoMap's insertPointCloud", bench_insert},
     {"erosion", "held-out surface points that the map calls free, ours in safe integration against OctoMap's",
      bench_erosion},
+    {"field", "the distance field from nothing and its look-ups against dynamicEDT3D", bench_field},
+    {"field_update", "the distance field after one more depth frame against dynamicEDT3D",
+     bench_field_update},
     {"cast_ray", "rays through the map against OctoMap's castRay", bench_cast_ray},
     {"snapshot", "a snapshot against OctoMap's copy; readers beside a live writer", bench_snapshot},
     {"checks", "configuration checks against FCL shapes on fcl::OcTree", bench_checks},
     {"load", "loading a map of 10 million nodes against octomap::OcTree", bench_load},
     {"paint", "painting balls along a stroke against OctoMap's updateNode", bench_paint},
-    {"provenance", "inserting scans with keeping what they touched against without", bench_provenance},
     {"bodies", "bodies in a painted volume: its voxels against the exact balls", bench_bodies},
+    {"provenance", "inserting scans with keeping what they touched against without", bench_provenance},
 };
 
 double machine_load() {

@@ -1,0 +1,174 @@
+// The distance field after one more depth frame, against dynamicEDT3D fed the same changes.
+
+#include <dynamicEDT3D/dynamicEDTOctomap.h>
+#include <octomap/OcTree.h>
+
+#include <memory>
+#include <vector>
+
+#include "apps/bench/bench.hpp"
+#include "datasets/room.hpp"
+#include "mapping/blocked_field.hpp"
+#include "mapping/free_space_map.hpp"
+#include "mapping/fused_tree.hpp"
+
+namespace clearway::bench {
+namespace {
+
+constexpr double max_distance = 0.5;
+
+/// A map that grows frame by frame, and its field, which follows.
+class OurField {
+ public:
+  OurField(double resolution, const Eigen::AlignedBox3d& box)
+      : map_({.resolution = resolution, .discretize = true, .integration = Integration::compatible}),
+        cells_(field_region(box, resolution, max_distance)),
+        now_(map_.snapshot()),
+        field_(std::make_unique<BlockedField>(now_.tree(), Requirement{}, cells_)) {}
+
+  void insert(const Scan& scan) {
+    map_.insert(scan);
+    before_ = now_;
+    now_ = map_.snapshot();
+  }
+  /// CPU milliseconds to follow the last scan.
+  double update() {
+    std::unique_ptr<BlockedField> next;
+    settle_heap();
+    const double seconds =
+        cpu_seconds([&] { next = std::make_unique<BlockedField>(now_.tree(), before_.tree(), *field_); });
+    field_ = std::move(next);
+    return 1e3 * seconds;
+  }
+  double read_changes() const {
+    return 1e3 * cpu_seconds([&] {
+             blocked_cells(now_.tree(), {}, cells_.first, before_.tree(), field_->layers().blocked());
+           });
+  }
+  BlockedField from_nothing() const { return {now_.tree(), {}, cells_}; }
+  const BlockedField& field() const { return *field_; }
+
+ private:
+  FreeSpaceMap map_;
+  FieldRegion cells_;
+  Snapshot now_, before_;
+  std::unique_ptr<BlockedField> field_;
+};
+
+/// The same with OctoMap and dynamicEDT3D.
+class TheirField {
+ public:
+  TheirField(double resolution, const Eigen::AlignedBox3d& box) : tree_(resolution) {
+    tree_.enableChangeDetection(true);
+    const Eigen::Vector3f low = box.min().cast<float>(), high = box.max().cast<float>();
+    field_ = std::make_unique<DynamicEDTOctomap>(static_cast<float>(max_distance), &tree_,
+                                                 octomap::point3d(low.x(), low.y(), low.z()),
+                                                 octomap::point3d(high.x(), high.y(), high.z()), false);
+    field_->update();
+  }
+  void insert(const Scan& scan) {
+    octomap::Pointcloud cloud;
+    cloud.reserve(scan.points.size());
+    for (const Eigen::Vector3f& point : scan.points) {
+      const Eigen::Vector3f at = (scan.map_from_sensor * point.cast<double>()).cast<float>();
+      cloud.push_back(at.x(), at.y(), at.z());
+    }
+    const Eigen::Vector3f origin = scan.map_from_sensor.translation().cast<float>();
+    tree_.insertPointCloud(cloud, {origin.x(), origin.y(), origin.z()}, -1.0, false, true);
+  }
+  double update() {
+    settle_heap();
+    return 1e3 * cpu_seconds([&] { field_->update(); });
+  }
+
+ private:
+  octomap::OcTree tree_;
+  std::unique_ptr<DynamicEDTOctomap> field_;
+};
+
+struct Difference {
+  std::size_t cells = 0, blocked = 0;
+};
+
+Difference compare(const DistanceLayers& a, const DistanceLayers& b) {
+  Difference difference;
+  const Eigen::Vector3i& size = a.blocked().size();
+  for (int z = 0; z < size.z(); ++z) {
+    for (int y = 0; y < size.y(); ++y) {
+      for (int x = 0; x < size.x(); ++x) {
+        difference.cells += a.squared(x, y, z) != b.squared(x, y, z) ? 1 : 0;
+        difference.blocked += a.blocked().at(x, y, z) != b.blocked().at(x, y, z) ? 1 : 0;
+      }
+    }
+  }
+  return difference;
+}
+
+struct Round {
+  std::vector<double> ours, theirs, reading, nothing, changed, flipped;
+  std::size_t wrong = 0;
+};
+
+nlohmann::ordered_json describe(const Round& round) {
+  return {{"ours", median(round.ours)},
+          {"ours_worst", quantile(round.ours, 1.0)},
+          {"peer", median(round.theirs)},
+          {"ratio", median(round.theirs) / median(round.ours)},
+          {"of_ours_reading_the_tree", median(round.reading)},
+          {"ours_from_nothing", median(round.nothing)},
+          {"voxels_flipped", median(round.flipped)},
+          {"cells_changed", median(round.changed)},
+          {"cells_that_differ_from_a_fresh_field", round.wrong}};
+}
+
+}  // namespace
+
+BenchResult bench_field_update(const BenchOptions& options) {
+  const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
+  const auto frames = static_cast<std::size_t>(options.runs);
+  const FurnishedRoom room(frames, 1, 1.0);
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-2.6, -2.1, -0.2), Eigen::Vector3d(2.6, 2.1, 2.8));
+  OurField ours(resolution, box);
+  TheirField theirs(resolution, box);
+  Round first, second;  // the first round sees new space, the second what is known, with new noise
+  const FurnishedRoom again(frames, 2, 1.0);
+  for (std::size_t i = 0; i < 2 * frames; ++i) {
+    const CloudFrame frame = i < frames ? room.frame(i) : again.frame(i - frames);
+    Scan scan;
+    scan.sensor = frame.kind;
+    scan.map_from_sensor = frame.world_from_sensor;
+    scan.points = frame.points;
+    ours.insert(scan);
+    theirs.insert(scan);
+    Round& round = i < frames ? first : second;
+    const DistanceLayers before = ours.field().layers();
+    round.reading.push_back(ours.read_changes());
+    round.ours.push_back(ours.update());
+    round.theirs.push_back(theirs.update());
+    std::unique_ptr<BlockedField> fresh;
+    settle_heap();
+    round.nothing.push_back(
+        1e3 * cpu_seconds([&] { fresh = std::make_unique<BlockedField>(ours.from_nothing()); }));
+    round.wrong += compare(ours.field().layers(), fresh->layers()).cells;
+    const Difference change = compare(before, ours.field().layers());
+    round.changed.push_back(static_cast<double>(change.cells));
+    round.flipped.push_back(static_cast<double>(change.blocked));
+  }
+  const double cells = ours.field().cells().size.cast<double>().prod();
+  nlohmann::ordered_json detail{
+      {"resolution", resolution},
+      {"max_distance", max_distance},
+      {"cells", cells},
+      {"bytes_per_cell", static_cast<double>(ours.field().layers().bytes()) / cells},
+      {"first_round_new_space", describe(first)},
+      {"second_round_known_space", describe(second)}};
+  return {median(first.ours),
+          median(first.theirs),
+          "dynamicEDT3D",
+          "CPU ms a depth frame",
+          true,
+          options.runs,
+          detail};
+}
+
+}  // namespace clearway::bench
