@@ -70,7 +70,8 @@ void require_file_name(const std::string& name) {
 
 /// What an earlier replay left in this folder was made from another map: it goes before the new map comes.
 void remove_stale(const std::filesystem::path& out) {
-  for (const char* name : {"report.json", "report.html", "provenance.bin"}) std::filesystem::remove(out / name);
+  for (const char* name : {"report.json", "report.html", "provenance.bin"})
+    std::filesystem::remove(out / name);
   std::vector<std::filesystem::path> plans;
   for (const auto& entry : std::filesystem::directory_iterator(out / "plans")) {
     if (entry.is_regular_file() && entry.path().extension() == ".json") plans.push_back(entry.path());

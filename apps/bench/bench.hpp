@@ -40,8 +40,8 @@ double wall_time();
 /// CPU seconds of one call.
 double cpu_seconds(const std::function<void()>& work);
 
-/// malloc puts off sorting what was freed until someone asks for a large block. Call it before a measurement, so
-/// that neither side pays for what the other one freed.
+/// malloc puts off sorting what was freed until someone asks for a large block. Call it before a measurement,
+/// so that neither side pays for what the other one freed.
 void settle_heap();
 
 /// Medians of `runs` interleaved pairs (ours, peer, ours, ...). Each function makes one run, set-up included,

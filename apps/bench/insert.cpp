@@ -73,6 +73,21 @@ std::string name_of(bool discretize, double resolution) {
   return name;
 }
 
+nlohmann::ordered_json heap_figures(double resolution, const ScanSource& source) {
+  nlohmann::ordered_json json;
+  for (const HeapContent content : {HeapContent::rays, HeapContent::surfaces}) {
+    const HeapBytes ours = heap_of_ours(resolution, 5, source, content);
+    const HeapBytes stock = heap_of_stock(resolution, 5, source, content);
+    json[content == HeapContent::rays ? "ray_filled" : "surfaces_only"] = {
+        {"ours_after_insertion", ours.after_insertion},
+        {"octomap_after_insertion", stock.after_insertion},
+        {"ours_after_loading", ours.after_loading},
+        {"octomap_after_loading", stock.after_loading},
+        {"loaded_ratio", ours.after_loading / stock.after_loading}};
+  }
+  return json;
+}
+
 }  // namespace
 
 BenchResult bench_insert(const BenchOptions& options) {
@@ -84,11 +99,15 @@ BenchResult bench_insert(const BenchOptions& options) {
   if (options.resolution > 0.0) resolutions = {options.resolution};
 
   nlohmann::ordered_json detail;
+  detail["heap_bytes_a_node"] =
+      heap_figures(resolutions[0], source);  // first: before the pool holds free nodes
   Figures headline;
+  bool first = true;
   for (const double resolution : resolutions) {
     for (const bool discretize : {true, false}) {
       const Figures figures = measure(source, scans, options.runs, resolution, 0.0, discretize);
-      if (detail.empty()) headline = figures;
+      if (first) headline = figures;
+      first = false;
       auto& row = detail[name_of(discretize, resolution)] = row_of(figures);
       row["two_threads"] = speed_up_of_two_threads(source, options.runs, resolution, discretize);
     }
@@ -100,13 +119,6 @@ BenchResult bench_insert(const BenchOptions& options) {
                                                    options.runs, 0.05, 20.0, discretize));
     }
   }
-  const HeapBytes ours = heap_of_ours(resolutions[0], 5, source),
-                  stock = heap_of_stock(resolutions[0], 5, source);
-  detail["heap_bytes_a_node"] = {{"ours_after_insertion", ours.after_insertion},
-                                 {"octomap_after_insertion", stock.after_insertion},
-                                 {"ours_after_loading", ours.after_loading},
-                                 {"octomap_after_loading", stock.after_loading},
-                                 {"loaded_ratio", ours.after_loading / stock.after_loading}};
   return {headline.ours, headline.peer, "OctoMap insertPointCloud", "CPU ms per scan", true,
           options.runs,  detail};
 }

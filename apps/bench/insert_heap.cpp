@@ -84,10 +84,22 @@ HeapBytes measure_both(double resolution, std::size_t scans, const Insert& inser
   return result;
 }
 
+/// Sets the voxels in which the points lie, and no others.
+template <class Tree>
+void insert_hits(Tree& tree, const Scan& scan) {
+  for (const Eigen::Vector3f& point : scan.points) {
+    const Eigen::Vector3d at = scan.map_from_sensor * point.cast<double>();
+    tree.updateNode(
+        octomap::point3d(static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(at.z())),
+        true);
+  }
+}
+
 }  // namespace
 
-HeapBytes heap_of_ours(double resolution, std::size_t scans, const ScanSource& source) {
+HeapBytes heap_of_ours(double resolution, std::size_t scans, const ScanSource& source, HeapContent content) {
   return measure_both<FusedTree>(resolution, scans, [&](FusedTree& tree, std::size_t index) {
+    if (content == HeapContent::surfaces) return insert_hits(tree, source(index));
     ScanWorkspace workspace;  // not part of the tree: gone after the scan
     ScanInsertion insertion;
     insertion.discretize = true;
@@ -95,8 +107,9 @@ HeapBytes heap_of_ours(double resolution, std::size_t scans, const ScanSource& s
   });
 }
 
-HeapBytes heap_of_stock(double resolution, std::size_t scans, const ScanSource& source) {
+HeapBytes heap_of_stock(double resolution, std::size_t scans, const ScanSource& source, HeapContent content) {
   return measure_both<octomap::OcTree>(resolution, scans, [&](octomap::OcTree& tree, std::size_t index) {
+    if (content == HeapContent::surfaces) return insert_hits(tree, source(index));
     insert_stock(tree, source(index), 0.0, true);
   });
 }

@@ -55,7 +55,8 @@ TEST_P(KinematicsOf, PosesAndJacobiansAgreeWithKdlReadingTheSameUrdf) {
   EXPECT_LT(worst_jacobian, 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, KinematicsOf, testing::Values("puma560", "panda", "arm5", "planar2", "point"));
+INSTANTIATE_TEST_SUITE_P(Robots, KinematicsOf,
+                         testing::Values("puma560", "panda", "arm5", "planar2", "point"));
 
 TEST(Kinematics, JacobianIsTheNumericDerivativeOfAPointOnALink) {
   for (const char* name : {"puma560_miniature", "arm5", "planar2", "point"}) {
