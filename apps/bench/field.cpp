@@ -150,7 +150,7 @@ nlohmann::ordered_json look_ups(const Contest& contest, int runs) {
 nlohmann::ordered_json slack(const BlockedField& field) {
   double largest = 0.0, sum = 0.0;
   std::size_t over = 0;
-  const Points points = look_up_points(field.region(), 100000, 1);
+  const Points points = look_up_points(field.region(), 1000000, 1);
   for (const Eigen::Vector3d& point : points) {
     const NearestBlocked nearest = field.nearest(point, field.max_distance());
     const double exact = nearest.found ? nearest.distance : field.max_distance();
