@@ -15,6 +15,30 @@ std::uint16_t cap_of(const FieldRegion& region) {
   return static_cast<std::uint16_t>(std::min(std::ceil(half_voxels * half_voxels), double{largest_cap}));
 }
 
+using Corners = std::array<std::uint16_t, 8>;
+
+/// The squared distances of the cells low and high, and of those between; x changes fastest.
+Corners corners_of(const DistanceLayers& layers, int low_x, int low_y, int low_z, int high_x, int high_y,
+                   int high_z) {
+  const int lane = low_x >> 5, x = low_x & 31, next = high_x & 31;
+  const std::uint16_t* a = layers.line(lane, low_y, low_z);
+  const std::uint16_t* b = layers.line(lane, high_y, low_z);
+  const std::uint16_t* c = layers.line(lane, low_y, high_z);
+  const std::uint16_t* d = layers.line(lane, high_y, high_z);
+  Corners corners{a[x], 0, b[x], 0, c[x], 0, d[x], 0};
+  if (lane != high_x >> 5) {
+    a = layers.line(lane + 1, low_y, low_z);
+    b = layers.line(lane + 1, high_y, low_z);
+    c = layers.line(lane + 1, low_y, high_z);
+    d = layers.line(lane + 1, high_y, high_z);
+  }
+  corners[1] = a[next];
+  corners[3] = b[next];
+  corners[5] = c[next];
+  corners[7] = d[next];
+  return corners;
+}
+
 }  // namespace
 
 BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
@@ -54,30 +78,25 @@ Eigen::Vector3i BlockedField::cell_near(const Eigen::Vector3d& point) const {
 }
 
 /// max over the 8 surrounding cells of D(centre) - |point - centre|: each is a lower bound, for D is
-/// 1-Lipschitz. Single precision chooses the cell, double gives its bound.
+/// 1-Lipschitz.
 double BlockedField::bound_from_cells(const Eigen::Vector3d& inside) const {
-  std::array<Eigen::Vector3i, 2> cells;  // of the region; low, high
-  std::array<Eigen::Vector3d, 2> gaps;   // from the point to their centres, in cells, squared
+  std::array<int, 3> low{}, high{};
+  double gaps[3][2];  // from the point to their centres, in cells, squared
   for (int axis = 0; axis < 3; ++axis) {
     const double at = inside[axis] * inverse_resolution_ - cells_.first[axis];
-    const int low = std::min(static_cast<int>(std::max(at - 0.5, 0.0)), cells_.size[axis] - 1);
-    const int high = std::min(low + 1, cells_.size[axis] - 1);
-    cells[0][axis] = low;
-    cells[1][axis] = high;
-    gaps[0][axis] = (at - low - 0.5) * (at - low - 0.5);
-    gaps[1][axis] = (at - high - 0.5) * (at - high - 0.5);
+    const auto i = static_cast<std::size_t>(axis);
+    low[i] = std::min(static_cast<int>(std::max(at - 0.5, 0.0)), cells_.size[axis] - 1);
+    high[i] = std::min(low[i] + 1, cells_.size[axis] - 1);
+    gaps[axis][0] = (at - low[i] - 0.5) * (at - low[i] - 0.5);
+    gaps[axis][1] = (at - high[i] - 0.5) * (at - high[i] - 0.5);
   }
-  Eigen::Array<float, 8, 1> squares, gap_squares;
+  const Corners corners = corners_of(layers_, low[0], low[1], low[2], high[0], high[1], high[2]);
+  double best = 0.0;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    const unsigned x = corner & 1U, y = corner >> 1U & 1U, z = corner >> 2U;
-    squares[corner] = layers_.squared(cells[x].x(), cells[y].y(), cells[z].z());
-    gap_squares[corner] = static_cast<float>(gaps[x].x() + gaps[y].y() + gaps[z].z());
+    const double gap = gaps[0][corner & 1U] + gaps[1][corner >> 1U & 1U] + gaps[2][corner >> 2U];
+    best = std::max(best, 0.5 * std::sqrt(static_cast<double>(corners[corner])) - std::sqrt(gap));
   }
-  Eigen::Index best = 0;
-  (0.5F * squares.sqrt() - gap_squares.sqrt()).maxCoeff(&best);
-  const auto corner = static_cast<unsigned>(best);
-  const double gap = gaps[corner & 1U].x() + gaps[corner >> 1U & 1U].y() + gaps[corner >> 2U].z();
-  return (0.5 * std::sqrt(static_cast<double>(squares[best])) - std::sqrt(gap)) * cells_.resolution;
+  return best * cells_.resolution;
 }
 
 /// The exact distance to the blocked cubes among the 27 around the point; others are beyond those cells. So
