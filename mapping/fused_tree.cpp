@@ -1,94 +1,9 @@
 #include "mapping/fused_tree.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <mutex>
 
-#include "mapping/node_pool.hpp"
-
 namespace clearway {
-
-FusedNode::FusedNode(const FusedNode& other) : octomap::OcTreeNode() {
-  copyData(other);
-  if (other.children == nullptr) return;
-  children = new octomap::AbstractOcTreeNode*[8]();
-  for (unsigned i = 0; i < 8; ++i) {
-    if (other.children[i] != nullptr) children[i] = static_cast<FusedNode*>(other.children[i])->share();
-  }
-}
-
-void* FusedNode::operator new(std::size_t size) { return NodePool::allocate(size); }
-void FusedNode::operator delete(void* node, std::size_t size) { NodePool::free(node, size); }
-
-FusedNode* FusedNode::share() {
-  std::uint8_t count = owners().load(std::memory_order_relaxed);
-  do {
-    if (count == std::numeric_limits<std::uint8_t>::max()) return new FusedNode(*this);
-  } while (!owners().compare_exchange_weak(count, static_cast<std::uint8_t>(count + 1),
-                                           std::memory_order_relaxed));
-  return this;
-}
-
-void FusedNode::release(FusedNode* node) {
-  if (node == nullptr || node->owners().fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-  if (node->children != nullptr) {
-    for (unsigned i = 0; i < 8; ++i) release(static_cast<FusedNode*>(node->children[i]));
-    delete[] node->children;
-    node->children = nullptr;
-  }
-  delete node;
-}
-
-void FusedNode::copyData(const FusedNode& from) {
-  value = from.value;
-  painted_ = from.painted_;
-  observed_ = from.observed_;
-}
-
-void FusedNode::updateOccupancyChildren() {
-  bool any_observed = false;
-  float highest = std::numeric_limits<float>::lowest();
-  std::uint16_t common = 0xffff;
-  for (unsigned i = 0; i < 8; ++i) {
-    const auto* child = children == nullptr ? nullptr : static_cast<const FusedNode*>(children[i]);
-    common = static_cast<std::uint16_t>(common & (child == nullptr ? 0 : child->painted_));
-    if (child == nullptr || !child->observed()) continue;
-    any_observed = true;
-    highest = std::max(highest, child->value);
-  }
-  painted_ = common;
-  observed_ = any_observed ? 1 : 0;
-  value = any_observed ? highest : unobserved_log_odds;
-}
-
-std::istream& FusedNode::readData(std::istream& stream) {
-  stream.read(reinterpret_cast<char*>(&value), sizeof(value));
-  stream.read(reinterpret_cast<char*>(&painted_), sizeof(painted_));
-  return stream.read(reinterpret_cast<char*>(&observed_), sizeof(observed_));
-}
-
-std::ostream& FusedNode::writeData(std::ostream& stream) const {
-  stream.write(reinterpret_cast<const char*>(&value), sizeof(value));
-  stream.write(reinterpret_cast<const char*>(&painted_), sizeof(painted_));
-  return stream.write(reinterpret_cast<const char*>(&observed_), sizeof(observed_));
-}
-
-void FusedNode::observe() {
-  if (observed()) return;
-  observed_ = 1;
-  value = 0.0F;
-}
-
-void FusedNode::observe(float log_odds) {
-  observed_ = 1;
-  value = log_odds;
-}
-
-void FusedNode::forget() {
-  value = unobserved_log_odds;
-  painted_ = 0;
-  observed_ = 0;
-}
 
 FusedTree::FusedTree(const FusedTree& other) : OccupancyOcTreeBase<FusedNode>(other.resolution) {
   clearKeyRays();  // 600 kB that only OctoMap's own insertion uses
@@ -157,37 +72,14 @@ FusedNode& FusedTree::root_for_writing(bool& created) {
 }
 
 FusedNode& FusedTree::child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created) {
-  created = false;
-  if (!nodeChildExists(&node, index)) {
-    if (node.children == nullptr && !just_created) {
-      expandNode(&node);
-    } else {
-      createNodeChild(&node, index);
-      created = true;
-    }
-    return *getNodeChild(&node, index);
-  }
-  FusedNode* child = getNodeChild(&node, index);
-  if (child->has_one_owner()) return *child;
-  node.children[index] = new FusedNode(*child);
-  FusedNode::release(child);
-  return *getNodeChild(&node, index);
+  size_changed = true;
+  return node.child_for_writing(index, just_created, created, tree_size);
 }
 
 bool FusedTree::pruneNode(FusedNode* node) {
-  if (node->children == nullptr) return false;
-  const FusedNode* first = node->child(0);
-  for (unsigned i = 0; i < 8; ++i) {
-    const FusedNode* child = node->child(i);
-    if (child == nullptr || child->has_children() || !(*child == *first)) return false;
-  }
-  node->copyData(*first);
-  for (unsigned i = 0; i < 8; ++i) FusedNode::release(static_cast<FusedNode*>(node->children[i]));
-  delete[] node->children;
-  node->children = nullptr;
-  tree_size -= 8;
-  size_changed = true;
-  return true;
+  const bool pruned = node->prune(tree_size);
+  size_changed |= pruned;
+  return pruned;
 }
 
 FusedNode* FusedTree::updateNode(const octomap::OcTreeKey& key, float update, bool lazy) {

@@ -1,88 +1,20 @@
 #pragma once
 
-// The only header that includes OctoMap; include it from .cpp files only.
-
-#include <octomap/OcTreeNode.h>
-#include <octomap/OccupancyOcTreeBase.h>
+// With fused_node.hpp the only header that includes OctoMap; include it from .cpp files only.
 
 #include <Eigen/Core>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "mapping/fused_node.hpp"
 #include "mapping/sphere.hpp"
 #include "mapping/voxel_state.hpp"
 
 namespace clearway {
-
-/// What sensors and painting know of one voxel, or of an inner cube: log-odds of the sensors (`value`),
-/// whether any ray touched it, and the painted volumes that contain all of it. No larger than
-/// octomap::OcTreeNode. OctoMap finds these functions by static type; each hides one of the stock node on
-/// purpose.
-///
-/// Nodes may be shared by several trees (see FusedTree): `owners` counts the child arrays and roots that hold
-/// one. A node reachable by two trees is never written.
-class FusedNode : public octomap::OcTreeNode {
- public:
-  /// Log-odds that an unobserved node carries: just under "occupied", so that stock code which knows no
-  /// `observed` flag (castRay, .bt export) never takes a painted voxel for an obstacle. Observing starts at
-  /// 0.
-  static constexpr float unobserved_log_odds = -1e-6F;
-
-  FusedNode() { value = unobserved_log_odds; }
-  FusedNode(const FusedNode& other);  ///< of the same content, on shared children
-  FusedNode& operator=(const FusedNode&) = delete;
-
-  // 16 bytes each from a pool, where malloc takes 32 (see node_pool.hpp).
-  static void* operator new(std::size_t size);
-  static void operator delete(void* node, std::size_t size);
-
-  bool operator==(const FusedNode& other) const {
-    return value == other.value && painted_ == other.painted_ && observed_ == other.observed_;
-  }
-  void copyData(const FusedNode& from);
-
-  /// Inner node from its children: maximum log-odds of the observed ones, AND of all eight masks (a missing
-  /// child is painted by no volume).
-  void updateOccupancyChildren();
-
-  std::istream& readData(std::istream& stream);
-  std::ostream& writeData(std::ostream& stream) const;
-
-  bool observed() const { return observed_ != 0; }
-  std::uint16_t painted() const { return painted_; }
-
-  void add_paint(std::uint16_t volumes) { painted_ = static_cast<std::uint16_t>(painted_ | volumes); }
-  void remove_paint(std::uint16_t volumes) { painted_ = static_cast<std::uint16_t>(painted_ & ~volumes); }
-  /// Back to what a new node knows: neither observed nor painted.
-  void forget();
-  /// Marks as observed; the first time log-odds start from 0.
-  void observe();
-  void observe(float log_odds);
-
-  /// True when one tree alone holds this node, if it alone holds the parent.
-  bool has_one_owner() const { return owners().load(std::memory_order_acquire) == 1; }
-  /// One more owner: this node, or a copy of it when no more owners can be counted.
-  FusedNode* share();
-  /// One owner less; the last one takes the node away, and its hold on the children.
-  static void release(FusedNode* node);
-
-  bool has_children() const { return children != nullptr; }
-  const FusedNode* child(unsigned index) const { return static_cast<const FusedNode*>(children[index]); }
-
- private:
-  friend class FusedTree;
-  std::atomic_ref<std::uint8_t> owners() const { return std::atomic_ref<std::uint8_t>(owners_); }
-
-  std::uint16_t painted_ = 0;
-  std::uint8_t observed_ = 0;
-  mutable std::uint8_t owners_ = 1;
-};
-static_assert(sizeof(FusedNode) == sizeof(octomap::OcTreeNode));
 
 class ScanGrid;
 
@@ -199,9 +131,6 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   void release_root();
   FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
                           float update, bool lazy);
-  bool is_painted_throughout(const FusedNode& node, std::uint16_t bit) const;
-  bool paint_cube(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
-  bool paint_all(FusedNode& node, bool just_created, const CellCube& cube, Brush& brush);
 
   struct Repainting;
   void repaint_cube(FusedNode& node, bool just_created, const Repainting& work);
@@ -211,9 +140,10 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
 
   /// The root, made if need be, that this tree alone holds.
   FusedNode& root_for_writing(bool& created);
-  /// The child to descend into, held by this tree alone if `node` is: created under a new or partly filled
-  /// node, expanded from a pruned one, copied from a shared one.
+  /// FusedNode::child_for_writing of a node in this tree.
   FusedNode& child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created);
+  /// Lets go of all children, which are leaves, and of their array; the content stays.
+  void drop_children(FusedNode& node);
 };
 
 template <class Visit>
