@@ -142,8 +142,6 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   FusedNode& root_for_writing(bool& created);
   /// FusedNode::child_for_writing of a node in this tree.
   FusedNode& child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created);
-  /// Lets go of all children, which are leaves, and of their array; the content stays.
-  void drop_children(FusedNode& node);
 };
 
 template <class Visit>

@@ -31,10 +31,8 @@ class FusedTree::ScanUpdate {
     bool changed = false;
   };
 
-  /// @param tree allocates and counts the nodes; the sensor model is `model`'s.
-  ScanUpdate(FusedTree& tree, const FusedTree& model)
-      : tree_(tree),
-        hit_(model.prob_hit_log),
+  explicit ScanUpdate(const FusedTree& model)
+      : hit_(model.prob_hit_log),
         miss_(model.prob_miss_log),
         low_(model.clamping_thres_min),
         high_(model.clamping_thres_max) {}
@@ -46,6 +44,8 @@ class FusedTree::ScanUpdate {
   /// Updates the voxels of one cube. True when any changed.
   template <int Level>
   bool update_cube(FusedNode& node, bool created, const Tile& tile, unsigned cube);
+  /// Nodes made less nodes pruned; wraps round where more were pruned.
+  std::size_t nodes() const { return nodes_; }
 
  private:
   template <int Level>
@@ -83,7 +83,7 @@ class FusedTree::ScanUpdate {
     leaf.observe(value);
   }
 
-  FusedTree& tree_;
+  std::size_t nodes_ = 0;
   float hit_, miss_, low_, high_;
 };
 
@@ -143,10 +143,10 @@ bool FusedTree::ScanUpdate::update_cube(FusedNode& node, bool created, const Til
           is_settled(*node.child(i), some_free, some_hit))
         continue;
       bool child_created = false;
-      FusedNode& child = tree_.child_for_writing(node, i, created, child_created);
+      FusedNode& child = node.child_for_writing(i, created, child_created, nodes_);
       changed |= update_cube<Level - 1>(child, child_created, tile, below);
     }
-    if (changed && !tree_.pruneNode(&node)) node.updateOccupancyChildren();
+    if (changed && !node.prune(nodes_)) node.updateOccupancyChildren();
     return changed;
   }
 }
@@ -167,7 +167,7 @@ void FusedTree::ScanUpdate::reach_tiles(FusedNode& node, int level, bool created
     Tile* const next =
         std::find_if(first, last, [&](const Tile& tile) { return child_of(tile, level) != index; });
     bool child_created = false;
-    FusedNode& child = tree_.child_for_writing(node, index, created, child_created);
+    FusedNode& child = node.child_for_writing(index, created, child_created, nodes_);
     reach_tiles(child, level - 1, child_created, first, next);
     first = next;
   }
@@ -181,11 +181,11 @@ bool FusedTree::ScanUpdate::close_above_tiles(FusedNode& node, int level, const 
     const unsigned index = child_of(*first, level);
     const Tile* const next =
         std::find_if(first, last, [&](const Tile& tile) { return child_of(tile, level) != index; });
-    if (tree_.nodeChildExists(&node, index))
-      changed |= close_above_tiles(*tree_.getNodeChild(&node, index), level - 1, first, next);
+    if (node.has_children() && node.child(index) != nullptr)
+      changed |= close_above_tiles(*node.child(index), level - 1, first, next);
     first = next;
   }
-  if (changed && !tree_.pruneNode(&node)) node.updateOccupancyChildren();
+  if (changed && !node.prune(nodes_)) node.updateOccupancyChildren();
   return changed;
 }
 
@@ -198,33 +198,27 @@ void FusedTree::update(ScanGrid& grid, int threads) {
   if (tiles.empty()) return;
   bool created = false;
   FusedNode& top = root_for_writing(created);
-  ScanUpdate above(*this, *this);
+  ScanUpdate above(*this);
   ScanUpdate::Tile* const first = tiles.data();
   above.reach_tiles(top, static_cast<int>(tree_depth), created, first, first + tiles.size());
 
-  std::atomic<std::size_t> next{0};
-  const auto work = [&](FusedTree& tree) {
-    ScanUpdate update(tree, *this);
+  std::atomic<std::size_t> next{0}, grown{0};
+  const auto work = [&](std::size_t) {
+    ScanUpdate update(*this);
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       ScanUpdate::Tile& tile = tiles[i];
       if (tile.node != nullptr)
         tile.changed = update.update_cube<ScanUpdate::tile_level>(*tile.node, tile.created, tile, 0);
     }
+    grown += update.nodes();
   };
-  std::atomic<std::size_t> grown{0};
   std::vector<std::thread> others;
-  for (int i = 1; i < threads; ++i) {
-    others.emplace_back([&] {
-      FusedTree counter(resolution);  // so that threads do not count nodes into one number
-      work(counter);
-      grown += counter.tree_size;  // wraps round where more nodes were pruned than made
-    });
-  }
-  work(*this);
+  for (int i = 1; i < threads; ++i) others.emplace_back(work, 1);
+  work(0);
   for (std::thread& other : others) other.join();
-  tree_size += grown;
-  size_changed = true;
   above.close_above_tiles(top, static_cast<int>(tree_depth), first, first + tiles.size());
+  tree_size += grown + above.nodes();
+  size_changed = true;
 }
 
 }  // namespace clearway

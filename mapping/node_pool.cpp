@@ -1,5 +1,6 @@
 #include "mapping/node_pool.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <new>
 #include <vector>
@@ -14,12 +15,12 @@ constexpr bool pooled = true;
 #endif
 
 constexpr std::size_t batch_slots = 512;
-constexpr std::size_t chunk_slots = 8192;
+constexpr std::size_t line = 64;  ///< chunks start at one
+constexpr std::size_t smallest_chunk = std::size_t{64} << 10U, largest_chunk = std::size_t{2} << 20U;
 
 struct Slot {
   Slot* next;
 };
-static_assert(sizeof(Slot) <= NodePool::slot_bytes);
 
 /// Free slots that no thread keeps: full batches, and slots that threads left behind when they ended.
 struct Shared {
@@ -27,13 +28,12 @@ struct Shared {
   std::vector<Slot*> batches;  ///< each a list of batch_slots
   Slot* loose = nullptr;
   std::size_t reserved = 0;
-};
 
-/// Never destroyed: nodes may be freed while the program ends.
-Shared& shared() {
-  static auto* const store = new Shared;
-  return *store;
-}
+  void give_up(Slot* slot) {
+    slot->next = loose;
+    loose = slot;
+  }
+};
 
 /// One thread's free slots: a list, and a fresh range that was never used. Needs no destructor of its own.
 struct Store {
@@ -42,94 +42,128 @@ struct Store {
   std::byte* fresh = nullptr;
   std::byte* fresh_end = nullptr;
 };
-thread_local Store store;
 
-void give_up(Slot* slot) {
-  slot->next = shared().loose;
-  shared().loose = slot;
-}
+void leave_when_the_thread_ends();
 
-/// Hands a thread's slots over when it ends.
+/// Slots of one size.
+template <std::size_t Bytes>
+class Slots {
+ public:
+  static void* allocate() {
+    if (store.list == nullptr && store.fresh == store.fresh_end) refill();
+    if (store.list != nullptr) {
+      Slot* const slot = store.list;
+      store.list = slot->next;
+      --store.listed;
+      return slot;
+    }
+    void* const slot = store.fresh;
+    store.fresh += Bytes;
+    return slot;
+  }
+
+  static void free(void* slot) {
+    if (store.listed == 0) leave_when_the_thread_ends();
+    store.list = new (slot) Slot{store.list};
+    if (++store.listed >= 2 * batch_slots) hand_over();
+  }
+
+  /// Hands this thread's slots over to the others.
+  static void leave() {
+    Shared& all = shared();
+    const std::lock_guard lock(all.guard);
+    while (store.list != nullptr) {
+      Slot* const slot = store.list;
+      store.list = slot->next;
+      all.give_up(slot);
+    }
+    for (; store.fresh != store.fresh_end; store.fresh += Bytes) all.give_up(new (store.fresh) Slot);
+    store = {};
+  }
+
+  static std::size_t reserved_bytes() {
+    const std::lock_guard lock(shared().guard);
+    return shared().reserved;
+  }
+
+ private:
+  /// Never destroyed: nodes may be freed while the program ends.
+  static Shared& shared() {
+    static auto* const all = new Shared;
+    return *all;
+  }
+
+  static void refill() {
+    leave_when_the_thread_ends();
+    Shared& all = shared();
+    const std::lock_guard lock(all.guard);
+    if (!all.batches.empty()) {
+      store.list = all.batches.back();
+      store.listed = batch_slots;
+      all.batches.pop_back();
+      return;
+    }
+    while (all.loose != nullptr && store.listed < batch_slots) {
+      Slot* const slot = all.loose;
+      all.loose = slot->next;
+      slot->next = store.list;
+      store.list = slot;
+      ++store.listed;
+    }
+    if (store.list != nullptr) return;
+    const std::size_t bytes = std::clamp(all.reserved / 16, smallest_chunk, largest_chunk) / line * line;
+    store.fresh = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{line}));
+    store.fresh_end = store.fresh + bytes;
+    all.reserved += bytes;
+  }
+
+  /// Moves one batch from this thread's list to the shared ones.
+  static void hand_over() {
+    Slot* const batch = store.list;
+    Slot* last = batch;
+    for (std::size_t i = 1; i < batch_slots; ++i) last = last->next;
+    store.list = last->next;
+    last->next = nullptr;
+    store.listed -= batch_slots;
+    const std::lock_guard lock(shared().guard);
+    shared().batches.push_back(batch);
+  }
+
+  static constinit thread_local Store store;
+};
+
+template <std::size_t Bytes>
+constinit thread_local Store Slots<Bytes>::store;
+
+using Nodes = Slots<NodePool::node_bytes>;
+using Children = Slots<NodePool::children_bytes>;
+
 struct Leaver {
   ~Leaver() {
-    const std::lock_guard lock(shared().guard);
-    while (store.list != nullptr) {
-      Slot* slot = store.list;
-      store.list = slot->next;
-      give_up(slot);
-    }
-    for (; store.fresh != store.fresh_end; store.fresh += NodePool::slot_bytes)
-      give_up(new (store.fresh) Slot);
-    store = {};
+    Nodes::leave();
+    Children::leave();
   }
   void touch() const {}
 };
 thread_local const Leaver leaver;
 
-void refill() {
-  leaver.touch();  // makes it live, so that it is destroyed
-  Shared& all = shared();
-  const std::lock_guard lock(all.guard);
-  if (!all.batches.empty()) {
-    store.list = all.batches.back();
-    store.listed = batch_slots;
-    all.batches.pop_back();
-    return;
-  }
-  while (all.loose != nullptr && store.listed < batch_slots) {
-    Slot* slot = all.loose;
-    all.loose = slot->next;
-    slot->next = store.list;
-    store.list = slot;
-    ++store.listed;
-  }
-  if (store.list != nullptr) return;
-  constexpr std::size_t bytes = chunk_slots * NodePool::slot_bytes;
-  store.fresh = static_cast<std::byte*>(::operator new(bytes));
-  store.fresh_end = store.fresh + bytes;
-  all.reserved += bytes;
-}
-
-/// Moves one batch from this thread's list to the shared ones.
-void hand_over() {
-  Slot* const batch = store.list;
-  Slot* last = batch;
-  for (std::size_t i = 1; i < batch_slots; ++i) last = last->next;
-  store.list = last->next;
-  last->next = nullptr;
-  store.listed -= batch_slots;
-  const std::lock_guard lock(shared().guard);
-  shared().batches.push_back(batch);
-}
+void leave_when_the_thread_ends() { leaver.touch(); }  // makes it live, so that it is destroyed
 
 }  // namespace
 
 void* NodePool::allocate(std::size_t size) {
-  if (!pooled || size != slot_bytes) return ::operator new(size);
-  if (store.list == nullptr && store.fresh == store.fresh_end) refill();
-  if (store.list != nullptr) {
-    Slot* const slot = store.list;
-    store.list = slot->next;
-    --store.listed;
-    return slot;
-  }
-  void* const slot = store.fresh;
-  store.fresh += slot_bytes;
-  return slot;
+  if (pooled && size == node_bytes) return Nodes::allocate();
+  if (pooled && size == children_bytes) return Children::allocate();
+  return ::operator new(size);
 }
 
 void NodePool::free(void* slot, std::size_t size) {
   if (slot == nullptr) return;
-  if (!pooled || size != slot_bytes) return ::operator delete(slot, size);
-  if (store.listed == 0) leaver.touch();
-  auto* const freed = new (slot) Slot{store.list};
-  store.list = freed;
-  if (++store.listed >= 2 * batch_slots) hand_over();
+  if (pooled && size == node_bytes) return Nodes::free(slot);
+  if (pooled && size == children_bytes) return Children::free(slot);
+  ::operator delete(slot, size);
 }
 
-std::size_t NodePool::reserved_bytes() {
-  const std::lock_guard lock(shared().guard);
-  return shared().reserved;
-}
+std::size_t NodePool::reserved_bytes() { return Nodes::reserved_bytes() + Children::reserved_bytes(); }
 
 }  // namespace clearway

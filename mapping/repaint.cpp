@@ -113,8 +113,7 @@ void FusedTree::remove_child(FusedNode& node, unsigned index) {
   for (unsigned i = 0; i < 8; ++i) {
     if (node.child(i) != nullptr) return;
   }
-  delete[] node.children;
-  node.children = nullptr;
+  node.drop_children();
   node.forget();
 }
 

@@ -11,26 +11,30 @@
 namespace clearway {
 namespace {
 
-void* slot() { return NodePool::allocate(NodePool::slot_bytes); }
-void give_back(void* memory) { NodePool::free(memory, NodePool::slot_bytes); }
+void* slot() { return NodePool::allocate(NodePool::node_bytes); }
+void give_back(void* memory) { NodePool::free(memory, NodePool::node_bytes); }
 
 TEST(NodePool, SlotsThatAreInUseNeverOverlap) {
-  std::vector<unsigned char*> taken;
-  for (int i = 0; i < 40000; ++i) {
-    taken.push_back(static_cast<unsigned char*>(slot()));
-    std::memset(taken.back(), i % 251, NodePool::slot_bytes);
+  struct Taken {
+    unsigned char* memory;
+    std::size_t size;
+  };
+  std::vector<Taken> taken;
+  for (int i = 0; i < 60000; ++i) {
+    const std::size_t size = i % 4 == 0 ? NodePool::children_bytes : NodePool::node_bytes;
+    taken.push_back({static_cast<unsigned char*>(NodePool::allocate(size)), size});
+    std::memset(taken.back().memory, i % 251, size);
     if (i % 3 == 2) {
-      give_back(taken[taken.size() - 2]);
+      NodePool::free(taken[taken.size() - 2].memory, taken[taken.size() - 2].size);
       taken.erase(taken.end() - 2);
     }
   }
-  std::sort(taken.begin(), taken.end());
-  for (std::size_t i = 1; i < taken.size(); ++i) {
-    ASSERT_GE(taken[i] - taken[i - 1], static_cast<std::ptrdiff_t>(NodePool::slot_bytes));
-  }
-  for (unsigned char* memory : taken) {
-    for (std::size_t byte = 1; byte < NodePool::slot_bytes; ++byte) ASSERT_EQ(memory[byte], memory[0]);
-    give_back(memory);
+  std::sort(taken.begin(), taken.end(), [](const Taken& a, const Taken& b) { return a.memory < b.memory; });
+  for (std::size_t i = 1; i < taken.size(); ++i)
+    ASSERT_GE(taken[i].memory - taken[i - 1].memory, static_cast<std::ptrdiff_t>(taken[i - 1].size));
+  for (const Taken& slot : taken) {
+    for (std::size_t byte = 1; byte < slot.size; ++byte) ASSERT_EQ(slot.memory[byte], slot.memory[0]);
+    NodePool::free(slot.memory, slot.size);
   }
 }
 
