@@ -10,7 +10,8 @@ int to_cell(double cell) { return static_cast<int>(std::clamp(cell, -32769.0, 32
 
 }  // namespace
 
-BallTable::BallTable(const Sphere& ball, double resolution) : radius_squared_(ball.radius * ball.radius) {
+BallTable::BallTable(const Sphere& ball, double resolution)
+    : radius_squared_(ball.radius * ball.radius), cells_per_metre_(1.0 / resolution) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double at = ball.center[static_cast<int>(axis)];
     center_[axis] = to_cell(std::floor(at / resolution));
@@ -28,6 +29,7 @@ BallTable::BallTable(const Sphere& ball, double resolution) : radius_squared_(ba
     }
     table_.push_back(HUGE_VAL);
   }
+  middle_ = ball.center.x() / resolution - first_[0];
   nearest_.reserve(2 * table_.size() + 150);
   farthest_.reserve(2 * table_.size() + 150);
   for (int level = 0; level < 16; ++level) add_level(level);
@@ -66,22 +68,27 @@ bool BallTable::covers_some_voxel(const CellCube& cube) const {
   return sum <= radius_squared_;
 }
 
-/// Row by row: the cells that the ball covers of a row are neighbours, and nearly those of the row before.
+/// Row by row. Pythagoras guesses where the covered cells of a row begin and end; the table decides.
 std::size_t BallTable::count() const {
   if (covers(CellCube{})) return CellCube{}.volume();
-  const int middle = std::clamp(center_[0], first_[0] + 1, last_[0]);
-  const double* const far_x = table_.data() + offset_[0];
+  const int end = last_[0] - first_[0];  // cells of the table lie between 0 and `end`, which no ball covers
+  if (end < 2) return 0;
+  const int nearest = std::clamp(center_[0] - first_[0], 1, end - 1);
+  const double* const far_x = table_.data();
   std::size_t sum = 0;
   for (int z = first_[2] + 1; z < last_[2]; ++z) {
     const double far_z = far_side(2, z);
-    int low = middle, high = middle;  // covered: low <= x < high; the table ends with cells that never are
     for (int y = first_[1] + 1; y < last_[1]; ++y) {
       const double far_y = far_side(1, y);
       const auto inside = [&](int x) { return far_x[x] + far_y + far_z <= radius_squared_; };
-      while (low < middle && !inside(low)) ++low;
-      while (inside(low - 1)) --low;
-      while (high > middle && !inside(high - 1)) --high;
-      while (inside(high)) ++high;
+      if (!inside(nearest)) continue;
+      const double half = std::sqrt(std::max(radius_squared_ - far_y - far_z, 0.0)) * cells_per_metre_;
+      int low = static_cast<int>(std::clamp(middle_ - half, 0.0, end - 2.0)) + 1;
+      int high = static_cast<int>(std::clamp(middle_ + half, 2.0, static_cast<double>(end)));
+      if (!inside(low) || inside(low - 1) || !inside(high - 1) || inside(high)) {
+        for (low = nearest; inside(low - 1);) --low;
+        for (high = nearest; inside(high);) ++high;
+      }
       sum += static_cast<std::size_t>(high - low);
     }
   }

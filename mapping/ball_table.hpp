@@ -52,6 +52,8 @@ class BallTable {
 
   static constexpr int lowest_cell = 32768;  ///< the tree's cells start at minus this
   double radius_squared_;
+  double cells_per_metre_;
+  double middle_ = 0.0;                  ///< x of the ball's centre in cells, from the table's first
   std::array<int, 3> center_{};          ///< cell of the ball's centre, or the nearest to it
   std::array<int, 3> first_{}, last_{};  ///< cells in the table; either end stands for all beyond: infinity
   std::array<int, 3> offset_{};          ///< from a cell to its place in the table
@@ -64,6 +66,7 @@ class BallTable {
     const Pair x{squared[row[0]], squared[row[0] + 1]};
     const Pair limit{radius_squared_, radius_squared_};
     Bits result{0, 0};
+#pragma GCC unroll 4
     for (unsigned i = 0; i < 4; ++i) {
       const double y = squared[row[1] + (i & 1U)], z = squared[row[2] + (i >> 1U)];
       const Bits bits{1LL << 2U * i, 2LL << 2U * i};
