@@ -3,6 +3,8 @@
 #include <octomap/OcTree.h>
 
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include "apps/bench/bench.hpp"
 #include "mapping/free_space_map.hpp"
@@ -40,11 +42,14 @@ void paint_stock(octomap::OcTree& tree, const Sphere& ball) {
   }
 }
 
-/// CPU microseconds of each of the stroke's balls.
-template <class Paint>
-std::vector<double> time_stroke(int balls, const Paint& paint) {
+/// CPU microseconds of each of the stroke's balls; what comes before each is not counted.
+std::vector<double> time_stroke(
+    int balls, const std::function<void(int)>& paint, const std::function<void()>& before = [] {}) {
   std::vector<double> times;
-  for (int i = 0; i < balls; ++i) times.push_back(1e6 * cpu_seconds([&] { paint(i); }));
+  for (int i = 0; i < balls; ++i) {
+    before();
+    times.push_back(1e6 * cpu_seconds([&] { paint(i); }));
+  }
   return times;
 }
 
@@ -52,7 +57,7 @@ std::vector<double> time_stroke(int balls, const Paint& paint) {
 
 BenchResult bench_paint(const BenchOptions& options) {
   const double resolution = options.resolution > 0.0 ? options.resolution : 0.005;
-  std::vector<double> medians, apart;
+  std::vector<double> medians, apart, shared, shared_worst;
   const Pair pair = interleave(
       options.runs,
       [&] {
@@ -60,6 +65,14 @@ BenchResult bench_paint(const BenchOptions& options) {
         map.add_volume("stroke", {});
         const auto times = time_stroke(balls_a_stroke, [&](int i) { map.paint(0, ball_of_stroke(i)); });
         medians.push_back(median(times));
+        FreeSpaceMap read({.resolution = resolution});  // each ball finds all nodes held by a snapshot
+        read.add_volume("stroke", {});
+        std::optional<Snapshot> held;
+        const auto copying = time_stroke(
+            balls_a_stroke, [&](int i) { read.paint(0, ball_of_stroke(i)); },
+            [&] { held.emplace(read.snapshot()); });
+        shared.push_back(median(copying));
+        shared_worst.push_back(quantile(copying, 0.99));
         FreeSpaceMap far({.resolution = resolution});
         far.add_volume("balls", {});
         apart.push_back(median(time_stroke(15, [&](int i) { far.paint(0, ball_of_stroke(i, 0.25)); })));
@@ -79,7 +92,9 @@ BenchResult bench_paint(const BenchOptions& options) {
            {"ball_radius", radius},
            {"balls", balls_a_stroke},
            {"ours_median", median(medians)},
-           {"ours_median_far_apart", median(apart)}}};
+           {"ours_median_far_apart", median(apart)},
+           {"ours_median_snapshot_held", median(shared)},
+           {"ours_p99_snapshot_held", median(shared_worst)}}};
 }
 
 }  // namespace clearway::bench

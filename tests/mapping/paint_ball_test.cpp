@@ -21,6 +21,20 @@ bool corners_inside(const Eigen::Vector3i& cell, double resolution, const Sphere
   return true;
 }
 
+/// Inner nodes agree with their children, and none has eight equal leaves.
+void expect_settled(const FusedNode& node) {
+  if (!node.has_children()) return;
+  FusedNode* const copy = new FusedNode(node);
+  copy->updateOccupancyChildren();
+  EXPECT_TRUE(*copy == node);
+  std::size_t nodes = 8;
+  EXPECT_FALSE(copy->prune(nodes));
+  FusedNode::release(copy);
+  for (unsigned i = 0; i < 8; ++i) {
+    if (node.child(i) != nullptr) expect_settled(*node.child(i));
+  }
+}
+
 TEST(Painting, PaintsExactlyTheVoxelsWhollyInsideABall) {
   Dice dice(7);
   for (int trial = 0; trial < 40; ++trial) {
@@ -99,13 +113,65 @@ TEST(Painting, ABallMakesTheTreeThatItsVoxelsMakeOneByOne) {
       EXPECT_EQ(counts.painted, sum.painted);
       EXPECT_EQ(counts.newly, sum.newly);
       EXPECT_EQ(counts.conflicts, sum.conflicts);
-      ASSERT_TRUE(whole.snapshot().tree() == single.snapshot().tree());
+      const Snapshot now = whole.snapshot();
+      ASSERT_TRUE(now.tree() == single.snapshot().tree());
+      ASSERT_EQ(now.tree().size(), now.tree().calcNumNodes());
+      if (now.tree().getRoot() != nullptr) expect_settled(*now.tree().getRoot());
       if (step % 3 != 0) continue;
       const Scan scan = testing::random_scan(dice, 100);
       whole.insert(scan);
       single.insert(scan);
     }
   }
+}
+
+TEST(Painting, CountsTheVoxelsOfBallsWhoseSurfacesPassThroughTheirCorners) {
+  constexpr int eighths = 2;  // a voxel's edge is a quarter of a metre: all numbers below are exact
+  for (const Eigen::Vector3i& center : {Eigen::Vector3i(0, 0, 0), Eigen::Vector3i(2, -4, 6),
+                                        Eigen::Vector3i(1, 0, -3), Eigen::Vector3i(5, 5, 5)}) {
+    for (int radius = 1; radius <= 26; ++radius) {
+      std::size_t expected = 0;
+      for (int x = -18; x < 18; ++x) {
+        for (int y = -18; y < 18; ++y) {
+          for (int z = -18; z < 18; ++z) {
+            const Eigen::Array3i low = (eighths * Eigen::Vector3i(x, y, z) - center).array();
+            const Eigen::Array3i far = low.abs().max((low + eighths).abs());
+            expected += far.square().sum() <= radius * radius ? 1 : 0;
+          }
+        }
+      }
+      FreeSpaceMap map({.resolution = 0.25});
+      map.add_volume("v", {});
+      const PaintCounts counts = map.paint(0, {center.cast<double>() / 8.0, radius / 8.0});
+      EXPECT_EQ(counts.painted, expected) << "radius " << radius;
+      EXPECT_EQ(counts.newly, expected) << "radius " << radius;
+      EXPECT_EQ(map.snapshot().counts().painted, expected) << "radius " << radius;
+    }
+  }
+}
+
+TEST(Painting, LooksThroughASolidObstacleAgainAndAgainWithoutSplittingIt) {
+  FreeSpaceMap map({.resolution = 0.1});
+  map.add_volume("v", {});
+  Scan scan;
+  for (int i = 0; i < 64; ++i)
+    scan.points.emplace_back(0.85F + 0.1F * (i % 4), 0.05F + 0.1F * (i / 4 % 4), 0.05F + 0.1F * (i / 16));
+  map.insert(scan);
+  const Sphere ball{{0.8, 0.2, 0.2}, 0.3};
+  const PaintCounts first = map.paint(0, ball);
+  EXPECT_GT(first.conflicts, 8U);
+  EXPECT_LT(first.conflicts, 32U);
+  map.paint(0, {{1.0, 0.2, 0.2}, 2.0});  // all of the obstacle: one leaf again
+  const Snapshot before = map.snapshot();
+  CellCube cube;
+  ASSERT_NE(before.tree().find_leaf({9, 1, 1}, cube), nullptr);
+  EXPECT_EQ(cube.edge, 4);
+  const PaintCounts again = map.paint(0, ball);
+  EXPECT_EQ(again.conflicts, first.conflicts);
+  EXPECT_EQ(again.newly, 0U);
+  const Snapshot after = map.snapshot();
+  EXPECT_TRUE(after.tree() == before.tree());
+  EXPECT_EQ(after.tree().size(), after.tree().calcNumNodes());
 }
 
 TEST(Painting, RepaintingIsCountedButChangesNothing) {
