@@ -38,7 +38,6 @@ struct FusedTree::Brush {
   bool paint_stored(FusedNode& node, const CellCube& cube, const Children& covered, unsigned stored);
   void paint_missing(FusedNode& node, const CellCube& cube, const Children& covered, unsigned missing);
   Stored look_at_children(const FusedNode& node) const;
-  void count_new(unsigned children, const CellCube& cube);
   void settle(FusedNode& node);
 };
 
@@ -75,23 +74,18 @@ void FusedTree::Brush::paint_in_new(FusedNode& node, const CellCube& cube) {
 /// Creates covered children.
 void FusedTree::Brush::paint_missing(FusedNode& node, const CellCube& cube, const Children& covered,
                                      unsigned missing) {
-  count_new(missing & covered.all, cube);
+  const std::size_t part = cube.volume() / 8;
   for (; missing != 0; missing &= missing - 1) {
     const auto i = static_cast<unsigned>(std::countr_zero(missing));
     bool created = false;
     FusedNode& child = node.child_for_writing(i, true, created, nodes);
     if ((covered.all >> i & 1U) != 0) {
       child.add_paint(bit);
+      tally.newly += part;
     } else {
       paint_in_new(child, cube.child(i));
     }
   }
-}
-
-/// Newly painted children of a cube.
-void FusedTree::Brush::count_new(unsigned children, const CellCube& cube) {
-  const auto edge = static_cast<std::size_t>(cube.edge / 2);
-  tally.newly += static_cast<std::size_t>(std::popcount(children)) * edge * edge * edge;
 }
 
 /// Every voxel of a stored node. False when nothing changed.
@@ -129,7 +123,7 @@ bool FusedTree::Brush::paint_children(FusedNode& node, const CellCube& cube, con
   for (unsigned i = 0; i < 8 && all_alike; ++i)
     all_alike = node.child(i) == nullptr || holds_only_paint(*node.child(i), bit);
   if (all_alike) {
-    count_new(missing, cube);
+    tally.newly += static_cast<std::size_t>(std::popcount(missing)) * (cube.volume() / 8);
     nodes -= static_cast<std::size_t>(std::popcount(stored.any));
     node.drop_children();
     node.add_paint(bit);
