@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "mapping/field_look_up.hpp"
 #include "mapping/fused_tree.hpp"
 
 namespace clearway {
@@ -91,10 +92,11 @@ double BlockedField::bound_from_cells(const Eigen::Vector3d& inside) const {
     gaps[axis][1] = (at - high[i] - 0.5) * (at - high[i] - 0.5);
   }
   const Corners corners = corners_of(layers_, low[0], low[1], low[2], high[0], high[1], high[2]);
+  const double* roots = half_roots();
   double best = 0.0;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const double gap = gaps[0][corner & 1U] + gaps[1][corner >> 1U & 1U] + gaps[2][corner >> 2U];
-    best = std::max(best, 0.5 * std::sqrt(static_cast<double>(corners[corner])) - std::sqrt(gap));
+    best = std::max(best, roots[corners[corner]] - std::sqrt(gap));
   }
   return best * cells_.resolution;
 }
@@ -147,6 +149,7 @@ double BlockedField::clearance(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d inside = point.cwiseMax(box_.min()).cwiseMin(box_.max());
   const double gap_squared = (point - inside).squaredNorm();
   if (outside_blocked_ && gap_squared > 0.0) return 0.0;
+  if (gap_squared == 0.0 && squared(cell_near(point)) == 0) return 0.0;
   double bound = bound_from_cells(inside);
   if (bound < 1.5 * cells_.resolution) bound = std::max(bound, bound_from_neighbours(inside));
   if (outside_blocked_) {
@@ -156,7 +159,8 @@ double BlockedField::clearance(const Eigen::Vector3d& point) const {
   }
   // The region is convex: what lies in it is at least as far as Pythagoras says from its nearest point.
   if (gap_squared > 0.0) bound = std::sqrt(bound * bound + gap_squared);
-  const double rounding = 1e-9 * cells_.resolution + 1e-15 * point.cwiseAbs().maxCoeff();
+  const double rounding =
+      rounding_of_voxel * cells_.resolution + rounding_of_coordinate * point.cwiseAbs().maxCoeff();
   return std::clamp(bound - rounding, 0.0, cells_.max_distance);
 }
 

@@ -9,6 +9,7 @@
 namespace clearway {
 
 class FusedTree;
+struct FieldLookUp;
 
 /// A block of voxel cells: cell i spans [i, i + 1] * resolution on each axis, as OctoMap's keys less 32768.
 struct FieldRegion {
@@ -59,6 +60,14 @@ class BlockedField final : public BlockedSpace {
 
   bool is_blocked(const Eigen::Vector3d& point) const override;
   double clearance(const Eigen::Vector3d& point) const override;
+  double coarse_clearance(const Eigen::Vector3d& point) const override;
+  void clearances(const PointArrays& points, std::span<double> out) const override;
+  void coarse_clearances(const PointArrays& points, std::span<double> out) const override;
+
+  /// The same with registers of one's choice, which the machine must have.
+  void clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const;
+  void coarse_clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const;
+
   NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const override;
   RayHit cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                   double max_range) const override;
@@ -77,6 +86,7 @@ class BlockedField final : public BlockedSpace {
   Eigen::Vector3i cell_near(const Eigen::Vector3d& point) const;  ///< of the region, nearest to the point
   double bound_from_cells(const Eigen::Vector3d& inside) const;
   double bound_from_neighbours(const Eigen::Vector3d& inside) const;
+  FieldLookUp look_up() const;
   double distance_to_border(const Eigen::Vector3d& inside, int& axis, bool& upper) const;
   NearestBlocked nearest_outside(const Eigen::Vector3d& point) const;
   NearestBlocked describe(const Eigen::Vector3d& point, const Eigen::Vector3i& voxel) const;

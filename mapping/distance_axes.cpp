@@ -197,9 +197,12 @@ std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after
 
 Vectors widest_vectors() {
 #if defined(__x86_64__) && defined(__GNUC__)
-  static const Vectors widest = __builtin_cpu_supports("avx512bw") != 0 ? Vectors::avx512
-                                : __builtin_cpu_supports("avx2") != 0   ? Vectors::avx2
-                                                                        : Vectors::portable;
+  static const bool has_avx512 = __builtin_cpu_supports("avx512bw") != 0 &&
+                                 __builtin_cpu_supports("avx512dq") != 0 &&
+                                 __builtin_cpu_supports("avx512vl") != 0;
+  static const Vectors widest = has_avx512                            ? Vectors::avx512
+                                : __builtin_cpu_supports("avx2") != 0 ? Vectors::avx2
+                                                                      : Vectors::portable;
   return widest;
 #else
   return Vectors::portable;

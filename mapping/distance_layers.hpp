@@ -29,6 +29,7 @@ class DistanceLayers {
 
   /// min(cap, squared distance in half voxels); 0 in blocked cells only.
   std::uint16_t squared(int x, int y, int z) const { return distances_.at(x, y, z); }
+  const TiledCells& distances() const { return distances_; }
   /// The squared distances of the 32 cells from x = 32 lane; those beyond the block mean nothing.
   const std::uint16_t* line(int lane, int y, int z) const { return distances_.line(lane, y, z); }
 

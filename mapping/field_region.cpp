@@ -14,7 +14,7 @@ constexpr double cells_of_a_tile = double{TiledCells::nx} * TiledCells::ny * Til
 
 /// Bytes that a tile of cells takes: its distances, its place among the tiles, its bits.
 constexpr double bytes_of_a_tile(bool updatable) {
-  return (updatable ? 2.0 : 1.0) * (TiledCells::tile_bytes + 48.0) + cells_of_a_tile / 8.0;
+  return (updatable ? 2.0 : 1.0) * (TiledCells::tile_bytes + 56.0) + cells_of_a_tile / 8.0;
 }
 
 double bytes_of(const Eigen::Array3d& size, bool updatable) {

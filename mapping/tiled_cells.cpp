@@ -12,18 +12,20 @@ TiledCells::TiledCells(const Eigen::Vector3i& size, std::uint16_t value)
   const auto uniform = std::allocate_shared<Tile>(TileAllocator<Tile>());
   uniform->fill(value);
   tiles_.assign(size_.cast<std::size_t>().prod(), uniform);
+  cells_.assign(tiles_.size(), uniform->data());
   shared_.assign(tiles_.size(), 1);
 }
 
 bool TiledCells::write(int lane, int y, int z, const std::uint16_t* line) {
   const std::size_t index = tile(lane, y, z);
   constexpr std::size_t bytes = nx * sizeof(std::uint16_t);
-  std::uint16_t* cells = tiles_[index]->data() + offset(y, z);
+  std::uint16_t* cells = cells_[index] + offset(y, z);
   if (std::memcmp(cells, line, bytes) == 0) return false;
   if (shared_[index] != 0) {
     tiles_[index] = std::allocate_shared<Tile>(TileAllocator<Tile>(), *tiles_[index]);
     shared_[index] = 0;
-    cells = tiles_[index]->data() + offset(y, z);
+    cells_[index] = tiles_[index]->data();
+    cells = cells_[index] + offset(y, z);
   }
   std::memcpy(cells, line, bytes);
   return true;

@@ -19,7 +19,8 @@ class TiledCells {
 
   /// All cells start at `value`.
   TiledCells(const Eigen::Vector3i& size, std::uint16_t value);
-  TiledCells(const TiledCells& other) : size_(other.size_), tiles_(other.tiles_), shared_(tiles_.size(), 1) {}
+  TiledCells(const TiledCells& other)
+      : size_(other.size_), tiles_(other.tiles_), cells_(other.cells_), shared_(tiles_.size(), 1) {}
   TiledCells(TiledCells&&) = default;
   TiledCells& operator=(const TiledCells&) = delete;
   TiledCells& operator=(TiledCells&&) = default;
@@ -29,9 +30,11 @@ class TiledCells {
   std::uint16_t at(int x, int y, int z) const { return line(x >> 5, y, z)[x & 31]; }
 
   /// The 32 cells from x = 32 lane at y, z.
-  const std::uint16_t* line(int lane, int y, int z) const {
-    return tiles_[tile(lane, y, z)]->data() + offset(y, z);
-  }
+  const std::uint16_t* line(int lane, int y, int z) const { return cells_[tile(lane, y, z)] + offset(y, z); }
+
+  /// The first cell of each tile, and the tiles along each axis; tiles along x come first, then y, then z.
+  const std::uint16_t* const* tile_cells() const { return cells_.data(); }
+  const Eigen::Vector3i& tile_counts() const { return size_; }
 
   /// Overwrites the 32 cells of a line, if they differ. Returns true when they did.
   bool write(int lane, int y, int z, const std::uint16_t* line);
@@ -49,6 +52,7 @@ class TiledCells {
 
   Eigen::Vector3i size_;  ///< in tiles
   std::vector<std::shared_ptr<Tile>> tiles_;
+  std::vector<std::uint16_t*> cells_;  ///< of each tile, for those who read
   std::vector<std::uint8_t>
       shared_;  ///< by tile: another may hold it, so it must be copied before it is written
 };

@@ -43,8 +43,9 @@ TEST(BlockedField, ClearanceNeverExceedsTheTrueDistance) {
     const auto space = map.blocked_space(requirement, box_around(0.8), 0.6);
     const BlockedTruth truth(map, requirement, space->region());
     Dice dice(6);
+    constexpr int count = 5000;  // clearway_bench field asks for a million
     double worst_slack = 0.0, sum_of_slack = 0.0;
-    for (int i = 0; i < 100000; ++i) {
+    for (int i = 0; i < count; ++i) {
       const Eigen::Vector3d point = dice.point(i % 10 == 0 ? 1.5 : 0.81);
       const double exact = truth.distance(point), bound = space->clearance(point);
       ASSERT_LE(bound, exact) << point.transpose();
@@ -57,7 +58,7 @@ TEST(BlockedField, ClearanceNeverExceedsTheTrueDistance) {
       }
     }
     EXPECT_LT(worst_slack, 1.3 * 0.08);  // in cavities of a few voxels
-    EXPECT_LT(sum_of_slack / 100000, 0.2 * 0.08);
+    EXPECT_LT(sum_of_slack / count, 0.2 * 0.08);
   }
 }
 
