@@ -1,6 +1,8 @@
 #include "mapping/blocked_cells.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "mapping/fused_tree.hpp"
 
@@ -38,7 +40,15 @@ void BlockedCells::fill(const Eigen::Vector3i& low, const Eigen::Vector3i& high,
 
 std::size_t BlockedCells::count() const {
   std::size_t sum = 0;
-  for (const std::uint32_t word : words_) sum += static_cast<std::size_t>(__builtin_popcount(word));
+  for (const std::uint32_t word : words_) sum += static_cast<std::size_t>(std::popcount(word));
+  return sum;
+}
+
+std::ptrdiff_t BlockedCells::count_beyond(const BlockedCells& other) const {
+  std::ptrdiff_t sum = 0;
+  for (std::size_t i = 0; i < words_.size(); ++i) {
+    if (words_[i] != other.words_[i]) sum += std::popcount(words_[i]) - std::popcount(other.words_[i]);
+  }
   return sum;
 }
 
@@ -68,10 +78,18 @@ class TreeReader {
   }
 
   /// Fills in what differs between two versions of the tree.
-  void follow(const FusedNode* before, const FusedNode* now, const CellCube& cube) {
-    if (before == now || is_outside(cube)) return;
+  void follow(const FusedNode* before, const FusedNode* now) { follow(before, now, CellCube{}, false); }
+
+ private:
+  /// @param inside known to lie in the block.
+  void follow(const FusedNode* before, const FusedNode* now, const CellCube& cube, bool inside) {
+    if (before == now) return;
     const bool was_allowed = is_allowed(before), allowed = is_allowed(now);
     if (was_allowed && allowed) return;
+    if (!inside) {
+      if (is_outside(cube)) return;
+      inside = is_inside(cube);
+    }
     const bool before_splits = before != nullptr && !was_allowed && before->has_children();
     const bool now_splits = now != nullptr && !allowed && now->has_children();
     if (!before_splits && !now_splits) {
@@ -79,15 +97,26 @@ class TreeReader {
       return;
     }
     // Where one version is allowed as a whole it stands for each of its parts.
+    std::array<const FusedNode*, 8> was{}, is{};
     for (unsigned i = 0; i < 8; ++i) {
-      follow(before_splits ? before->child(i) : before, now_splits ? now->child(i) : now, cube.child(i));
+      was[i] = before_splits ? before->child(i) : before;
+      is[i] = now_splits ? now->child(i) : now;
+      if (was[i] == is[i]) continue;
+      __builtin_prefetch(was[i]);  // all at once: most of the time goes into waiting for memory
+      __builtin_prefetch(is[i]);
+    }
+    for (unsigned i = 0; i < 8; ++i) {
+      if (was[i] != is[i]) follow(was[i], is[i], cube.child(i), inside);
     }
   }
 
- private:
   bool is_outside(const CellCube& cube) const {
     const Eigen::Array3i corner = (cube.corner - first_).array();
     return (corner + cube.edge <= 0).any() || (corner >= cells_.size().array()).any();
+  }
+  bool is_inside(const CellCube& cube) const {
+    const Eigen::Array3i corner = (cube.corner - first_).array();
+    return (corner >= 0).all() && (corner + cube.edge <= cells_.size().array()).all();
   }
   bool is_allowed(const FusedNode* node) const {
     return node == nullptr ? !unknown_blocked_ : is_allowed(*node);
@@ -95,13 +124,16 @@ class TreeReader {
 
   /// True when all of the cube is allowed; for an inner node false may mean "in part".
   bool is_allowed(const FusedNode& node) const {
-    const bool says_for_all =
-        !node.has_children() || requirement_.policy == Policy::not_occupied || node.painted() != 0;
+    if (requirement_.policy == Policy::not_occupied) {  // what the lines below say, in short
+      return !(node.observed() && tree_.isNodeOccupied(node));
+    }
+    const bool says_for_all = !node.has_children() || node.painted() != 0;
     return says_for_all && allows(requirement_, tree_.state(node), node.painted());
   }
 
   void fill(const CellCube& cube, bool blocked) {
     const Eigen::Vector3i corner = cube.corner - first_;
+    if (cube.edge == 1) return cells_.set(corner.x(), corner.y(), corner.z(), blocked);
     cells_.fill(corner.cwiseMax(0), (corner.array() + cube.edge).matrix().cwiseMin(cells_.size()), blocked);
   }
 
@@ -125,7 +157,7 @@ BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement
                            const Eigen::Vector3i& first, const FusedTree& before,
                            const BlockedCells& cells_before) {
   BlockedCells cells = cells_before;
-  TreeReader(tree, requirement, first, cells).follow(before.getRoot(), tree.getRoot(), CellCube{});
+  TreeReader(tree, requirement, first, cells).follow(before.getRoot(), tree.getRoot());
   return cells;
 }
 

@@ -32,7 +32,16 @@ class BlockedCells {
   /// Sets the cells low to high (exclusive), which must lie in the block.
   void fill(const Eigen::Vector3i& low, const Eigen::Vector3i& high, bool blocked);
 
+  /// The same for one cell.
+  void set(int x, int y, int z, bool blocked) {
+    std::uint32_t& word = words_[index(x >> 5, z) + static_cast<std::size_t>(y)];
+    const std::uint32_t bit = 1U << (x & 31);
+    word = blocked ? word | bit : word & ~bit;
+  }
+
   std::size_t count() const;  ///< of blocked cells
+  /// Blocked cells here more than in another version of the same block; quick where little differs.
+  std::ptrdiff_t count_beyond(const BlockedCells& other) const;
   std::size_t bytes() const { return words_.size() * sizeof(std::uint32_t); }
 
   friend bool operator==(const BlockedCells&, const BlockedCells&) = default;
