@@ -52,8 +52,7 @@ FusedNode& FusedNode::add_child(unsigned index) {
   return *made;
 }
 
-FusedNode& FusedNode::child_for_writing(unsigned index, bool just_created, bool& created,
-                                        std::size_t& nodes) {
+FusedNode& FusedNode::make_writable(unsigned index, bool just_created, bool& created, std::size_t& nodes) {
   created = false;
   if (children == nullptr) {
     make_children();
@@ -74,6 +73,16 @@ FusedNode& FusedNode::child_for_writing(unsigned index, bool just_created, bool&
   children[index] = copy;
   release(child);
   return *copy;
+}
+
+void FusedNode::prefetch_below() const {
+  if (children == nullptr) return;
+  for (unsigned i = 0; i < 8; ++i)
+    if (child(i) != nullptr) __builtin_prefetch(child(i)->children);  // none: no harm
+  for (unsigned i = 0; i < 8; ++i) {
+    if (child(i) == nullptr || !child(i)->has_children()) continue;
+    for (unsigned j = 0; j < 8; ++j) __builtin_prefetch(child(i)->child(j), 1);
+  }
 }
 
 bool FusedNode::prune(std::size_t& nodes) {

@@ -36,7 +36,9 @@ class FusedNode : public octomap::OcTreeNode {
   static void operator delete(void* node, std::size_t size);
 
   bool operator==(const FusedNode& other) const {
-    return value == other.value && painted_ == other.painted_ && observed_ == other.observed_;
+    // Not with &&: g++ makes one load of two such comparisons, and with it reads `owners_`, which other
+    // threads may be counting.
+    return value == other.value && ((painted_ ^ other.painted_) | (observed_ ^ other.observed_)) == 0;
   }
   void copyData(const FusedNode& from);
 
@@ -72,9 +74,17 @@ class FusedNode : public octomap::OcTreeNode {
   /// The child to descend into, held by one tree alone if this node is: created under a new or partly filled
   /// node, expanded from a pruned one, copied from a shared one. Counts new nodes into `nodes`.
   /// @param just_created this node. @param created whether the child was made without content.
-  FusedNode& child_for_writing(unsigned index, bool just_created, bool& created, std::size_t& nodes);
+  FusedNode& child_for_writing(unsigned index, bool just_created, bool& created, std::size_t& nodes) {
+    FusedNode* const stored = children == nullptr ? nullptr : child(index);
+    if (stored == nullptr || !stored->has_one_owner())
+      return make_writable(index, just_created, created, nodes);
+    created = false;
+    return *stored;
+  }
   /// Makes this node a leaf when its children are eight equal leaves. Counts them out of `nodes`.
   bool prune(std::size_t& nodes);
+  /// Asks the cache for what a descent to the grandchildren reads.
+  void prefetch_below() const;
   /// Eight places for children, all empty. Precondition: a leaf.
   void make_children();
   /// Lets go of all children and their places, if there are any.
@@ -83,6 +93,7 @@ class FusedNode : public octomap::OcTreeNode {
  private:
   friend class FusedTree;
   FusedNode& add_child(unsigned index);
+  FusedNode& make_writable(unsigned index, bool just_created, bool& created, std::size_t& nodes);
   std::atomic_ref<std::uint8_t> owners() const { return std::atomic_ref<std::uint8_t>(owners_); }
 
   std::uint16_t painted_ = 0;

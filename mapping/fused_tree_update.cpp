@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
 #include <vector>
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/on_threads.hpp"
 #include "mapping/scan_grid.hpp"
 
 namespace clearway {
@@ -19,11 +19,10 @@ class FusedTree::ScanUpdate {
 
   /// A tile's bits, and what they say of its cubes of 4 x 4 x 4 voxels: one bit each.
   struct Tile {
-    explicit Tile(ScanTile& bits);
-    bool any_free() const { return has_free; }
-    bool any_hit() const { return has_hit; }
+    /// Takes the occupied bits out of the free ones.
+    void read(ScanTile& scan);
 
-    const ScanTile* bits;
+    const ScanTile* bits = nullptr;
     std::array<std::uint64_t, 8> free{}, hit{}, full{};  ///< any free, any hit, all free
     bool has_free = false, has_hit = false;
     FusedNode* node = nullptr;  ///< the tile's, when anything may change in it
@@ -87,7 +86,8 @@ class FusedTree::ScanUpdate {
   float hit_, miss_, low_, high_;
 };
 
-FusedTree::ScanUpdate::Tile::Tile(ScanTile& scan) : bits(&scan) {
+void FusedTree::ScanUpdate::Tile::read(ScanTile& scan) {
+  bits = &scan;
   for (unsigned i = 0; i < ScanTile::words; ++i) {
     scan.free[i] &= ~scan.occupied[i];
     const unsigned group = i >> 6U, bit = i & 63U;
@@ -134,6 +134,7 @@ bool FusedTree::ScanUpdate::update_cube(FusedNode& node, bool created, const Til
       add(node, miss_);
       return true;
     }
+    if constexpr (Level == 2 || Level == 3) node.prefetch_below();
     bool changed = false;
     for (unsigned i = 0; i < 8; ++i) {
       const unsigned below = cube * 8 + i;
@@ -190,11 +191,13 @@ bool FusedTree::ScanUpdate::close_above_tiles(FusedNode& node, int level, const 
 }
 
 void FusedTree::update(ScanGrid& grid, int threads) {
-  std::vector<ScanUpdate::Tile> tiles;
-  for (ScanTile* bits : grid.tiles()) {
-    tiles.emplace_back(*bits);
-    if (!tiles.back().any_free() && !tiles.back().any_hit()) tiles.pop_back();
-  }
+  const std::vector<ScanTile*> scan = grid.tiles();
+  std::vector<ScanUpdate::Tile> tiles(scan.size());
+  const auto workers = static_cast<std::size_t>(threads);
+  on_threads(workers, [&](std::size_t worker) {
+    for (std::size_t i = worker; i < scan.size(); i += workers) tiles[i].read(*scan[i]);
+  });
+  std::erase_if(tiles, [](const ScanUpdate::Tile& tile) { return !tile.has_free && !tile.has_hit; });
   if (tiles.empty()) return;
   bool created = false;
   FusedNode& top = root_for_writing(created);
@@ -203,7 +206,7 @@ void FusedTree::update(ScanGrid& grid, int threads) {
   above.reach_tiles(top, static_cast<int>(tree_depth), created, first, first + tiles.size());
 
   std::atomic<std::size_t> next{0}, grown{0};
-  const auto work = [&](std::size_t) {
+  on_threads(workers, [&](std::size_t) {
     ScanUpdate update(*this);
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       ScanUpdate::Tile& tile = tiles[i];
@@ -211,11 +214,7 @@ void FusedTree::update(ScanGrid& grid, int threads) {
         tile.changed = update.update_cube<ScanUpdate::tile_level>(*tile.node, tile.created, tile, 0);
     }
     grown += update.nodes();
-  };
-  std::vector<std::thread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(work, 1);
-  work(0);
-  for (std::thread& other : others) other.join();
+  });
   above.close_above_tiles(top, static_cast<int>(tree_depth), first, first + tiles.size());
   tree_size += grown + above.nodes();
   size_changed = true;

@@ -1,9 +1,14 @@
 #include "mapping/node_pool.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <mutex>
 #include <new>
 #include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace clearway {
 namespace {
@@ -15,12 +20,32 @@ constexpr bool pooled = true;
 #endif
 
 constexpr std::size_t batch_slots = 512;
-constexpr std::size_t line = 64;  ///< chunks start at one
 constexpr std::size_t smallest_chunk = std::size_t{64} << 10U, largest_chunk = std::size_t{2} << 20U;
 
 struct Slot {
   Slot* next;
 };
+
+#if defined(__linux__)
+/// Memory of whole pages. Chunks of the largest size may be backed by one large page each: a descent of a
+/// large tree then spends less time on finding out where its pages are.
+void* take_from_system(std::size_t bytes) {
+  const std::size_t extra = bytes == largest_chunk ? largest_chunk : 0;  // to choose an aligned part from
+  void* const memory =
+      mmap(nullptr, bytes + extra, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  if (extra == 0) return memory;
+  auto* const start = static_cast<std::byte*>(memory);
+  const std::size_t before =
+      (largest_chunk - reinterpret_cast<std::uintptr_t>(memory) % largest_chunk) % largest_chunk;
+  if (before > 0) munmap(start, before);
+  if (extra > before) munmap(start + before + bytes, extra - before);
+  madvise(start + before, bytes, MADV_HUGEPAGE);  // a wish: without it, there are more page faults
+  return start + before;
+}
+#else
+void* take_from_system(std::size_t bytes) { return ::operator new (bytes, std::align_val_t{64}); }
+#endif
 
 /// Free slots that no thread keeps: full batches, and slots that threads left behind when they ended.
 struct Shared {
@@ -111,8 +136,9 @@ class Slots {
       ++store.listed;
     }
     if (store.list != nullptr) return;
-    const std::size_t bytes = std::clamp(all.reserved / 16, smallest_chunk, largest_chunk) / line * line;
-    store.fresh = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{line}));
+    const std::size_t grain = smallest_chunk, wish = all.reserved / 16 / grain * grain;
+    const std::size_t bytes = std::clamp(wish, smallest_chunk, largest_chunk);
+    store.fresh = static_cast<std::byte*>(take_from_system(bytes));
     store.fresh_end = store.fresh + bytes;
     all.reserved += bytes;
   }

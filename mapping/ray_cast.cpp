@@ -1,9 +1,10 @@
 #include "mapping/ray_cast.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
-#include <thread>
 
+#include "mapping/on_threads.hpp"
 #include "mapping/ray_window.hpp"
 
 namespace clearway {
@@ -29,29 +30,30 @@ InstructionSet best_instruction_set() {
 
 namespace {
 
-/// Calls `work(0)` ... `work(threads - 1)`, each on a thread of its own, and waits for all.
-template <class Work>
-void on_threads(std::size_t threads, const Work& work) {
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < threads; ++i) others.emplace_back([&work, i] { work(i); });
-  work(0);
-  for (std::thread& other : others) other.join();
-}
-
 /// The cells that a window covers, and whether all rays stay in it.
 struct Coverage {
   Eigen::AlignedBox3i box;
   bool whole;
 };
 
+/// The box of the origin and of all ends.
+Eigen::AlignedBox3f box_of(const ScanRays& rays, std::size_t workers) {
+  std::vector<Eigen::AlignedBox3f> boxes(workers, Eigen::AlignedBox3f(rays.origin));
+  on_threads(workers, [&](std::size_t worker) {
+    Eigen::AlignedBox3f box = boxes[worker];
+    const std::size_t count = rays.ends.size(), last = count * (worker + 1) / workers;
+    for (std::size_t i = count * worker / workers; i < last; ++i) box.extend(rays.ends[i].point);
+    boxes[worker] = box;
+  });
+  for (const Eigen::AlignedBox3f& box : boxes) boxes[0].extend(box);
+  return boxes[0];
+}
+
 /// All cells that the rays cross, when that fits; else those of the rays that end near the origin.
-Coverage choose_coverage(const RayStarter& starter, const std::vector<RayEnd>& ends) {
-  Eigen::Array3f low = starter.origin(), high = low;
-  for (const RayEnd& ray : ends) {
-    low = low.min(ray.point.array());
-    high = high.max(ray.point.array());
-  }
-  const Eigen::AlignedBox3i all(starter.cell(low), starter.cell(high));  // cells grow with coordinates
+Coverage choose_coverage(const RayStarter& starter, const Eigen::AlignedBox3f& points,
+                         const std::vector<RayEnd>& ends) {
+  const Eigen::AlignedBox3i all(starter.cell(points.min()),
+                                starter.cell(points.max()));  // cells grow with coordinates
   if (RayWindow::bytes_of(all) <= RayWindow::most_cells) return {all, true};
   const Eigen::Vector3i& origin = starter.origin_cell();
   for (int reach = 32768;; reach /= 2) {
@@ -129,8 +131,10 @@ void collect_tiles(std::vector<RayWindow>& windows, const Eigen::Vector3i& corne
   for (int half = 0; half < 2; ++half) {
     if (std::all_of(words[half], words[half] + ScanTile::words, [](std::uint64_t w) { return w == 0; }))
       continue;
-    const std::lock_guard lock(guard);
-    ScanTile& tile = grid.tile(corner + Eigen::Vector3i(half * ScanTile::edge, 0, 0));
+    ScanTile& tile = [&]() -> ScanTile& {
+      const std::lock_guard lock(guard);
+      return grid.tile(corner + Eigen::Vector3i(half * ScanTile::edge, 0, 0));
+    }();
     for (std::size_t i = 0; i < ScanTile::words; ++i) tile.free[i] |= words[half][i];
   }
 }
@@ -141,22 +145,24 @@ void cast_rays(const ScanRays& rays, double resolution, int threads, Instruction
                RayWorkspace& workspace, ScanGrid& grid) {
   if (rays.ends.empty()) return;
   const RayStarter starter(rays.origin, resolution);
-  const Coverage coverage = choose_coverage(starter, rays.ends);
   const auto workers = static_cast<std::size_t>(threads);
+  const Coverage coverage = choose_coverage(starter, box_of(rays, workers), rays.ends);
   std::vector<RayWindow>& windows = workspace.windows().of_thread;
   windows.resize(workers);
+  constexpr std::size_t portion = 1024;  // rays
+  std::atomic<std::size_t> next{0};
   on_threads(workers, [&](std::size_t worker) {
     windows[worker].cover(coverage.box);
     const RayEnd* const ends = rays.ends.data();
     const std::size_t count = rays.ends.size();
-    cast_near_rays(starter, ends + count * worker / workers, ends + count * (worker + 1) / workers, coverage,
-                   set, windows[worker]);
+    for (std::size_t i = next.fetch_add(portion); i < count; i = next.fetch_add(portion))
+      cast_near_rays(starter, ends + i, ends + std::min(i + portion, count), coverage, set, windows[worker]);
   });
   std::mutex guard;
   const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);
-  on_threads(workers, [&](std::size_t worker) {
-    const int pairs = tiles.prod();
-    for (int i = static_cast<int>(worker); i < pairs; i += static_cast<int>(workers)) {
+  std::atomic<int> next_pair{0};
+  on_threads(workers, [&](std::size_t) {
+    for (int i = next_pair++; i < tiles.prod(); i = next_pair++) {
       const Eigen::Vector3i place(i % tiles.x(), i / tiles.x() % tiles.y(), i / tiles.x() / tiles.y());
       collect_tiles(windows, windows[0].corner() + place.cwiseProduct(Eigen::Vector3i(64, 32, 32)), set,
                     guard, grid);

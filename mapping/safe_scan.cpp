@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
-#include <thread>
+
+#include "mapping/on_threads.hpp"
 
 namespace clearway {
 namespace {
@@ -137,21 +139,17 @@ std::vector<GrowthStep> growth_of(double band, double resolution) {
 void spare_surfaces(ScanGrid& grid, const std::vector<GrowthStep>& growth, int threads) {
   if (growth.empty()) return;
   const std::vector<ScanTile*> tiles = grid.tiles();
-  const auto work = [&](std::size_t first, std::size_t step) {
+  std::atomic<std::size_t> next{0};
+  on_threads(static_cast<std::size_t>(threads), [&](std::size_t) {
     Grower grower;
-    for (std::size_t i = first; i < tiles.size(); i += step) {
+    for (std::size_t i = next++; i < tiles.size(); i = next++) {
       const auto& free = tiles[i]->free;
       if (std::all_of(free.begin(), free.end(), [](std::uint64_t word) { return word == 0; })) continue;
       if (!grower.gather(grid, *tiles[i])) continue;
-      for (const GrowthStep next : growth) grower.grow(next);
+      for (const GrowthStep step : growth) grower.grow(step);
       grower.take_out(*tiles[i]);
     }
-  };
-  const auto count = static_cast<std::size_t>(std::max(1, threads));
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < count; ++i) others.emplace_back(work, i, count);
-  work(0, count);
-  for (std::thread& other : others) other.join();
+  });
 }
 
 }  // namespace clearway

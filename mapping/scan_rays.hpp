@@ -17,11 +17,29 @@ struct ScanInsertion {
   InstructionSet instructions = best_instruction_set();
 };
 
+/// Where the rays of a share of a scan's points end.
+struct ChosenEnds {
+  std::vector<RayEnd> ends;
+  std::vector<Eigen::Vector3i> cells;  ///< discretized: the cell that each was chosen for
+  ScanGrid hits;                       ///< occupied: voxels in which rays end as hits
+  ScanGrid seen;                       ///< discretized with a maximum range: cells of all points so far
+  ScanCounts counts;
+
+  void clear() {
+    ends.clear();
+    cells.clear();
+    hits.clear();
+    seen.clear();
+    counts = {};
+  }
+};
+
 /// What insertion keeps from scan to scan: memory only, no evidence.
 struct ScanWorkspace {
   RayWorkspace rays;
-  ScanGrid grid, seen;
+  ScanGrid grid;
   ScanRays chosen;
+  std::vector<ChosenEnds> shares;  ///< one a thread
 };
 
 /// Carves the rays of one scan into the tree as OctoMap does: within the scan every voxel is updated once,

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <sstream>
 
 #include "mapping/scan_rays.hpp"
@@ -76,6 +78,45 @@ TEST(ScanInsertion, ScansOfARoomGiveStockOctoMapsTreeWhateverTheInstructionsAndT
           if (first.empty()) first = bytes.str();
           ASSERT_EQ(bytes.str(), first);
         }
+      }
+    }
+  }
+}
+
+TEST(ScanInsertion, SharesOfShuffledPointsAreJoinedWithoutLosingOrRepeatingARay) {
+  for (const double max_range : {0.0, 1.3}) {
+    for (const bool discretize : {false, true}) {
+      Dice dice(7);
+      Scan scan = room_scan(3, true);
+      for (int i = 0; i < 40; ++i)  // beyond the tree: some count by their rays, some are not finite
+        scan.points.push_back(i % 2 == 0 ? (5000.0 * dice.point(1.0)).cast<float>().eval()
+                                         : Eigen::Vector3f(std::nanf(""), 0.0F, 0.0F));
+      std::shuffle(scan.points.begin(), scan.points.end(), std::mt19937(5));
+      ScanInsertion insertion;
+      insertion.discretize = discretize;
+      std::string expected;
+      std::size_t rays = 0;
+      ScanCounts counts;
+      for (const int threads : {1, 2, 5}) {
+        insertion.threads = threads;
+        FusedTree tree(0.02);
+        ScanWorkspace workspace;
+        const ScanCounts got = insert_scan(tree, scan, {.max_range = max_range}, insertion, workspace);
+        std::ostringstream bytes;
+        tree.writeData(bytes);
+        if (threads == 1) {
+          expected = bytes.str();
+          rays = workspace.chosen.ends.size();
+          counts = got;
+          EXPECT_GT(counts.inserted, 300U);
+          EXPECT_EQ(max_range > 0.0, counts.beyond_range > 0);
+          EXPECT_GE(counts.dropped_invalid, 20U);
+        }
+        EXPECT_EQ(bytes.str(), expected);
+        EXPECT_EQ(workspace.chosen.ends.size(), rays);
+        EXPECT_EQ(got.inserted, counts.inserted);
+        EXPECT_EQ(got.beyond_range, counts.beyond_range);
+        EXPECT_EQ(got.dropped_invalid, counts.dropped_invalid);
       }
     }
   }
