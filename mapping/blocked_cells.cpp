@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/on_threads.hpp"
 
 namespace clearway {
 
@@ -58,12 +59,15 @@ namespace {
 /// it and the volumes that contain all of it, which often decides about the whole cube.
 class TreeReader {
  public:
+  /// @param first_lane, end_lane which words along x to fill in: threads may do different ones.
   TreeReader(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
-             BlockedCells& cells)
+             BlockedCells& cells, int first_lane, int end_lane)
       : tree_(tree),
         requirement_(requirement),
         unknown_blocked_(!allows(requirement, VoxelState::unknown, 0)),
         first_(first),
+        low_(32 * first_lane, 0, 0),
+        high_(std::min(32 * end_lane, cells.size().x()), cells.size().y(), cells.size().z()),
         cells_(cells) {}
 
   /// Fills in what is stored; the rest stays.
@@ -112,11 +116,11 @@ class TreeReader {
 
   bool is_outside(const CellCube& cube) const {
     const Eigen::Array3i corner = (cube.corner - first_).array();
-    return (corner + cube.edge <= 0).any() || (corner >= cells_.size().array()).any();
+    return (corner + cube.edge <= low_.array()).any() || (corner >= high_.array()).any();
   }
   bool is_inside(const CellCube& cube) const {
     const Eigen::Array3i corner = (cube.corner - first_).array();
-    return (corner >= 0).all() && (corner + cube.edge <= cells_.size().array()).all();
+    return (corner >= low_.array()).all() && (corner + cube.edge <= high_.array()).all();
   }
   bool is_allowed(const FusedNode* node) const {
     return node == nullptr ? !unknown_blocked_ : is_allowed(*node);
@@ -134,30 +138,45 @@ class TreeReader {
   void fill(const CellCube& cube, bool blocked) {
     const Eigen::Vector3i corner = cube.corner - first_;
     if (cube.edge == 1) return cells_.set(corner.x(), corner.y(), corner.z(), blocked);
-    cells_.fill(corner.cwiseMax(0), (corner.array() + cube.edge).matrix().cwiseMin(cells_.size()), blocked);
+    cells_.fill(corner.cwiseMax(low_), (corner.array() + cube.edge).matrix().cwiseMin(high_), blocked);
   }
 
   const FusedTree& tree_;
   Requirement requirement_;
   bool unknown_blocked_;
-  Eigen::Vector3i first_;
+  Eigen::Vector3i first_, low_, high_;
   BlockedCells& cells_;
 };
+
+/// Reads with so many threads, each a part of the lanes.
+template <class Read>
+void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                BlockedCells& cells, int threads, const Read& read) {
+  const int parts = std::clamp(threads, 1, cells.lanes());
+  on_threads(static_cast<std::size_t>(parts), [&](std::size_t i) {
+    const int part = static_cast<int>(i);
+    TreeReader reader(tree, requirement, first, cells, part * cells.lanes() / parts,
+                      (part + 1) * cells.lanes() / parts);
+    read(reader);
+  });
+}
 
 }  // namespace
 
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
-                           const Eigen::Vector3i& first, const Eigen::Vector3i& size) {
+                           const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads) {
   BlockedCells cells(size, !allows(requirement, VoxelState::unknown, 0));
-  TreeReader(tree, requirement, first, cells).read(tree.getRoot(), CellCube{});
+  read_lanes(tree, requirement, first, cells, threads,
+             [&](TreeReader& reader) { reader.read(tree.getRoot(), CellCube{}); });
   return cells;
 }
 
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const FusedTree& before,
-                           const BlockedCells& cells_before) {
+                           const BlockedCells& cells_before, int threads) {
   BlockedCells cells = cells_before;
-  TreeReader(tree, requirement, first, cells).follow(before.getRoot(), tree.getRoot());
+  read_lanes(tree, requirement, first, cells, threads,
+             [&](TreeReader& reader) { reader.follow(before.getRoot(), tree.getRoot()); });
   return cells;
 }
 

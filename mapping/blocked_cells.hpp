@@ -58,14 +58,15 @@ class BlockedCells {
   std::vector<std::uint32_t> words_;  ///< bits beyond size().x() are 0
 };
 
-/// The cells first to first + size - 1 of `tree` that `requirement` forbids (cells as in CellCube).
+/// The cells first to first + size - 1 of `tree` that `requirement` forbids (cells as in CellCube). The
+/// number of threads makes no difference to them.
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
-                           const Eigen::Vector3i& first, const Eigen::Vector3i& size);
+                           const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads = 1);
 
 /// The same for the size of `cells_before`, which are those of an earlier version of the tree, with the same
 /// occupancy threshold. Reads only what the two versions do not share.
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const FusedTree& before,
-                           const BlockedCells& cells_before);
+                           const BlockedCells& cells_before, int threads = 1);
 
 }  // namespace clearway

@@ -43,25 +43,29 @@ Corners corners_of(const DistanceLayers& layers, int low_x, int low_y, int low_z
 }  // namespace
 
 BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
-                           bool updatable)
+                           bool updatable, int threads)
     : requirement_(requirement),
       outside_blocked_(!allows(requirement, VoxelState::unknown, 0)),
       cells_(cells),
       inverse_resolution_(1.0 / cells.resolution),
       box_((cells.first.cast<double>() * cells.resolution).eval(),
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
-      layers_(blocked_cells(tree, requirement, cells.first, cells.size), cap_of(cells), updatable),
+      layers_(blocked_cells(tree, requirement, cells.first, cells.size, threads), cap_of(cells), updatable,
+              threads),
       blocked_count_(layers_.blocked().count()) {}
 
-BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before)
+BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
+                           int threads)
     : requirement_(before.requirement_),
       outside_blocked_(before.outside_blocked_),
       cells_(before.cells_),
       inverse_resolution_(before.inverse_resolution_),
       box_(before.box_),
       layers_(before.layers_,
-              blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked())),
-      blocked_count_(layers_.blocked().count()) {}
+              blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked()),
+              threads),
+      blocked_count_(before.blocked_count_ +
+                     static_cast<std::size_t>(layers_.blocked().count_beyond(before.layers_.blocked()))) {}
 
 bool BlockedField::is_blocked(const Eigen::Vector3d& point) const {
   if (!point.allFinite()) return true;

@@ -39,15 +39,16 @@ std::size_t field_bytes(const FieldRegion& region, bool updatable);
 /// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel.
 class BlockedField final : public BlockedSpace {
  public:
-  /// From nothing.
+  /// From nothing, on so many threads; the result does not depend on them.
   BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
-               bool updatable = true);
+               bool updatable = true, int threads = 1);
 
   /// The field of a newer version of the tree: equal, cell for cell, to one made from nothing. It shares with
   /// `before` what did not change.
   /// @param before is updatable. @param tree_before is what it was made of, with the same occupancy
   /// threshold.
-  BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before);
+  BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
+               int threads = 1);
 
   const FieldRegion& cells() const { return cells_; }
   const DistanceLayers& layers() const { return layers_; }

@@ -1,7 +1,12 @@
 #include "mapping/distance_axes.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace clearway {
 namespace {
@@ -178,16 +183,32 @@ Number least_of_changed(const Number* before, const Number* after) {
   return result;
 }
 
+/// Bit i is set where the numbers i differ.
+std::uint32_t differing_bits(const std::uint16_t* before, const std::uint16_t* after) {
+  std::uint32_t differing = 0;
+#ifdef __SSE2__
+  for (int part = 0; part < lane_cells; part += 16) {
+    const auto same = [&](int i) {
+      return _mm_cmpeq_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(before + part + i)),
+                             _mm_loadu_si128(reinterpret_cast<const __m128i*>(after + part + i)));
+    };
+    const int both = _mm_movemask_epi8(_mm_packs_epi16(same(0), same(8)));
+    differing |= (~static_cast<std::uint32_t>(both) & 0xffffU) << part;
+  }
+#else
+  for (int i = 0; i < lane_cells; ++i) differing |= (before[i] != after[i] ? 1U : 0U) << i;
+#endif
+  return differing;
+}
+
 }  // namespace
 
 LineChange line_change(const std::uint16_t* before, const std::uint16_t* after) {
   LineChange change;
   change.least = least_of_changed(before, after);
-  int first = 0, last = lane_cells - 1;
-  while (before[first] == after[first]) ++first;
-  while (before[last] == after[last]) --last;
-  change.first = static_cast<std::uint8_t>(first);
-  change.last = static_cast<std::uint8_t>(last);
+  const std::uint32_t differing = differing_bits(before, after);
+  change.first = static_cast<std::uint8_t>(std::countr_zero(differing));
+  change.last = static_cast<std::uint8_t>(lane_cells - 1 - std::countl_zero(differing));
   return change;
 }
 

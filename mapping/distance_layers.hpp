@@ -14,14 +14,15 @@ namespace clearway {
 /// z. Two versions share what they have in common. Immutable: safe to read from many threads.
 class DistanceLayers {
  public:
-  /// From nothing. Without `keep_planes` it takes half the memory and cannot be updated.
-  DistanceLayers(BlockedCells blocked, std::uint16_t cap, bool keep_planes);
+  /// From nothing, on so many threads, which make no difference. Without `keep_planes` it takes half the
+  /// memory and cannot be updated.
+  DistanceLayers(BlockedCells blocked, std::uint16_t cap, bool keep_planes, int threads = 1);
 
   /// The layers of other bits of the same size: equal, cell for cell, to those made from nothing. Only what
   /// the change reaches is computed, line by line: an axis is done again where the one before it really
   /// changed.
   /// @param before must keep its planes.
-  DistanceLayers(const DistanceLayers& before, BlockedCells blocked);
+  DistanceLayers(const DistanceLayers& before, BlockedCells blocked, int threads = 1);
 
   bool keeps_planes() const { return planes_.has_value(); }
   std::uint16_t cap() const { return cap_; }
@@ -36,8 +37,6 @@ class DistanceLayers {
   std::size_t bytes() const;  ///< in memory, tiles shared with other versions included
 
  private:
-  class Update;
-
   std::uint16_t cap_;
   BlockedCells blocked_;
   std::optional<TiledCells> planes_;

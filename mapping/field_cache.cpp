@@ -1,10 +1,20 @@
 #include "mapping/field_cache.hpp"
 
 #include <algorithm>
+#include <thread>
 
 #include "mapping/fused_tree.hpp"
 
 namespace clearway {
+namespace {
+
+/// A field of a million cells takes about 5 ms, waking up threads some 50 us.
+int threads_for(const FieldRegion& cells) {
+  if (cells.size.cast<double>().prod() < 1e6) return 1;
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
+}
+
+}  // namespace
 
 FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous)
     : tree_(std::move(tree)), memory_limit_(memory_limit) {
@@ -27,11 +37,12 @@ std::shared_ptr<const BlockedField> FieldCache::get(const Requirement& requireme
   });
   Entry entry{requirement, region, max_distance, nullptr, tree_};
   const bool updatable = can_update(cells);
+  const int threads = threads_for(cells);
   if (found == entries_.end()) {
-    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable);
+    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable, threads);
   } else {
     if (found->tree == tree_) return found->space;
-    entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space);
+    entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, threads);
   }
   const std::lock_guard lock(guard_);
   if (found != entries_.end()) entries_.erase(found);

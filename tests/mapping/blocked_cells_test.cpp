@@ -80,8 +80,14 @@ TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
     const Snapshot now = map.snapshot();
     for (const Requirement& requirement : requirements) {
       const BlockedCells was = blocked_cells(before.tree(), requirement, first, size);
-      ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was),
-                blocked_cells(now.tree(), requirement, first, size));
+      const BlockedCells is = blocked_cells(now.tree(), requirement, first, size);
+      ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was), is);
+      for (const int threads : {2, 5}) {
+        ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was, threads), is);
+        ASSERT_EQ(blocked_cells(now.tree(), requirement, first, size, threads), is);
+      }
+      ASSERT_EQ(is.count_beyond(was) + static_cast<std::ptrdiff_t>(was.count()),
+                static_cast<std::ptrdiff_t>(is.count()));
     }
     before = now;
   }

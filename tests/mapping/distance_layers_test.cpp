@@ -80,6 +80,23 @@ TEST(DistanceLayers, AfterAnySequenceOfChangesTheyAreThoseMadeFromNothing) {
   }
 }
 
+TEST(DistanceLayers, AreTheSameForAnyNumberOfThreads) {
+  Dice dice(4);
+  for (const bool start : {false, true}) {
+    BlockedCells blocked({150, 70, 60}, start);
+    for (int i = 0; i < 30; ++i) fill_box(dice, blocked, 15, !start);
+    BlockedCells later = blocked;
+    for (int i = 0; i < 30; ++i) fill_box(dice, later, 9, i % 2 == 0);
+    const DistanceLayers before(blocked, 1500, true), after(before, later);
+    for (const int threads : {2, 3, 16}) {
+      const DistanceLayers many(blocked, 1500, true, threads);
+      EXPECT_EQ(count_differences(many, before), 0U);
+      EXPECT_EQ(count_differences(DistanceLayers(blocked, 1500, false, threads), before), 0U);
+      EXPECT_EQ(count_differences(DistanceLayers(many, later, threads), after), 0U);
+    }
+  }
+}
+
 TEST(DistanceLayers, TheVersionBeforeAChangeStaysAsItWas) {
   Dice dice(3);
   BlockedCells blocked({100, 50, 40}, false);
