@@ -4,7 +4,9 @@
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/insert_heap.hpp"
@@ -88,36 +90,59 @@ nlohmann::ordered_json heap_figures(double resolution, const ScanSource& source)
   return json;
 }
 
+/// Points and mean range of a scan.
+nlohmann::ordered_json extent_of(const Scan& scan) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const Eigen::Vector3f& point : scan.points) {
+    if (!point.allFinite()) continue;
+    sum += double{point.norm()};
+    ++count;
+  }
+  return {{"points", count}, {"mean_range_m", sum / static_cast<double>(count)}};
+}
+
+/// Rows of both modes at each resolution. Returns the figures of the first.
+Figures add_rows(const ScanSource& source, const std::vector<double>& resolutions, int runs,
+                 std::size_t least_scans, const std::string& prefix, nlohmann::ordered_json& detail) {
+  const std::size_t scans = std::max(least_scans, static_cast<std::size_t>(runs));
+  std::optional<Figures> first;
+  for (const double resolution : resolutions) {
+    for (const bool discretize : {true, false}) {
+      const Figures figures = measure(source, scans, runs, resolution, 0.0, discretize);
+      if (!first) first = figures;
+      auto& row = detail[prefix + name_of(discretize, resolution)] = row_of(figures);
+      row["two_threads"] = speed_up_of_two_threads(source, runs, resolution, discretize);
+    }
+  }
+  return *first;
+}
+
 }  // namespace
 
 BenchResult bench_insert(const BenchOptions& options) {
   const bool generated = options.input.empty();
-  const ScanSource source = generated ? room_frames(frames) : scans_of(options.input);
-  const std::size_t scans =
-      std::max<std::size_t>(generated ? frames : 1, static_cast<std::size_t>(options.runs));
   std::vector<double> resolutions{0.02, 0.05, 0.01};
   if (options.resolution > 0.0) resolutions = {options.resolution};
-
   nlohmann::ordered_json detail;
-  detail["heap_bytes_a_node"] =
-      heap_figures(resolutions[0], source);  // first: before the pool holds free nodes
   Figures headline;
-  bool first = true;
-  for (const double resolution : resolutions) {
-    for (const bool discretize : {true, false}) {
-      const Figures figures = measure(source, scans, options.runs, resolution, 0.0, discretize);
-      if (first) headline = figures;
-      first = false;
-      auto& row = detail[name_of(discretize, resolution)] = row_of(figures);
-      row["two_threads"] = speed_up_of_two_threads(source, options.runs, resolution, discretize);
-    }
-  }
   if (generated) {
+    const ScanSource room = room_frames(frames), desk = desk_frames(frames);
+    detail["heap_bytes_a_node"] = heap_figures(resolutions[0], room);
+    headline = add_rows(room, resolutions, options.runs, frames, "", detail);
+    resolutions.erase(std::remove(resolutions.begin(), resolutions.end(), 0.05), resolutions.end());
+    detail["desk_frames"] = extent_of(desk(0));
+    add_rows(desk, resolutions, options.runs, frames, "desk_", detail);
     for (const bool discretize : {true, false}) {
       const std::string mode = discretize ? "lidar_discretized" : "lidar_full";
       detail[mode + "_5_cm_20_m"] = row_of(measure(lidar_turns(), static_cast<std::size_t>(options.runs),
                                                    options.runs, 0.05, 20.0, discretize));
     }
+  } else {
+    const ScanSource source = scans_of(options.input);
+    detail["first_scan"] = extent_of(source(0));
+    detail["heap_bytes_a_node"] = heap_figures(resolutions[0], source);
+    headline = add_rows(source, resolutions, options.runs, 1, "", detail);
   }
   return {headline.ours, headline.peer, "OctoMap insertPointCloud", "CPU ms per scan", true,
           options.runs,  detail};

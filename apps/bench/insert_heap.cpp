@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/node_pool.hpp"
 #include "mapping/scan_rays.hpp"
 
 namespace clearway::bench {
@@ -18,7 +19,8 @@ namespace {
 
 double heap_bytes() {
   const struct mallinfo2 info = mallinfo2();
-  return static_cast<double>(info.uordblks + info.hblkhd);
+  return static_cast<double>(info.uordblks + info.hblkhd +
+                             NodePool::reserved_bytes());  // the pool takes pages
 }
 
 /// What `measure` returns in a child process.

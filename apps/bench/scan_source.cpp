@@ -13,6 +13,11 @@
 namespace clearway::bench {
 namespace {
 
+ScanSource in_turn(std::vector<Scan> scans) {
+  const auto kept = std::make_shared<const std::vector<Scan>>(std::move(scans));
+  return [kept](std::size_t index) { return (*kept)[index % kept->size()]; };
+}
+
 std::vector<Scan> read_scans(const std::filesystem::path& file) {
   constexpr std::size_t most_points = 100'000'000;
   std::vector<Scan> scans;
@@ -40,10 +45,9 @@ std::vector<Scan> read_scans(const std::filesystem::path& file) {
 
 }  // namespace
 
-ScanSource room_frames(std::size_t frames) {
-  const auto scans = std::make_shared<const std::vector<Scan>>(room_scans(frames));
-  return [scans](std::size_t index) { return (*scans)[index % scans->size()]; };
-}
+ScanSource room_frames(std::size_t frames) { return in_turn(room_scans(frames)); }
+
+ScanSource desk_frames(std::size_t frames) { return in_turn(desk_scans(frames)); }
 
 ScanSource lidar_turns() {
   return [](std::size_t index) {
@@ -72,10 +76,10 @@ ScanSource lidar_turns() {
 }
 
 ScanSource scans_of(const std::filesystem::path& file) {
-  const auto scans = std::make_shared<const std::vector<Scan>>(read_scans(file));
-  if (scans->empty())
+  std::vector<Scan> scans = read_scans(file);
+  if (scans.empty())
     throw std::invalid_argument(file.string() + ": holds no scan, expected range scans or a cloud");
-  return [scans](std::size_t index) { return (*scans)[index % scans->size()]; };
+  return in_turn(std::move(scans));
 }
 
 double insert_stock(octomap::OcTree& tree, const Scan& scan, double max_range, bool discretize) {

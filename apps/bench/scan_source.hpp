@@ -15,6 +15,9 @@ using ScanSource = std::function<Scan(std::size_t index)>;
 /// Depth frames of a walk round the furnished room, 640 x 480 pixels each.
 ScanSource room_frames(std::size_t frames);
 
+/// Depth frames round a desk (desk_scans).
+ScanSource desk_frames(std::size_t frames);
+
 /// Turns of a lidar with 64 rings of 1,172 points (75,008) in a hall of 36 x 28 x 6 m, 1.8 m over the floor.
 ScanSource lidar_turns();
 
