@@ -55,12 +55,12 @@ class BlockedSpace {
   virtual double clearance(const Eigen::Vector3d& point) const = 0;
 
   /// The same from one cell alone, the one that holds the point: never larger than clearance(), and smaller
-  /// than the distance by half a voxel on average, by up to two half diagonals (1.74 voxels). For accepting
-  /// at once what is far from everything; it costs a third of clearance().
+  /// than the distance by up to a voxel's diagonal (1.74 voxels), a third of a voxel on average. For
+  /// accepting at once what is far from everything; it costs a third of clearance().
   virtual double coarse_clearance(const Eigen::Vector3d& point) const = 0;
 
-  /// clearance() and coarse_clearance() of many points, bit for bit the same, several times faster one after
-  /// the other: out[i] is that of point i. They need not be near each other.
+  /// clearance() and coarse_clearance() of many points, bit for bit the same in less than half the time:
+  /// out[i] is that of point i. They need not be near each other.
   /// @throws std::invalid_argument when the arrays and `out` differ in length.
   virtual void clearances(const PointArrays& points, std::span<double> out) const = 0;
   virtual void coarse_clearances(const PointArrays& points, std::span<double> out) const = 0;

@@ -37,9 +37,16 @@ class OurField {
     settle_heap();
     const double seconds =
         cpu_seconds([&] { next = std::make_unique<BlockedField>(now_.tree(), before_.tree(), *field_); });
+    next.reset();
+    settle_heap();
+    const double start = wall_time();
+    next = std::make_unique<BlockedField>(now_.tree(), before_.tree(), *field_, 2);
+    wall_on_two_threads_ = 1e3 * (wall_time() - start);
     field_ = std::move(next);
     return 1e3 * seconds;
   }
+  /// Wall milliseconds of the same once more on two threads.
+  double wall_on_two_threads() const { return wall_on_two_threads_; }
   double read_changes() const {
     return 1e3 * cpu_seconds([&] {
              blocked_cells(now_.tree(), {}, cells_.first, before_.tree(), field_->layers().blocked());
@@ -53,6 +60,7 @@ class OurField {
   FieldRegion cells_;
   Snapshot now_, before_;
   std::unique_ptr<BlockedField> field_;
+  double wall_on_two_threads_ = 0.0;
 };
 
 /// The same with OctoMap and dynamicEDT3D.
@@ -105,13 +113,14 @@ Difference compare(const DistanceLayers& a, const DistanceLayers& b) {
 }
 
 struct Round {
-  std::vector<double> ours, theirs, reading, nothing, changed, flipped;
+  std::vector<double> ours, wall, theirs, reading, nothing, changed, flipped;
   std::size_t wrong = 0;
 };
 
 nlohmann::ordered_json describe(const Round& round) {
   return {{"ours", median(round.ours)},
           {"ours_worst", quantile(round.ours, 1.0)},
+          {"ours_wall_again_on_two_threads", median(round.wall)},
           {"peer", median(round.theirs)},
           {"ratio", median(round.theirs) / median(round.ours)},
           {"of_ours_reading_the_tree", median(round.reading)},
@@ -144,6 +153,7 @@ BenchResult bench_field_update(const BenchOptions& options) {
     const DistanceLayers before = ours.field().layers();
     round.reading.push_back(ours.read_changes());
     round.ours.push_back(ours.update());
+    round.wall.push_back(ours.wall_on_two_threads());
     round.theirs.push_back(theirs.update());
     std::unique_ptr<BlockedField> fresh;
     settle_heap();
