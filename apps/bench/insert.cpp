@@ -132,7 +132,7 @@ BenchResult bench_insert(const BenchOptions& options) {
     headline = add_rows(room, resolutions, options.runs, frames, "", detail);
     resolutions.erase(std::remove(resolutions.begin(), resolutions.end(), 0.05), resolutions.end());
     detail["desk_frames"] = extent_of(desk(0));
-    add_rows(desk, resolutions, options.runs, frames, "desk_", detail);
+    if (!resolutions.empty()) add_rows(desk, resolutions, options.runs, frames, "desk_", detail);
     for (const bool discretize : {true, false}) {
       const std::string mode = discretize ? "lidar_discretized" : "lidar_full";
       detail[mode + "_5_cm_20_m"] = row_of(measure(lidar_turns(), static_cast<std::size_t>(options.runs),
