@@ -94,6 +94,20 @@ Command add_replay(CLI::App& app, Console& console) {
                    "edge of a voxel, metres; default: the setup's, else 0.02")
       ->check(number("a number from 0.0001 to 100", 1e-4, 100.0))
       ->type_name("M");
+  command
+      ->add_option("--integration", options->integration,
+                   "what a scan frees: safe (nothing beside a surface), or compatible with OctoMap; "
+                   "default: the setup's, else safe")
+      ->check([](const std::string& text) {
+        return text == "safe" || text == "compatible" ? std::string{}
+                                                      : "expected safe or compatible, got '" + text + "'";
+      })
+      ->type_name("MODE");
+  command
+      ->add_option("--threads", options->threads,
+                   "for inserting scans; the map does not depend on it; default: all, at most 8")
+      ->check(number("a whole number from 1 to 64", 1, 64))
+      ->type_name("N");
   command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")
       ->type_name("NAME")
       ->allow_extra_args(false)

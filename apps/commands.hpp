@@ -31,6 +31,8 @@ struct ReplayOptions {
   std::filesystem::path setup;        ///< empty: the one embedded in the recording, if any
   std::filesystem::path out;          ///< folder, created
   double resolution = 0.0;            ///< metres; 0: the setup's, else 0.02
+  std::string integration;            ///< "safe" or "compatible"; empty: the setup's, else safe
+  int threads = 0;                    ///< for inserting scans; 0: as many as the machine has, at most 8
   std::vector<std::string> planners;  ///< replaces the queries' own lists
   bool plan = true;
   std::uint64_t seed = 1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <thread>
 
 #include "apps/board_poses.hpp"
 #include "apps/frame_source.hpp"
@@ -54,28 +55,34 @@ void warn_of_leftovers(Fusion& fusion) {
   }
 }
 
+MapOptions map_options(const FusionOptions& options, const MapSetup& setup) {
+  const std::string integration =
+      options.integration.empty() ? setup.integration.value_or("safe") : options.integration;
+  const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+  MapOptions map;
+  map.resolution = options.resolution > 0.0 ? options.resolution : setup.resolution.value_or(map.resolution);
+  map.discretize = setup.discretize.value_or(map.discretize);
+  map.integration = integration == "compatible" ? Integration::compatible : Integration::safe;
+  map.margins.band = setup.safe_band.value_or(map.margins.band);
+  map.threads = options.threads > 0 ? options.threads : std::clamp(processors, 1, 8);
+  return map;
+}
+
 }  // namespace
 
-Fusion fuse(const std::filesystem::path& recording, const std::filesystem::path& setup_file,
-            double resolution, const std::function<void(double)>& progress) {
+Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
+            const std::function<void(double)>& progress) {
   const std::unique_ptr<FrameSource> frames = open_frames(recording);
   Fusion fusion;
   fusion.setup_source = "none";
-  if (!setup_file.empty()) {
-    fusion.setup = load_setup(setup_file);
-    fusion.setup_source = setup_file.string();
+  if (!options.setup_file.empty()) {
+    fusion.setup = load_setup(options.setup_file);
+    fusion.setup_source = options.setup_file.string();
   } else if (auto embedded = embedded_setup(recording)) {
     fusion.setup = *embedded;
     fusion.setup_source = "embedded in the recording";
   }
-  MapOptions options;
-  options.resolution = resolution > 0.0 ? resolution : fusion.setup.map.resolution.value_or(0.02);
-  options.discretize = fusion.setup.map.discretize.value_or(false);
-  options.integration = fusion.setup.map.integration.value_or("safe") == "compatible"
-                            ? Integration::compatible
-                            : Integration::safe;
-  options.margins.band = fusion.setup.map.safe_band.value_or(options.margins.band);
-  fusion.map = FreeSpaceMap(options);
+  fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
   fusion.map.keep_scans();
 
   std::optional<Painter> painter;

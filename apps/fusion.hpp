@@ -35,6 +35,15 @@ struct FusionCounts {
   double read_s = 0.0, track_s = 0.0, paint_s = 0.0, insert_s = 0.0;  ///< time spent
 };
 
+/// What the caller decides about a fusion; what is left out is the setup's, else the default that is named.
+struct FusionOptions {
+  std::filesystem::path
+      setup_file{};           ///< empty: the setup embedded in the recording (its first comment), if any
+  double resolution = 0.0;    ///< metres; 0: the setup's, else 0.02
+  std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
+  int threads = 0;            ///< for inserting scans, in [1, 64]; 0: the machine's, at most 8
+};
+
 /// A recording turned into a map.
 struct Fusion {
   Setup setup;
@@ -48,12 +57,10 @@ struct Fusion {
 
 /// Recording -> tag poses -> painted balls and integrated scans -> one fused map.
 /// `recording`: a rawlog, or clouds (see frame_source.hpp).
-/// @param setup_file empty: the setup embedded in the recording (its first comment), if there is one.
-/// @param resolution metres; 0: the setup's, else 0.02.
 /// @throws std::invalid_argument: the recording or setup cannot be used (missing, a probe without boards, not
 /// one
 ///         tag seen although a probe is set up, ...), in one sentence.
-Fusion fuse(const std::filesystem::path& recording, const std::filesystem::path& setup_file,
-            double resolution, const std::function<void(double)>& progress);
+Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
+            const std::function<void(double)>& progress);
 
 }  // namespace clearway

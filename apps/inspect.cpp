@@ -16,8 +16,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::size_t conflicts_listed = 100;
-
 std::vector<Eigen::Vector3d> points_of(const std::vector<std::string>& texts) {
   std::vector<Eigen::Vector3d> points;
   for (const std::string& text : texts) {
@@ -86,7 +84,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   for (const Eigen::Vector3d& point : points)
     json["at"].push_back(describe_point(map, provenance ? &*provenance : nullptr, point));
   for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
-  if (options.conflicts && provenance) json["conflicts"] = describe_conflicts(*provenance, conflicts_listed);
+  if (options.conflicts && provenance) json["conflicts"] = describe_conflicts(*provenance);
   if (!options.diff.empty()) json["diff"] = describe_difference(map, options.diff);
   if (options.holes) json["painted_volumes"] = describe_volumes(map);
   for (const auto& [plane, file] : slices) write_slice_image(map, plane, file, lines);

@@ -37,8 +37,8 @@ nlohmann::ordered_json describe_provenance(const Provenance& provenance, const S
 /// As rows "painted by stroke", "erased by stroke", "hit by scans", "passed by scans".
 std::vector<std::pair<std::string, std::string>> provenance_rows(const nlohmann::ordered_json& json);
 
-/// Where painted space turned out occupied: the first `most` records.
-nlohmann::ordered_json describe_conflicts(const Provenance& provenance, std::size_t most);
+/// Where painted space turned out occupied.
+nlohmann::ordered_json describe_conflicts(const Provenance& provenance);
 void print_conflicts(const nlohmann::ordered_json& json, std::ostream& out);
 
 /// States along the ray "ox,oy,oz,dx,dy,dz". @throws std::invalid_argument for another text.

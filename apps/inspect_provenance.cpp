@@ -1,3 +1,4 @@
+#include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -11,6 +12,8 @@ namespace clearway {
 using Json = nlohmann::ordered_json;
 
 namespace {
+
+constexpr std::size_t most_conflicts = 100;  ///< in the text; JSON has them all
 
 Json scans_json(const Provenance& provenance, const std::vector<std::size_t>& scans) {
   Json json = Json::array();
@@ -85,25 +88,25 @@ std::vector<std::pair<std::string, std::string>> provenance_rows(const Json& jso
   return rows;
 }
 
-Json describe_conflicts(const Provenance& provenance, std::size_t most) {
+Json describe_conflicts(const Provenance& provenance) {
   const ConflictLog& log = provenance.conflicts;
   Json json{{"appeared", log.records.size() + log.not_kept}, {"not_kept", log.not_kept}};
-  json["first"] = Json::array();
-  for (std::size_t i = 0; i < log.records.size() && i < most; ++i) {
-    const ConflictRecord& record = log.records[i];
+  std::map<int, std::string> sensors;
+  for (const ScanRecord& scan : provenance.scans.scans()) sensors[scan.number] = scan.sensor;
+  json["records"] = Json::array();
+  for (const ConflictRecord& record : log.records) {
     const Eigen::Vector3d center = (record.cell.cast<double>().array() + 0.5) * provenance.resolution;
     Json entry{{"voxel_center", to_json(center)}, {"time", record.time}};
     entry["second"] = record.by_scan ? "scan" : "paint";
     if (record.by_scan) {
       entry["scan"] = record.index;
-      for (const ScanRecord& scan : provenance.scans.scans()) {
-        if (scan.number == record.index) entry["sensor"] = scan.sensor;
-      }
+      if (const auto sensor = sensors.find(record.index); sensor != sensors.end())
+        entry["sensor"] = sensor->second;
     } else {
       entry["volume"] = provenance.volumes[static_cast<std::size_t>(record.volume)];
       entry["stroke"] = stroke_name(provenance, record.index);
     }
-    json["first"].push_back(entry);
+    json["records"].push_back(entry);
   }
   return json;
 }
@@ -112,9 +115,11 @@ void print_conflicts(const Json& json, std::ostream& out) {
   out << '\n';
   print_rows(out, {{"conflicts appeared", grouped(json["appeared"].get<std::size_t>())},
                    {"kept without record", grouped(json["not_kept"].get<std::size_t>())}});
-  if (json["first"].empty()) return;
+  const Json& records = json["records"];
+  if (records.empty()) return;
   std::vector<std::vector<std::string>> table{{"voxel", "time s", "second"}};
-  for (const auto& entry : json["first"]) {
+  for (std::size_t i = 0; i < records.size() && i < most_conflicts; ++i) {
+    const Json& entry = records[i];
     const bool scan = entry["second"] == "scan";
     table.push_back(
         {point_text(entry["voxel_center"]), significant(entry["time"].get<double>(), 6),
@@ -123,6 +128,8 @@ void print_conflicts(const Json& json, std::ostream& out) {
                     entry["stroke"].get<std::string>()});
   }
   print_table(out, table);
+  if (records.size() > most_conflicts)
+    out << "  ... " << grouped(records.size() - most_conflicts) << " more; --json lists them\n";
 }
 
 }  // namespace clearway

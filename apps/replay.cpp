@@ -179,7 +179,9 @@ int run_replay(const ReplayOptions& options, Console& console) {
   report.recording = options.recording;
 
   auto begin = Clock::now();
-  Fusion fusion = fuse(options.recording, options.setup, options.resolution, console.bar("fusing"));
+  Fusion fusion =
+      fuse(options.recording, {options.setup, options.resolution, options.integration, options.threads},
+           console.bar("fusing"));
   report.fusion = &fusion;
   report.timings = {{"read", fusion.counts.read_s},
                     {"track", fusion.counts.track_s},

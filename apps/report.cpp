@@ -129,7 +129,7 @@ std::string report_json(const ReplayReport& report) {
                     {"occupied", voxels.occupied},
                     {"conflict", voxels.conflict}};
   json["conflicts"] = voxels.conflict;
-  json["conflict_records"] = describe_conflicts(report.provenance, 100);
+  json["conflict_records"] = describe_conflicts(report.provenance);
   json["volumes"] = Json::array();
   for (const PaintedVolume& volume : report.map.volumes()) {
     json["volumes"].push_back(

@@ -22,8 +22,8 @@ struct MapOptions {
   double occupied_probability = 0.5;  ///< at or over it a voxel is occupied
   bool discretize = false;            ///< one ray per end voxel and scan (OctoMap's "discretized" insertion)
   int threads = 1;                    ///< for inserting scans, in [1, 64]; results do not depend on it
-  Integration integration = Integration::compatible;  ///< what a scan frees
-  SafeMargins margins{};                              ///< of safe integration
+  Integration integration = Integration::safe;  ///< what a scan frees
+  SafeMargins margins{};                        ///< of safe integration
 };
 
 /// What one painted ball did to the voxels.

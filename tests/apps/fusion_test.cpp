@@ -34,7 +34,7 @@ Frame scan_frame(double time, const std::string& sensor, const std::vector<Eigen
 
 Fusion fused(const std::filesystem::path& recording, const std::filesystem::path& setup = {},
              double resolution = 0.02) {
-  return fuse(recording, setup, resolution, [](double) {});
+  return fuse(recording, {.setup_file = setup, .resolution = resolution}, [](double) {});
 }
 
 VoxelState state_at(const Fusion& fusion, const Eigen::Vector3d& point) {

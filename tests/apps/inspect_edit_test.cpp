@@ -97,9 +97,9 @@ TEST_F(Inspect, lists_conflicts_with_what_came_second) {
   const Json conflicts = json({map_, "--conflicts"})["conflicts"];
   EXPECT_GT(conflicts["appeared"], 0);
   EXPECT_EQ(conflicts["not_kept"], 0);
-  EXPECT_EQ(conflicts["first"][0]["second"], "paint");
-  EXPECT_EQ(conflicts["first"][0]["stroke"], "stroke 1");
-  EXPECT_EQ(conflicts["first"][0]["time"], 5.0);
+  EXPECT_EQ(conflicts["records"][0]["second"], "paint");
+  EXPECT_EQ(conflicts["records"][0]["stroke"], "stroke 1");
+  EXPECT_EQ(conflicts["records"][0]["time"], 5.0);
   EXPECT_EQ(run_command({"inspect", map_, "--conflicts"}).status, exit_done);
   expect_refused({other_, "--conflicts"}, "provenance.bin");
 }
