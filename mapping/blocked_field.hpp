@@ -74,6 +74,8 @@ class BlockedField final : public BlockedSpace {
                   double max_range) const override;
   bool visit_blocked(const Eigen::AlignedBox3d& box,
                      const std::function<bool(const Eigen::Vector3d&)>& visit) const override;
+  bool visit_surface(const Eigen::AlignedBox3d& box,
+                     const std::function<bool(const Eigen::Vector3d&)>& visit) const override;
 
  private:
   class Search;
@@ -91,6 +93,7 @@ class BlockedField final : public BlockedSpace {
   double distance_to_border(const Eigen::Vector3d& inside, int& axis, bool& upper) const;
   NearestBlocked nearest_outside(const Eigen::Vector3d& point) const;
   NearestBlocked describe(const Eigen::Vector3d& point, const Eigen::Vector3i& voxel) const;
+  std::uint32_t blocked_word(int lane, int y, int z) const;
 
   Requirement requirement_;
   bool outside_blocked_;

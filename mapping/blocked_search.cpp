@@ -125,15 +125,28 @@ NearestBlocked BlockedField::nearest(const Eigen::Vector3d& point, double limit)
   return best.found && best.distance <= inside.distance ? best : inside;
 }
 
+namespace {
+
+/// Cells whose closed cubes meet a closed box: a face that only touches counts, and so does one within
+/// rounding.
+struct CellRange {
+  Eigen::Array3d low, high;
+
+  CellRange(const Eigen::AlignedBox3d& box, double inverse_resolution) {
+    if (!box.min().allFinite() || !box.max().allFinite()) {
+      throw std::invalid_argument("blocked voxels of a box: expected a finite box in metres");
+    }
+    low = (box.min().array() * inverse_resolution - 1.0 - 1e-9).ceil();
+    high = (box.max().array() * inverse_resolution + 1e-9).floor();
+  }
+};
+
+}  // namespace
+
 bool BlockedField::visit_blocked(const Eigen::AlignedBox3d& box,
                                  const std::function<bool(const Eigen::Vector3d&)>& visit) const {
   if (box.isEmpty()) return true;
-  if (!box.min().allFinite() || !box.max().allFinite()) {
-    throw std::invalid_argument("blocked voxels of a box: expected a finite box in metres");
-  }
-  // Closed against closed: a face that only touches counts, and so does one within rounding.
-  Eigen::Array3d low = (box.min().array() * inverse_resolution_ - 1.0 - 1e-9).ceil();
-  Eigen::Array3d high = (box.max().array() * inverse_resolution_ + 1e-9).floor();
+  auto [low, high] = CellRange(box, inverse_resolution_);
   const Eigen::Array3d first = cells_.first.cast<double>().array();
   const Eigen::Array3d last = first + cells_.size.cast<double>().array() - 1.0;
   if (!outside_blocked_) {
@@ -154,6 +167,48 @@ bool BlockedField::visit_blocked(const Eigen::AlignedBox3d& box,
           }
         }
         if (!visit((cell + 0.5) * cells_.resolution)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// The bits of the cells 32 lane to 32 lane + 31; beyond the region as the requirement has it.
+std::uint32_t BlockedField::blocked_word(int lane, int y, int z) const {
+  const BlockedCells& blocked = layers_.blocked();
+  const Eigen::Vector3i& size = cells_.size;
+  const std::uint32_t beyond = outside_blocked_ ? ~0U : 0U;
+  if (lane < 0 || lane >= blocked.lanes() || y < 0 || y >= size.y() || z < 0 || z >= size.z()) return beyond;
+  const std::uint32_t word = blocked.row(lane, z)[y];
+  const int inside = size.x() - 32 * lane;
+  return inside >= 32 ? word : word | beyond << inside;
+}
+
+bool BlockedField::visit_surface(const Eigen::AlignedBox3d& box,
+                                 const std::function<bool(const Eigen::Vector3d&)>& visit) const {
+  if (box.isEmpty()) return true;
+  // One layer around the region is enough: beyond it no voxel has a neighbour that is not blocked.
+  const CellRange range(box, inverse_resolution_);
+  const Eigen::Array3d first = cells_.first.cast<double>().array();
+  const Eigen::Array3d size = cells_.size.cast<double>().array();
+  const Eigen::Array3i low = (range.low - first).max(-1.0).min(size).cast<int>();
+  const Eigen::Array3i high = (range.high - first).max(-1.0).min(size).cast<int>();
+  if ((range.low - first > size).any() || (range.high - first < -1.0).any()) return true;
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int lane = low.x() >> 5; lane <= high.x() >> 5; ++lane) {
+        const std::uint32_t here = blocked_word(lane, y, z);
+        if (here == 0) continue;
+        std::uint32_t surface = here & ~((here << 1U | blocked_word(lane - 1, y, z) >> 31U) &
+                                         (here >> 1U | blocked_word(lane + 1, y, z) << 31U) &
+                                         blocked_word(lane, y - 1, z) & blocked_word(lane, y + 1, z) &
+                                         blocked_word(lane, y, z - 1) & blocked_word(lane, y, z + 1));
+        const int from = std::max(low.x() - 32 * lane, 0), to = std::min(high.x() - 32 * lane, 31);
+        surface &= ~0U << from & ~0U >> (31 - to);
+        for (; surface != 0; surface &= surface - 1) {
+          const Eigen::Vector3i cell(32 * lane + __builtin_ctz(surface), y, z);
+          if (!visit(center(cells_.first + cell))) return false;
+        }
       }
     }
   }

@@ -82,6 +82,11 @@ class BlockedSpace {
   /// requirement blocks it, is visited as voxels too.)
   virtual bool visit_blocked(const Eigen::AlignedBox3d& box,
                              const std::function<bool(const Eigen::Vector3d&)>& visit) const = 0;
+
+  /// The same for the surface alone: blocked voxels that share a face with one that is not blocked. Who comes
+  /// from space that is not blocked meets one of them first.
+  virtual bool visit_surface(const Eigen::AlignedBox3d& box,
+                             const std::function<bool(const Eigen::Vector3d&)>& visit) const = 0;
 };
 
 }  // namespace clearway

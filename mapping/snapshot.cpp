@@ -66,13 +66,28 @@ VoxelCounts Snapshot::counts() const {
   return counts;
 }
 
+namespace {
+
+/// Grows the box, in cells, to hold all leaves; what lies in it already is passed by.
+void extend_to_leaves(const FusedNode& node, const CellCube& cube, Eigen::AlignedBox3i& box) {
+  const Eigen::AlignedBox3i whole(cube.corner, cube.corner.array() + cube.edge);
+  if (box.contains(whole)) return;
+  if (!node.has_children()) {
+    box.extend(whole);
+    return;
+  }
+  for (unsigned i = 0; i < 8; ++i) {
+    if (const FusedNode* child = node.child(i)) extend_to_leaves(*child, cube.child(i), box);
+  }
+}
+
+}  // namespace
+
 Eigen::AlignedBox3d Snapshot::bounds() const {
-  Eigen::AlignedBox3d box;
-  tree().visit_leaves([&](const FusedNode&, const CellCube& cube) {
-    box.extend(cube.corner.cast<double>() * resolution());
-    box.extend((cube.corner.array() + cube.edge).cast<double>().matrix() * resolution());
-  });
-  return box;
+  Eigen::AlignedBox3i cells;
+  if (const FusedNode* root = tree().getRoot()) extend_to_leaves(*root, CellCube{}, cells);
+  if (cells.isEmpty()) return {};
+  return {cells.min().cast<double>() * resolution(), cells.max().cast<double>() * resolution()};
 }
 
 Voxel Snapshot::voxel(const Eigen::Vector3d& point) const {

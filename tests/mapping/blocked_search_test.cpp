@@ -124,6 +124,23 @@ TEST(BlockedSearch, VisitsEachBlockedCubeThatMeetsABoxOnce) {
         });
         EXPECT_TRUE(finished);
         ASSERT_EQ(found, expected);
+        // Of these the surface: a neighbour over a face is not blocked.
+        std::erase_if(expected, [&](const auto& cell) {
+          const auto& [cx, cy, cz] = cell;
+          const Eigen::Vector3d center = (Eigen::Vector3d(cx, cy, cz).array() + 0.5) * resolution;
+          for (int axis = 0; axis < 3; ++axis) {
+            const Eigen::Vector3d step = resolution * Eigen::Vector3d::Unit(axis);
+            if (!space->is_blocked(center + step) || !space->is_blocked(center - step)) return false;
+          }
+          return true;
+        });
+        Cells surface;
+        EXPECT_TRUE(space->visit_surface(box, [&](const Eigen::Vector3d& center) {
+          const Eigen::Vector3i cell = (center / resolution).array().floor().cast<int>();
+          EXPECT_TRUE(surface.insert({cell.x(), cell.y(), cell.z()}).second);
+          return true;
+        }));
+        ASSERT_EQ(surface, expected);
       }
     }
   }
