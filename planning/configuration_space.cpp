@@ -64,11 +64,24 @@ Eigen::VectorXd body_levers(const Robot& robot, const Body& body) {
   return levers;
 }
 
+/// For each joint how fast it turns the links of the body's chain, all added up; 0 for one that slides.
+Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
+  Eigen::VectorXd turns = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
+    const Link& link = robot.links[static_cast<std::size_t>(i)];
+    if (link.joint < 0) continue;
+    const bool slides = robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::prismatic;
+    if (!slides) turns[link.joint] += std::abs(link.multiplier);
+  }
+  return turns;
+}
+
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
                                        const SpaceOptions& options)
-    : state_(std::make_unique<State>(State{std::move(robot), std::move(map), options, {}, {}, {}, {}, {}})) {
+    : state_(
+          std::make_unique<State>(State{std::move(robot), std::move(map), options, {}, {}, {}, {}, {}, {}})) {
   State& state = *state_;
   check_options(options);
   if (state.options.max_distance == 0.0) {
@@ -103,6 +116,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     state.bodies.emplace_back(body, state.map.blocked_space(requirement, region, max_distance), counts);
     state.indices.push_back(static_cast<int>(i));
     state.levers.push_back(body_levers(state.robot, body));
+    state.turns.push_back(body_turns(state.robot, body));
   }
   state.pairs = contact_pairs(state.robot);
 }

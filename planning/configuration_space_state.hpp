@@ -20,6 +20,8 @@ struct ConfigurationSpace::State {
   std::vector<GuardedBody> bodies;      ///< those that some joint moves
   std::vector<int> indices;             ///< of these in robot.bodies
   std::vector<Eigen::VectorXd> levers;  ///< of these: metres any point moves at most per unit of each joint
+  std::vector<Eigen::VectorXd>
+      turns;  ///< of these: radians any link below the body turns per unit of each joint
   std::vector<BodyPair> pairs;
 
   const Eigen::Isometry3d& pose(const LinkPoses& map_from_link, std::size_t body) const {

@@ -34,6 +34,15 @@ struct Placed {
   }
 };
 
+/// The convex hull of a body's core at two poses.
+struct Swept {
+  Placed begin, end;
+  Eigen::Vector3d support(const Eigen::Vector3d& direction) const {
+    const Eigen::Vector3d a = begin.support(direction), b = end.support(direction);
+    return direction.dot(a) < direction.dot(b) ? b : a;
+  }
+};
+
 /// What two cores told: nearest points, and the best separation that a plane proved.
 struct CoreDistance {
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();
@@ -48,7 +57,8 @@ double plane_separation(const Placed& a, const Placed& b, const Eigen::Vector3d&
 
 /// Gilbert, Johnson, Keerthi 1988, from `direction` on. Ends when the proved separation meets the distance of
 /// the nearest points, exceeds `enough`, or nothing improves.
-CoreDistance gjk(const Placed& a, const Placed& b, Eigen::Vector3d direction, double size, double enough) {
+template <class Body>
+CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, double size, double enough) {
   CoreDistance result;
   Simplex simplex;
   double last = 1e300;
@@ -143,6 +153,20 @@ DistanceBounds distance_to_cube(const Shape& a, const Eigen::Isometry3d& pose_a,
     core.separation = -n.cwiseAbs().sum() * cube_edge / 2 - std::max(n.dot(end_0), n.dot(end_1));
   }
   return bounds_of(core, placed.radius, 0.0, size, cube_center);
+}
+
+DistanceBounds swept_distance_to_cube(const Shape& a, const Eigen::Isometry3d& begin,
+                                      const Eigen::Isometry3d& end, const Eigen::Vector3d& cube_center,
+                                      double cube_edge, double enough) {
+  const Swept swept{Placed(a, begin, cube_center), Placed(a, end, cube_center)};
+  const Shape cube = Shape::box(Eigen::Vector3d::Constant(cube_edge));
+  const Placed placed(cube, Eigen::Isometry3d::Identity(), Eigen::Vector3d::Zero());
+  const double size =
+      a.bounding_radius() + cube_edge + std::max(swept.begin.center.norm(), swept.end.center.norm());
+  if (!std::isfinite(size) || !swept.begin.rotation.allFinite() || !swept.end.rotation.allFinite()) return {};
+  const double radius = swept.begin.radius;
+  const Eigen::Vector3d towards = -(swept.begin.center + swept.end.center) / 2;
+  return bounds_of(gjk(swept, placed, towards, size, enough + radius), radius, 0.0, size, cube_center);
 }
 
 }  // namespace clearway

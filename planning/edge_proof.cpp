@@ -12,32 +12,36 @@ namespace {
 struct Piece {
   double begin = 0.0, end = 1.0;
   std::size_t first_open = 0, last_open = 0;
+  int begin_sample = -1, end_sample = -1;  ///< poses at its ends in Scratch::samples; -1: not known yet
 };
 
 /// Memory of one proof, kept per thread so that an edge allocates nothing once it is warm.
 struct Scratch {
-  LinkPoses poses;
+  std::vector<LinkPoses> samples;
+  int used = 0;  ///< of samples
   std::vector<Piece> pieces;
   std::vector<int> open;       ///< body i as i, pair k as (number of bodies + k)
   std::vector<double> motion;  ///< of each body, or approach of each pair, over the whole edge, metres
+  std::vector<double> bend;  ///< how far any point of each body leaves its chord, over the whole edge, metres
   Configuration q;
   Eigen::VectorXd step, distance;
+
+  /// The number of a new sample, at `part` (0..1) of the edge.
+  int sample(const Robot& robot, const Configuration& from, double part) {
+    if (static_cast<std::size_t>(used) == samples.size()) samples.emplace_back();
+    q = from + part * step;
+    forward_kinematics(robot, q, samples[static_cast<std::size_t>(used)]);
+    return used++;
+  }
 };
 
 enum class Finding { proved, open, blocked };
 
-/// Within three voxels exact shapes are worth asking; farther away another cut is cheaper.
-constexpr double exact_within_voxels = 3.0;
-
-/// No point of the body moves farther than `motion` from where it is now.
-Finding examine_body(const GuardedBody& body, const Eigen::Isometry3d& pose, double padding, double motion) {
-  const double quick = body.quick_clearance(pose);
-  if (quick > padding + motion) return Finding::proved;
-  if (motion <= exact_within_voxels * body.space().resolution() && body.is_clear(pose, padding + motion)) {
-    return Finding::proved;
-  }
-  return quick > padding || body.is_clear(pose, padding) ? Finding::open : Finding::blocked;
-}
+/// The hull of a body at two poses stands for all between them when its points leave their chords by no more
+/// than this part of a voxel; another cut is cheaper before.
+constexpr double bend_within_voxels = 0.5;
+/// Nor is it worth while when it is this much longer than a voxel.
+constexpr double sweep_within_voxels = 8.0;
 
 Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& poses, double approach) {
   if (is_apart(robot, pair, poses, approach)) return Finding::proved;
@@ -61,29 +65,55 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
     scratch.motion[i] = rates.dot(scratch.distance) * (1.0 + 1e-9);
     scratch.open[i] = static_cast<int>(i);
   }
-  scratch.pieces.assign(1, {0.0, 1.0, 0, total});
+  scratch.bend.resize(bodies);
+  for (std::size_t i = 0; i < bodies;
+       ++i)  // |x''| <= 2 (all turns) (all motion), and a chord is off by 1/8 of it
+    scratch.bend[i] = state.turns[i].dot(scratch.distance) * scratch.motion[i] / 4.0 * (1.0 + 1e-9);
+  scratch.used = 0;
+  scratch.pieces.assign(1, {0.0, 1.0, 0, total, -1, -1});
+  const double resolution = state.map.resolution();
+  const double finest = state.options.edge_resolution / std::max(length, state.options.edge_resolution);
+  /// No point of the body is farther than its motion over half the piece from where it is at the middle.
+  const auto examine_body = [&](std::size_t id, Piece& piece, int middle) {
+    const GuardedBody& body = state.bodies[id];
+    const double part = piece.end - piece.begin, padding = state.options.padding;
+    const auto pose = [&](int sample) -> const Eigen::Isometry3d& {
+      return state.pose(scratch.samples[static_cast<std::size_t>(sample)], id);
+    };
+    const double quick = body.quick_clearance(pose(middle));
+    if (quick > padding + scratch.motion[id] * part / 2) return Finding::proved;
+    const double bend = scratch.bend[id] * part * part;
+    if (bend <= bend_within_voxels * resolution &&
+        scratch.motion[id] * part <= sweep_within_voxels * resolution) {
+      if (piece.begin_sample < 0) piece.begin_sample = scratch.sample(state.robot, from, piece.begin);
+      if (piece.end_sample < 0) piece.end_sample = scratch.sample(state.robot, from, piece.end);
+      const double reserve = scratch.motion[id] * finest / 2;  // as much as halving to the end would keep
+      if (body.is_sweep_clear(pose(piece.begin_sample), pose(piece.end_sample), padding + bend + reserve))
+        return Finding::proved;
+    }
+    return quick > padding || body.is_clear(pose(middle), padding) ? Finding::open : Finding::blocked;
+  };
 
   for (std::size_t next = 0; next < scratch.pieces.size(); ++next) {  // halves in turn: far samples first
-    const Piece piece = scratch.pieces[next];
+    Piece piece = scratch.pieces[next];
     const double middle = (piece.begin + piece.end) / 2, half = (piece.end - piece.begin) / 2;
     const bool is_finest = 2.0 * half * length <= state.options.edge_resolution;
-    scratch.q = from + middle * scratch.step;
-    forward_kinematics(state.robot, scratch.q, scratch.poses);
+    const int sample = scratch.sample(state.robot, from, middle);
     const std::size_t first_open = scratch.open.size();
     for (std::size_t i = piece.first_open; i < piece.last_open; ++i) {
       const auto id = static_cast<std::size_t>(scratch.open[i]);
-      const double motion = scratch.motion[id] * half;
-      const Finding finding =
-          id < bodies
-              ? examine_body(state.bodies[id], state.pose(scratch.poses, id), state.options.padding, motion)
-              : examine_pair(state.robot, state.pairs[id - bodies], scratch.poses, motion);
+      const Finding finding = id < bodies ? examine_body(id, piece, sample)
+                                          : examine_pair(state.robot, state.pairs[id - bodies],
+                                                         scratch.samples[static_cast<std::size_t>(sample)],
+                                                         scratch.motion[id] * half);
       if (finding == Finding::proved) continue;
       if (finding == Finding::blocked || is_finest) return false;
       scratch.open.push_back(static_cast<int>(id));
     }
     if (scratch.open.size() == first_open) continue;
-    scratch.pieces.push_back({piece.begin, middle, first_open, scratch.open.size()});
-    scratch.pieces.push_back({middle, piece.end, first_open, scratch.open.size()});
+    scratch.pieces.push_back(
+        {piece.begin, middle, first_open, scratch.open.size(), piece.begin_sample, sample});
+    scratch.pieces.push_back({middle, piece.end, first_open, scratch.open.size(), sample, piece.end_sample});
   }
   return true;
 }

@@ -27,6 +27,9 @@ class GuardedBody {
   /// rounding: what cannot be proved counts as blocked.
   bool is_clear(const Eigen::Isometry3d& map_from_link, double margin) const;
 
+  /// The same of the convex hull of the body at two poses. False when that hull cannot be proved clear.
+  bool is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end, double margin) const;
+
   /// Lower bound of the distance to the nearest blocked cube from balls and field alone; quick, at most the
   /// field's max_distance, below zero when it says nothing.
   double quick_clearance(const Eigen::Isometry3d& map_from_link) const;
@@ -43,14 +46,20 @@ class GuardedBody {
                   const std::function<bool(const Eigen::Vector3d&, double)>& visit) const;
 
  private:
-  bool is_cube_clear(const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
-                     double margin) const;
+  /// True when a point of the body is known to lie in a blocked voxel.
+  bool is_pierced(const Eigen::Isometry3d& map_from_link) const;
+  enum class Sight { clear, met, unsure };
+  bool is_sweep_past(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
+                     const Eigen::Vector3d& cube, double margin) const;
+  Sight look_at(const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube, double margin) const;
 
   Body body_;
   std::shared_ptr<const BlockedSpace> space_;
   Eigen::AlignedBox3d reach_;
   Sphere bound_;            ///< link frame; holds the body
   std::vector<bool> core_;  ///< whether a cover ball's centre lies inside the body
+  std::vector<Eigen::Vector3d>
+      witnesses_;  ///< points inside the body, link frame: its middle, then near its skin
   double excess_ = 0.0;
 };
 

@@ -76,4 +76,9 @@ DistanceBounds distance(const Shape& a, const Eigen::Isometry3d& pose_a, const S
 DistanceBounds distance_to_cube(const Shape& a, const Eigen::Isometry3d& pose_a,
                                 const Eigen::Vector3d& cube_center, double cube_edge, double enough = 1e9);
 
+/// The cube against the convex hull of the body at two poses.
+DistanceBounds swept_distance_to_cube(const Shape& a, const Eigen::Isometry3d& begin,
+                                      const Eigen::Isometry3d& end, const Eigen::Vector3d& cube_center,
+                                      double cube_edge, double enough = 1e9);
+
 }  // namespace clearway

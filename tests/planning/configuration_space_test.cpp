@@ -109,6 +109,45 @@ TEST(ConfigurationSpace, NoAcceptedEdgeTouchesAnythingWhenSampledDensely) {
   EXPECT_LE(refused_though_clear, refused / 20);  // grazing ones, undecided or between the coarse samples
 }
 
+TEST(ConfigurationSpace, AStepBesideAnObstacleIsAcceptedWhenItKeepsSomeRoomAndNeverWhenItTouches) {
+  int accepted = 0, refused = 0, with_room = 0;
+  const Robot robot = load_robot("puma560");
+  for (std::uint64_t seed = 41; seed <= 44; ++seed) {
+    Random random(seed);
+    const World world(robot, random, 30);
+    const ConfigurationSpace space(robot, world.map, not_occupied());
+    const FclTruth truth(robot, world.cubes, edge);
+    for (int i = 0; i < 200; ++i) {
+      Configuration free = random.configuration(robot), other = random.configuration(robot);
+      if (!space.is_free(free) || space.is_free(other)) continue;
+      while ((other - free).norm() > 0.01) {  // close to the obstacle, or the robot itself
+        const Configuration middle = (free + other) / 2;
+        (space.is_free(middle) ? free : other) = middle;
+      }
+      Configuration to = free;
+      for (Eigen::Index j = 0; j < to.size(); ++j) to[j] += 0.02 * (random.below(3) - 1);
+      const bool edge_free = space.is_edge_free(free, to);
+      (edge_free ? accepted : refused)++;
+      bool touched = false;
+      double room = 1.0;
+      for (int k = 0; k <= 100 && !touched; ++k) {
+        const Configuration q = free + (to - free) * k / 100.0;
+        const LinkPoses poses = forward_kinematics(robot, q);
+        touched = truth.touches_cube(poses) || truth.touches_itself(poses);
+        room = std::min(room, space.clearance(q));
+      }
+      ASSERT_FALSE(edge_free && touched) << "seed " << seed << " edge " << i;
+      if (room > 3e-4) {
+        ++with_room;
+        ASSERT_TRUE(edge_free) << "seed " << seed << " edge " << i;
+      }
+    }
+  }
+  EXPECT_GE(accepted, 30);
+  EXPECT_GE(refused, 50);
+  EXPECT_GE(with_room, 20);
+}
+
 TEST(ConfigurationSpace, ClearanceIsNeverAboveFclsDistanceAndCloseToItNearObstacles) {
   const Robot robot = load_robot("puma560");
   double worst_over = 0.0, worst_under = 0.0;

@@ -180,6 +180,50 @@ TEST(Distance, OfAConvexHullIsThatOfTheBoxWithTheSameCorners) {
   }
 }
 
+TEST(Distance, OfASweptBodyIsThatOfTheHullOfItsCornersAtBothPoses) {
+  Random random(9);
+  int apart = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d edges(random.between(0.02, 0.4), random.between(0.02, 0.4),
+                                random.between(0.02, 0.4));
+    const Shape box = Shape::box(edges);
+    const Eigen::Isometry3d begin = random.pose(0.5), end = random.pose(0.5);
+    std::vector<Eigen::Vector3d> corners;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+      const Eigen::Vector3d at = edges.cwiseProduct(sign) / 2;
+      corners.push_back(begin * at);
+      corners.push_back(end * at);
+    }
+    const Eigen::Vector3d cube = random.point(0.5);
+    const DistanceBounds hull =
+        distance_to_cube(Shape::convex(corners), Eigen::Isometry3d::Identity(), cube, 0.05);
+    const DistanceBounds swept = swept_distance_to_cube(box, begin, end, cube, 0.05);
+    ASSERT_NEAR(swept.lower, hull.lower, 1e-6) << i;
+    ASSERT_LE(swept.lower, hull.upper + 1e-12) << i;
+    apart += swept.lower > 0.0;
+  }
+  EXPECT_GT(apart, 500);
+  EXPECT_LT(apart, 1900);
+}
+
+TEST(Distance, OfASweptBodyIsNeverAboveThatOfAnyMixOfItsPoints) {
+  Random random(10);
+  for (int i = 0; i < 2000; ++i) {
+    const Shape shape = random_shape(random, false);
+    const Eigen::Isometry3d begin = random.pose(0.5), end = random.pose(0.5);
+    const Eigen::Vector3d cube = random.point(0.8);
+    const double lower = swept_distance_to_cube(shape, begin, end, cube, 0.05).lower;
+    for (int k = 0; k < 50; ++k) {
+      const Eigen::Vector3d a = begin * shape.support(random.point(1.0)),
+                            b = end * shape.support(random.point(1.0));
+      const Eigen::Vector3d mix = a + random.between(0.0, 1.0) * (b - a);
+      const double gap = ((mix - cube).cwiseAbs().array() - 0.025).max(0.0).matrix().norm();
+      ASSERT_LE(lower, gap + 1e-12) << i;
+    }
+  }
+}
+
 TEST(Distance, IsNotProvedForPosesThatAreNotFinite) {
   const Shape shape = Shape::capsule(0.1, 0.5);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
