@@ -50,7 +50,12 @@ struct ArmWorld {
   std::vector<std::string> critical{};
   std::uint64_t seed = 1;
 
+  /// What the sensors see.
+  std::vector<Scan> scans() const;
   Snapshot snapshot(const Robot& robot) const;
+
+ private:
+  std::vector<Scan> scans(Dice& dice) const;
 };
 
 namespace detail {
@@ -74,8 +79,7 @@ inline double range(const Eigen::Vector3d& from, const Eigen::Vector3d& way, con
 
 }  // namespace detail
 
-inline Snapshot ArmWorld::snapshot(const Robot& robot) const {
-  Dice dice(seed);
+inline std::vector<Scan> ArmWorld::scans(Dice& dice) const {
   // A third of a voxel off the grid: walls that lie in one layer of voxels.
   const Eigen::AlignedBox3d room(Eigen::Vector3d(-half, -half, -0.2).array() + resolution / 3,
                                  Eigen::Vector3d(half, half, 2 * half - 0.2).array() + resolution / 3);
@@ -84,7 +88,7 @@ inline Snapshot ArmWorld::snapshot(const Robot& robot) const {
     const Sphere ball{dice.point(room), dice.between(0.03, 0.15)};
     if (ball.center.head<2>().norm() > 0.3) obstacles.push_back(ball);
   }
-  FreeSpaceMap map({.resolution = resolution, .discretize = true});
+  std::vector<Scan> scans;
   for (int view = 0; view < views; ++view) {
     Scan scan;
     scan.map_from_sensor.translation() = dice.point({(0.9 * room.min()).eval(), (0.9 * room.max()).eval()});
@@ -102,8 +106,20 @@ inline Snapshot ArmWorld::snapshot(const Robot& robot) const {
         scan.points.push_back((range * way).cast<float>());
       }
     }
-    map.insert(scan);
+    scans.push_back(std::move(scan));
   }
+  return scans;
+}
+
+inline std::vector<Scan> ArmWorld::scans() const {
+  Dice dice(seed);
+  return scans(dice);
+}
+
+inline Snapshot ArmWorld::snapshot(const Robot& robot) const {
+  Dice dice(seed);
+  FreeSpaceMap map({.resolution = resolution, .discretize = true});
+  for (const Scan& scan : scans(dice)) map.insert(scan);
   if (painted > 0) {
     const int volume = map.add_volume("free", critical);
     for (int i = 0; i < painted; ++i) {

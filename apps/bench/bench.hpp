@@ -63,5 +63,6 @@ BenchResult bench_load(const BenchOptions& options);
 BenchResult bench_paint(const BenchOptions& options);
 BenchResult bench_bodies(const BenchOptions& options);
 BenchResult bench_provenance(const BenchOptions& options);
+BenchResult bench_beam(const BenchOptions& options);
 
 }  // namespace clearway::bench

@@ -30,6 +30,7 @@ constexpr Entry table[] = {
     {"paint", "painting balls along a stroke against OctoMap's updateNode", bench_paint},
     {"bodies", "bodies in a painted volume: its voxels against the exact balls", bench_bodies},
     {"provenance", "inserting scans with keeping what they touched against without", bench_provenance},
+    {"beam", "the beam search against its literal expansion", bench_beam},
 };
 
 double machine_load() {
