@@ -82,16 +82,19 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
     };
     const double quick = body.quick_clearance(pose(middle));
     if (quick > padding + scratch.motion[id] * part / 2) return Finding::proved;
+    // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
+    const double least = padding + scratch.motion[id] * finest / 2;
     const double bend = scratch.bend[id] * part * part;
     if (bend <= bend_within_voxels * resolution &&
         scratch.motion[id] * part <= sweep_within_voxels * resolution) {
       if (piece.begin_sample < 0) piece.begin_sample = scratch.sample(state.robot, from, piece.begin);
       if (piece.end_sample < 0) piece.end_sample = scratch.sample(state.robot, from, piece.end);
-      const double reserve = scratch.motion[id] * finest / 2;  // as much as halving to the end would keep
-      if (body.is_sweep_clear(pose(piece.begin_sample), pose(piece.end_sample), padding + bend + reserve))
-        return Finding::proved;
+      const Eigen::Isometry3d &begin = pose(piece.begin_sample), &end = pose(piece.end_sample);
+      if (body.is_sweep_clear(begin, end, least + bend)) return Finding::proved;
+      if (piece.begin == 0.0 && !body.is_clear(begin, least)) return Finding::blocked;
+      if (piece.end == 1.0 && !body.is_clear(end, least)) return Finding::blocked;
     }
-    return quick > padding || body.is_clear(pose(middle), padding) ? Finding::open : Finding::blocked;
+    return quick > least || body.is_clear(pose(middle), least) ? Finding::open : Finding::blocked;
   };
 
   for (std::size_t next = 0; next < scratch.pieces.size(); ++next) {  // halves in turn: far samples first

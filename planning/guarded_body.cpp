@@ -75,6 +75,10 @@ GuardedBody::Sight GuardedBody::look_at(const Eigen::Isometry3d& map_from_shape,
   return beyond + rounding <= margin || beyond == 0.0 ? Sight::met : Sight::unsure;
 }
 
+bool GuardedBody::is_far(const Eigen::Vector3d& point, double distance) const {
+  return space_->coarse_clearance(point) > distance || space_->clearance(point) > distance;
+}
+
 bool GuardedBody::is_pierced(const Eigen::Isometry3d& map_from_link) const {
   return std::any_of(witnesses_.begin(), witnesses_.end(), [&](const Eigen::Vector3d& witness) {
     return space_->is_blocked(map_from_link * witness);
@@ -82,7 +86,7 @@ bool GuardedBody::is_pierced(const Eigen::Isometry3d& map_from_link) const {
 }
 
 bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
-  if (space_->clearance(map_from_link * bound_.center) > bound_.radius + margin) return true;
+  if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
   if (is_pierced(map_from_link)) return false;
   // Whatever is within the margin of the body is within the margin of a ball that is not clear.
   thread_local std::vector<Eigen::AlignedBox3d> boxes;
@@ -94,7 +98,7 @@ bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin
   for (std::size_t i = 0; i < body_.cover.size(); ++i) {
     const Eigen::Vector3d center = map_from_link * body_.cover[i].center;
     const double reach = body_.cover[i].radius + margin;
-    if (space_->clearance(center) > reach) continue;
+    if (is_far(center, reach)) continue;
     if (core_[i] && space_->is_blocked(center)) return false;
     const Eigen::Vector3d around = Eigen::Vector3d::Constant(reach);
     boxes.emplace_back(center - around, center + around);
@@ -156,7 +160,7 @@ bool GuardedBody::is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Is
   const auto is_ball_clear = [&](const Sphere& ball, Eigen::AlignedBox3d* box) {
     const Eigen::Vector3d from = begin * ball.center, to = end * ball.center;
     const double reach = ball.radius + margin;
-    if (space_->clearance((from + to) / 2) > reach + (to - from).norm() / 2 * (1.0 + 1e-9)) return true;
+    if (is_far((from + to) / 2, reach + (to - from).norm() / 2 * (1.0 + 1e-9))) return true;
     const Eigen::Vector3d around = Eigen::Vector3d::Constant(reach);
     if (box != nullptr) *box = {from.cwiseMin(to) - around, from.cwiseMax(to) + around};
     return false;

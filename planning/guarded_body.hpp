@@ -46,6 +46,8 @@ class GuardedBody {
                   const std::function<bool(const Eigen::Vector3d&, double)>& visit) const;
 
  private:
+  /// True when every blocked cube is proved farther from the point than that; a quick look, then a close one.
+  bool is_far(const Eigen::Vector3d& point, double distance) const;
   /// True when a point of the body is known to lie in a blocked voxel.
   bool is_pierced(const Eigen::Isometry3d& map_from_link) const;
   enum class Sight { clear, met, unsure };
