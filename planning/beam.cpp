@@ -78,7 +78,7 @@ std::vector<Head> nearest_heads(const PlanProblem& problem, const Lattice& latti
   for (const int head : paths.beam()) queue.add_head(head, paths.head(head).node);
   const auto width = static_cast<std::size_t>(options.width);
   std::vector<Head> kept;
-  while (kept.size() < width && !queue.empty()) {
+  while (kept.size() < width && !queue.empty() && !problem.out_of_time()) {
     std::vector<Head> tied;  // equal distances
     for (const auto& [node, parents] : nearest_group(queue, checks)) {
       if (auto head = admitted(problem, lattice, options, paths, node, parents, checks, blocked)) {

@@ -131,20 +131,24 @@ PlanResult search_beam(const PlanProblem& problem, const BeamOptions& options, c
   BeamPaths paths(problem, lattice);
   BeamChecks checks;
   bool out_of_time = false;
-  while (!paths.beam().empty() && paths.steps() < max_steps && !(out_of_time = problem.out_of_time())) {
-    paths.select(next_heads(problem, lattice, options, paths, checks));
+  while (!paths.beam().empty() && paths.steps() < max_steps && !out_of_time) {
+    std::vector<Head> kept = next_heads(problem, lattice, options, paths, checks);
+    out_of_time = problem.out_of_time();
+    if (!out_of_time) paths.select(std::move(kept));  // else the step may not be whole
   }
   result.configurations_checked += checks.configurations;
   result.edges_checked += checks.edges;
   if (paths.goal_head() >= 0) {
     tell_success(problem, options, paths, result);
+    if (out_of_time) result.explanation += " The deadline ended the search for a cheaper path.";
   } else {
     tell_failure(problem, lattice, paths, out_of_time, result);
   }
   result.statistics = {{"steps_searched", paths.steps()},
                        {"first_goal_step", paths.first_goal_step()},
                        {"heads", paths.head_count()},
-                       {"neighbours_generated", static_cast<double>(checks.neighbours)}};
+                       {"neighbours_generated", static_cast<double>(checks.neighbours)},
+                       {"deadline_hit", out_of_time ? 1.0 : 0.0}};
   return result;
 }
 

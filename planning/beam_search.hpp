@@ -57,7 +57,8 @@ class BeamPaths {
   std::set<LatticeIndex> visited_;
 };
 
-/// Lines 4-6: the at most k best free neighbours of the beam, in order of preference.
+/// Lines 4-6: the at most k best free neighbours of the beam, in order of preference. Once the problem is out
+/// of time the answer does not count any more and may be anything.
 using NextHeads = std::function<std::vector<Head>(const PlanProblem&, const Lattice&, const BeamOptions&,
                                                   const BeamPaths&, BeamChecks&)>;
 

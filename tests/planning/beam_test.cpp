@@ -349,14 +349,54 @@ TEST(Beam, InvalidEndsAreToldInASentence) {
   EXPECT_EQ(world.plan("beam", vector_of({0.0}), free, {}).status, PlanStatus::start_invalid);
 }
 
-TEST(Beam, StopsWhenOutOfTime) {
-  const World world(load_robot("point"), VoxelScene{});
-  int asked = 0;
-  PlanProblem problem{world.space,           world.cost, vector_of({0.0, 0.0}),
-                      vector_of({9.0, 0.0}), 1,          [&] { return ++asked > 5; }};
-  const PlanResult result = make_planner("beam")->plan(problem);
-  EXPECT_EQ(result.status, PlanStatus::timed_out);
-  EXPECT_EQ(result.search_steps, 5);
+TEST(Beam, OutOfTimeItGivesTheBestPathSoFarOrTheBestNode) {
+  const World world(load_robot("point"), pocket());
+  int asked = 0, most = 1 << 30;
+  const PlanProblem problem{world.space,
+                            world.cost,
+                            vector_of({-0.5, 0.0}),
+                            vector_of({2.0, 0.05}),
+                            1,
+                            [&] { return ++asked > most; }};
+  const auto planner = make_planner("beam", {{"width", "40"}, {"step", "0.025"}});
+  const PlanResult whole = planner->plan(problem);
+  ASSERT_EQ(whole.status, PlanStatus::solved);
+  ASSERT_LT(whole.statistics.at("first_goal_step"), whole.statistics.at("steps_searched"));
+  EXPECT_EQ(whole.statistics.at("deadline_hit"), 0.0);
+  const int all = asked;
+  int solved = 0, timed_out = 0;
+  for (most = 0; most < all; most += 1 + all / 40) {
+    asked = 0;
+    const PlanResult result = planner->plan(problem);
+    EXPECT_LE(asked, most + 2);  // no more work after the deadline
+    if (result.statistics.at("first_goal_step") < 0) {
+      ++timed_out;
+      EXPECT_EQ(result.status, PlanStatus::timed_out);
+      EXPECT_FALSE(result.explored.empty());
+      EXPECT_EQ(result.explanation.substr(0, 11), "out of time") << result.explanation;
+    } else {
+      ++solved;
+      expect_valid(world, result, problem.start);
+      EXPECT_GE(result.cost, whole.cost);
+    }
+    EXPECT_EQ(result.statistics.at("deadline_hit"), 1.0);
+  }
+  EXPECT_GT(solved, 0);
+  EXPECT_GT(timed_out, 0);
+}
+
+TEST(Beam, RefusesAJointThatMovesLessThanItsStep) {
+  Robot robot = load_robot("point");
+  robot.joints[1].lower = -0.04, robot.joints[1].upper = 0.04;
+  const World world(robot, VoxelScene{});
+  EXPECT_EQ(world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.08"}}).status,
+            PlanStatus::solved);
+  try {
+    world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.1"}});
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find(robot.joints[1].name), std::string::npos) << error.what();
+  }
 }
 
 TEST(Beam, RefusesStepsThatDoNotFitTheRobot) {
