@@ -80,8 +80,7 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
     const auto pose = [&](int sample) -> const Eigen::Isometry3d& {
       return state.pose(scratch.samples[static_cast<std::size_t>(sample)], id);
     };
-    const double quick = body.quick_clearance(pose(middle));
-    if (quick > padding + scratch.motion[id] * part / 2) return Finding::proved;
+    if (body.is_quickly_clear(pose(middle), padding + scratch.motion[id] * part / 2)) return Finding::proved;
     // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
     const double least = padding + scratch.motion[id] * finest / 2;
     const double bend = scratch.bend[id] * part * part;
@@ -94,7 +93,7 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
       if (piece.begin == 0.0 && !body.is_clear(begin, least)) return Finding::blocked;
       if (piece.end == 1.0 && !body.is_clear(end, least)) return Finding::blocked;
     }
-    return quick > least || body.is_clear(pose(middle), least) ? Finding::open : Finding::blocked;
+    return body.is_clear(pose(middle), least) ? Finding::open : Finding::blocked;
   };
 
   for (std::size_t next = 0; next < scratch.pieces.size(); ++next) {  // halves in turn: far samples first

@@ -87,7 +87,6 @@ bool GuardedBody::is_pierced(const Eigen::Isometry3d& map_from_link) const {
 
 bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
   if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
-  if (is_pierced(map_from_link)) return false;
   // Whatever is within the margin of the body is within the margin of a ball that is not clear.
   thread_local std::vector<Eigen::AlignedBox3d> boxes;
   thread_local std::vector<Eigen::Vector3d> unsure;
@@ -99,6 +98,7 @@ bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin
     const Eigen::Vector3d center = map_from_link * body_.cover[i].center;
     const double reach = body_.cover[i].radius + margin;
     if (is_far(center, reach)) continue;
+    if (boxes.empty() && is_pierced(map_from_link)) return false;
     if (core_[i] && space_->is_blocked(center)) return false;
     const Eigen::Vector3d around = Eigen::Vector3d::Constant(reach);
     boxes.emplace_back(center - around, center + around);
@@ -188,6 +188,13 @@ bool GuardedBody::is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Is
     if (!clear) return false;
   }
   return true;
+}
+
+bool GuardedBody::is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
+  return is_far(map_from_link * bound_.center, bound_.radius + margin) ||
+         std::all_of(body_.cover.begin(), body_.cover.end(), [&](const Sphere& ball) {
+           return is_far(map_from_link * ball.center, ball.radius + margin);
+         });
 }
 
 double GuardedBody::quick_clearance(const Eigen::Isometry3d& map_from_link) const {

@@ -27,7 +27,11 @@ class GuardedBody {
   /// rounding: what cannot be proved counts as blocked.
   bool is_clear(const Eigen::Isometry3d& map_from_link, double margin) const;
 
-  /// The same of the convex hull of the body at two poses. False when that hull cannot be proved clear.
+  /// The same by balls and field alone: quick, and false wherever these cannot tell.
+  bool is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const;
+
+  /// The same as is_clear of the convex hull of the body at two poses. False when that hull cannot be proved
+  /// clear.
   bool is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end, double margin) const;
 
   /// Lower bound of the distance to the nearest blocked cube from balls and field alone; quick, at most the
