@@ -27,20 +27,41 @@ FieldPoints part_of(const PointArrays& points, std::size_t begin, std::size_t co
 /// Few enough that points and bounds stay in the first cache between the two passes.
 constexpr std::size_t batch = 256;
 
+/// Bounds of the points of a batch, or left_out.
+using LookUpMany = void (*)(const FieldLookUp& field, const FieldPoints& points, double* out);
+
+void leave_all_out(const FieldLookUp& /*field*/, const FieldPoints& points, double* out) {
+  std::fill_n(out, points.count, left_out);
+}
+
+struct Variants {
+  LookUpMany avx2 = leave_all_out, avx512 = leave_all_out;
+
+  LookUpMany of(Vectors vectors) const {
+    if (vectors == Vectors::portable) return leave_all_out;
+    return vectors == Vectors::avx512 ? avx512 : avx2;
+  }
+};
+
+#ifdef __x86_64__
+constexpr Variants tight_variants{clearances_avx2, clearances_avx512};
+constexpr Variants coarse_variants{coarse_clearances_avx2, coarse_clearances_avx512};
+#else
+constexpr Variants tight_variants, coarse_variants;
+#endif
+
 /// Looks up batch after batch with `many`, and what that leaves out with `one`.
-template <class Many, class One>
-void look_up_all(const PointArrays& points, std::span<double> out, const Many& many, const One& one) {
+template <class One>
+void look_up_all(const FieldLookUp& field, const PointArrays& points, std::span<double> out, LookUpMany many,
+                 const One& one) {
+  check_lengths(points, out);
   for (std::size_t begin = 0; begin < out.size(); begin += batch) {
     const std::size_t end = std::min(begin + batch, out.size());
-    many(part_of(points, begin, end - begin), &out[begin]);
+    many(field, part_of(points, begin, end - begin), &out[begin]);
     for (std::size_t i = begin; i < end; ++i) {
       if (out[i] == left_out) out[i] = one(Eigen::Vector3d(points.x[i], points.y[i], points.z[i]));
     }
   }
-}
-
-void leave_all_out(const FieldLookUp& /*field*/, const FieldPoints& points, double* out) {
-  std::fill_n(out, points.count, left_out);
 }
 
 }  // namespace
@@ -98,32 +119,14 @@ double BlockedField::coarse_clearance(const Eigen::Vector3d& point) const {
 }
 
 void BlockedField::clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const {
-  check_lengths(points, out);
-  auto* many = leave_all_out;
-#ifdef __x86_64__
-  if (vectors != Vectors::portable) {
-    many = vectors == Vectors::avx512 ? clearances_avx512 : clearances_avx2;
-  }
-#endif
-  const FieldLookUp field = look_up();
-  look_up_all(
-      points, out, [&](const FieldPoints& part, double* bounds) { many(field, part, bounds); },
-      [this](const Eigen::Vector3d& point) { return clearance(point); });
+  look_up_all(look_up(), points, out, tight_variants.of(vectors),
+              [this](const Eigen::Vector3d& point) { return clearance(point); });
 }
 
 void BlockedField::coarse_clearances(const PointArrays& points, std::span<double> out,
                                      Vectors vectors) const {
-  check_lengths(points, out);
-  auto* many = leave_all_out;
-#ifdef __x86_64__
-  if (vectors != Vectors::portable) {
-    many = vectors == Vectors::avx512 ? coarse_clearances_avx512 : coarse_clearances_avx2;
-  }
-#endif
-  const FieldLookUp field = look_up();
-  look_up_all(
-      points, out, [&](const FieldPoints& part, double* bounds) { many(field, part, bounds); },
-      [this](const Eigen::Vector3d& point) { return coarse_clearance(point); });
+  look_up_all(look_up(), points, out, coarse_variants.of(vectors),
+              [this](const Eigen::Vector3d& point) { return coarse_clearance(point); });
 }
 
 void BlockedField::clearances(const PointArrays& points, std::span<double> out) const {

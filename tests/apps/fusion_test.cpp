@@ -92,6 +92,33 @@ TEST(Fusion, AFixedSensorIsWhereTheSetupSaysAndOthersWhereTheRecordingDoes) {
   EXPECT_EQ(state_at(fusion, {1.0, 0.0, 2.01}), VoxelState::unknown);
 }
 
+TEST(Fusion, FreesLessInSafeIntegrationWhichIsTheDefaultAndTheSameOnAnyThreads) {
+  const ScratchFolder folder;
+  std::vector<Eigen::Vector3f> wall;  // seen at a slant
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j)
+      wall.emplace_back(1.0F + 0.02F * static_cast<float>(i), 0.01F * static_cast<float>(i),
+                        0.01F * static_cast<float>(j - 30));
+  RecordingWriter writer(folder / "r.rawlog");
+  writer.write(scan_frame(1.0, "wall", wall));
+  writer.finish();
+  write_text(folder / "compatible.yaml", "map: {integration: compatible}\n");
+  const auto counts = [&](const FusionOptions& options) {
+    const VoxelCounts voxels = fuse(folder / "r.rawlog", options, [](double) {}).map.snapshot().counts();
+    return std::pair(voxels.seen_free, voxels.occupied);
+  };
+  const auto safe = counts({});
+  const auto compatible = counts({.integration = "compatible"});
+  EXPECT_LT(safe.first, compatible.first);
+  EXPECT_GT(safe.first, compatible.first / 2);
+  EXPECT_EQ(safe.second, compatible.second);
+  EXPECT_EQ(counts({.integration = "safe"}), safe);
+  EXPECT_EQ(counts({.setup_file = folder / "compatible.yaml"}), compatible);
+  EXPECT_EQ(counts({.setup_file = folder / "compatible.yaml", .integration = "safe"}), safe);  // flag first
+  EXPECT_EQ(counts({.threads = 1}), safe);
+  EXPECT_EQ(counts({.threads = 3}), safe);
+}
+
 TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {
   const ScratchFolder folder;
   RecordingWriter writer(folder / "r.rawlog");

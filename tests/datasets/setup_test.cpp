@@ -8,7 +8,7 @@ namespace clearway {
 namespace {
 
 const std::string full = R"(
-map: {resolution: 0.0025, min_range: 0.05, max_range: 1.5, crop: [-1, -2, -3, 1, 2, 3], discretize: true}
+map: {resolution: 0.0025, min_range: 0.05, max_range: 1.5, crop: [-1, -2, -3, 1, 2, 3], discretize: true, integration: compatible, safe_band: 0.005}
 camera: {width: 640, height: 480, fx: 700, fy: 702, cx: 322.5, cy: 238, distortion: [-0.1, 0.05, 0.001, 0, 0]}
 boards:
   - name: base
@@ -38,6 +38,8 @@ TEST(Setup, EveryKeyIsRead) {
   EXPECT_EQ(setup.map.resolution, 0.0025);
   EXPECT_EQ(setup.map.crop->min(), Eigen::Vector3d(-1, -2, -3));
   EXPECT_EQ(setup.map.discretize, true);
+  EXPECT_EQ(setup.map.integration, "compatible");
+  EXPECT_EQ(setup.map.safe_band, 0.005);
   EXPECT_EQ(setup.camera->fy, 702);
   EXPECT_EQ(setup.camera->distortion[2], 0.001);
   ASSERT_EQ(setup.boards.size(), 2u);
@@ -148,6 +150,7 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
       {"map: {crop: [0, 0, 0, 1, 1]}", "line 1", "map.crop", "expected 6 numbers, got 5"},
       {"map: {crop: [0, 0, 0, 1, -1, 1]}", "line 1", "map.crop", "min below its max"},
       {"map: {discretize: yes please}", "line 1", "map.discretize", "true or false"},
+      {"map: {integration: careful}", "line 1", "integration", "safe or compatible"},
       {"map: 3", "line 1", "map", "expected a map"},
       {"boards: 7", "line 1", "boards", "expected a list"},
       {"boards: [{name: a}]", "line 1", "boards[0].tags", "at least one tag"},
