@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/scene.hpp"
+
+namespace clearway {
+
+/// A ball that is painted.
+struct SuiteBall {
+  Eigen::Vector3d center;  ///< m, map frame
+  double radius = 0;       ///< m, as painted (eq. 3 of Chong et al. 2008 already applied)
+};
+
+/// A volume painted without a recording: balls, and strokes of balls along polylines.
+struct SuiteVolume {
+  std::string label;
+  std::vector<std::string> critical_parts;      ///< empty: the robot's own choice
+  std::vector<std::vector<SuiteBall>> strokes;  ///< in the order painted; single balls are strokes of one
+};
+
+/// A map to plan in: loaded, or made of solids that sensors look at and of paint.
+struct SuiteWorld {
+  std::string name;
+  std::filesystem::path map;             ///< a map to load; empty: made of what follows
+  double resolution = 0.02;              ///< m, edge of a voxel
+  std::vector<SceneShape> solids;        ///< what the sensors see
+  std::vector<Eigen::Vector3d> sensors;  ///< where range sensors stand that look all around; may be empty
+  double sensor_range = 5;               ///< m
+  std::vector<SuiteVolume> volumes;      ///< painted
+  std::vector<SuiteBall> pockets;  ///< left out of all painted volumes: balls meeting one are not painted
+};
+
+struct SuiteProblem {
+  std::string name;
+  std::vector<double> start;               ///< rad and m
+  std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
+};
+
+/// Worlds and problems drawn from a seed: "tunnels" (a painted tube along a winding way of the hand) or
+/// "shelves" (from one board of a shelf to another), see datasets/suites/README.md.
+struct SuiteGenerator {
+  std::string kind;
+  int count = 0;  ///< problems
+  std::uint64_t seed = 1;
+  double resolution = 0.02;  ///< m
+};
+
+/// One planner with its options, under the name that tables show.
+struct SuitePlanner {
+  std::string label;    ///< "beam k=20"; by default the planner's name
+  std::string planner;  ///< as `clearway planners` lists them
+  std::map<std::string, std::string> options;
+};
+
+/// Problems under one robot, policy and set of planners: a table, and plots.
+struct SuiteExperiment {
+  std::string name, title;
+  std::string paper;  ///< what the paper shows, in its own figures; may be empty
+  std::string notes;  ///< why ours differs; may be empty
+  std::string robot;  ///< name in datasets/robots or a path
+  std::optional<double> scale;
+  std::string world;  ///< of the explicit problems
+  std::vector<SuiteProblem> problems;
+  std::optional<SuiteGenerator> generate;       ///< either this, or world and problems
+  std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
+  double padding = 0;                           ///< m
+  std::vector<SuitePlanner> planners;
+  int runs = 1;                      ///< each problem with that many seeds
+  std::optional<double> time_limit;  ///< s a leg; left out: the suite's
+  std::vector<std::string> plots;    ///< "profiles" (joint against step), "cost_against_width", ...
+};
+
+/// Planners against problems on voxel maps: what `clearway compare` runs.
+struct Suite {
+  std::string name, title;
+  std::uint64_t seed = 1;
+  double time_limit = 10;  ///< s a leg
+  std::vector<SuiteWorld> worlds;
+  std::vector<SuiteExperiment> experiments;
+};
+
+/// Reads a suite. Relative paths start from its folder. See datasets/suites/README.md for the file.
+/// @throws std::invalid_argument, one sentence naming file, line, key and what was expected.
+Suite load_suite(const std::filesystem::path& file);
+
+/// The same from text; `name` is what errors call it.
+Suite parse_suite(const std::string& text, const std::string& name);
+
+}  // namespace clearway
