@@ -129,6 +129,13 @@ const Snapshot& ConfigurationSpace::map() const { return state_->map; }
 const SpaceOptions& ConfigurationSpace::options() const { return state_->options; }
 const std::map<std::string, Policy>& ConfigurationSpace::policies() const { return state_->policies; }
 
+const BlockedSpace* ConfigurationSpace::blocked_space(int body) const {
+  for (std::size_t i = 0; i < state_->bodies.size(); ++i) {
+    if (state_->indices[i] == body) return &state_->bodies[i].space();
+  }
+  return nullptr;
+}
+
 bool ConfigurationSpace::State::is_within_limits(const Configuration& q) const {
   if (q.size() != static_cast<Eigen::Index>(robot.dof())) return false;
   for (std::size_t j = 0; j < robot.dof(); ++j) {

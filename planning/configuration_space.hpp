@@ -96,6 +96,10 @@ class ConfigurationSpace {
   /// floor under a sliding disc) has no row. Penetrating pairs have distance <= 0.
   std::vector<ProximityRow> proximity_rows(const Configuration& q, double influence_distance) const;
 
+  /// What blocks body `body` (index in robot().bodies), in all the space that it reaches; null for a body
+  /// that no joint moves. Valid as long as this object.
+  const BlockedSpace* blocked_space(int body) const;
+
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
