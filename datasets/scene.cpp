@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "datasets/scene_shape.hpp"
 #include "datasets/setup_camera.hpp"
 #include "datasets/yaml_fields.hpp"
 
@@ -37,25 +38,6 @@ Eigen::Isometry3d read_view(const YamlFields& fields, const std::string& key, in
   if (fields.has("look_at") == fields.has_angles(key))
     fields.fail("look_at", "expected either '" + key + "' or 'look_at: {eye, target}'");
   return fields.has("look_at") ? read_look_at(fields.map("look_at"), forward_axis) : fields.pose(key);
-}
-
-SceneShape read_shape(const YamlFields& fields) {
-  SceneShape shape;
-  shape.name = fields.text("name");
-  const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("sphere");
-  if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder and sphere beside it");
-  if (fields.has("box")) {
-    shape.geometry = BoxShape{Eigen::Vector3d(fields.numbers("box", positive, 3).data())};
-  } else if (fields.has("cylinder")) {
-    const auto values = fields.numbers("cylinder", positive, 2);
-    shape.geometry = CylinderShape{values[0], values[1]};
-  } else {
-    shape.geometry = BallShape{fields.number("sphere", positive)};
-  }
-  shape.map_from_shape = fields.pose("pose", shape.map_from_shape);
-  shape.grey = fields.number("grey", grey_levels, shape.grey);
-  fields.finish();
-  return shape;
 }
 
 SceneCamera read_scene_camera(const YamlFields& fields) {
@@ -144,6 +126,25 @@ void check_parts_fit(const YamlFields& fields, const Scene& scene) {
 
 }  // namespace
 
+SceneShape read_scene_shape(const YamlFields& fields) {
+  SceneShape shape;
+  shape.name = fields.text("name");
+  const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("sphere");
+  if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder and sphere beside it");
+  if (fields.has("box")) {
+    shape.geometry = BoxShape{Eigen::Vector3d(fields.numbers("box", positive, 3).data())};
+  } else if (fields.has("cylinder")) {
+    const auto values = fields.numbers("cylinder", positive, 2);
+    shape.geometry = CylinderShape{values[0], values[1]};
+  } else {
+    shape.geometry = BallShape{fields.number("sphere", positive)};
+  }
+  shape.map_from_shape = fields.pose("pose", shape.map_from_shape);
+  shape.grey = fields.number("grey", grey_levels, shape.grey);
+  fields.finish();
+  return shape;
+}
+
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
   const YamlFields fields(text, "scene '" + name + "'");
   Scene scene;
@@ -151,7 +152,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   const auto setup_file = expanded(fields.text("setup"), folder);
   scene.setup_text = read_text(setup_file, "setup");
   scene.setup = parse_setup(scene.setup_text, setup_file.string());
-  for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_shape(entry));
+  for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));
   if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"));
   if (fields.has("depth")) scene.depth = read_depth(fields.map("depth"));
   if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/query_fields.hpp"
 #include "datasets/setup_camera.hpp"
 #include "datasets/yaml_fields.hpp"
 
@@ -167,30 +168,12 @@ RobotSetup read_robot(const YamlFields& fields) {
   return robot;
 }
 
-std::map<std::string, std::string> read_words(const YamlFields& fields) {
-  std::map<std::string, std::string> words;
-  for (const auto& key : fields.keys()) words[key] = fields.text(key);
-  return words;
-}
-
 QuerySetup read_query(const YamlFields& fields) {
   QuerySetup query;
   query.name = fields.text("name");
-  query.start = fields.angles("start");
-  query.goals = fields.lists_of_angles("goals");
-  if (query.start.empty()) fields.fail("start", "expected a number for each joint");
-  if (query.goals.empty()) fields.fail("goals", "expected at least one goal");
-  for (const auto& goal : query.goals)
-    if (goal.size() != query.start.size())
-      fields.fail("goals", "expected as many numbers in each goal as in the start");
+  read_legs(fields, query.start, query.goals);
   query.planners = fields.texts("planners");
-  if (fields.has("policies")) {
-    const YamlFields policies = fields.map("policies");
-    query.policies = read_words(policies);
-    for (const auto& [part, policy] : query.policies)
-      if (policy != "painted" && policy != "known_free" && policy != "not_occupied")
-        policies.fail(part, "expected painted, known_free or not_occupied, got '" + policy + "'");
-  }
+  if (fields.has("policies")) query.policies = read_policies(fields.map("policies"));
   if (fields.has("options")) query.options = read_words(fields.map("options"));
   query.padding = fields.number("padding", not_negative, 0);
   fields.finish();

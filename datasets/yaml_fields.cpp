@@ -191,6 +191,20 @@ std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds, s
   return result;
 }
 
+std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string& key, Bounds bounds,
+                                                              size_t size) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence()) fail(key, "expected a list of lists of numbers, got " + shown(node));
+  std::vector<std::vector<double>> result;
+  for (const auto& item : node) {
+    result.push_back(numbers_of(item, key, bounds));
+    if (result.back().size() != size)
+      fail(key, "expected " + std::to_string(size) + " numbers in each of its lists, got " +
+                    std::to_string(result.back().size()));
+  }
+  return result;
+}
+
 Eigen::Vector3d YamlFields::vector(const std::string& key) const {
   return Eigen::Vector3d(numbers(key, within_reach, 3).data());
 }

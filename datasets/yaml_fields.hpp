@@ -45,6 +45,7 @@ class YamlFields {
   std::vector<std::string> texts(const std::string& key) const;       ///< a list, empty when absent
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
   std::vector<double> numbers(const std::string& key, Bounds, size_t size) const;
+  std::vector<std::vector<double>> lists_of_numbers(const std::string& key, Bounds, size_t size) const;
   Eigen::Vector3d vector(const std::string& key) const;
   /// Angles in radians under `key`, or in degrees under `key`_deg.
   std::vector<double> angles(const std::string& key) const;

@@ -1,0 +1,173 @@
+#include "datasets/suite.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "datasets/query_fields.hpp"
+#include "datasets/scene_shape.hpp"
+#include "datasets/suite_strokes.hpp"
+#include "datasets/yaml_fields.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr Bounds seeds{0, 2147483647};
+constexpr Bounds resolutions{1e-4, 100};
+
+/// Notes `name` as taken, or fails at the key that gave it.
+void take(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
+          const std::string& key) {
+  if (!taken.insert(name).second) fields.fail(key, "'" + name + "' is given twice; expected each name once");
+}
+
+SuiteVolume read_volume(const YamlFields& fields) {
+  SuiteVolume volume;
+  volume.label = fields.text("label");
+  volume.critical_parts = fields.texts("critical_parts");
+  for (const auto& entry : fields.list_of_maps("strokes")) volume.strokes.push_back(read_suite_stroke(entry));
+  if (volume.strokes.empty()) fields.fail("strokes", "expected at least one stroke");
+  fields.finish();
+  return volume;
+}
+
+void read_made_world(const YamlFields& fields, SuiteWorld& world) {
+  world.resolution = fields.number("resolution", resolutions, world.resolution);
+  std::set<std::string> names, labels;
+  for (const auto& entry : fields.list_of_maps("solids")) {
+    world.solids.push_back(read_scene_shape(entry));
+    take(names, world.solids.back().name, entry, "name");
+  }
+  if (fields.has("sensors"))
+    for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
+      world.sensors.emplace_back(at.data());
+  world.sensor_range = fields.number("sensor_range", positive, world.sensor_range);
+  for (const auto& entry : fields.list_of_maps("volumes")) {
+    world.volumes.push_back(read_volume(entry));
+    take(labels, world.volumes.back().label, entry, "label");
+  }
+  if (world.volumes.size() > 15) fields.fail("volumes", "expected at most 15 of them");
+  if (fields.has("pockets")) world.pockets = read_balls(fields, "pockets");
+  if (!world.solids.empty() && world.sensors.empty())
+    fields.fail("sensors", "expected at least one sensor that looks at the solids");
+  if (world.sensors.empty() && world.volumes.empty())
+    fields.fail("volumes", "expected a map, or sensors or volumes to make one of");
+}
+
+SuiteWorld read_world(const YamlFields& fields, const std::filesystem::path& folder) {
+  SuiteWorld world;
+  world.name = fields.text("name");
+  if (fields.has("map"))
+    world.map = folder / fields.text("map");
+  else
+    read_made_world(fields, world);
+  fields.finish();
+  return world;
+}
+
+std::vector<SuiteProblem> read_problems(const YamlFields& fields) {
+  std::vector<SuiteProblem> problems;
+  std::set<std::string> names;
+  for (const auto& entry : fields.list_of_maps("problems")) {
+    SuiteProblem& problem = problems.emplace_back();
+    problem.name = entry.text("name");
+    take(names, problem.name, entry, "name");
+    read_legs(entry, problem.start, problem.goals);
+    if (problem.start.size() != problems.front().start.size())
+      entry.fail("start", "expected as many numbers as in the problems before");
+    entry.finish();
+  }
+  if (problems.empty()) fields.fail("problems", "expected at least one problem");
+  return problems;
+}
+
+SuiteGenerator read_generator(const YamlFields& fields) {
+  SuiteGenerator generator;
+  generator.kind = fields.text("kind");
+  generator.count = fields.integer("count", {1, 100000});
+  generator.seed = static_cast<std::uint64_t>(fields.integer("seed", seeds, 1));
+  generator.resolution = fields.number("resolution", resolutions, generator.resolution);
+  fields.finish();
+  return generator;
+}
+
+std::vector<SuitePlanner> read_planners(const YamlFields& fields) {
+  std::vector<SuitePlanner> planners;
+  std::set<std::string> labels;
+  for (const auto& entry : fields.list_of_maps("planners")) {
+    SuitePlanner& planner = planners.emplace_back();
+    planner.planner = entry.text("planner");
+    planner.label = entry.text("label", planner.planner);
+    take(labels, planner.label, entry, entry.has("label") ? "label" : "planner");
+    if (entry.has("options")) planner.options = read_words(entry.map("options"));
+    entry.finish();
+  }
+  return planners;
+}
+
+/// The world and the problems in it, or the generator of both.
+void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& experiment) {
+  if (fields.has("generate") == fields.has("problems"))
+    fields.fail("problems", "expected either 'world' and 'problems', or 'generate'");
+  if (fields.has("generate")) {
+    experiment.generate = read_generator(fields.map("generate"));
+    return;
+  }
+  experiment.world = fields.text("world");
+  if (std::none_of(suite.worlds.begin(), suite.worlds.end(),
+                   [&](const SuiteWorld& world) { return world.name == experiment.world; }))
+    fields.fail("world", "expected the name of one of the worlds, got '" + experiment.world + "'");
+  experiment.problems = read_problems(fields);
+}
+
+SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
+                                const std::vector<SuitePlanner>& usual) {
+  SuiteExperiment experiment;
+  experiment.name = fields.text("name");
+  experiment.title = fields.text("title", experiment.name);
+  experiment.paper = fields.text("paper", "");
+  experiment.notes = fields.text("notes", "");
+  experiment.robot = fields.text("robot");
+  experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
+  read_tasks(fields, suite, experiment);
+  if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
+  experiment.padding = fields.number("padding", not_negative, experiment.padding);
+  experiment.planners = fields.has("planners") ? read_planners(fields) : usual;
+  if (experiment.planners.empty()) fields.fail("planners", "expected at least one planner");
+  experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);
+  experiment.time_limit = fields.optional_number("time_limit", positive);
+  experiment.plots = fields.texts("plots");
+  fields.finish();
+  return experiment;
+}
+
+}  // namespace
+
+Suite parse_suite(const std::string& text, const std::string& name) {
+  const YamlFields fields(text, "suite '" + name + "'");
+  const std::filesystem::path file = name;
+  Suite suite;
+  suite.name = fields.text("name", file.stem().string());
+  suite.title = fields.text("title", suite.name);
+  suite.seed = static_cast<std::uint64_t>(fields.integer("seed", seeds, 1));
+  suite.time_limit = fields.number("time_limit", positive, suite.time_limit);
+  std::set<std::string> worlds, experiments;
+  for (const auto& entry : fields.list_of_maps("worlds")) {
+    suite.worlds.push_back(read_world(entry, file.parent_path()));
+    take(worlds, suite.worlds.back().name, entry, "name");
+  }
+  const auto usual = read_planners(fields);
+  for (const auto& entry : fields.list_of_maps("experiments")) {
+    suite.experiments.push_back(read_experiment(entry, suite, usual));
+    take(experiments, suite.experiments.back().name, entry, "name");
+  }
+  if (suite.experiments.empty()) fields.fail("experiments", "expected at least one experiment");
+  fields.finish();
+  return suite;
+}
+
+Suite load_suite(const std::filesystem::path& file) {
+  return parse_suite(read_text(file, "suite"), file.string());
+}
+
+}  // namespace clearway
