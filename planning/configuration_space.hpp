@@ -104,6 +104,7 @@ class ConfigurationSpace {
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
  private:
+  friend class LatticeChecks;  ///< the same answers for a search in small steps, which remembers some
   struct State;
   std::unique_ptr<State> state_;
 };
