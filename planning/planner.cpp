@@ -3,12 +3,14 @@
 #include <stdexcept>
 
 #include "planning/beam.hpp"
+#include "planning/beam_guided.hpp"
 #include "planning/beam_reference.hpp"
 #include "planning/boundary.hpp"
 #include "planning/boundary_sides.hpp"
 #include "planning/constraint.hpp"
 #include "planning/nearest_name.hpp"
 #include "planning/rrtconnect.hpp"
+#include "planning/rrtconnect_fcl.hpp"
 
 namespace clearway {
 namespace {
@@ -50,6 +52,8 @@ std::string_view to_string(PlanStatus status) {
 const std::vector<PlannerEntry>& planner_table() {
   static const std::vector<PlannerEntry> table = {
       {"beam", "beam search on a joint lattice (Chong et al. 2008, Fig. 8)", make<Beam>},
+      {"beam_guided", "beam search led by a route through paint or free voxels, then straightened (ours)",
+       make<BeamGuided>},
       {"beam_reference", "the same, every neighbour checked: slow and obvious, for comparison",
        make<BeamReference>},
       {"boundary", "constraint method with boundary following (Lahouar et al. 2006)", make<Boundary>},
@@ -57,6 +61,8 @@ const std::vector<PlannerEntry>& planner_table() {
        make<BoundarySides>},
       {"constraint", "the local step of boundary alone: stops at the first deadlock", make<Constraint>},
       {"rrtconnect", "RRT-Connect of OMPL, with certified edges", make<RrtConnect>},
+      {"rrtconnect_fcl", "RRT-Connect of OMPL as most people run it: FCL on an octree, edges not certified",
+       make<RrtConnectFcl>},
   };
   return table;
 }
