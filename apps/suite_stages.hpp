@@ -5,6 +5,7 @@
 
 #include "datasets/suite.hpp"
 #include "mapping/snapshot.hpp"
+#include "planning/configuration_space.hpp"
 #include "planning/kinematics.hpp"
 
 namespace clearway {
@@ -21,19 +22,26 @@ struct SuiteStage {
   std::string world;
   Snapshot map;
   std::string map_file;  ///< empty when the world is made, not loaded
-  std::string digest;    ///< SHA-256 of the map's file form
+  std::string digest;    ///< SHA-256 of the map's file form, as map_sha256
   std::vector<StageProblem> problems;
 };
+
+/// The policies of an experiment for this robot; "default" is that of every part that is not named.
+/// @throws std::invalid_argument naming a part that the robot does not have.
+Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
 /// The stages of one experiment, each made when asked for: worlds may be large and many.
 class SuiteStages {
  public:
-  /// @throws std::invalid_argument naming the suite's file, the field and what was expected: a world or
-  /// generator that is not there, a number of joints that does not fit the robot.
+  /// Keeps references to all three. @param robot scaled and placed as the experiment wants it
+  /// @throws std::invalid_argument naming the suite, the experiment, the field and what was expected: a world
+  /// or generator that is not there, a number of joints that does not fit the robot, an unknown part.
   SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
   std::size_t size() const;
-  /// Deterministic, may be called from any thread.
+  /// Deterministic, may be called from any thread. Worlds that are made take up to some seconds each.
+  /// @throws std::invalid_argument or DamagedFile when a map cannot be loaded, std::runtime_error when a
+  /// generator finds no problem for this robot.
   SuiteStage make(std::size_t index) const;
 
  private:

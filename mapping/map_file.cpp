@@ -1,13 +1,11 @@
 #include "mapping/map_file.hpp"
 
-#include <openssl/evp.h>
-
-#include <array>
 #include <fstream>
 #include <utility>
 
 #include "mapping/cloud_file.hpp"
 #include "mapping/fused_tree.hpp"
+#include "mapping/map_digest.hpp"
 #include "mapping/octree_file.hpp"
 #include "mapping/painted_csv.hpp"
 #include "mapping/save_file.hpp"
@@ -102,19 +100,6 @@ void export_map(const Snapshot& map, const fs::path& file) {
                               "': expected a .ot, .bt, .pcd or .ply file");
 }
 
-std::string map_sha256(const fs::path& path) {
-  const std::string bytes = read_bytes(map_file_of(path));
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned length = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 of '" + path.string() + "' cannot be computed");
-  }
-  std::string text;
-  for (unsigned i = 0; i < length; ++i) {
-    text += "0123456789abcdef"[digest[i] >> 4U];
-    text += "0123456789abcdef"[digest[i] & 15U];
-  }
-  return text;
-}
+std::string map_sha256(const fs::path& path) { return sha256(read_bytes(map_file_of(path))); }
 
 }  // namespace clearway

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "datasets/scene.hpp"
+#include "mapping/scan.hpp"
+
+namespace clearway {
+
+/// Points on the surface of a solid, map frame, so dense that no point of the surface is farther than
+/// `spacing` metres from one of them; its edges and corners are met.
+std::vector<Eigen::Vector3d> surface_points(const SceneShape& solid, double spacing);
+
+/// What a range sensor at `from` sees of the solids, without noise, for a map of voxels of `resolution`: rays
+/// all around, at `range` no farther apart than a voxel, and rays to points of the solids' surfaces half a
+/// voxel apart, so that no surface slips between two rays. A ray that meets nothing within the range has its
+/// point beyond it.
+/// @param from,range,resolution metres, map frame
+Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& from, double range,
+                 double resolution);
+
+}  // namespace clearway
