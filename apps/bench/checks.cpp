@@ -1,66 +1,14 @@
 // Configuration checks: ConfigurationSpace::is_free against FCL's shapes on an fcl::OcTree of the same map.
 // In `detail`: how often ours is wrong against brute force, and what its first stage alone would refuse.
 
-#include <fcl/geometry/octree/octree.h>
-#include <octomap/OcTree.h>
-
 #include "apps/bench/bench.hpp"
 #include "apps/bench/brute_force.hpp"
+#include "planning/fcl_octree_space.hpp"
 #include "planning/guarded_body.hpp"
 #include "planning/reach.hpp"
 
 namespace clearway::bench {
 namespace {
-
-/// The occupied voxels of a map as the octree that FCL takes.
-std::shared_ptr<octomap::OcTree> occupied_tree(const Snapshot& map) {
-  auto tree = std::make_shared<octomap::OcTree>(map.resolution());
-  map.visit_leaves([&](const Voxel& leaf) {
-    if (leaf.state != VoxelState::occupied) return;
-    const double half = (leaf.size - map.resolution()) / 2;
-    for (double x = -half; x <= half * 1.001; x += map.resolution()) {
-      for (double y = -half; y <= half * 1.001; y += map.resolution()) {
-        for (double z = -half; z <= half * 1.001; z += map.resolution()) {
-          const Eigen::Vector3d at = leaf.center + Eigen::Vector3d(x, y, z);
-          tree->updateNode(
-              octomap::point3d(octomath::Vector3(static_cast<float>(at.x()), static_cast<float>(at.y()),
-                                                 static_cast<float>(at.z()))),
-              true, true);
-        }
-      }
-    }
-  });
-  tree->updateInnerOccupancy();
-  tree->prune();
-  return tree;
-}
-
-/// What one would write with FCL alone: each moved body against the tree, then the pairs of bodies.
-class FclOnOctree {
- public:
-  FclOnOctree(const Robot& robot, const Snapshot& map, const BruteForce& pairs)
-      : robot_(robot), pairs_(pairs), tree_(occupied_tree(map)) {
-    for (const Body& body : robot.bodies) shapes_.push_back(fcl_shape(body.shape));
-  }
-
-  bool is_free(const Configuration& q) const {
-    const LinkPoses poses = forward_kinematics(robot_, q);
-    for (std::size_t i = 0; i < shapes_.size(); ++i) {
-      if (is_moved(robot_, robot_.bodies[i].link) &&
-          BruteForce::collide(&tree_, Eigen::Isometry3d::Identity(), shapes_[i].get(),
-                              pairs_.place(i, poses))) {
-        return false;
-      }
-    }
-    return !pairs_.touches_itself(poses);
-  }
-
- private:
-  const Robot& robot_;
-  const BruteForce& pairs_;
-  fcl::OcTreed tree_;
-  std::vector<std::shared_ptr<fcl::CollisionGeometryd>> shapes_;
-};
 
 /// What the first stage, balls against the field, would say alone.
 class BallsAlone {
@@ -132,8 +80,7 @@ BenchResult bench_checks(const BenchOptions& options) {
                                   .critical = robot.critical_parts}
                              .snapshot(robot);
     const ConfigurationSpace space(robot, map, {.critical_by_default = false});
-    const BruteForce truth = brute_force_of(space);
-    const FclOnOctree fcl(robot, map, truth);
+    const FclOctreeSpace fcl(space);
     Dice dice(1);
     std::vector<Configuration> list(2'000);
     for (Configuration& q : list) q = dice.configuration(robot);

@@ -21,8 +21,9 @@ std::vector<std::string> planner_names() {
   return names;
 }
 
-/// The slow twin gets fewer and shorter problems.
+/// The slow twin gets fewer and shorter problems; what only looks at edges here and there looks closely.
 PlannerOptions brief(const std::string& planner) {
+  if (planner == "rrtconnect_fcl") return {{"resolution", "0.0005"}};
   return planner == "beam_reference" ? PlannerOptions{{"width", "2"}, {"step", "0.08"}} : PlannerOptions{};
 }
 
