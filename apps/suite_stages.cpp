@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 
+#include "apps/suite_shelves.hpp"
+#include "apps/suite_tunnels.hpp"
 #include "apps/suite_world.hpp"
 #include "mapping/map_digest.hpp"
 #include "mapping/map_file.hpp"
@@ -24,6 +27,39 @@ const SuiteWorld& world_of(const Suite& suite, const SuiteExperiment& experiment
   return *found;
 }
 
+/// Draws the worlds and problems of one kind of generator.
+struct Generator {
+  std::string_view kind;
+  std::size_t problems_of_a_stage;
+  SuiteStage (*draw)(const SuiteGenerator&, std::size_t index, const Robot&, const Policies&, double padding);
+};
+
+SuiteStage tunnel_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                        const Policies& policies, double padding) {
+  const Tunnel tunnel = draw_tunnel(generator, index, robot, policies, padding);
+  return {
+      tunnel.world.name, tunnel.map, "", "", {{tunnel.world.name, tunnel.way.front(), {tunnel.way.back()}}}};
+}
+
+SuiteStage shelf_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                       const Policies& policies, double padding) {
+  Shelf shelf = draw_shelf(generator, index, robot, policies, padding);
+  return {shelf.world.name, shelf.map, "", "", std::move(shelf.problems)};
+}
+
+/// All kinds.
+constexpr Generator generators[] = {
+    {"tunnels", 1, tunnel_stage},
+    {"shelves", problems_of_a_shelf, shelf_stage},
+};
+
+const Generator& generator_of(const Suite& suite, const SuiteExperiment& experiment) {
+  for (const Generator& generator : generators)
+    if (generator.kind == experiment.generate->kind) return generator;
+  refuse(suite, experiment,
+         "field 'generate': expected the kind tunnels or shelves, got '" + experiment.generate->kind + "'");
+}
+
 Configuration configuration(const std::vector<double>& values) {
   return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
@@ -32,6 +68,14 @@ StageProblem stage_problem(const SuiteProblem& problem) {
   StageProblem ready{problem.name, configuration(problem.start), {}};
   for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
   return ready;
+}
+
+/// A world of the suite without problems.
+SuiteStage stage_of(const SuiteWorld& world, const Robot& robot) {
+  if (!world.map.empty())
+    return {world.name, load_map(world.map), world.map.string(), map_sha256(world.map), {}};
+  const Snapshot map = make_map(world, robot.critical_parts);
+  return {world.name, map, "", map_sha256(map), {}};
 }
 
 void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
@@ -69,24 +113,31 @@ Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, c
 SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot)
     : suite_(suite), experiment_(experiment), robot_(robot) {
   static_cast<void>(suite_policies(suite, experiment, robot));
-  world_of(suite, experiment);
-  require_sizes(suite, experiment, robot);
+  if (experiment.generate) {
+    generator_of(suite, experiment);
+  } else {
+    world_of(suite, experiment);
+    require_sizes(suite, experiment, robot);
+  }
 }
 
-std::size_t SuiteStages::size() const { return 1; }
+std::size_t SuiteStages::size() const {
+  if (!experiment_.generate) return 1;
+  const auto count = static_cast<std::size_t>(experiment_.generate->count);
+  const std::size_t each = generator_of(suite_, experiment_).problems_of_a_stage;
+  return (count + each - 1) / each;
+}
 
-SuiteStage SuiteStages::make(std::size_t) const {
-  const SuiteWorld& world = world_of(suite_, experiment_);
-  SuiteStage stage;
-  stage.world = world.name;
-  if (world.map.empty()) {
-    stage.map = make_map(world, robot_.critical_parts);
+SuiteStage SuiteStages::make(std::size_t index) const {
+  if (index >= size()) throw std::out_of_range("a stage beyond the last one");
+  if (experiment_.generate) {
+    const Policies policies = suite_policies(suite_, experiment_, robot_);
+    SuiteStage stage = generator_of(suite_, experiment_)
+                           .draw(*experiment_.generate, index, robot_, policies, experiment_.padding);
     stage.digest = map_sha256(stage.map);
-  } else {
-    stage.map = load_map(world.map);
-    stage.map_file = world.map.string();
-    stage.digest = map_sha256(world.map);
+    return stage;
   }
+  SuiteStage stage = stage_of(world_of(suite_, experiment_), robot_);
   for (const SuiteProblem& problem : experiment_.problems) stage.problems.push_back(stage_problem(problem));
   return stage;
 }

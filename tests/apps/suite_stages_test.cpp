@@ -86,6 +86,47 @@ TEST(SuiteStages, WhatDoesNotFitTheRobotIsRefused) {
             "'planar2')");
 }
 
+const std::string drawn = R"(
+experiments:
+  - name: drawn
+    robot: puma560
+    generate: {kind: KIND, count: 13, seed: 4, resolution: 0.05}
+    policies: {default: not_occupied}
+    planners: [{planner: beam}]
+)";
+
+TEST(SuiteStages, EachTunnelIsAStageAndAShelfHoldsTenProblems) {
+  const Robot robot = load_robot("puma560");
+  const Suite shelves = parse_suite(replaced(drawn, "KIND", "shelves"), "s.yaml");
+  const SuiteStages of_shelves(shelves, shelves.experiments[0], robot);
+  ASSERT_EQ(of_shelves.size(), 2u);
+  EXPECT_EQ(of_shelves.make(1).problems.size(), 3u);
+  EXPECT_THROW(of_shelves.make(2), std::out_of_range);
+
+  Suite tunnels = parse_suite(replaced(drawn, "KIND", "tunnels"), "s.yaml");
+  tunnels.experiments[0].policies = {{"tool", "painted"}};
+  const SuiteStages of_tunnels(tunnels, tunnels.experiments[0], robot);
+  ASSERT_EQ(of_tunnels.size(), 13u);
+  const SuiteStage stage = of_tunnels.make(12);
+  EXPECT_EQ(stage.world, "tunnel 13");
+  EXPECT_EQ(stage.problems.size(), 1u);
+  EXPECT_EQ(stage.digest, map_sha256(stage.map));
+  EXPECT_EQ(of_tunnels.make(12).digest, stage.digest);
+}
+
+TEST(SuiteStages, AnUnknownGeneratorIsRefused) {
+  const Suite suite = parse_suite(replaced(drawn, "KIND", "mazes"), "s.yaml");
+  const Robot robot = load_robot("puma560");
+  try {
+    SuiteStages(suite, suite.experiments[0], robot);
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "suite 's', experiment 'drawn', field 'generate': expected the kind tunnels or shelves, got "
+                 "'mazes'");
+  }
+}
+
 TEST(SuiteStages, PoliciesAreThoseOfTheExperiment) {
   const Suite suite = parse_suite(replaced(two_worlds, "WORLD", "painted"), "s.yaml");
   const Policies policies = suite_policies(suite, suite.experiments[0], load_robot("puma560"));

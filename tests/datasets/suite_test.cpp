@@ -179,5 +179,16 @@ TEST(Suite, AFileIsReadAndAMissingOneNamed) {
   EXPECT_NE(missing.find("none.yaml' cannot be read"), std::string::npos);
 }
 
+TEST(Suite, ShippedSuitesAreRead) {
+  int suites = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets/suites")) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++suites;
+    EXPECT_EQ(load_suite(entry.path()).name, entry.path().stem().string());
+  }
+  EXPECT_GE(suites, 2);
+}
+
 }  // namespace
 }  // namespace clearway
