@@ -95,6 +95,26 @@ Path with_even_joint(const Pass& pass, Path points, Eigen::Index joint) {
   return points;
 }
 
+/// Joint `joint` of the piece stays between its first and last value.
+Path with_clamped_joint(Path points, Eigen::Index joint) {
+  const auto [low, high] = std::minmax({points.front()[joint], points.back()[joint]});
+  for (Configuration& q : points) q[joint] = std::clamp(q[joint], low, high);
+  return points;
+}
+
+/// Joints in proportion to what they cost on the path: a heavy one is worth more attempts.
+Eigen::Index drawn_joint(const Pass& pass, const Path& points, double share) {
+  Eigen::VectorXd costs = Eigen::VectorXd::Constant(points.front().size(), 1e-9);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Eigen::VectorXd forces = pass.problem.cost.generalized_forces(points[i]);
+    costs += forces.cwiseProduct((points[i] - points[i - 1]).cwiseAbs());
+  }
+  double left = share * costs.sum();
+  Eigen::Index joint = 0;
+  while (joint + 1 < costs.size() && left >= costs[joint]) left -= costs[joint++];
+  return joint;
+}
+
 /// The path with its part between two places replaced. Pieces left of the cut edges are certified anew: a
 /// piece of a free edge need not prove as easily.
 bool is_replaceable(const Pass& pass, const Path& path, const Place& from, const Place& to,
@@ -123,14 +143,14 @@ bool try_cut(const Pass& pass, Path& path, std::mt19937_64& random) {
   std::vector<double> lengths;
   for (std::size_t i = 1; i < path.size(); ++i) lengths.push_back(pass.length(path[i - 1], path[i]));
   const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
-  const double a = whole * uniform(), b = whole * uniform();
-  const auto dof = static_cast<double>(path.front().size());
-  const auto joint = static_cast<Eigen::Index>(uniform() * 2.0 * dof);  // every other time: all joints
+  const double a = whole * uniform(), b = whole * uniform(), kind = 3.0 * uniform(), share = uniform();
   const Place from = place_at(lengths, std::min(a, b)), to = place_at(lengths, std::max(a, b));
   if (from.edge == to.edge) return false;
   const Path old = piece(path, from, to);
-  const Path cut =
-      joint < path.front().size() ? with_even_joint(pass, old, joint) : Path{old.front(), old.back()};
+  const Eigen::Index joint = drawn_joint(pass, old, share);
+  const Path cut = kind < 1.0   ? Path{old.front(), old.back()}
+                   : kind < 2.0 ? with_even_joint(pass, old, joint)
+                                : with_clamped_joint(old, joint);
   if (pass.cost(cut) >= pass.cost(old) * (1.0 - 1e-9)) return false;
   if (!is_replaceable(pass, path, from, to, cut)) return false;
   path = replaced(path, from, to, cut);
@@ -165,9 +185,9 @@ std::vector<Configuration> straightened(const PlanProblem& problem, std::vector<
   Path direct = jumped(pass, path);
   if (pass.cost(direct) <= pass.cost(path)) path = std::move(direct);
   std::mt19937_64 random(problem.seed);
-  for (int attempt = 0; attempt < options.attempts && path.size() > 2; ++attempt) {
-    if (problem.out_of_time()) break;
-    try_cut(pass, path, random);
+  for (int attempt = 0, in_vain = 0; attempt < options.attempts && path.size() > 2; ++attempt) {
+    if (in_vain == options.patience || problem.out_of_time()) break;
+    in_vain = try_cut(pass, path, random) ? 0 : in_vain + 1;
   }
   return path;
 }

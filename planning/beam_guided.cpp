@@ -10,13 +10,14 @@
 #include "planning/option_reader.hpp"
 #include "planning/route_guide.hpp"
 #include "planning/sampled_trees.hpp"
-#include "planning/shortcut.hpp"
 #include "planning/via_beam.hpp"
 
 namespace clearway {
 namespace {
 
 using Path = std::vector<Configuration>;
+
+constexpr double patience = 4.0;  ///< neighbours that a leg of the beam looks at for each head it may keep
 
 /// What a search found and what it asked.
 struct Found {
@@ -35,7 +36,8 @@ std::vector<double> strides(const Robot& robot, double stride) {
   return steps;
 }
 
-/// One leg of the beam to exactly `to`, in at most twice the steps that the straight way takes.
+/// One leg of the beam to exactly `to`, while it goes well: in at most half as many steps again as the
+/// straight way takes, and while few neighbours are refused.
 Found beam_leg(const PlanProblem& problem, const Configuration& from, const Configuration& to, int width,
                const std::vector<double>& steps) {
   double ramp = 0.0;
@@ -46,17 +48,84 @@ Found beam_leg(const PlanProblem& problem, const Configuration& from, const Conf
   const Beam beam({{"width", std::to_string(width)},
                    {"step", to_text(steps)},
                    {"max_steps", std::to_string(static_cast<int>(1.5 * ramp) + 4)}});
-  const PlanResult leg =
-      beam.plan({problem.space, problem.cost, from, to, problem.seed, problem.out_of_time});
+  // Asked once for each group of neighbours at one distance.
+  int groups = static_cast<int>(patience * width * (ramp + 4.0));
+  const auto gives_up = [&] { return --groups < 0 || problem.out_of_time(); };
+  const PlanResult leg = beam.plan({problem.space, problem.cost, from, to, problem.seed, gives_up});
   Found found{{}, leg.configurations_checked, leg.edges_checked};
   if (leg.status == PlanStatus::solved && leg.waypoints.back() == to) found.path = leg.waypoints;
   return found;
 }
 
-void add(Path& path, const Path& piece) {
-  for (const Configuration& q : piece) {
-    if (path.empty() || q != path.back()) path.push_back(q);
+/// Steps 2 to 5: routes, via regions and trees.
+class GuidedSearch {
+ public:
+  GuidedSearch(const PlanProblem& problem, const Eigen::VectorXd& weight, PlanResult& result)
+      : problem_(problem), weight_(weight), result_(result), hand_(find_hand(problem.space)) {}
+
+  const HandRoute& route() {
+    if (!looked_) first_route_ = find_hand_route(problem_, hand_);
+    looked_ = true;
+    return first_route_;
   }
+
+  /// The beam through the via regions of one route after the other; each avoids where the last one ended.
+  Path through_regions(int routes, const ViaBeamOptions& options) {
+    std::vector<Sphere> avoided;
+    for (int attempt = 0; attempt < routes && !problem_.out_of_time(); ++attempt) {
+      const HandRoute next = attempt == 0 ? route() : find_hand_route(problem_, hand_, avoided);
+      if (next.points.empty()) break;
+      ViaPath via = search_via_regions(problem_, hand_, next, weight_, options);
+      count(via.configurations, via.edges);
+      result_.statistics["via_regions"] = static_cast<double>(via.regions);
+      result_.statistics["routes"] += 1.0;
+      if (!via.waypoints.empty()) {
+        result_.explanation = "Led to the goal through " + std::to_string(via.regions) + " via regions.";
+        return std::move(via.waypoints);
+      }
+      if (via.reached == via.regions) break;
+      avoided.push_back({via.stopped_at, 2.0 * hand_.outer_radius});
+    }
+    return {};
+  }
+
+  std::string failure() {
+    return route().points.empty()
+               ? "There is no way for the hand's middle, and no path was found without one."
+               : "No path was found along the hand's routes.";
+  }
+
+  /// Corner points of a rough path by two trees that the route guides.
+  Path through_trees(TreeOptions options, double guided_share) {
+    if (!route().points.empty()) options.guide = RouteGuide(problem_, hand_, route(), guided_share);
+    const TreePath rough = connect_trees(problem_, options);
+    count(rough.configurations, rough.edges);
+    result_.statistics["samples"] += rough.samples;
+    if (rough.waypoints.empty()) return {};
+    result_.explanation = "Led to the goal by two guided trees.";
+    return rough.waypoints;
+  }
+
+ private:
+  void count(std::uint64_t configurations, std::uint64_t edges) {
+    result_.configurations_checked += configurations;
+    result_.edges_checked += edges;
+  }
+
+  const PlanProblem& problem_;
+  const Eigen::VectorXd& weight_;
+  PlanResult& result_;
+  Hand hand_;
+  HandRoute first_route_;
+  bool looked_ = false;
+};
+
+bool is_certified(const PlanProblem& problem, const Path& path, std::uint64_t& edges) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    ++edges;
+    if (!problem.space.is_edge_free(path[i - 1], path[i])) return false;
+  }
+  return !path.empty();
 }
 
 }  // namespace
@@ -69,7 +138,7 @@ BeamGuided::BeamGuided(const PlannerOptions& options) {
   guided_share_ = reader.number("guided_share", 0.5, 0.0, 1.0);
   range_ = reader.number_or_auto("range", 0.0, 1e3);
   routes_ = reader.integer("routes", 4, 0, 100);
-  attempts_ = reader.integer("attempts", 100, 0, 1000000);
+  attempts_ = reader.integer("attempts", 300, 0, 1000000);
   prismatic_scale_ = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
   reader.refuse_unknown();
   in_force_ = reader.in_force();
@@ -93,7 +162,7 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
     path = std::move(direct.path);
     if (!path.empty()) result.explanation = "The beam reached the goal without a guide.";
   }
-  if (path.empty()) path = guided(problem, weight, steps, result);
+  if (path.empty()) path = guided(problem, weight, result);
   if (path.empty()) return result;
   path = straightened(problem, std::move(path), weight, {.attempts = attempts_}, result.edges_checked);
   result.status = PlanStatus::solved;
@@ -104,64 +173,19 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
 }
 
 std::vector<Configuration> BeamGuided::guided(const PlanProblem& problem, const Eigen::VectorXd& weight,
-                                              const std::vector<double>& steps, PlanResult& result) const {
-  const Hand hand = find_hand(problem.space);
-  HandRoute route;
-  std::vector<Sphere> avoided;
-  for (int attempt = 0; attempt < routes_; ++attempt) {
-    HandRoute next = find_hand_route(problem, hand, avoided);
-    if (next.points.empty()) break;
-    const ViaPath via = search_via_regions(problem, hand, next, weight, {});
-    result.configurations_checked += via.configurations;
-    result.edges_checked += via.edges;
-    result.statistics["routes"] = attempt + 1;
-    result.statistics["via_regions"] = static_cast<double>(via.regions);
-    result.statistics["reached"] = static_cast<double>(via.reached);
-    if (!via.waypoints.empty()) {
-      result.explanation = "via beam";
-      return via.waypoints;
-    }
-    if (attempt == 0) route = std::move(next);
-    if (via.reached == via.regions) break;
-    avoided.push_back({via.stopped_at, 2.0 * hand.outer_radius});
-  }
-  const std::size_t regions = route.points.size();
-  TreeOptions options{.weight = weight, .range = range_, .max_samples = max_samples_};
-  if (regions > 0) options.guide = RouteGuide(problem, hand, std::move(route), guided_share_);
-  const TreePath rough = connect_trees(problem, options);
-  result.configurations_checked += rough.configurations;
-  result.edges_checked += rough.edges;
-  result.statistics["samples"] = rough.samples;
-  if (rough.waypoints.empty()) {
-    result.status = rough.out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
-    result.final_distance = (problem.goal - problem.start).norm();
-    result.explanation = "No rough path to guide the beam was found with " + std::to_string(rough.samples) +
-                         " samples" + (regions > 0 ? "." : "; there is no way for the hand's middle either.");
-    return {};
-  }
-  const Path corners = shortcut(problem.space, rough.waypoints, weight, problem.seed, 30);
-  Path path;
-  int stood_in = 0;
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    Found leg = beam_leg(problem, corners[i - 1], corners[i], width_, steps);
-    result.configurations_checked += leg.configurations;
-    result.edges_checked += leg.edges;
-    if (leg.path.empty()) {
-      ++stood_in;
-      ++result.edges_checked;
-      if (!problem.space.is_edge_free(corners[i - 1], corners[i])) {
-        result.status = PlanStatus::no_path;
-        result.explanation = "The rough path found could not be certified free.";
-        return {};
-      }
-      leg.path = {corners[i - 1], corners[i]};
-    }
-    add(path, leg.path);
-  }
-  result.statistics["via_goals"] = static_cast<double>(corners.size() - 2);
-  result.statistics["straight_legs"] = stood_in;
-  result.explanation = "Led to the goal by " + std::to_string(corners.size() - 2) + " via goals.";
-  return path;
+                                              PlanResult& result) const {
+  GuidedSearch search(problem, weight, result);
+  TreeOptions trees{.weight = weight, .range = range_, .max_samples = std::min(300, max_samples_)};
+  Path path = search.through_regions(1, {.effort = 1, .halvings = 0});
+  if (path.empty()) path = search.through_trees(trees, guided_share_);
+  if (path.empty()) path = search.through_regions(routes_, {});
+  trees.max_samples = max_samples_;
+  if (path.empty() && !problem.out_of_time()) path = search.through_trees(trees, guided_share_);
+  if (is_certified(problem, path, result.edges_checked)) return path;
+  result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
+  result.final_distance = (problem.goal - problem.start).norm();
+  result.explanation = path.empty() ? search.failure() : "The path found could not be certified free.";
+  return {};
 }
 
 }  // namespace clearway

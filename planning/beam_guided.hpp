@@ -4,13 +4,15 @@
 
 namespace clearway {
 
-/// Ours, beyond Chong et al. 2008: a beam search that is led to the goal by via configurations of its own.
-/// 1. `beam` straight at the goal with few steps: most short tasks end here.
-/// 2. A route for the hand: through the graph of painted balls (the strokes are a human's way), or through
-///    free voxels where nothing is painted. Two trees (RRT-Connect) grow towards configurations whose hand is
-///    in the route's regions and join in a rough path; its corner points are the via goals.
-/// 3. `beam` from corner to corner; where it stalls, the rough path's own certified edge stands in.
-/// 4. An any-angle pass takes out the lattice's detours and lowers the path cost (see any_angle.hpp).
+/// Ours, beyond Chong et al. 2008: a beam search that is led to the goal by via regions of its own. In turn,
+/// until one succeeds:
+/// 1. the straight edge; then `beam` on a coarse lattice, as long as it goes well;
+/// 2. a route for the hand, through the graph of painted balls (the strokes are a human's way) or through
+/// free
+///    voxels where nothing is painted, and a beam through its via regions (see via_beam.hpp), lightly;
+/// 3. two trees (RRT-Connect) that grow towards configurations with the hand on the route, briefly;
+/// 4. step 2 thoroughly, on other routes too; 5. step 3 up to max_samples.
+/// Last comes an any-angle pass, which takes out detours and lowers the path cost (see any_angle.hpp).
 /// Every edge is certified. Same seed, same path.
 class BeamGuided : public Planner {
  public:
@@ -21,7 +23,7 @@ class BeamGuided : public Planner {
  private:
   /// Steps 2 and 3; empty when it fails, then status and explanation say why.
   std::vector<Configuration> guided(const PlanProblem& problem, const Eigen::VectorXd& weight,
-                                    const std::vector<double>& steps, PlanResult& result) const;
+                                    PlanResult& result) const;
 
   std::map<std::string, std::string> in_force_;
   int width_ = 0, max_samples_ = 0, attempts_ = 0, routes_ = 0;

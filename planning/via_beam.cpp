@@ -60,7 +60,7 @@ class Search {
 
   /// Moves the beam on to the region; false when no head gets there.
   bool advance(const Region& region, double share_of_rest) {
-    for (int effort = 1; effort <= 16; effort *= 4) {
+    for (int effort = 1; effort <= options_.effort; effort *= 4) {
       std::vector<ViaHead> found;
       for (const int head : beam_) {
         for (int child = 0; child < effort * options_.children; ++child) {
@@ -194,8 +194,8 @@ class Search {
 ViaPath search_via_regions(const PlanProblem& problem, const Hand& hand, const HandRoute& route,
                            const Eigen::VectorXd& weight, const ViaBeamOptions& options) {
   ViaPath result;
-  const double widest = options.spacing > 0.0 ? options.spacing : 0.5 * hand.outer_radius;
-  for (const double spacing : {widest, 0.5 * widest}) {
+  double spacing = options.spacing > 0.0 ? options.spacing : 0.5 * hand.outer_radius;
+  for (int halving = 0; halving <= options.halvings; ++halving, spacing *= 0.5) {
     const std::vector<Region> regions = regions_of(route, hand, spacing);
     Search search(problem, hand, weight, options);
     std::size_t at = 0;
