@@ -73,18 +73,21 @@ Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
 }
 
 Configuration Lattice::configuration(const LatticeIndex& node) const {
-  Configuration q = start_;
-  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] += node[static_cast<std::size_t>(j)] * step_[j];
+  Configuration q(dof());
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = value(j, node[static_cast<std::size_t>(j)]);
   return q;
 }
 
 bool Lattice::keeps_limits(const LatticeIndex& node) const {
-  const Configuration q = configuration(node);
-  return (q.array() >= lower_.array()).all() && (q.array() <= upper_.array()).all();
+  for (Eigen::Index j = 0; j < dof(); ++j) {
+    const double q = value(j, node[static_cast<std::size_t>(j)]);
+    if (!(q >= lower_[j] && q <= upper_[j])) return false;
+  }
+  return true;
 }
 
 double Lattice::distance_term(Eigen::Index joint, int index) const {
-  const double difference = weight_[joint] * (start_[joint] + index * step_[joint] - goal_[joint]);
+  const double difference = weight_[joint] * (value(joint, index) - goal_[joint]);
   return difference * difference;
 }
 

@@ -35,6 +35,8 @@ class Lattice {
   Lattice(const PlanProblem& problem, const BeamOptions& options);
 
   Eigen::Index dof() const { return start_.size(); }
+  double step(Eigen::Index joint) const { return step_[joint]; }  ///< epsilon_j
+  double value(Eigen::Index joint, int index) const { return start_[joint] + index * step_[joint]; }
   Configuration configuration(const LatticeIndex& node) const;
   bool keeps_limits(const LatticeIndex& node) const;
 

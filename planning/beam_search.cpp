@@ -73,7 +73,7 @@ void tell_failure(const PlanProblem& problem, const Lattice& lattice, const Beam
 }  // namespace
 
 BeamPaths::BeamPaths(const PlanProblem& problem, const Lattice& lattice)
-    : problem_(problem), lattice_(lattice) {
+    : problem_(problem), lattice_(lattice), visited_(static_cast<std::size_t>(lattice.dof())) {
   Head start;
   start.node.assign(static_cast<std::size_t>(lattice.dof()), 0);
   start.squared_distance = lattice.squared_distance(start.node);
@@ -82,15 +82,20 @@ BeamPaths::BeamPaths(const PlanProblem& problem, const Lattice& lattice)
 }
 
 Head BeamPaths::extend(int parent, const LatticeIndex& node, const Eigen::VectorXd& forces) const {
-  const Head& from = head(parent);
-  const Eigen::VectorXd dq = lattice_.configuration(node) - lattice_.configuration(from.node);
   Head to;
   to.node = node;
   to.squared_distance = lattice_.squared_distance(node);
-  to.cost = from.cost + problem_.cost.step_cost(from.forces, forces, dq);
+  to.cost =
+      cost_through(parent, lattice_.configuration(head(parent).node), lattice_.configuration(node), forces);
   to.parent = parent;
   to.forces = forces;
   return to;
+}
+
+double BeamPaths::cost_through(int parent, const Configuration& from, const Configuration& to,
+                               const Eigen::VectorXd& forces) const {
+  const Head& before = head(parent);
+  return before.cost + problem_.cost.step_cost(before.forces, forces, to - from);
 }
 
 void BeamPaths::admit(Head head) {

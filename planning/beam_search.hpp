@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 #include <functional>
-#include <set>
 #include <vector>
 
 #include "planning/beam_lattice.hpp"
+#include "planning/node_set.hpp"
 
 namespace clearway {
 
@@ -34,6 +34,9 @@ class BeamPaths {
   bool was_visited(const LatticeIndex& node) const { return visited_.contains(node); }
   /// The head at `node` reached from head `parent`: eq. 9 with the generalized `forces` at the node.
   Head extend(int parent, const LatticeIndex& node, const Eigen::VectorXd& forces) const;
+  /// What its path costs, given also the configurations `from` and `to` of both.
+  double cost_through(int parent, const Configuration& from, const Configuration& to,
+                      const Eigen::VectorXd& forces) const;
 
   /// Lines 6-14: the kept heads become the beam; one that reaches the goal leaves it and is saved if it is
   /// the cheapest; paths not cheaper than the saved one are deleted.
@@ -54,7 +57,7 @@ class BeamPaths {
   int steps_ = 0, goal_head_ = -1, first_goal_step_ = -1, best_head_ = 0;
   std::vector<Head> heads_;
   std::vector<int> beam_;
-  std::set<LatticeIndex> visited_;
+  NodeSet visited_;
 };
 
 /// Lines 4-6: the at most k best free neighbours of the beam, in order of preference. Once the problem is out

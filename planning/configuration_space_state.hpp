@@ -8,6 +8,7 @@
 
 #include "planning/configuration_space.hpp"
 #include "planning/guarded_body.hpp"
+#include "planning/known_clearances.hpp"
 #include "planning/self_contact.hpp"
 
 namespace clearway {
@@ -29,6 +30,22 @@ struct ConfigurationSpace::State {
   }
   /// Right size, finite and within the joint limits.
   bool is_within_limits(const Configuration& q) const;
+
+  /// Bodies i as i, pairs k as (number of bodies + k).
+  std::size_t members() const { return bodies.size() + pairs.size(); }
+  /// How far any point of a body moves, or how much a pair approaches, at most when the joints move by
+  /// |dq|, metres.
+  double motion(std::size_t member, const Eigen::VectorXd& abs_dq) const {
+    const Eigen::VectorXd& rates =
+        member < bodies.size() ? levers[member] : pairs[member - bodies.size()].approach;
+    return rates.dot(abs_dq) * (1.0 + 1e-9);
+  }
+  /// The proof of ConfigurationSpace::is_edge_free for some of the members; both ends within the limits.
+  /// What is known and remembered saves time and changes nothing.
+  /// @param recent of each body.
+  bool is_edge_free(const Configuration& from, const Configuration& to, const std::vector<int>& members,
+                    std::vector<RecentCubes>& recent, KnownClearances* known_from = nullptr,
+                    KnownClearances* known_to = nullptr) const;
 };
 
 }  // namespace clearway

@@ -1,6 +1,7 @@
 // The proof that a whole edge is free: ConfigurationSpace::is_edge_free.
 
 #include <algorithm>
+#include <numeric>
 
 #include "planning/configuration_space_state.hpp"
 
@@ -43,6 +44,16 @@ constexpr double bend_within_voxels = 0.5;
 /// Nor is it worth while when it is this much longer than a voxel.
 constexpr double sweep_within_voxels = 8.0;
 
+/// GuardedBody::is_clear at an end of the edge, with what is known of it, which grows.
+bool is_clear_at_end(const GuardedBody& body, const Eigen::Isometry3d& pose, std::size_t id, double margin,
+                     RecentCubes& recent, KnownClearances* known) {
+  if (known != nullptr && known->at_least[id] >= margin) return true;
+  const bool is_clear = body.is_clear(pose, margin, &recent);
+  if (known != nullptr && is_clear) known->at_least[id] = margin;
+  if (known != nullptr && !is_clear) known->less_than[id] = std::min(known->less_than[id], margin);
+  return is_clear;
+}
+
 Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& poses, double approach) {
   if (is_apart(robot, pair, poses, approach)) return Finding::proved;
   return is_apart(robot, pair, poses, 0.0) ? Finding::open : Finding::blocked;
@@ -53,24 +64,35 @@ Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& 
 bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
   const State& state = *state_;
   if (!state.is_within_limits(from) || !state.is_within_limits(to)) return false;
+  thread_local std::vector<int> all;
+  thread_local std::vector<RecentCubes> recent;
+  all.resize(state.members());
+  std::iota(all.begin(), all.end(), 0);
+  recent.assign(state.bodies.size(), {});
+  return state.is_edge_free(from, to, all, recent);
+}
+
+bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Configuration& to,
+                                             const std::vector<int>& members,
+                                             std::vector<RecentCubes>& recent, KnownClearances* known_from,
+                                             KnownClearances* known_to) const {
+  const State& state = *this;
   thread_local Scratch scratch;
   scratch.step = to - from;
   scratch.distance = scratch.step.cwiseAbs();
   const double length = scratch.step.norm();
-  const std::size_t bodies = state.bodies.size(), total = bodies + state.pairs.size();
-  scratch.motion.resize(total);
-  scratch.open.resize(total);
-  for (std::size_t i = 0; i < total; ++i) {
-    const Eigen::VectorXd& rates = i < bodies ? state.levers[i] : state.pairs[i - bodies].approach;
-    scratch.motion[i] = rates.dot(scratch.distance) * (1.0 + 1e-9);
-    scratch.open[i] = static_cast<int>(i);
+  const std::size_t count = state.bodies.size();
+  scratch.motion.resize(state.members());
+  scratch.bend.resize(count);
+  for (const int member : members) {
+    const auto i = static_cast<std::size_t>(member);
+    scratch.motion[i] = state.motion(i, scratch.distance);
+    if (i < count)  // |x''| <= 2 (all turns) (all motion), and a chord is off by 1/8 of it
+      scratch.bend[i] = state.turns[i].dot(scratch.distance) * scratch.motion[i] / 4.0 * (1.0 + 1e-9);
   }
-  scratch.bend.resize(bodies);
-  for (std::size_t i = 0; i < bodies;
-       ++i)  // |x''| <= 2 (all turns) (all motion), and a chord is off by 1/8 of it
-    scratch.bend[i] = state.turns[i].dot(scratch.distance) * scratch.motion[i] / 4.0 * (1.0 + 1e-9);
+  scratch.open = members;
   scratch.used = 0;
-  scratch.pieces.assign(1, {0.0, 1.0, 0, total, -1, -1});
+  scratch.pieces.assign(1, {0.0, 1.0, 0, members.size(), -1, -1});
   const double resolution = state.map.resolution();
   const double finest = state.options.edge_resolution / std::max(length, state.options.edge_resolution);
   /// No point of the body is farther than its motion over half the piece from where it is at the middle.
@@ -89,11 +111,20 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
       if (piece.begin_sample < 0) piece.begin_sample = scratch.sample(state.robot, from, piece.begin);
       if (piece.end_sample < 0) piece.end_sample = scratch.sample(state.robot, from, piece.end);
       const Eigen::Isometry3d &begin = pose(piece.begin_sample), &end = pose(piece.end_sample);
-      if (body.is_sweep_clear(begin, end, least + bend)) return Finding::proved;
-      if (piece.begin == 0.0 && !body.is_clear(begin, least)) return Finding::blocked;
-      if (piece.end == 1.0 && !body.is_clear(end, least)) return Finding::blocked;
+      // What is known to block, or is met again, is what the looks below would find.
+      if (piece.begin == 0.0 && known_from != nullptr && known_from->less_than[id] <= least)
+        return Finding::blocked;
+      if (piece.end == 1.0 && known_to != nullptr && known_to->less_than[id] <= least)
+        return Finding::blocked;
+      if (body.is_met(pose(middle), least, recent[id])) return Finding::blocked;
+      if (body.is_sweep_clear(begin, end, least + bend, recent[id])) return Finding::proved;
+      if (body.is_met(pose(middle), least, recent[id])) return Finding::blocked;
+      if (piece.begin == 0.0 && !is_clear_at_end(body, begin, id, least, recent[id], known_from))
+        return Finding::blocked;
+      if (piece.end == 1.0 && !is_clear_at_end(body, end, id, least, recent[id], known_to))
+        return Finding::blocked;
     }
-    return body.is_clear(pose(middle), least) ? Finding::open : Finding::blocked;
+    return body.is_clear(pose(middle), least, &recent[id]) ? Finding::open : Finding::blocked;
   };
 
   for (std::size_t next = 0; next < scratch.pieces.size(); ++next) {  // halves in turn: far samples first
@@ -104,10 +135,10 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
     const std::size_t first_open = scratch.open.size();
     for (std::size_t i = piece.first_open; i < piece.last_open; ++i) {
       const auto id = static_cast<std::size_t>(scratch.open[i]);
-      const Finding finding = id < bodies ? examine_body(id, piece, sample)
-                                          : examine_pair(state.robot, state.pairs[id - bodies],
-                                                         scratch.samples[static_cast<std::size_t>(sample)],
-                                                         scratch.motion[id] * half);
+      const Finding finding = id < count ? examine_body(id, piece, sample)
+                                         : examine_pair(state.robot, state.pairs[id - count],
+                                                        scratch.samples[static_cast<std::size_t>(sample)],
+                                                        scratch.motion[id] * half);
       if (finding == Finding::proved) continue;
       if (finding == Finding::blocked || is_finest) return false;
       scratch.open.push_back(static_cast<int>(id));

@@ -4,36 +4,17 @@
 #include <locale>
 #include <sstream>
 
+#include "planning/link_pose.hpp"
+
 namespace clearway {
-namespace {
-
-/// The pose of `link` against its parent when its joint stands at `value`.
-Eigen::Isometry3d parent_from_moved_link(const Link& link, const Joint& joint, double value) {
-  Eigen::Isometry3d pose = link.parent_from_link;
-  if (joint.kind == JointKind::revolute) {
-    pose.linear() = link.parent_from_link.linear() * Eigen::AngleAxisd(value, joint.axis).toRotationMatrix();
-  } else {
-    pose.translation() += link.parent_from_link.linear() * (value * joint.axis);
-  }
-  return pose;
-}
-
-}  // namespace
-
 void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& map_from_link) {
   map_from_link.resize(robot.links.size());
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const Link& link = robot.links[i];
     const Eigen::Isometry3d& map_from_parent =
         link.parent < 0 ? robot.map_from_base : map_from_link[static_cast<std::size_t>(link.parent)];
-    const Eigen::Isometry3d parent_from_link =
-        link.joint < 0 ? link.parent_from_link
-                       : parent_from_moved_link(link, robot.joints[static_cast<std::size_t>(link.joint)],
-                                                link.multiplier * q[link.joint] + link.offset);
-    map_from_link[i].linear().noalias() = map_from_parent.linear() * parent_from_link.linear();
-    map_from_link[i].translation().noalias() =
-        map_from_parent.linear() * parent_from_link.translation() + map_from_parent.translation();
-    map_from_link[i].makeAffine();
+    place_link(map_from_parent, pose_on_parent(robot, link, link.joint < 0 ? 0.0 : q[link.joint]),
+               map_from_link[i]);
   }
 }
 

@@ -14,8 +14,8 @@ struct Distal {
 };
 
 /// Distal masses of every link (the link itself included). Links are stored parents first.
-std::vector<Distal> distal_masses(const Robot& robot, const LinkPoses& poses, double payload) {
-  std::vector<Distal> distal(robot.links.size());
+void distal_masses(const Robot& robot, const LinkPoses& poses, double payload, std::vector<Distal>& distal) {
+  distal.assign(robot.links.size(), {});
   for (std::size_t i = robot.links.size(); i-- > 0;) {
     const Link& link = robot.links[i];
     distal[i].mass += link.mass;
@@ -29,7 +29,6 @@ std::vector<Distal> distal_masses(const Robot& robot, const LinkPoses& poses, do
       distal[static_cast<std::size_t>(link.parent)].moment += distal[i].moment;
     }
   }
-  return distal;
 }
 
 /// Friction magnitude and signed gravity force of each joint, eq. 8.
@@ -39,8 +38,10 @@ struct JointForces {
 };
 
 JointForces joint_forces(const Robot& robot, const CostOptions& options, const Configuration& q) {
-  const LinkPoses poses = forward_kinematics(robot, q);
-  const std::vector<Distal> distal = distal_masses(robot, poses, options.payload_mass);
+  thread_local LinkPoses poses;  // a search asks for the forces of thousands of configurations
+  thread_local std::vector<Distal> distal;
+  forward_kinematics(robot, q, poses);
+  distal_masses(robot, poses, options.payload_mass, distal);
   const auto n = static_cast<Eigen::Index>(robot.dof());
   JointForces forces{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
@@ -95,6 +96,7 @@ Eigen::VectorXd PathCost::gravity_torques(const Configuration& q) const {
 
 double PathCost::step_cost(const Eigen::VectorXd& forces_from, const Eigen::VectorXd& forces_to,
                            const Eigen::VectorXd& dq) const {
+  if (scale_ == 1.0) return (0.5 * (forces_from + forces_to)).dot(dq.cwiseAbs());
   return (0.5 * (forces_from + forces_to)).dot(full_size(dq).cwiseAbs());
 }
 

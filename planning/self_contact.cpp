@@ -54,6 +54,16 @@ DistanceBounds pair_distance(const Robot& robot, const BodyPair& pair, const Lin
   return distance(a.shape, placed(a, map_from_link), b.shape, placed(b, map_from_link), enough);
 }
 
+double pair_distance_bound(const Robot& robot, const BodyPair& pair, const LinkPoses& map_from_link,
+                           double enough) {
+  const Body& a = robot.bodies[static_cast<std::size_t>(pair.first)];
+  const Body& b = robot.bodies[static_cast<std::size_t>(pair.second)];
+  const Eigen::Isometry3d pose_a = placed(a, map_from_link), pose_b = placed(b, map_from_link);
+  const double centers = (pose_a.translation() - pose_b.translation()).norm() * (1.0 - 1e-9);
+  const double balls = centers - a.shape.bounding_radius() - b.shape.bounding_radius();
+  return balls > enough ? balls : distance(a.shape, pose_a, b.shape, pose_b).lower;
+}
+
 bool is_apart(const Robot& robot, const BodyPair& pair, const LinkPoses& map_from_link, double margin) {
   const Body& a = robot.bodies[static_cast<std::size_t>(pair.first)];
   const Body& b = robot.bodies[static_cast<std::size_t>(pair.second)];

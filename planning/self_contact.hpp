@@ -20,6 +20,11 @@ std::vector<BodyPair> contact_pairs(const Robot& robot);
 DistanceBounds pair_distance(const Robot& robot, const BodyPair& pair, const LinkPoses& map_from_link,
                              double enough = 1e9);
 
+/// A lower bound of that distance: between balls that hold the bodies when these are `enough` apart, else the
+/// exact one.
+double pair_distance_bound(const Robot& robot, const BodyPair& pair, const LinkPoses& map_from_link,
+                           double enough);
+
 /// True when the bodies are proved to be farther apart than `margin`; cheap when they are far.
 bool is_apart(const Robot& robot, const BodyPair& pair, const LinkPoses& map_from_link, double margin);
 

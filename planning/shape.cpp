@@ -84,7 +84,7 @@ Eigen::Vector3d Shape::support(const Eigen::Vector3d& direction) const {
       return point;
     }
     case Kind::cylinder: {
-      const double rho = std::hypot(direction.x(), direction.y());
+      const double rho = direction.head<2>().norm();
       const double z = sign(direction.z()) * length_ / 2;
       if (rho == 0.0) return {radius_, 0.0, z};
       return {radius_ * direction.x() / rho, radius_ * direction.y() / rho, z};
@@ -175,8 +175,7 @@ double Shape::signed_distance(const Eigen::Vector3d& point) const {
       return Eigen::Vector3d(point.x(), point.y(), beyond).norm() - radius_;
     }
     case Kind::cylinder:
-      return of_extents(
-          Eigen::Vector2d(std::hypot(point.x(), point.y()) - radius_, std::abs(point.z()) - length_ / 2));
+      return of_extents(Eigen::Vector2d(point.head<2>().norm() - radius_, std::abs(point.z()) - length_ / 2));
     case Kind::box:
     case Kind::convex:
       break;
@@ -195,7 +194,7 @@ Eigen::Vector3d Shape::offset_to(const Eigen::Vector3d& point) const {
                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
     }
     case Kind::cylinder: {
-      const double rho = std::hypot(point.x(), point.y());
+      const double rho = point.head<2>().norm();
       const double beyond = rho > radius_ ? 1.0 - radius_ / rho : 0.0;
       return {point.x() * beyond, point.y() * beyond, past(point.z(), length_ / 2)};
     }

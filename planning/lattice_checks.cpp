@@ -1,0 +1,182 @@
+#include "planning/lattice_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "planning/configuration_space_state.hpp"
+#include "planning/link_pose.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double rounding = 1e-9;    ///< metres by which a bound must hold to decide in place of a look
+constexpr double pair_slack = 1e-6;  ///< metres that a distance of two bodies may fall short of the true one
+constexpr double field_slack = 2.0;  ///< voxels that coarse_clearance may fall short of the distance
+
+}  // namespace
+
+LatticeChecks::LatticeChecks(const ConfigurationSpace& space, const Lattice& lattice)
+    : state_(*space.state_), lattice_(lattice) {
+  const auto members = static_cast<Eigen::Index>(state_.members());
+  const std::size_t links = state_.robot.links.size();
+  tables_.resize(links);
+  map_from_link_.resize(links);
+  placed_.resize(links);
+  step_motion_.resize(members, lattice.dof());
+  whole_motion_.resize(members);
+  motion_.resize(state_.members());
+  recent_.resize(state_.bodies.size());
+  order_.resize(state_.members());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  for (std::size_t m = 0; m < state_.members(); ++m) {
+    const auto row = static_cast<Eigen::Index>(m);
+    for (Eigen::Index j = 0; j < lattice.dof(); ++j)
+      step_motion_(row, j) = state_.motion(m, lattice.step(j) * Eigen::VectorXd::Unit(lattice.dof(), j));
+    whole_motion_[row] = step_motion_.row(row).sum();
+    if (m >= state_.bodies.size()) {
+      slack_.push_back(pair_slack);
+      continue;
+    }
+    // is_edge_free proves a body at once when each of its balls is farther than the motion by the coarse
+    // field at the middle: these stand out of the body, and the field falls short of the distance and ends.
+    const GuardedBody& body = state_.bodies[m];
+    double largest = 0.0;
+    for (const Sphere& ball : body.body().cover) largest = std::max(largest, ball.radius);
+    // At most |motion| / |length of the edge| times half of its resolution: levers . |dq| <= |levers| |dq|.
+    edge_margin_.push_back(state_.options.padding +
+                           state_.levers[m].norm() * state_.options.edge_resolution / 2.0 * (1.0 + 1e-6));
+    const double short_by = field_slack * body.space().resolution();
+    const bool in_field =
+        largest + state_.options.padding + whole_motion_[row] + short_by < body.space().max_distance();
+    slack_.push_back(in_field ? body.cover_excess() + short_by : std::numeric_limits<double>::infinity());
+  }
+}
+
+const Eigen::Isometry3d& LatticeChecks::pose_on_parent(std::size_t link, int index) {
+  LinkTable& table = tables_[link];
+  const Link& which = state_.robot.links[link];
+  const auto computed = [&](int at) {
+    return clearway::pose_on_parent(state_.robot, which,
+                                    which.joint < 0 ? 0.0 : lattice_.value(which.joint, at));
+  };
+  if (table.poses.empty()) {
+    table.first = index;
+    table.poses.push_back(computed(index));
+  }
+  while (index < table.first) table.poses.push_front(computed(--table.first));
+  while (index >= table.first + static_cast<int>(table.poses.size()))
+    table.poses.push_back(computed(table.first + static_cast<int>(table.poses.size())));
+  return table.poses[static_cast<std::size_t>(index - table.first)];
+}
+
+void LatticeChecks::go_to(const LatticeIndex& node) {
+  node_ = node;
+  std::fill(placed_.begin(), placed_.end(), false);
+}
+
+const Eigen::Isometry3d& LatticeChecks::pose(std::size_t link) {
+  if (placed_[link]) return map_from_link_[link];
+  const Link& which = state_.robot.links[link];
+  const Eigen::Isometry3d& parent =
+      which.parent < 0 ? state_.robot.map_from_base : pose(static_cast<std::size_t>(which.parent));
+  const int index = which.joint < 0 ? 0 : node_[static_cast<std::size_t>(which.joint)];
+  place_link(parent, pose_on_parent(link, index), map_from_link_[link]);
+  placed_[link] = true;
+  return map_from_link_[link];
+}
+
+void LatticeChecks::find_motion(const LatticeIndex& from, const LatticeIndex& to) {
+  Eigen::Map<Eigen::VectorXd> motion(motion_.data(), static_cast<Eigen::Index>(motion_.size()));
+  motion.setZero();
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    if (from[j] != to[j]) motion += step_motion_.col(static_cast<Eigen::Index>(j));
+  }
+}
+
+/// A lower bound from balls, fields and bounding balls alone.
+double LatticeChecks::quick_clearance(std::size_t member) {
+  if (member < state_.bodies.size()) {
+    const GuardedBody& body = state_.bodies[member];
+    return body.coarse_clearance(pose(static_cast<std::size_t>(body.body().link)));
+  }
+  const BodyPair& pair = state_.pairs[member - state_.bodies.size()];
+  for (const int body : {pair.first, pair.second})
+    pose(static_cast<std::size_t>(state_.robot.bodies[static_cast<std::size_t>(body)].link));
+  return pair_distance_bound(state_.robot, pair, map_from_link_,
+                             2.0 * whole_motion_[static_cast<Eigen::Index>(member)]);
+}
+
+KnownClearances LatticeChecks::measure(const LatticeIndex& node) {
+  go_to(node);
+  KnownClearances known;
+  for (std::size_t m = 0; m < state_.members(); ++m)
+    known.at_least.push_back(std::max(0.0, quick_clearance(m)));
+  known.less_than.assign(state_.members(), std::numeric_limits<double>::infinity());
+  return known;
+}
+
+/// Whether the body or pair is free at the node, when what is known of its clearance does not say enough.
+bool LatticeChecks::refresh(std::size_t member, KnownClearances& own) {
+  double& known = own.at_least[member];
+  if (member >= state_.bodies.size()) {
+    known = std::max(known, quick_clearance(member));
+    return known > rounding ||
+           is_apart(state_.robot, state_.pairs[member - state_.bodies.size()], map_from_link_, 0.0);
+  }
+  const GuardedBody& body = state_.bodies[member];
+  const Eigen::Isometry3d& map_from_link = pose(static_cast<std::size_t>(body.body().link));
+  const double padding = state_.options.padding, margin = edge_margin_[member];
+  const bool is_free = known > padding + rounding;
+  if (!is_free && body.is_met(map_from_link, padding, recent_[member])) return false;
+  known = std::max(known, quick_clearance(member));
+  if (known >= margin) return true;
+  if (body.is_clear(map_from_link, margin, &recent_[member])) {  // what edges from and to here will ask
+    known = margin;
+    return true;
+  }
+  own.less_than[member] = margin;
+  if (is_free || known > padding + rounding) return true;
+  known = padding;
+  const RecentCubes& met = recent_[member];
+  if (met.size() > 0 && !body.is_clear_of(map_from_link, met[0], padding)) return false;
+  return body.is_clear(map_from_link, padding, &recent_[member]);
+}
+
+bool LatticeChecks::is_free(const LatticeIndex& node, const LatticeIndex& neighbour,
+                            const KnownClearances& of_neighbour, KnownClearances& own) {
+  go_to(node);
+  find_motion(neighbour, node);
+  own.at_least.resize(state_.members());
+  own.less_than.assign(state_.members(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const std::size_t member = order_[i];
+    const double padding = member < state_.bodies.size() ? state_.options.padding : 0.0;
+    own.at_least[member] =
+        std::max(0.0, of_neighbour.at_least[member] - motion_[member] * (1.0 + rounding) - rounding);
+    const double slack = std::isfinite(slack_[member]) ? slack_[member] : 0.0;
+    const double enough = padding + whole_motion_[static_cast<Eigen::Index>(member)] + slack + rounding;
+    if (own.at_least[member] > enough || refresh(member, own)) continue;
+    std::rotate(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(i),
+                order_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    return false;
+  }
+  return true;
+}
+
+bool LatticeChecks::is_edge_free(const LatticeIndex& from, KnownClearances& of_from, const LatticeIndex& to,
+                                 KnownClearances& of_to) {
+  find_motion(from, to);
+  open_.clear();
+  for (const std::size_t member : order_) {
+    const double padding = member < state_.bodies.size() ? state_.options.padding : 0.0;
+    const double enough = padding + motion_[member] * (1.0 + rounding) + slack_[member] + rounding;
+    if (std::max(of_from.at_least[member], of_to.at_least[member]) <= enough)
+      open_.push_back(static_cast<int>(member));
+  }
+  return open_.empty() || state_.is_edge_free(lattice_.configuration(from), lattice_.configuration(to), open_,
+                                              recent_, &of_from, &of_to);
+}
+
+}  // namespace clearway
