@@ -89,6 +89,18 @@ struct SimulateOptions {
 };
 int run_simulate(const SimulateOptions& options, Console& console);
 
+struct CompareOptions {
+  std::filesystem::path suite;
+  std::filesystem::path out;             ///< folder, created
+  std::vector<std::string> planners;     ///< only those labels or names; empty: all
+  std::vector<std::string> experiments;  ///< only those; empty: all
+  int jobs = 1;                          ///< problems at the same time
+  std::optional<std::uint64_t> seed;     ///< replaces the suite's
+  std::optional<double> time_limit;      ///< replaces all of the suite's, seconds a leg
+  bool keep_maps = false;                ///< also those that generators made
+};
+int run_compare(const CompareOptions& options, Console& console);
+
 int run_robots(Console& console);
 int run_planners(Console& console);
 

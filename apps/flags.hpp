@@ -31,5 +31,6 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
                       Console& console);
 
 Command add_inspect(CLI::App& app, Console& console);
+Command add_compare(CLI::App& app, Console& console);
 
 }  // namespace clearway

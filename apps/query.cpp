@@ -100,17 +100,18 @@ Plan empty_plan(const Query& query) {
 
 }  // namespace
 
-Plan solve(const Query& query) {
+Plan solve(const Query& query) { return solve(query, *make_planner(query.planner, query.options)); }
+
+Plan solve(const Query& query, const Planner& planner) {
   Plan plan = empty_plan(query);
-  const auto planner = make_planner(query.planner, query.options);
-  plan.options = planner->options();
+  plan.options = planner.options();
   const PathCost cost(query.space.robot());
   const auto begin = Clock::now();
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {
     const auto leg_begin = Clock::now();
-    plan.legs.push_back(planner->plan({query.space, cost, from, goal, query.seed,
-                                       [&] { return seconds_since(leg_begin) > query.time_limit; }}));
+    plan.legs.push_back(planner.plan({query.space, cost, from, goal, query.seed,
+                                      [&] { return seconds_since(leg_begin) > query.time_limit; }}));
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();
   }

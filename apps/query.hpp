@@ -45,6 +45,9 @@ struct Query {
 /// the whole path. The first leg that fails ends the plan; the check then covers the legs before it.
 Plan solve(const Query& query);
 
+/// The same with a planner that is made already (`query.planner` is only named in the plan).
+Plan solve(const Query& query, const Planner& planner);
+
 /// The rows of the table that `plan` and `replay` print for a plan: name and text.
 std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan);
 

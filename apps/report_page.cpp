@@ -6,16 +6,14 @@
 #include <stdexcept>
 
 #include "apps/page_arrays.hpp"
-#include "apps/viewer/report_template.hpp"
+#include "apps/page_template.hpp"
+#include "apps/viewer/page_templates.hpp"
 
 namespace clearway {
 namespace {
 
 using nlohmann::json;
 using Poses = std::vector<Eigen::Isometry3d>;
-
-constexpr std::string_view kTitleMark = "<!--CLEARWAY:TITLE-->";
-constexpr std::string_view kDataMark = "<!--CLEARWAY:DATA-->";
 
 [[noreturn]] void refuse(const std::string& field, const std::string& expected) {
   throw std::invalid_argument("report page: " + field + " " + expected);
@@ -223,40 +221,15 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
           {"report", place(arrays.add(std::string_view(page.json)))}};
 }
 
-std::string replace_each(std::string text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-/// JSON that cannot end the script element it stands in, nor open a comment there.
-std::string script_json(const json& value) {
-  return replace_each(value.dump(-1, ' ', false, json::error_handler_t::replace), "<", "\\u003c");
-}
-
-/// The text as HTML shows it, with wrong UTF-8 replaced.
-std::string html_text(const std::string& text) {
-  const std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-  const auto valid = json::parse(quoted).get<std::string>();
-  return replace_each(replace_each(valid, "&", "&amp;"), "<", "&lt;");
-}
-
 }  // namespace
 
 std::string render_report_page(const ReportPage& page) {
-  const std::string_view html = report_template();
-  const std::size_t title = html.find(kTitleMark), data = html.find(kDataMark);
-  if (title == std::string_view::npos || data == std::string_view::npos || data < title)
-    throw std::logic_error("the report template lacks its two marks");
   PageArrays arrays;
-  const std::string described = script_json(page_json(arrays, page));
-  std::string out(html.substr(0, title));
-  out += html_text(page.title);
-  out += html.substr(title + kTitleMark.size(), data - title - kTitleMark.size());
-  out += "<script type=\"application/json\" id=\"page\">" + described + "</script>\n";
-  out += "<script type=\"text/plain\" id=\"arrays\">" + arrays.encode() + "</script>\n";
-  out += html.substr(data + kDataMark.size());
-  return out;
+  const std::string described = page_json(arrays, page).dump(-1, ' ', false, json::error_handler_t::replace);
+  return fill_page_template(report_template(), page.title,
+                            "<script type=\"application/json\" id=\"page\">" + script_json(described) +
+                                "</script>\n" + "<script type=\"text/plain\" id=\"arrays\">" +
+                                arrays.encode() + "</script>\n");
 }
 
 }  // namespace clearway

@@ -1,0 +1,120 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/compare_results.hpp"
+#include "apps/page_template.hpp"
+#include "apps/parse.hpp"
+#include "apps/viewer/page_templates.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json planner_json(const CompareExperiment& experiment, std::size_t index) {
+  const ComparePlanner& who = experiment.planners[index];
+  const CompareSummary sum = summary(experiment, index);
+  std::string unsolved;
+  for (const auto& [status, count] : sum.unsolved) {
+    unsolved += (unsolved.empty() ? "" : ", ") + status + " " + std::to_string(count);
+  }
+  return {{"label", who.label},
+          {"planner", who.planner},
+          {"options", who.options},
+          {"certified", who.certified},
+          {"solved", sum.solved},
+          {"valid", sum.valid},
+          {"total", sum.total},
+          {"median", number_or_null(sum.time_median)},
+          {"p95", number_or_null(sum.time_p95)},
+          {"cost", number_or_null(sum.cost_median)},
+          {"length", number_or_null(sum.length_median)},
+          {"steps", number_or_null(sum.steps_median)},
+          {"unsolved", unsolved}};
+}
+
+Json run_json(const CompareRun& run, std::size_t problem) {
+  Json json{
+      {"planner", run.planner}, {"problem", problem}, {"run", run.number}, {"status", to_string(run.status)},
+      {"check", run.check},     {"time", run.time},   {"cost", run.cost}};
+  if (!run.is_valid()) json["explanation"] = run.is_solved() ? run.contact : run.explanation;
+  return json;
+}
+
+Json profile_json(const CompareProfile& profile) {
+  Json waypoints = Json::array();
+  for (const Configuration& q : profile.waypoints) {
+    waypoints.push_back(std::vector<double>(q.begin(), q.end()));
+  }
+  return {{"planner", profile.planner}, {"waypoints", waypoints}};
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+std::string conditions(const CompareExperiment& experiment) {
+  std::string text = experiment.setup.name + ": " + counted(experiment.problems.size(), "problem");
+  if (experiment.setup.runs > 1)
+    text += ", " + counted(static_cast<std::size_t>(experiment.setup.runs), "seed") + " each";
+  text += "; robot " + experiment.setup.robot + ", " + counted(experiment.joints.size(), "joint");
+  if (experiment.scale != 1.0) text += ", scale " + significant(experiment.scale);
+  if (!experiment.problems.empty()) {
+    text += "; voxels of " + significant(1000.0 * experiment.problems.front().resolution) + " mm";
+  }
+  for (const auto& [part, policy] : experiment.setup.policies) text += "; " + part + " " + policy;
+  if (experiment.setup.padding > 0.0) {
+    text += "; padding " + significant(1000.0 * experiment.setup.padding) + " mm";
+  }
+  return text + "; at most " + significant(experiment.time_limit) + " s a leg";
+}
+
+Json experiment_json(const CompareExperiment& experiment) {
+  Json planners = Json::array(), problems = Json::array(), runs = Json::array(), profiles = Json::array();
+  for (std::size_t i = 0; i < experiment.planners.size(); ++i)
+    planners.push_back(planner_json(experiment, i));
+  for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
+    problems.push_back(experiment.problems[i].name);
+    for (const CompareRun& run : experiment.problems[i].runs) runs.push_back(run_json(run, i));
+  }
+  for (const CompareProfile& profile : experiment.profiles) profiles.push_back(profile_json(profile));
+  return {{"name", experiment.setup.name},
+          {"title", experiment.setup.title},
+          {"paper", experiment.setup.paper},
+          {"notes", experiment.setup.notes},
+          {"conditions", conditions(experiment)},
+          {"joints", experiment.joints},
+          {"prismatic", experiment.is_prismatic},
+          {"plots", experiment.setup.plots},
+          {"planners", planners},
+          {"problems", problems},
+          {"runs", runs},
+          {"profiles", profiles}};
+}
+
+}  // namespace
+
+std::string to_html(const CompareResults& results) {
+  const std::string title = results.title.empty() ? results.suite : results.title;
+  Json page{
+      {"title", title},
+      {"subtitle",
+       "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
+      {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date + ", on " +
+                    results.host + " (" + results.processor + "), " +
+                    counted(static_cast<std::size_t>(results.jobs), "problem") +
+                    " at a time. Times are wall-clock, of solved runs; cost, length and steps are medians "
+                    "of valid runs. Every path was judged by the independent check, whoever planned it."},
+      {"experiments", Json::array()}};
+  for (const CompareExperiment& experiment : results.experiments) {
+    page["experiments"].push_back(experiment_json(experiment));
+  }
+  return fill_page_template(compare_template(), title,
+                            "<script type=\"application/json\" id=\"page\">" +
+                                script_json(page.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+                                "</script>\n");
+}
+
+}  // namespace clearway

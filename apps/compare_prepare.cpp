@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <array>
+#include <set>
+#include <stdexcept>
+
+#include "apps/compare_run.hpp"
+#include "apps/query.hpp"
+#include "planning/nearest_name.hpp"
+
+namespace clearway {
+namespace {
+
+[[noreturn]] void refuse(const Suite& suite, const SuiteExperiment& experiment, const std::string& what) {
+  throw std::invalid_argument("suite '" + suite.name + "', experiment '" + experiment.name + "', " + what);
+}
+
+/// Does what may throw a sentence, and puts before it where it happened.
+template <typename Work>
+auto told(const Suite& suite, const SuiteExperiment& experiment, const std::string& where, const Work& work) {
+  try {
+    return work();
+  } catch (const std::invalid_argument& error) {
+    refuse(suite, experiment, where + ": " + error.what());
+  }
+}
+
+/// Plots of the page beyond those that every experiment has.
+const std::vector<std::string> plot_names = {"profiles", "cost_against_width"};
+
+/// Everything that plans promises certified paths, but for those who say that they look here and there.
+bool promises_certified_paths(const std::string& planner, const PlannerOptions& in_force) {
+  const auto nodes = in_force.find("node_only");
+  return planner != "rrtconnect_fcl" && (nodes == in_force.end() || nodes->second != "true");
+}
+
+bool is_chosen(const SuitePlanner& planner, const std::vector<std::string>& only) {
+  return only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& name) {
+           return name == planner.label || name == planner.planner;
+         });
+}
+
+}  // namespace
+
+PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment,
+                           const std::vector<std::string>& only) {
+  PreparedExperiment ready;
+  ready.setup = experiment;
+  ready.time_limit = experiment.time_limit.value_or(suite.time_limit);
+  ready.robot = told(suite, experiment, "field 'robot'", [&] {
+    return choose_robot({.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}});
+  });
+  ready.policies = suite_policies(suite, experiment, ready.robot);
+  for (const std::string& plot : experiment.plots) {
+    if (std::find(plot_names.begin(), plot_names.end(), plot) != plot_names.end()) continue;
+    refuse(
+        suite, experiment,
+        "field 'plots': unknown plot '" + plot + "': did you mean '" + nearest_name(plot, plot_names) + "'?");
+  }
+  std::set<std::string> labels;
+  for (const SuitePlanner& planner : experiment.planners) {
+    auto made = told(suite, experiment, "planner '" + planner.label + "'",
+                     [&] { return make_planner(planner.planner, planner.options); });
+    if (!labels.insert(planner.label).second) {
+      refuse(suite, experiment, "field 'planners': the label '" + planner.label + "' is given twice");
+    }
+    if (!is_chosen(planner, only)) continue;
+    ready.planners.push_back({planner.label, planner.planner, made->options(),
+                              promises_certified_paths(planner.planner, made->options())});
+    ready.makers.push_back(std::move(made));
+  }
+  return ready;
+}
+
+}  // namespace clearway

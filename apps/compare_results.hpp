@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "datasets/suite.hpp"
+#include "planning/planner.hpp"
+
+namespace clearway {
+
+/// A planner of an experiment with the options in force.
+struct ComparePlanner {
+  std::string label, planner;
+  PlannerOptions options;
+  bool certified = true;  ///< promises that every path it returns is valid
+};
+
+/// One planner's answer to one problem with one seed.
+struct CompareRun {
+  std::size_t planner = 0;  ///< index in CompareExperiment::planners
+  int number = 1;           ///< of the runs of this problem, from 1
+  std::uint64_t seed = 1;
+  PlanStatus status = PlanStatus::no_path;
+  std::string explanation;
+  std::size_t legs = 0;        ///< solved
+  std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check
+  std::string contact;         ///< what the check found first; empty when valid
+  double cost = 0.0;           ///< J, last segments included, of the legs solved
+  double length = 0.0;         ///< rad (m for sliding joints), joint-space length of the legs solved
+  double min_clearance = 0.0;  ///< m, by the check
+  std::size_t steps = 0, waypoints = 0;
+  std::uint64_t configurations = 0, edges = 0;  ///< checked
+  double time = 0.0;                            ///< s, wall clock, all legs
+  std::string plan_file;                        ///< below the folder of results
+
+  bool is_solved() const { return status == PlanStatus::solved; }
+  bool is_valid() const { return is_solved() && check == "valid"; }
+};
+
+struct CompareProblem {
+  std::string name, world;
+  std::string map_file, map_sha256;
+  double resolution = 0.0;  ///< m
+  Configuration start;
+  std::vector<Configuration> goals;
+  std::vector<CompareRun> runs;  ///< planner by planner, seed by seed
+};
+
+/// A path to plot: joint values at each waypoint.
+struct CompareProfile {
+  std::size_t planner = 0;
+  std::vector<Configuration> waypoints;
+};
+
+struct CompareExperiment {
+  SuiteExperiment setup;
+  std::string robot_file;
+  double scale = 1.0, time_limit = 0.0;  ///< as used; s a leg
+  std::vector<std::string> joints;
+  std::vector<bool> is_prismatic;
+  std::vector<ComparePlanner> planners;
+  std::vector<CompareProblem> problems;
+  std::vector<CompareProfile> profiles;  ///< first problem, first run of each planner that found a path
+};
+
+/// What `clearway compare` found, and where and when.
+struct CompareResults {
+  std::string suite, title, file;
+  std::uint64_t seed = 1;
+  int jobs = 1;
+  std::string version, commit, host, processor, date;  ///< date: UTC, ISO 8601
+  double time = 0.0;                                   ///< s, all of it
+  std::vector<CompareExperiment> experiments;
+};
+
+/// A planner's runs in one experiment, added up. Times are of solved runs, cost, length and steps of valid
+/// ones; NaN when there is none.
+struct CompareSummary {
+  std::size_t solved = 0, valid = 0, total = 0;
+  double time_median = 0.0, time_p95 = 0.0;  ///< s
+  double cost_median = 0.0;                  ///< J
+  double length_median = 0.0;                ///< rad
+  double steps_median = 0.0;
+  std::map<std::string, std::size_t> unsolved;  ///< by status
+};
+CompareSummary summary(const CompareExperiment& experiment, std::size_t planner);
+
+/// Sentences about paths that their planner promised to be valid and that the check does not hold valid.
+std::vector<std::string> broken_promises(const CompareResults& results);
+
+/// The table of an experiment: a header, then a row for each planner.
+std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment);
+
+/// One row a run. Times stand in the column `time_s` and nowhere else.
+std::string to_csv(const CompareResults& results);
+
+/// The same in the format of OMPL's benchmark logs, which ompl_benchmark_statistics reads.
+std::string to_ompl_log(const CompareResults& results);
+
+/// A self-contained page with tables and plots.
+std::string to_html(const CompareResults& results);
+
+/// One JSON object: the summaries.
+std::string to_json(const CompareResults& results);
+
+/// Writes a SQLite database; the schema is described in apps/README.md.
+void save_database(const CompareResults& results, const std::filesystem::path& file);
+
+}  // namespace clearway

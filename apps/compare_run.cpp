@@ -1,0 +1,241 @@
+#include "apps/compare_run.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "apps/compare_tasks.hpp"
+#include "apps/query.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/save_file.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name as a file's: letters, digits and ._-= as they are, all else as '_'.
+std::string file_name(const std::string& name) {
+  std::string text = name;
+  for (char& c : text) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                       std::string_view("._-=").find(c) != std::string_view::npos;
+    if (!plain) c = '_';
+  }
+  return text.empty() || text[0] == '.' ? "_" + text : text;
+}
+
+/// The same for a list of names, told apart where they would be one.
+std::vector<std::string> file_names(const std::vector<ComparePlanner>& planners) {
+  std::vector<std::string> names;
+  for (const ComparePlanner& planner : planners) {
+    std::string name = file_name(planner.label);
+    while (std::find(names.begin(), names.end(), name) != names.end()) name += "_";
+    names.push_back(name);
+  }
+  return names;
+}
+
+double length_of(const std::vector<Configuration>& path) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
+  return length;
+}
+
+std::string verdict_of(const Plan& plan) {
+  if (plan.validation.valid) return "valid";
+  if (plan.waypoints().empty()) return "none";
+  return plan.validation.undecided ? "undecided" : "refused";
+}
+
+CompareRun run_of(const Plan& plan) {
+  CompareRun run;
+  run.seed = plan.seed;
+  run.status = plan.status();
+  run.explanation = plan.explanation();
+  run.check = verdict_of(plan);
+  run.contact = plan.validation.first_contact;
+  run.length = length_of(plan.waypoints());
+  run.waypoints = plan.waypoints().size();
+  run.min_clearance = plan.validation.min_clearance;
+  run.time = plan.time_s;
+  for (const PlanResult& leg : plan.legs) {
+    run.legs += leg.status == PlanStatus::solved;
+    run.configurations += leg.configurations_checked;
+    run.edges += leg.edges_checked;
+    if (leg.status != PlanStatus::solved) continue;
+    run.cost += leg.cost + leg.last_segment_cost;
+    run.steps += static_cast<std::size_t>(leg.search_steps);
+  }
+  return run;
+}
+
+/// What is found, in the order of stages and problems.
+class Collected {
+ public:
+  explicit Collected(std::size_t stages) : stages_(stages) {}
+
+  void open(std::size_t stage, std::size_t problems) {
+    const std::lock_guard lock(mutex_);
+    stages_[stage].resize(problems);
+  }
+  /// Returns the share of all that is done, a stage that is not open counted as one.
+  double add(std::size_t stage, std::size_t problem, CompareProblem found,
+             std::vector<CompareProfile> profiles) {
+    const std::lock_guard lock(mutex_);
+    auto& place = stages_[stage];
+    place[problem] = std::move(found);
+    if (stage == 0 && problem == 0) profiles_ = std::move(profiles);
+    done_ += 1.0 / static_cast<double>(place.size());
+    return done_ / static_cast<double>(stages_.size());
+  }
+  void move_to(CompareExperiment& experiment) {
+    for (auto& stage : stages_) {
+      for (CompareProblem& problem : stage) experiment.problems.push_back(std::move(problem));
+    }
+    experiment.profiles = std::move(profiles_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::vector<CompareProblem>> stages_;
+  std::vector<CompareProfile> profiles_;
+  double done_ = 0.0;
+};
+
+/// One experiment, planned by several threads.
+class Runner {
+ public:
+  Runner(const Suite& suite, const PreparedExperiment& experiment, const CompareChoice& choice)
+      : experiment_(experiment),
+        choice_(choice),
+        stages_(suite, experiment_.setup, experiment_.robot),
+        names_(file_names(experiment.planners)),
+        collected_(stages_.size()),
+        tasks_(stages_.size(), [this](std::size_t index) { return make_stage(index); }) {}
+
+  void run(CompareExperiment& result, const std::function<void(double)>& progress) {
+    std::exception_ptr error;
+    std::mutex mutex;
+    const auto work = [&] {
+      try {
+        while (const auto task = tasks_.next()) {
+          const double done = plan(*task);
+          const std::lock_guard lock(mutex);
+          progress(done);
+        }
+      } catch (...) {
+        tasks_.fail();
+        const std::lock_guard lock(mutex);
+        if (!error) error = std::current_exception();
+      }
+    };
+    std::vector<std::jthread> others;
+    for (int i = 1; i < choice_.jobs; ++i) others.emplace_back(work);
+    work();
+    others.clear();
+    if (error) std::rethrow_exception(error);
+    collected_.move_to(result);
+  }
+
+ private:
+  std::shared_ptr<OpenStage> make_stage(std::size_t index) {
+    SuiteStage stage = stages_.make(index);
+    ConfigurationSpace space(experiment_.robot, stage.map, experiment_.policies,
+                             {.padding = experiment_.setup.padding});
+    collected_.open(index, stage.problems.size());
+    if (stage.map_file.empty() && (choice_.keep_maps || !experiment_.setup.generate)) {
+      stage.map_file = keep_map(stage).string();
+    }
+    return std::make_shared<OpenStage>(OpenStage{std::move(stage), std::move(space), index});
+  }
+
+  /// A folder that `clearway check --map` reads, named by what is in it.
+  fs::path keep_map(const SuiteStage& stage) {
+    const fs::path folder = choice_.out / "maps" / (file_name(stage.world) + "-" + stage.digest.substr(0, 8));
+    const std::lock_guard lock(maps_);
+    if (!fs::exists(folder / "map.ot") || map_sha256(folder) != stage.digest) {
+      fs::create_directories(folder);
+      save_map(stage.map, folder);
+    }
+    return folder;
+  }
+
+  double plan(const StageTask& task) {
+    const SuiteStage& stage = task.stage->stage;
+    const StageProblem& problem = stage.problems[task.problem];
+    CompareProblem found{problem.name,           stage.world,   stage.map_file, stage.digest,
+                         stage.map.resolution(), problem.start, problem.goals,  {}};
+    std::vector<CompareProfile> profiles;
+    const auto& plots = experiment_.setup.plots;
+    const bool profiled = std::find(plots.begin(), plots.end(), "profiles") != plots.end() &&
+                          task.stage->index == 0 && task.problem == 0;
+    for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
+      for (int number = 1; number <= experiment_.setup.runs; ++number) {
+        const Plan plan = plan_once(*task.stage, problem, i, number);
+        CompareRun run = run_of(plan);
+        run.planner = i;
+        run.number = number;
+        run.plan_file = save_plan(plan, problem, i, number);
+        found.runs.push_back(std::move(run));
+        if (profiled && number == 1 && !plan.waypoints().empty()) profiles.push_back({i, plan.waypoints()});
+      }
+    }
+    return collected_.add(task.stage->index, task.problem, std::move(found), std::move(profiles));
+  }
+
+  Plan plan_once(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number) const {
+    Query query{open.space,
+                experiment_.setup.robot,
+                open.stage.map_file,
+                open.stage.digest,
+                problem.start,
+                {problem.start},
+                experiment_.planners[planner].planner,
+                {},
+                choice_.seed + static_cast<std::uint64_t>(number - 1),
+                experiment_.time_limit};
+    solve(query, *experiment_.makers[planner]);  // untimed: what it derives from the map
+    query.goals = problem.goals;
+    return solve(query, *experiment_.makers[planner]);
+  }
+
+  std::string save_plan(const Plan& plan, const StageProblem& problem, std::size_t planner,
+                        int number) const {
+    const std::string run = experiment_.setup.runs > 1 ? "-" + std::to_string(number) : "";
+    const fs::path file = fs::path("plans") / file_name(experiment_.setup.name) / file_name(problem.name) /
+                          (names_[planner] + run + ".json");
+    fs::create_directories(choice_.out / file.parent_path());
+    save_file(choice_.out / file, to_json(plan));
+    return file.string();
+  }
+
+  const PreparedExperiment& experiment_;
+  const CompareChoice& choice_;
+  SuiteStages stages_;
+  std::vector<std::string> names_;
+  Collected collected_;
+  StageTasks tasks_;
+  std::mutex maps_;
+};
+
+}  // namespace
+
+CompareExperiment run_experiment(const Suite& suite, const PreparedExperiment& experiment,
+                                 const CompareChoice& choice, const std::function<void(double)>& progress) {
+  CompareExperiment result;
+  result.setup = experiment.setup;
+  result.robot_file = experiment.robot.source.string();
+  result.scale = experiment.robot.scale;
+  result.time_limit = experiment.time_limit;
+  for (const Joint& joint : experiment.robot.joints) {
+    result.joints.push_back(joint.name);
+    result.is_prismatic.push_back(joint.kind == JointKind::prismatic);
+  }
+  result.planners = experiment.planners;
+  Runner(suite, experiment, choice).run(result, progress);
+  return result;
+}
+
+}  // namespace clearway

@@ -1,0 +1,88 @@
+// The plots of one experiment.
+
+import { el } from "../dom";
+import { Chart, type ChartOptions, type Line } from "./chart";
+import { isValid, type Experiment } from "./data";
+
+const kDegrees = 180 / Math.PI;
+
+/// Share of all runs that were solved with a valid path within a time.
+export function timeChart(experiment: Experiment): Chart {
+  const lines = experiment.planners.map((planner, p): Line => {
+    const times = experiment.runs.filter((run) => run.planner === p && isValid(run)).map((run) => Math.max(run.time, 1e-6)).sort((a, b) => a - b);
+    return { name: planner.label, color: p, steps: true, x: times, y: times.map((_, i) => 100 * (i + 1) / planner.total) };
+  });
+  const last = Math.max(...lines.flatMap((line) => line.x), 1e-6), first = Math.min(...lines.flatMap((line) => line.x), last);
+  for (const line of lines) {  // from 0 up, and on to the end
+    if (line.x.length === 0) continue;
+    line.y = [0, ...line.y, line.y.at(-1)!];
+    line.x = [Math.min(first, line.x[0]) * 0.999, ...line.x, Math.max(last, line.x.at(-1)!) * 1.001];
+  }
+  return new Chart({ title: "Solved and valid within a time", x: "planning time, s", y: "runs, %", logX: true, yRange: [0, 104], lines });
+}
+
+/// Cost of the paths against the option `width`, a line a problem; for many problems their median.
+export function widthChart(experiment: Experiment): Chart {
+  const widthOf = experiment.planners.map((planner) => Number(planner.options.width));
+  const costs = (problem: number | null, p: number) => experiment.runs
+    .filter((run) => run.planner === p && isValid(run) && (problem === null || run.problem === problem)).map((run) => run.cost).sort((a, b) => a - b);
+  const line = (name: string, color: number, problem: number | null): Line => {
+    const out: Line = { name, color, x: [], y: [], dots: true };
+    widthOf.map((width, p) => ({ width, p })).filter(({ width }) => Number.isFinite(width)).sort((a, b) => a.width - b.width).forEach(({ width, p }) => {
+      const found = costs(problem, p);
+      if (found.length === 0) return;
+      out.x.push(width);
+      out.y.push(found[Math.floor((found.length - 1) / 2)]);
+    });
+    return out;
+  };
+  const few = experiment.problems.length <= 8;
+  const lines = few ? experiment.problems.map((name, i) => line(name, i, i)) : [line("median of all problems", 0, null)];
+  return new Chart({ title: "Path cost against beam width", x: "beam width k", y: "path cost, J", logX: true, lines: lines.filter((each) => each.x.length > 0) });
+}
+
+/// Joint values along the path of each planner to the first problem, as the paper plots them.
+export function profileCharts(experiment: Experiment): Chart[] {
+  const anglesOnly = !experiment.prismatic.includes(true), lengthsOnly = !experiment.prismatic.includes(false);
+  return experiment.profiles.map(({ planner, waypoints }) => new Chart({
+    title: `Joint profiles: ${experiment.planners[planner].label}, ${experiment.problems[0]}`,
+    x: "waypoint", y: anglesOnly ? "joint value, deg" : lengthsOnly ? "joint value, m" : "joint value, deg or m",
+    lines: experiment.joints.map((name, j): Line => ({
+      name, color: j, x: waypoints.map((_, i) => i), y: waypoints.map((q) => experiment.prismatic[j] ? q[j] : q[j] * kDegrees), dots: waypoints.length < 25,
+    })),
+  }));
+}
+
+/// Cost of one planner's paths against another's, both to be chosen. Null when there are no two to compare.
+export function costScatter(experiment: Experiment): { figure: HTMLElement; chart: Chart } | null {
+  const costOf = experiment.planners.map((_, p) => {
+    const costs = new Map<string, number>();
+    for (const run of experiment.runs) if (run.planner === p && isValid(run)) costs.set(`${run.problem}/${run.run}`, run.cost);
+    return costs;
+  });
+  const solvers = experiment.planners.map((_, p) => p).filter((p) => costOf[p].size > 0);
+  if (solvers.length < 2 || experiment.runs.length / experiment.planners.length < 3) return null;
+  const options = (a: number, b: number): ChartOptions => {
+    const keys = [...costOf[a].keys()].filter((key) => costOf[b].has(key));
+    const cheaper = keys.filter((key) => costOf[b].get(key)! < costOf[a].get(key)!).length;
+    return {
+      title: "Path cost, problem by problem", diagonal: true, legend: false,
+      x: `${experiment.planners[a].label}, J`, y: `${experiment.planners[b].label}, J`,
+      lines: [{ name: "problems", color: b, points: true, x: keys.map((key) => costOf[a].get(key)!), y: keys.map((key) => costOf[b].get(key)!) }],
+      note: `${keys.length} runs that both solved; below the dashed line ${experiment.planners[b].label} is cheaper (${cheaper} of ${keys.length}).`,
+    };
+  };
+  const select = (chosen: number, name: string) => el("select", { "aria-label": name },
+    ...solvers.map((p) => el("option", p === chosen ? { value: String(p), selected: "" } : { value: String(p) }, experiment.planners[p].label)));
+  const across = select(solvers.at(-1)!, "planner across"), up = select(solvers[0], "planner up");
+  const chart = new Chart(options(solvers.at(-1)!, solvers[0]));
+  const note = chart.figure.querySelector(".note")!;
+  const choose = () => {
+    const chosen = options(Number(across.value), Number(up.value));
+    note.textContent = chosen.note!;
+    chart.show(chosen);
+  };
+  for (const box of [across, up]) box.addEventListener("change", choose);
+  chart.figure.insertBefore(el("div", { class: "choice" }, el("label", {}, "across ", across), el("label", {}, "up ", up)), chart.figure.children[1]);
+  return { figure: chart.figure, chart };
+}
