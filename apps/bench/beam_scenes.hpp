@@ -23,4 +23,8 @@ BeamScene compact_scene(double resolution);
 /// way.
 BeamScene holed_scene(double resolution);
 
+/// As compact_scene, the same turns about the like joints: `panda`, and `panda` on three sliding joints.
+BeamScene seven_joint_scene(double resolution);
+BeamScene ten_joint_scene(double resolution);
+
 }  // namespace clearway::bench
