@@ -137,6 +137,15 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   return shown_plan;
 }
 
+void show_advised_paint(ReportPage& page, const Plan& plan, const std::string& name) {
+  if (plan.paint.empty()) return;
+  const int volume = static_cast<int>(page.volume_labels.size());
+  page.volume_labels.push_back("to paint for " + name + " with " + plan.planner);
+  for (const PaintHint& hint : plan.paint) {
+    page.balls.push_back({hint.ball.center, hint.ball.radius, volume});
+  }
+}
+
 std::string map_page(const Snapshot& map, const std::string& name) {
   ReportPage page = page_of_map(map, name.empty() ? "map" : name);
   const VoxelCounts counts = map.counts();

@@ -1,6 +1,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "apps/advice.hpp"
 #include "apps/commands.hpp"
 #include "apps/parse.hpp"
 #include "apps/query.hpp"
@@ -78,8 +79,13 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Snapshot map = load_map(options.map);
 
   const ConfigurationSpace space(robot, map, policies, {.padding = options.robot.padding});
-  const Plan plan = solve({space, options.robot.robot, options.map, map_sha256(options.map), start, goals,
-                           options.planner, settings, options.seed, options.time_limit});
+  const Query query{space,           options.robot.robot,
+                    options.map,     map_sha256(options.map),
+                    start,           goals,
+                    options.planner, settings,
+                    options.seed,    options.time_limit};
+  Plan plan = solve(query);
+  advise(query, plan);
   const std::string text = to_json(plan);
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));

@@ -5,6 +5,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "apps/advice.hpp"
 #include "apps/commands.hpp"
 #include "apps/fusion.hpp"
 #include "apps/query.hpp"
@@ -111,8 +112,13 @@ class QueryRunner {
       for (const auto& goal : query.goals) goals.push_back(configuration(goal));
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
-        Plan plan = solve({*spaces_.back(), setup_.robot->name, "map.ot", digest, start, goals, planner,
-                           planner_options(query, planner), options_.seed, options_.time_limit});
+        const Query asked{*spaces_.back(), setup_.robot->name,
+                          "map.ot",        digest,
+                          start,           goals,
+                          planner,         planner_options(query, planner),
+                          options_.seed,   options_.time_limit};
+        Plan plan = solve(asked);
+        advise(asked, plan);
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
         save_file(options_.out / file, to_json(plan));

@@ -92,6 +92,15 @@ Json policy_json(const std::map<std::string, Policy>& policies) {
   return json;
 }
 
+Json paint_json(const std::vector<PaintHint>& hints) {
+  Json json = Json::array();
+  for (const auto& [ball, part] : hints) {
+    json.push_back(
+        {{"part", part}, {"center", array_of(Eigen::VectorXd(ball.center))}, {"radius", ball.radius}});
+  }
+  return json;
+}
+
 template <typename Value>
 Value total(const std::vector<PlanResult>& legs, Value PlanResult::*figure) {
   Value sum{};
@@ -140,7 +149,7 @@ std::vector<Configuration> Plan::waypoints() const {
 
 std::string to_json(const Plan& plan) {
   const std::vector<Configuration> path = plan.waypoints();
-  const Json json = {
+  Json json = {
       {"robot", plan.robot},
       {"joints", plan.joints},
       {"planner", plan.planner},
@@ -164,6 +173,7 @@ std::string to_json(const Plan& plan) {
       {"scale", plan.robot_scale},
       {"base", base_json(plan.map_from_base)},
       {"padding_m", plan.padding}};
+  if (!plan.paint.empty()) json["paint"] = paint_json(plan.paint);
   // Bytes that are not UTF-8 (a file name) are replaced rather than refused.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "planning/paint_advice.hpp"
 #include "planning/path_check.hpp"
 #include "planning/planner.hpp"
 
@@ -25,7 +26,8 @@ struct Plan {
   std::vector<PlanResult> legs;      ///< each starts where the one before it ended
   std::vector<Configuration> goals;  ///< as asked
   double time_s = 0.0;
-  PathVerdict validation;  ///< of the whole path; `valid == false` and empty contact: not checked
+  std::vector<PaintHint> paint;  ///< of a plan that is not solved: where painting would help
+  PathVerdict validation;        ///< of the whole path; `valid == false` and empty contact: not checked
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved
   std::string explanation() const;

@@ -171,6 +171,15 @@ PathVerdict validation(const Field& field) {
   return result;
 }
 
+PaintHint paint_hint(const Field& field) {
+  PaintHint hint;
+  hint.part = field.at("part").text();
+  hint.ball.center = numbers(field.at("center"), 3);
+  hint.ball.radius = field.at("radius").number();
+  if (!(hint.ball.radius > 0.0)) field.at("radius").refuse("a number above 0");
+  return hint;
+}
+
 Plan read_plan(const Field& root) {
   Plan plan;
   plan.robot = root.at("robot").text();
@@ -196,6 +205,8 @@ Plan read_plan(const Field& root) {
   if (!(plan.robot_scale > 0.0)) root.at("scale").refuse("a number above 0");
   if (root.has("base")) plan.map_from_base = base(root.at("base"));
   if (root.has("padding_m")) plan.padding = root.at("padding_m").number();
+  if (!root.has("paint")) return plan;
+  for (const Field& item : root.at("paint").items()) plan.paint.push_back(paint_hint(item));
   return plan;
 }
 
