@@ -5,6 +5,7 @@
 
 #include "planning/neighbour_queue.hpp"
 #include "planning/option_reader.hpp"
+#include "planning/painted_parts.hpp"
 
 namespace clearway {
 namespace {
@@ -67,7 +68,14 @@ void tell_failure(const PlanProblem& problem, const Lattice& lattice, const Beam
   const char* how = out_of_time ? "out of time" : paths.beam().empty() ? "stalled" : "stalled (max_steps)";
   result.explanation = std::string(how) + " after " + std::to_string(paths.steps()) +
                        " steps: the best node is " + short_text(result.final_distance) +
-                       " from the goal in joint space. " + blocking_sentence(problem, lattice, paths);
+                       " from the goal in joint space. ";
+  std::string parted = parted_volume_sentence(problem);
+  if (parted.empty()) {
+    result.explanation += blocking_sentence(problem, lattice, paths);
+  } else {
+    parted.front() = 'T';
+    result.explanation += parted + ".";
+  }
 }
 
 }  // namespace
@@ -129,6 +137,10 @@ std::vector<Configuration> BeamPaths::path_to(int head_number) const {
 
 PlanResult search_beam(const PlanProblem& problem, const BeamOptions& options, const NextHeads& next_heads) {
   PlanResult result = check_ends(problem);
+  if (result.status == PlanStatus::start_invalid) {
+    const std::string empty = empty_volume_sentence(problem.space);
+    if (!empty.empty()) result.explanation = "The start is not free: " + empty + ".";
+  }
   if (result.status != PlanStatus::solved) return result;
   const Lattice lattice(problem, options);
   const double automatic = std::min(20.0 * lattice.longest_ramp() + 200.0, 1e8);

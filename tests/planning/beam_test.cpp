@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numbers>
 #include <random>
 
 #include "planning/beam_search.hpp"
-#include "planning/neighbour_queue.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {
@@ -134,27 +135,6 @@ TEST(Beam, TiesAreBrokenTheSameWayInBoth) {
                  std::to_string(width));
     expect_equal(fast, world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), options), "again");
   }
-}
-
-TEST(NeighbourQueue, GivesAllNeighboursOnceInOrderOfDistance) {
-  const World world(load_robot("arm5"), VoxelScene{});
-  const Configuration start = vector_of({0.1, 0.2, 0.3, -0.2, 0.05}),
-                      goal = vector_of({0.4, -0.2, 0.31, 0.3, 1.0});
-  const Lattice lattice({world.space, world.cost, start, goal}, BeamOptions{});
-  NeighbourQueue queue(lattice);
-  const LatticeIndex node = {3, -2, 0, 7, 1};
-  queue.add_head(0, node);
-  std::set<LatticeIndex> seen;
-  double last = 0.0;
-  while (!queue.empty()) {
-    const Neighbour neighbour = queue.pop();
-    EXPECT_GE(neighbour.squared_distance, last);
-    EXPECT_EQ(neighbour.squared_distance, lattice.squared_distance(neighbour.node));
-    last = neighbour.squared_distance;
-    for (std::size_t j = 0; j < node.size(); ++j) EXPECT_LE(std::abs(neighbour.node[j] - node[j]), 1);
-    EXPECT_TRUE(seen.insert(neighbour.node).second);
-  }
-  EXPECT_EQ(seen.size(), 243u);
 }
 
 /// Steps, slopes and flats of one joint's profile, in steps of epsilon.
@@ -399,11 +379,78 @@ TEST(Beam, RefusesAJointThatMovesLessThanItsStep) {
   }
 }
 
-TEST(Beam, RefusesStepsThatDoNotFitTheRobot) {
+/// What a user is told; empty when nothing is refused.
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
   const World world(load_robot("point"), VoxelScene{});
-  EXPECT_THROW(world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.1,0.1,0.1"}}),
-               std::invalid_argument);
-  EXPECT_THROW(make_planner("beam", {{"width", "0"}}), std::invalid_argument);
+  const auto told = [&](const PlannerOptions& options) {
+    return refusal([&] { world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), options); });
+  };
+  EXPECT_EQ(told({{"step", "0.1"}}), "");
+  for (const auto& [option, value] :
+       std::vector<std::pair<std::string, std::string>>{{"width", "0"},
+                                                        {"width", "-3"},
+                                                        {"step", "0"},
+                                                        {"step", "-0.1"},
+                                                        {"step", "0.1,0"},
+                                                        {"step_deg", "0"},
+                                                        {"step_deg", "-1"},
+                                                        {"step", "0.1,0.1,0.1"},
+                                                        {"max_steps", "0"},
+                                                        {"prismatic_scale", "-1"}}) {
+    const std::string sentence = told({{option, value}});
+    EXPECT_NE(sentence.find("beam"), std::string::npos) << option << " " << value << ": " << sentence;
+    EXPECT_NE(sentence.find("'" + option + "'"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("expected"), std::string::npos) << sentence;
+    EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
+  }
+}
+
+TEST(Beam, RefusesASlidingJointThatHasNoScaleAgainstTheJointsThatTurn) {
+  // A turret on whose arm a carriage slides without limit: the reach that a scale is derived from is
+  // infinite.
+  Robot robot = load_robot("planar2");
+  robot.joints[1].kind = JointKind::prismatic;
+  robot.joints[1].axis = Eigen::Vector3d::UnitX();
+  robot.joints[1].lower = -1.0, robot.joints[1].upper = 1.0;
+  const Configuration start = vector_of({0.0, 0.0}), goal = vector_of({0.3, 0.2});
+  const World bounded(robot, VoxelScene{});
+  EXPECT_EQ(bounded.plan("beam", start, goal, {{"step", "0.05"}}).status, PlanStatus::solved);
+  robot.joints[1].lower = -std::numeric_limits<double>::infinity();
+  robot.joints[1].upper = std::numeric_limits<double>::infinity();
+  const World unbounded(robot, VoxelScene{});
+  for (const char* scale : {"auto", "1"}) {
+    const std::string sentence = refusal([&] {
+      unbounded.plan("beam", start, goal, {{"step", "0.05"}, {"prismatic_scale", scale}});
+    });
+    EXPECT_NE(sentence.find("'" + robot.joints[1].name + "' slides without limits"), std::string::npos)
+        << sentence;
+    EXPECT_NE(sentence.find("expected joint limits"), std::string::npos) << sentence;
+  }
+}
+
+TEST(Beam, StartAndGoalPastALimitAreToldWithTheJoint) {
+  Robot robot = load_robot("point");
+  robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;
+  const World world(robot, VoxelScene{});
+  const Configuration inside = vector_of({0.0, 0.0}), outside = vector_of({1.25, 0.0});
+  const PlanResult start = world.plan("beam", outside, inside, {}),
+                   goal = world.plan("beam", inside, outside, {});
+  EXPECT_EQ(start.status, PlanStatus::start_invalid);
+  EXPECT_EQ(goal.status, PlanStatus::goal_invalid);
+  for (const std::string& sentence : {start.explanation, goal.explanation}) {
+    EXPECT_NE(sentence.find("joint " + robot.joints[0].name), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("0.25"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("limit"), std::string::npos) << sentence;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,70 @@
+#include "planning/painted_parts.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "planning/painted_route.hpp"
+#include "planning/part_policies.hpp"
+
+namespace clearway {
+namespace {
+
+std::uint16_t volumes_that_count(const Snapshot& map, const std::string& part) {
+  return part_requirement(map, part, Policy::painted).volumes;
+}
+
+bool has_ball(const Snapshot& map, std::uint16_t volumes) {
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    if ((volumes >> v & 1U) != 0 && !map.volumes()[v].balls.empty()) return true;
+  }
+  if (!map.volumes().empty()) return false;
+  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no balls
+  return counts.painted + counts.conflict > 0;
+}
+
+/// Numbers of the pieces that hold the point.
+std::vector<int> pieces_at(const PaintedGraph& graph, const Eigen::Vector3d& point) {
+  std::vector<int> pieces;
+  for (const int ball : graph.holding(point)) pieces.push_back(graph.piece(static_cast<std::size_t>(ball)));
+  std::sort(pieces.begin(), pieces.end());
+  return pieces;
+}
+
+/// The origin of the body's own frame, which lies inside of it.
+Eigen::Vector3d middle_of(const Body& body, const LinkPoses& poses) {
+  return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape.translation();
+}
+
+}  // namespace
+
+std::string empty_volume_sentence(const ConfigurationSpace& space) {
+  for (const auto& [part, policy] : space.policies()) {
+    if (policy != Policy::painted || has_ball(space.map(), volumes_that_count(space.map(), part))) continue;
+    return "the part '" + part +
+           "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "
+           "it";
+  }
+  return {};
+}
+
+std::string parted_volume_sentence(const PlanProblem& problem) {
+  const Robot& robot = problem.space.robot();
+  const LinkPoses start = forward_kinematics(robot, problem.start);
+  const LinkPoses goal = forward_kinematics(robot, problem.goal);
+  for (const Body& body : robot.bodies) {
+    if (problem.space.policies().at(body.part) != Policy::painted) continue;
+    if (body.shape.kind() == Shape::Kind::convex) continue;  // where it may not
+    const PaintedGraph graph(problem.space.map(), volumes_that_count(problem.space.map(), body.part), 0.0);
+    const std::vector<int> from = pieces_at(graph, middle_of(body, start));
+    const std::vector<int> to = pieces_at(graph, middle_of(body, goal));
+    if (from.empty() || to.empty()) continue;  // moved by no joint, or paint that came without its balls
+    const bool share_one = std::find_first_of(from.begin(), from.end(), to.begin(), to.end()) != from.end();
+    if (share_one) continue;
+    return "the painted volume of the part '" + body.part + "' lies in " +
+           std::to_string(graph.piece_count()) +
+           " pieces that do not overlap, and start and goal are in different ones: paint a way between them";
+  }
+  return {};
+}
+
+}  // namespace clearway
