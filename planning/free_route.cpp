@@ -26,7 +26,7 @@ class CellGrid {
       const Eigen::Vector3d at = center(static_cast<int>(i));
       x.push_back(at.x()), y.push_back(at.y()), z.push_back(at.z());
     }
-    space.coarse_clearances({x, y, z}, clearance);
+    space.clearances({x, y, z}, clearance);
     open_.reserve(count);
     for (const double free : clearance) open_.push_back(free > 0.0 && free >= radius);
   }
