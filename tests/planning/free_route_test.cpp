@@ -51,7 +51,7 @@ TEST(FreeRoute, ABallTooLargeForTheHoleHasNoRoute) {
                   box_of(-0.05, -1, -0.2, 0.05, -0.2, 0.2), box_of(-0.05, 0.2, -0.2, 0.05, 1, 0.2)});
   const Eigen::Vector3d from(-0.6, 0.3, 0), to(0.6, 0, 0.3);
   const Eigen::AlignedBox3d inside = box_of(-0.9, -0.7, -0.7, 0.9, 0.7, 0.7);
-  EXPECT_FALSE(free_route(*space, inside, from, to, 0.15, 0.05, free_of_charge).points.empty());
+  EXPECT_FALSE(free_route(*space, inside, from, to, 0.12, 0.05, free_of_charge).points.empty());
   EXPECT_TRUE(free_route(*space, inside, from, to, 0.25, 0.05, free_of_charge).points.empty());
 }
 
