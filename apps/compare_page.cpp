@@ -85,6 +85,7 @@ Json experiment_json(const CompareExperiment& experiment) {
           {"paper", experiment.setup.paper},
           {"notes", experiment.setup.notes},
           {"conditions", conditions(experiment)},
+          {"timeLimit", experiment.time_limit},
           {"joints", experiment.joints},
           {"prismatic", experiment.is_prismatic},
           {"plots", experiment.setup.plots},

@@ -19,6 +19,8 @@ export interface ChartOptions {
   title: string;
   x: string; y: string;        // labels with units
   logX?: boolean;
+  wholeX?: boolean;            // ticks at whole numbers only
+  xRange?: [number, number];
   yRange?: [number, number];
   diagonal?: boolean;          // equal values, and the same range on both axes
   lines: Line[];
@@ -111,7 +113,7 @@ export class Chart {
     if (xs.length === 0) return this.box.replaceChildren(el("p", { class: "note" }, "Nothing to plot: no run was solved with a valid path."));
     this.box.replaceChildren();
     const both = span([...xs, ...ys]);
-    const xRange = logX ? decades(xs) : diagonal ? both : span(xs);
+    const xRange = this.options.xRange ?? (logX ? decades(xs) : diagonal ? both : span(xs));
     const yRange = this.options.yRange ?? (diagonal ? both : span(ys));
     const axis = (label: string, extra: Partial<uPlot.Axis>): uPlot.Axis => ({
       label, stroke: muted, font: kFont, labelFont: `600 ${kFont}`, labelSize: 20, gap: 5, space: 40,
@@ -122,7 +124,7 @@ export class Chart {
       width, height: this.height(width), padding: [12, 18, 0, 4],
       legend: { show: false }, cursor: { drag: { x: false, y: false }, points: { show: false }, x: false, y: false },
       scales: { x: { time: false, distr: logX ? 3 : 1, range: () => xRange }, y: { range: () => yRange } },
-      axes: [axis(this.options.x, { size: 34, space: 60 }), axis(this.options.y, { size: 56, space: 36 })],
+      axes: [axis(this.options.x, { size: 34, space: 60, ...(this.options.wholeX ? { incrs: [1, 2, 5].flatMap((n) => [n, 10 * n, 100 * n, 1000 * n, 10000 * n]).sort((a, b) => a - b) } : {}) }), axis(this.options.y, { size: 56, space: 36 })],
       series: [{}, ...lines.map((line): uPlot.Series => ({
         label: line.name, stroke: colorOf(line.color), dash: dashOf(line.color), width: 2, spanGaps: true,
         paths: line.points ? () => null : line.steps ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),

@@ -18,7 +18,7 @@ export interface Run {
 export interface Profile { planner: number; waypoints: number[][] }
 
 export interface Experiment {
-  name: string; title: string; paper: string; notes: string; conditions: string;
+  name: string; title: string; paper: string; notes: string; conditions: string; timeLimit: number;  // s a leg
   joints: string[]; prismatic: boolean[]; plots: string[];
   planners: Planner[]; problems: string[]; runs: Run[]; profiles: Profile[];
 }

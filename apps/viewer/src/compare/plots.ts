@@ -6,19 +6,18 @@ import { isValid, type Experiment } from "./data";
 
 const kDegrees = 180 / Math.PI;
 
-/// Share of all runs that were solved with a valid path within a time.
+/// Share of all runs that were solved with a valid path within a time, up to the time limit.
 export function timeChart(experiment: Experiment): Chart {
+  const timesOf = experiment.planners.map((_, p) =>
+    experiment.runs.filter((run) => run.planner === p && isValid(run)).map((run) => Math.max(run.time, 1e-6)).sort((a, b) => a - b));
+  const all = timesOf.flat(), first = 10 ** Math.floor(Math.log10(Math.min(...all, experiment.timeLimit / 10)));
+  const last = Math.max(...all, experiment.timeLimit);
   const lines = experiment.planners.map((planner, p): Line => {
-    const times = experiment.runs.filter((run) => run.planner === p && isValid(run)).map((run) => Math.max(run.time, 1e-6)).sort((a, b) => a - b);
-    return { name: planner.label, color: p, steps: true, x: times, y: times.map((_, i) => 100 * (i + 1) / planner.total) };
+    const times = timesOf[p], shares = times.map((_, i) => 100 * (i + 1) / planner.total);
+    return { name: planner.label, color: p, steps: true, x: [first, ...times, last], y: [0, ...shares, shares.at(-1) ?? 0] };
   });
-  const last = Math.max(...lines.flatMap((line) => line.x), 1e-6), first = Math.min(...lines.flatMap((line) => line.x), last);
-  for (const line of lines) {  // from 0 up, and on to the end
-    if (line.x.length === 0) continue;
-    line.y = [0, ...line.y, line.y.at(-1)!];
-    line.x = [Math.min(first, line.x[0]) * 0.999, ...line.x, Math.max(last, line.x.at(-1)!) * 1.001];
-  }
-  return new Chart({ title: "Solved and valid within a time", x: "planning time, s", y: "runs, %", logX: true, yRange: [0, 104], lines });
+  return new Chart({ title: "Solved and valid within a time", x: "planning time, s", y: "runs, %", logX: true,
+                     xRange: [first, last], yRange: [0, 104], lines });
 }
 
 /// Cost of the paths against the option `width`, a line a problem; for many problems their median.
@@ -44,9 +43,10 @@ export function widthChart(experiment: Experiment): Chart {
 /// Joint values along the path of each planner to the first problem, as the paper plots them.
 export function profileCharts(experiment: Experiment): Chart[] {
   const anglesOnly = !experiment.prismatic.includes(true), lengthsOnly = !experiment.prismatic.includes(false);
+  const refused = (p: number) => experiment.runs.some((run) => run.planner === p && run.problem === 0 && run.run === 1 && run.check !== "valid");
   return experiment.profiles.map(({ planner, waypoints }) => new Chart({
-    title: `Joint profiles: ${experiment.planners[planner].label}, ${experiment.problems[0]}`,
-    x: "waypoint", y: anglesOnly ? "joint value, deg" : lengthsOnly ? "joint value, m" : "joint value, deg or m",
+    title: `Joint profiles: ${experiment.planners[planner].label}, ${experiment.problems[0]}${refused(planner) ? " (path refused by the check)" : ""}`,
+    x: "waypoint", wholeX: true, y: anglesOnly ? "joint value, deg" : lengthsOnly ? "joint value, m" : "joint value, deg or m",
     lines: experiment.joints.map((name, j): Line => ({
       name, color: j, x: waypoints.map((_, i) => i), y: waypoints.map((q) => experiment.prismatic[j] ? q[j] : q[j] * kDegrees), dots: waypoints.length < 25,
     })),
@@ -61,7 +61,10 @@ export function costScatter(experiment: Experiment): { figure: HTMLElement; char
     return costs;
   });
   const solvers = experiment.planners.map((_, p) => p).filter((p) => costOf[p].size > 0);
-  if (solvers.length < 2 || experiment.runs.length / experiment.planners.length < 3) return null;
+  const shared = (a: number, b: number) => [...costOf[a].keys()].filter((key) => costOf[b].has(key)).length;
+  const pairs = solvers.flatMap((a) => solvers.filter((b) => b < a).map((b) => ({ a, b, count: shared(a, b) })));
+  const best = pairs.reduce((most, pair) => pair.count > most.count ? pair : most, { a: 0, b: 0, count: 0 });
+  if (best.count < 3) return null;
   const options = (a: number, b: number): ChartOptions => {
     const keys = [...costOf[a].keys()].filter((key) => costOf[b].has(key));
     const cheaper = keys.filter((key) => costOf[b].get(key)! < costOf[a].get(key)!).length;
@@ -69,13 +72,13 @@ export function costScatter(experiment: Experiment): { figure: HTMLElement; char
       title: "Path cost, problem by problem", diagonal: true, legend: false,
       x: `${experiment.planners[a].label}, J`, y: `${experiment.planners[b].label}, J`,
       lines: [{ name: "problems", color: b, points: true, x: keys.map((key) => costOf[a].get(key)!), y: keys.map((key) => costOf[b].get(key)!) }],
-      note: `${keys.length} runs that both solved; below the dashed line ${experiment.planners[b].label} is cheaper (${cheaper} of ${keys.length}).`,
+      note: `Runs that both solved. Below the dashed line ${experiment.planners[b].label} is cheaper: ${cheaper} of ${keys.length}.`,
     };
   };
   const select = (chosen: number, name: string) => el("select", { "aria-label": name },
     ...solvers.map((p) => el("option", p === chosen ? { value: String(p), selected: "" } : { value: String(p) }, experiment.planners[p].label)));
-  const across = select(solvers.at(-1)!, "planner across"), up = select(solvers[0], "planner up");
-  const chart = new Chart(options(solvers.at(-1)!, solvers[0]));
+  const across = select(best.a, "planner across"), up = select(best.b, "planner up");
+  const chart = new Chart(options(best.a, best.b));
   const note = chart.figure.querySelector(".note")!;
   const choose = () => {
     const chosen = options(Number(across.value), Number(up.value));

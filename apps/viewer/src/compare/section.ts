@@ -31,7 +31,7 @@ function table(experiment: Experiment): HTMLElement {
     return el("tr", {}, el("td", { class: "planner" }, swatch, name, ...promise), el("td", { class: "runs" }, bar(planner)),
       el("td", { class: `number${broken ? " bad" : ""}` }, `${planner.solved} / ${planner.valid} / ${planner.total}`),
       ...[seconds(planner.median), seconds(planner.p95), figure(planner.cost), figure(planner.length), figure(planner.steps, 6)].map((text) => el("td", { class: "number" }, text)),
-      el("td", {}, planner.unsolved));
+      el("td", {}, planner.unsolved.replaceAll("_", " ")));
   });
   return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": experiment.name },
     el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", numeric.has(i) ? { class: "number" } : {}, name)))), el("tbody", {}, ...rows)));
