@@ -8,6 +8,7 @@
 #include "planning/beam.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
+#include "planning/painted_parts.hpp"
 #include "planning/route_guide.hpp"
 #include "planning/sampled_trees.hpp"
 #include "planning/via_beam.hpp"
@@ -156,6 +157,13 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
     result.explanation = "The straight way is free.";
   }
   if (path.empty()) {
+    if (std::string parted = parted_volume_sentence(problem); !parted.empty()) {
+      parted.front() = 'T';
+      result.status = PlanStatus::no_path;
+      result.final_distance = (problem.goal - problem.start).norm();
+      result.explanation = parted + ".";
+      return result;
+    }
     Found direct = beam_leg(problem, problem.start, problem.goal, width_, steps);
     result.configurations_checked += direct.configurations;
     result.edges_checked += direct.edges;

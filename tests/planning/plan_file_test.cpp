@@ -116,12 +116,17 @@ TEST(PlanFile, AFailedLegKeepsItsReasonAndWhatWasExplored) {
   plan.legs[1].explanation = "stalled after 30 steps.";
   plan.legs[1].explored = {Eigen::Vector2d(1.0, 2.0)};
   plan.validation = {};
+  plan.paint = {{{Eigen::Vector3d(0.31, -0.12, 1.0 / 3.0), 0.04}, "tool"}};
   EXPECT_EQ(plan.status(), PlanStatus::no_path);
   EXPECT_EQ(plan.explanation(), "Leg 2: stalled after 30 steps.");
   const Plan read = load_plan(written(to_json(plan)));
   EXPECT_EQ(to_json(read), to_json(plan));
   EXPECT_EQ(read.waypoints().size(), 3u);
   EXPECT_EQ(read.legs[1].explored, plan.legs[1].explored);
+  ASSERT_EQ(read.paint.size(), 1u);
+  EXPECT_EQ(read.paint[0].part, "tool");
+  EXPECT_EQ(read.paint[0].ball.center, plan.paint[0].ball.center);
+  EXPECT_EQ(read.paint[0].ball.radius, 0.04);
 }
 
 TEST(PlanFile, EveryMissingKeyIsNamed) {
