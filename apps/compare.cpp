@@ -107,22 +107,6 @@ CompareResults stamped(const Suite& suite, const CompareOptions& options) {
   return results;
 }
 
-void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
-             const CompareOptions& options, CompareResults& results, Console& console) {
-  const Stopwatch watch(results.time);
-  const CompareChoice choice{suite.seed, options.jobs, options.out, options.keep_maps};
-  for (const PreparedExperiment& experiment : prepared) {
-    results.experiments.push_back(
-        run_experiment(suite, experiment, choice, console.bar(experiment.setup.name)));
-    console.progress(experiment.setup.name, 1.0);
-    if (console.json) continue;
-    const std::string title = experiment.setup.title.empty() ? "" : ": " + experiment.setup.title;
-    console.out() << "== " << experiment.setup.name << title << '\n';
-    print_table(console.out(), summary_table(results.experiments.back()));
-    console.out() << '\n' << std::flush;
-  }
-}
-
 constexpr std::array files = {"results.sqlite", "results.csv", "results.log", "report.html"};
 
 void save_results(const CompareResults& results, const fs::path& out) {
@@ -130,6 +114,26 @@ void save_results(const CompareResults& results, const fs::path& out) {
   save_file(out / files[1], to_csv(results));
   save_file(out / files[2], to_ompl_log(results));
   save_file(out / files[3], to_html(results));
+}
+
+/// Experiment after experiment; what is found is saved after each.
+void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
+             const CompareOptions& options, CompareResults& results, Console& console) {
+  const CompareChoice choice{suite.seed, options.jobs, options.out, options.keep_maps};
+  for (const PreparedExperiment& experiment : prepared) {
+    {
+      const Stopwatch watch(results.time);
+      results.experiments.push_back(
+          run_experiment(suite, experiment, choice, console.bar(experiment.setup.name)));
+    }
+    console.progress(experiment.setup.name, 1.0);
+    save_results(results, options.out);
+    if (console.json) continue;
+    const std::string title = experiment.setup.title.empty() ? "" : ": " + experiment.setup.title;
+    console.out() << "== " << experiment.setup.name << title << '\n';
+    print_table(console.out(), summary_table(results.experiments.back()));
+    console.out() << '\n' << std::flush;
+  }
 }
 
 }  // namespace
@@ -142,7 +146,6 @@ int run_compare(const CompareOptions& options, Console& console) {
 
   CompareResults results = stamped(suite, options);
   run_all(suite, prepared, options, results, console);
-  save_results(results, options.out);
 
   const std::vector<std::string> broken = broken_promises(results);
   for (const std::string& sentence : broken) console.warn("clearway: " + sentence);

@@ -186,19 +186,21 @@ class Runner {
   }
 
   Plan plan_once(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number) const {
-    Query query{open.space,
-                experiment_.setup.robot,
-                open.stage.map_file,
-                open.stage.digest,
-                problem.start,
-                {problem.start},
-                experiment_.planners[planner].planner,
-                {},
-                choice_.seed + static_cast<std::uint64_t>(number - 1),
-                experiment_.time_limit};
-    solve(query, *experiment_.makers[planner]);  // untimed: what it derives from the map
-    query.goals = problem.goals;
-    return solve(query, *experiment_.makers[planner]);
+    const Planner& maker = *experiment_.makers[planner];
+    const std::uint64_t seed = choice_.seed + static_cast<std::uint64_t>(number - 1);
+    // Untimed: what the planner derives from the map.
+    maker.plan({open.space, PathCost(experiment_.robot), problem.start, problem.start, seed});
+    return solve({.space = open.space,
+                  .robot_name = experiment_.setup.robot,
+                  .map_file = open.stage.map_file,
+                  .map_digest = open.stage.digest,
+                  .start = problem.start,
+                  .goals = problem.goals,
+                  .planner = experiment_.planners[planner].planner,
+                  .options = {},
+                  .seed = seed,
+                  .time_limit = experiment_.time_limit},
+                 maker);
   }
 
   std::string save_plan(const Plan& plan, const StageProblem& problem, std::size_t planner,

@@ -37,6 +37,11 @@ function table(experiment: Experiment): HTMLElement {
     el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", numeric.has(i) ? { class: "number" } : {}, name)))), el("tbody", {}, ...rows)));
 }
 
+function legend(): HTMLElement {
+  const key = (kind: string, text: string) => el("span", {}, el("i", { class: `box ${kind}` }), text);
+  return el("p", { class: "note legend" }, key("valid", "valid"), key("invalid", "solved, but the independent check refuses the path"), key("", "not solved"));
+}
+
 function sayings(experiment: Experiment): HTMLElement | null {
   const said = [["In the paper", experiment.paper], ["Here", experiment.notes]].filter(([, text]) => text !== "");
   if (said.length === 0) return null;
@@ -67,7 +72,7 @@ export function section(experiment: Experiment, number: number): { element: HTML
     figures.push(scatter.figure);
   }
   const parts = [el("h2", {}, experiment.title || experiment.name), el("p", { class: "conditions" }, experiment.conditions),
-                 table(experiment), el("p", { class: "note legend" }, el("i", { class: "box valid" }), "valid", el("i", { class: "box invalid" }), "solved, but the independent check refuses the path", el("i", { class: "box" }), "not solved"),
+                 table(experiment), legend(),
                  sayings(experiment), el("div", { class: "charts" }, ...figures), failures(experiment)];
   return { element: el("section", { id: `e${number}` }, ...parts.filter((part) => part !== null)), charts };
 }
