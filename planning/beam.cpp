@@ -43,7 +43,8 @@ class NearestHeads {
   std::optional<Head> admitted(const BeamPaths& paths, const LatticeIndex& node,
                                std::span<const Neighbour> ways, BeamChecks& counts);
 
-  static constexpr std::size_t most_blocked = std::size_t{1} << 18U;
+  /// Nodes known to be blocked: so many a head, so that memory stays O(k h).
+  static constexpr std::size_t most_blocked_a_head = 64;
 
   const PlanProblem& problem_;
   const Lattice& lattice_;
@@ -83,9 +84,12 @@ void NearestHeads::take_nearest_group(NeighbourQueue& queue, BeamChecks& counts)
     queue.pop(group_[group_size_++]);
   }
   counts.neighbours += group_size_;
-  const auto end = group_.begin() + static_cast<std::ptrdiff_t>(group_size_);
-  std::sort(group_.begin(), end, [](const Neighbour& a, const Neighbour& b) {
-    return std::tie(a.node, a.head) < std::tie(b.node, b.head);
+  const std::span<Neighbour> group = std::span(group_).first(group_size_);
+  const bool is_one_node = std::all_of(group.begin(), group.end(), [&](const Neighbour& neighbour) {
+    return neighbour.node == group.front().node;
+  });
+  std::sort(group.begin(), group.end(), [is_one_node](const Neighbour& a, const Neighbour& b) {
+    return is_one_node ? a.head < b.head : std::tie(a.node, a.head) < std::tie(b.node, b.head);
   });
 }
 
@@ -98,7 +102,8 @@ std::optional<Head> NearestHeads::admitted(const BeamPaths& paths, const Lattice
   ++counts.configurations;
   const Source& near = source(static_cast<std::size_t>(ways.front().head));
   if (!checks_.is_free(node, node_of(near), near.clearances, clearances_)) {
-    if (blocked_.size() >= most_blocked) blocked_.clear();
+    if (blocked_.size() >= most_blocked_a_head * static_cast<std::size_t>(paths.head_count() + 64))
+      blocked_.clear();
     blocked_.insert(node);
     return std::nullopt;
   }

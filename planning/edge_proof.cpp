@@ -117,7 +117,7 @@ bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Co
       if (piece.end == 1.0 && known_to != nullptr && known_to->less_than[id] <= least)
         return Finding::blocked;
       if (body.is_met(pose(middle), least, recent[id])) return Finding::blocked;
-      if (body.is_sweep_clear(begin, end, least + bend, recent[id])) return Finding::proved;
+      if (body.is_sweep_clear(begin, pose(middle), end, least + bend, recent[id])) return Finding::proved;
       if (body.is_met(pose(middle), least, recent[id])) return Finding::blocked;
       if (piece.begin == 0.0 && !is_clear_at_end(body, begin, id, least, recent[id], known_from))
         return Finding::blocked;

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 namespace clearway {
 namespace {
-
-constexpr int projections = 4;  ///< to and fro before GJK, which costs some forty of them
-constexpr double half_diagonal = 0.8660254037844387;  ///< of a cube of edge 1, rounded up
 
 /// A ball that holds the body: about the middle of its own frame, or of its cover when that is smaller.
 Sphere bounding_ball(const Body& body) {
@@ -61,7 +57,8 @@ GuardedBody::GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> s
 
 /// Steps of projecting to and fro between body and cube, which draws near to their nearest points. At each,
 /// the plane through the body's point, square to the way to the cube's, has the body on one side; and the
-/// body is as near to the cube as its point.
+/// body is as near to the cube as its point. The next point of the cube is taken beyond the nearest one,
+/// where bodies that overlap are soon found to.
 GuardedBody::Sight GuardedBody::look_at(const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
                                         double margin, int looks) const {
   const double half = 0.5 * space_->resolution();
@@ -83,7 +80,7 @@ GuardedBody::Sight GuardedBody::look_at(const Eigen::Isometry3d& map_from_shape,
     const Eigen::Vector3d nearest = cube + (on_body - cube).cwiseMax(-half).cwiseMin(half);
     const double beyond = (on_body - nearest).norm();
     if (beyond + rounding <= margin || beyond == 0.0) return Sight::met;
-    point = nearest;
+    point = cube + (nearest + 2.0 * (nearest - on_body) - cube).cwiseMax(-half).cwiseMin(half);
   }
   return Sight::unsure;
 }
@@ -109,7 +106,7 @@ void RecentCubes::remember(const Eigen::Vector3d& cube) {
 bool GuardedBody::is_met(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes& recent) const {
   const Eigen::Isometry3d map_from_shape = map_from_link * body_.link_from_shape;
   for (std::size_t i = 0; i < recent.size(); ++i) {
-    if (look_at(map_from_shape, recent[i], margin, 1) != Sight::met) continue;
+    if (look_at(map_from_shape, recent[i], margin, 4) != Sight::met) continue;
     recent.remember(Eigen::Vector3d(recent[i]));
     return true;
   }
@@ -122,219 +119,6 @@ bool GuardedBody::is_clear_of(const Eigen::Isometry3d& map_from_link, const Eige
   const Sight sight = look_at(map_from_shape, cube, margin, projections);
   if (sight != Sight::unsure) return sight == Sight::clear;
   return distance_to_cube(body_.shape, map_from_shape, cube, space_->resolution(), margin).lower > margin;
-}
-
-namespace {
-
-/// Memory of one look, kept per thread.
-struct Scratch {
-  std::vector<double> x, y, z, clearance;
-  std::vector<Eigen::AlignedBox3d> boxes;  ///< about balls that are not clear
-  std::vector<std::size_t> balls;          ///< those, by number
-  std::vector<Eigen::Vector3d> unsure;
-};
-
-Scratch& scratch() {
-  thread_local Scratch memory;
-  return memory;
-}
-
-/// The boxes, within `bounds`; one box around them all when that is no larger than they are together.
-std::span<const Eigen::AlignedBox3d> merged(std::vector<Eigen::AlignedBox3d>& boxes,
-                                            const Eigen::AlignedBox3d& bounds) {
-  double volume = 0.0;
-  Eigen::AlignedBox3d whole;
-  for (const Eigen::AlignedBox3d& box : boxes) {
-    volume += box.volume();
-    whole.extend(box);
-  }
-  whole = whole.intersection(bounds);
-  if (whole.volume() <= volume) {
-    boxes.push_back(whole);
-    return std::span(boxes).last(1);
-  }
-  for (Eigen::AlignedBox3d& box : boxes) box = box.intersection(bounds);
-  return boxes;
-}
-
-Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
-  return {box.min().array() - by, box.max().array() + by};
-}
-
-}  // namespace
-
-/// Coarse clearances of the balls' centres, in the middle between two poses.
-void GuardedBody::look_up_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end) const {
-  Scratch& memory = scratch();
-  for (std::vector<double>* values : {&memory.x, &memory.y, &memory.z, &memory.clearance})
-    values->resize(body_.cover.size());
-  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    Eigen::Vector3d center = begin * body_.cover[i].center;
-    if (&begin != &end) center = (center + end * body_.cover[i].center) / 2;
-    memory.x[i] = center.x(), memory.y[i] = center.y(), memory.z[i] = center.z();
-  }
-  space_->coarse_clearances({memory.x, memory.y, memory.z}, memory.clearance);
-}
-
-/// Whatever is within the margin of the body, or of its hull at two poses, is within it of a ball, or of the
-/// way of a ball, that is not clear. Finds these.
-void GuardedBody::find_near_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
-                                  double margin) const {
-  Scratch& memory = scratch();
-  look_up_balls(begin, end);
-  memory.boxes.clear();
-  memory.balls.clear();
-  const bool rests = &begin == &end;
-  const auto reach_of = [&](std::size_t i) {
-    const double reach = body_.cover[i].radius + margin;
-    if (rests) return reach;
-    const Eigen::Vector3d way = end * body_.cover[i].center - begin * body_.cover[i].center;
-    return reach + way.norm() / 2 * (1.0 + 1e-9);
-  };
-  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    if (memory.clearance[i] > reach_of(i)) continue;
-    const Eigen::Vector3d center(memory.x[i], memory.y[i], memory.z[i]);
-    if (space_->clearance(center) > reach_of(i)) continue;
-    const Eigen::Vector3d from = begin * body_.cover[i].center, to = end * body_.cover[i].center;
-    memory.boxes.push_back(grown({from.cwiseMin(to), from.cwiseMax(to)}, body_.cover[i].radius + margin));
-    memory.balls.push_back(i);
-  }
-}
-
-bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes* recent) const {
-  if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
-  if (recent != nullptr && is_met(map_from_link, margin, *recent)) return false;
-  find_near_balls(map_from_link, map_from_link, margin);
-  Scratch& memory = scratch();
-  if (memory.boxes.empty()) return true;
-  if (recent == nullptr ? is_pierced(map_from_link) : space_->is_blocked(map_from_link * witnesses_[0]))
-    return false;
-  for (const std::size_t i : memory.balls) {
-    if (core_[i] && space_->is_blocked({memory.x[i], memory.y[i], memory.z[i]})) return false;
-  }
-  struct Query {
-    const GuardedBody& self;
-    Eigen::Isometry3d map_from_shape;
-    double margin;
-    std::vector<Eigen::Vector3d>& unsure;
-    Eigen::Vector3d met;
-  } query{*this, map_from_link * body_.link_from_shape, margin, memory.unsure, {}};
-  query.unsure.clear();
-  const Eigen::AlignedBox3d bounds =
-      grown(body_.shape.bounds(query.map_from_shape), margin).intersection(reach_);
-  // The body's middle is not blocked and the body, grown by the margin, is convex: it cannot reach a blocked
-  // voxel without meeting one of the surface.
-  const auto boxes = merged(memory.boxes, bounds);
-  const bool none_met = std::all_of(boxes.begin(), boxes.end(), [&](const Eigen::AlignedBox3d& box) {
-    return space_->visit_surface(box, [&query](const Eigen::Vector3d& cube) {
-      const Sight sight = query.self.look_at(query.map_from_shape, cube, query.margin, projections);
-      if (sight == Sight::unsure) query.unsure.push_back(cube);
-      if (sight == Sight::met) query.met = cube;
-      return sight != Sight::met;
-    });
-  });
-  const bool is_free =
-      none_met && std::all_of(query.unsure.begin(), query.unsure.end(), [&](const auto& cube) {
-        query.met = cube;
-        return distance_to_cube(body_.shape, query.map_from_shape, cube, space_->resolution(), margin).lower >
-               margin;
-      });
-  if (!is_free && recent != nullptr) recent->remember(query.met);
-  return is_free;
-}
-
-/// A body on its way from one pose to another.
-struct GuardedBody::Sweep {
-  Eigen::Isometry3d begin, end;  ///< map_from_shape
-  double margin;
-  double travel;  ///< of any point of the body at most
-};
-
-/// As look_at, for the hull of the body at both poses: its point is of the segment between the nearest points
-/// at either, and the plane has to have the body on one side at both.
-bool GuardedBody::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cube) const {
-  const double half = 0.5 * space_->resolution();
-  const double rounding =
-      1e-12 * (1.0 + (sweep.begin.translation() - cube).norm() + cube.cwiseAbs().maxCoeff());
-  const auto nearest_at = [&](const Eigen::Isometry3d& pose,
-                              const Eigen::Vector3d& point) -> Eigen::Vector3d {
-    const auto turned = pose.linear();
-    return point - turned * body_.shape.offset_to(turned.transpose() * (point - pose.translation()));
-  };
-  Eigen::Vector3d point = cube;
-  for (int projection = 0; projection < projections; ++projection) {
-    const Eigen::Vector3d from = nearest_at(sweep.begin, point);
-    const double far = (point - from).norm();
-    // The body lies behind a plane that is so far from the cube's middle, and comes no nearer than by its
-    // travel.
-    if (projection == 0 && far - sweep.travel > sweep.margin + rounding + half_diagonal * 2.0 * half)
-      return true;
-    const Eigen::Vector3d way = nearest_at(sweep.end, point) - from;
-    const double share = std::clamp((point - from).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
-    const Eigen::Vector3d on_hull = from + share * way;
-    const Eigen::Vector3d offset = point - on_hull;
-    const double distance = offset.norm();
-    if (distance > 0.0) {
-      const Eigen::Vector3d n = offset / distance;
-      const auto farthest = [&](const Eigen::Isometry3d& at) {
-        const Eigen::Vector3d direction = at.linear().transpose() * n;
-        return n.dot(at.translation() - cube) + direction.dot(body_.shape.support(direction));
-      };
-      const double gap = -std::max(farthest(sweep.begin), farthest(sweep.end)) - half * n.cwiseAbs().sum();
-      if (gap > sweep.margin + rounding) return true;
-    }
-    const Eigen::Vector3d nearest = cube + (on_hull - cube).cwiseMax(-half).cwiseMin(half);
-    const double beyond = (on_hull - nearest).norm();
-    const bool is_of_body = body_.shape.kind() != Shape::Kind::convex;  // else of the boxes around it
-    if (is_of_body && (beyond + rounding <= sweep.margin || beyond == 0.0)) return false;
-    point = nearest;
-  }
-  return swept_distance_to_cube(body_.shape, sweep.begin, sweep.end, cube, space_->resolution(), sweep.margin)
-             .lower > sweep.margin;
-}
-
-bool GuardedBody::is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end, double margin,
-                                 RecentCubes& in_the_way) const {
-  const Eigen::Vector3d from = begin * bound_.center, to = end * bound_.center;
-  if (is_far((from + to) / 2, bound_.radius + margin + (to - from).norm() / 2 * (1.0 + 1e-9))) return true;
-  find_near_balls(begin, end, margin);
-  Scratch& memory = scratch();
-  if (memory.boxes.empty()) return true;
-  // As in is_clear: the hull is convex, and its first point is not blocked.
-  if (space_->is_blocked(begin * witnesses_[0])) return false;
-  struct Query {
-    const GuardedBody& self;
-    Sweep sweep;
-    std::span<const Eigen::AlignedBox3d> near;
-    RecentCubes& in_the_way;
-  } query{*this, {begin * body_.link_from_shape, end * body_.link_from_shape, margin, 0.0}, {}, in_the_way};
-  const Sweep& sweep = query.sweep;
-  query.sweep.travel = ((sweep.begin.translation() - sweep.end.translation()).norm() +
-                        (sweep.begin.linear() - sweep.end.linear()).norm() * body_.shape.bounding_radius()) *
-                       (1.0 + 1e-9);
-  const Eigen::AlignedBox3d bounds =
-      grown(body_.shape.bounds(sweep.begin).merged(body_.shape.bounds(sweep.end)), margin)
-          .intersection(reach_);
-  const std::size_t count = memory.boxes.size();
-  memory.boxes.reserve(count + 1);
-  const auto boxes = merged(memory.boxes, bounds);
-  query.near = std::span(memory.boxes).first(count);
-  const auto is_past = [&query](const Eigen::Vector3d& cube) {
-    if (query.self.is_sweep_past(query.sweep, cube)) return true;
-    const Eigen::Vector3d half =
-        Eigen::Vector3d::Constant(0.5 * query.self.space_->resolution() * (1.0 + 1e-9));
-    const Eigen::AlignedBox3d voxel(cube - half, cube + half);
-    const bool known_clear = std::none_of(query.near.begin(), query.near.end(),
-                                          [&](const auto& near) { return near.intersects(voxel); });
-    if (!known_clear) query.in_the_way.remember(cube);
-    return known_clear;
-  };
-  for (std::size_t i = 0; i < in_the_way.size(); ++i) {
-    if (!is_past(Eigen::Vector3d(in_the_way[i]))) return false;
-  }
-  return std::all_of(boxes.begin(), boxes.end(), [&](const Eigen::AlignedBox3d& box) {
-    return space_->visit_surface(box, std::cref(is_past));
-  });
 }
 
 bool GuardedBody::is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
@@ -351,17 +135,6 @@ double GuardedBody::quick_clearance(const Eigen::Isometry3d& map_from_link) cons
   for (const Sphere& ball : body_.cover) {
     least = std::min(least, space_->clearance(map_from_link * ball.center) - ball.radius);
   }
-  return std::max(bound, least);
-}
-
-double GuardedBody::coarse_clearance(const Eigen::Isometry3d& map_from_link) const {
-  const double bound = space_->coarse_clearance(map_from_link * bound_.center) - bound_.radius;
-  if (bound >= bound_.radius) return bound;  // the balls of the cover would hardly say more
-  look_up_balls(map_from_link, map_from_link);
-  const Scratch& memory = scratch();
-  double least = space_->max_distance();
-  for (std::size_t i = 0; i < body_.cover.size(); ++i)
-    least = std::min(least, memory.clearance[i] - body_.cover[i].radius);
   return std::max(bound, least);
 }
 

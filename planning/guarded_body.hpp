@@ -54,10 +54,11 @@ class GuardedBody {
   /// The same as is_clear by balls and field alone: quick, and false wherever these cannot tell.
   bool is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const;
 
-  /// The same as is_clear of the convex hull of the body at two poses. False when that hull cannot be proved
-  /// clear; the cube for which it cannot is then remembered.
-  bool is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end, double margin,
-                      RecentCubes& in_the_way) const;
+  /// The same as is_clear of the convex hull of the body at two poses; `middle` is some pose between them,
+  /// the nearer to both the quicker. False when that hull cannot be proved clear; the cube for which it
+  /// cannot is then remembered.
+  bool is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& middle,
+                      const Eigen::Isometry3d& end, double margin, RecentCubes& in_the_way) const;
 
   /// Lower bound of the distance to the nearest blocked cube from balls and field alone; quick, at most the
   /// field's max_distance, below zero when it says nothing.
@@ -65,6 +66,12 @@ class GuardedBody {
 
   /// The same a little lower (by up to 1.74 voxels) and quicker.
   double coarse_clearance(const Eigen::Isometry3d& map_from_link) const;
+
+  /// is_clear by `padding` in one go with what a search wants to know next: a lower bound of the distance,
+  /// proved to be `margin` where it is, else `padding`; negative when the body is not clear by `padding`.
+  /// @param margin >= padding
+  double clearance_beyond(const Eigen::Isometry3d& map_from_link, double padding, double margin,
+                          RecentCubes& recent) const;
 
   /// Lower bound of that distance from exact shapes, at most `limit` (small: cubes are visited one by one).
   double exact_clearance(const Eigen::Isometry3d& map_from_link, double limit) const;
@@ -78,11 +85,16 @@ class GuardedBody {
                   const std::function<bool(const Eigen::Vector3d&, double)>& visit) const;
 
  private:
+  static constexpr double half_diagonal = 0.8660254037844387;  ///< of a cube of edge 1, rounded up
+  static constexpr int projections = 12;  ///< to and fro before GJK, which costs some forty of them
+
   /// True when every blocked cube is proved farther from the point than that; a quick look, then a close one.
   bool is_far(const Eigen::Vector3d& point, double distance) const;
   /// True when a point of the body is known to lie in a blocked voxel.
   bool is_pierced(const Eigen::Isometry3d& map_from_link) const;
   enum class Sight { clear, met, unsure };
+  double cover_clearance(const Eigen::Isometry3d& map_from_link) const;
+  bool is_proved_clear(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes* recent) const;
   void look_up_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end) const;
   void find_near_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end, double margin) const;
   struct Sweep;

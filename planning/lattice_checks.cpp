@@ -127,21 +127,11 @@ bool LatticeChecks::refresh(std::size_t member, KnownClearances& own) {
   }
   const GuardedBody& body = state_.bodies[member];
   const Eigen::Isometry3d& map_from_link = pose(static_cast<std::size_t>(body.body().link));
-  const double padding = state_.options.padding, margin = edge_margin_[member];
-  const bool is_free = known > padding + rounding;
-  if (!is_free && body.is_met(map_from_link, padding, recent_[member])) return false;
-  known = std::max(known, quick_clearance(member));
-  if (known >= margin) return true;
-  if (body.is_clear(map_from_link, margin, &recent_[member])) {  // what edges from and to here will ask
-    known = margin;
-    return true;
-  }
-  own.less_than[member] = margin;
-  if (is_free || known > padding + rounding) return true;
-  known = padding;
-  const RecentCubes& met = recent_[member];
-  if (met.size() > 0 && !body.is_clear_of(map_from_link, met[0], padding)) return false;
-  return body.is_clear(map_from_link, padding, &recent_[member]);
+  const double padding = state_.options.padding, margin = edge_margin_[member];  // what edges will ask
+  const double found = body.clearance_beyond(map_from_link, padding, margin, recent_[member]);
+  if (found < margin) own.less_than[member] = margin;
+  known = std::max(known, found);
+  return found >= 0.0 || known > padding + rounding;
 }
 
 bool LatticeChecks::is_free(const LatticeIndex& node, const LatticeIndex& neighbour,

@@ -75,6 +75,10 @@ TEST(GuardedBody, IsClearAgreesWithEveryCubeAndWithWhatWasMetLately) {
       } else {
         ++close;
       }
+      const double beyond = guarded.clearance_beyond(pose, margin, margin + 0.005, recent);
+      ASSERT_EQ(beyond >= margin, is_clear) << i;
+      ASSERT_LE(beyond, lower + 1e-12);
+      ASSERT_EQ(beyond >= margin + 0.005, guarded.is_clear(pose, margin + 0.005)) << i;
       ASSERT_LE(guarded.coarse_clearance(pose), lower + 1e-12);
       ASSERT_LE(guarded.quick_clearance(pose), lower + 1e-12);
       for (std::size_t k = 0; k < recent.size(); ++k) {
@@ -103,8 +107,10 @@ TEST(GuardedBody, ASweepThatIsClearKeepsItsMarginFromEveryCubeAllTheWay) {
       end.linear() =
           Eigen::AngleAxisd(random.between(-0.05, 0.05), random.point(1.0).normalized()) * end.linear();
       RecentCubes recent;
+      Eigen::Isometry3d middle = begin;
+      middle.translation() = (begin.translation() + end.translation()) / 2;
       const double margin = random.between(0.0, 0.01);
-      const bool is_clear = guarded.is_sweep_clear(begin, end, margin, recent);
+      const bool is_clear = guarded.is_sweep_clear(begin, i % 2 == 0 ? begin : middle, end, margin, recent);
       (is_clear ? clear : refused)++;
       double least = 1.0;  // of the hull of both poses
       for (const Eigen::Vector3d& cube : cubes.centers)
