@@ -15,7 +15,7 @@ void advise(const Query& query, Plan& plan) {
   const std::size_t failed = plan.legs.size() - 1;
   const Configuration start = failed == 0 ? query.start : plan.legs[failed - 1].waypoints.back();
   const auto planner = make_planner(query.planner, query.options);
-  const PathCost cost(query.space.robot());
+  const PathCost cost = path_cost(query);
   const auto begin = std::chrono::steady_clock::now();
   const double limit = std::min(longest_search, query.time_limit);
   const bool follows_lattice = query.planner == "beam" || query.planner == "beam_reference";

@@ -26,6 +26,12 @@ struct RobotChoice {
   double padding = 0.0;               ///< metres
 };
 
+/// Flags of `plan` about what a path costs.
+struct CostChoice {
+  double payload = 0.0;         ///< kg at the tip, full size
+  std::vector<double> gravity;  ///< x,y,z in the map frame, m/s^2; empty: (0, 0, -9.81)
+};
+
 struct ReplayOptions {
   std::filesystem::path recording;
   std::filesystem::path setup;        ///< empty: the one embedded in the recording, if any
@@ -46,6 +52,7 @@ struct PlanOptions {
   std::string start;
   std::vector<std::string> goals;
   bool degrees = false;
+  CostChoice cost;
   std::string planner;
   std::vector<std::string> settings;  ///< "key=value", planner options
   std::uint64_t seed = 1;

@@ -79,11 +79,13 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Snapshot map = load_map(options.map);
 
   const ConfigurationSpace space(robot, map, policies, {.padding = options.robot.padding});
-  const Query query{space,           options.robot.robot,
-                    options.map,     map_sha256(options.map),
-                    start,           goals,
-                    options.planner, settings,
-                    options.seed,    options.time_limit};
+  Query query{space,           options.robot.robot,
+              options.map,     map_sha256(options.map),
+              start,           goals,
+              options.planner, settings,
+              options.seed,    options.time_limit};
+  query.payload = options.cost.payload;
+  if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
   Plan plan = solve(query);
   advise(query, plan);
   const std::string text = to_json(plan);

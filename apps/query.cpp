@@ -94,18 +94,26 @@ Plan empty_plan(const Query& query) {
   plan.map_resolution = query.space.map().resolution();
   plan.policies = query.space.policies();
   plan.padding = query.space.options().padding;
+  plan.payload = query.payload;
+  plan.gravity = query.gravity;
   plan.goals = query.goals;
   return plan;
 }
 
 }  // namespace
 
+PathCost path_cost(const Query& query) {
+  const Robot& robot = query.space.robot();
+  return PathCost(robot, {.gravity = robot.map_from_base.linear().transpose() * query.gravity,
+                          .payload_mass = query.payload});
+}
+
 Plan solve(const Query& query) { return solve(query, *make_planner(query.planner, query.options)); }
 
 Plan solve(const Query& query, const Planner& planner) {
   Plan plan = empty_plan(query);
   plan.options = planner.options();
-  const PathCost cost(query.space.robot());
+  const PathCost cost = path_cost(query);
   const auto begin = Clock::now();
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {

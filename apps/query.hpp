@@ -38,8 +38,13 @@ struct Query {
   std::string planner;
   PlannerOptions options;
   std::uint64_t seed = 1;
-  double time_limit = 60.0;  ///< seconds for each leg
+  double time_limit = 60.0;                  ///< seconds for each leg
+  double payload = 0.0;                      ///< kg at the tip, full size, for the path cost
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
 };
+
+/// The path cost of the query's robot: gravity is turned into the frame of its base.
+PathCost path_cost(const Query& query);
 
 /// Plans leg after leg, each from where the one before really ended, then has the independent check look at
 /// the whole path. The first leg that fails ends the plan; the check then covers the legs before it.

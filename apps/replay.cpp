@@ -112,11 +112,13 @@ class QueryRunner {
       for (const auto& goal : query.goals) goals.push_back(configuration(goal));
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
-        const Query asked{*spaces_.back(), setup_.robot->name,
-                          "map.ot",        digest,
-                          start,           goals,
-                          planner,         planner_options(query, planner),
-                          options_.seed,   options_.time_limit};
+        Query asked{*spaces_.back(), setup_.robot->name,
+                    "map.ot",        digest,
+                    start,           goals,
+                    planner,         planner_options(query, planner),
+                    options_.seed,   options_.time_limit};
+        asked.payload = setup_.robot->payload;
+        asked.gravity = setup_.robot->gravity;
         Plan plan = solve(asked);
         advise(asked, plan);
         const std::filesystem::path file =

@@ -163,6 +163,8 @@ RobotSetup read_robot(const YamlFields& fields) {
   robot.map_from_base = fields.pose("base", robot.map_from_base);
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
   if (fields.has_angles("joints")) robot.joints = fields.angles("joints");
+  robot.payload = fields.number("payload", not_negative, robot.payload);
+  if (fields.has("gravity")) robot.gravity = fields.vector("gravity");
   robot.self_margin = fields.number("self_margin", not_negative, robot.self_margin);
   fields.finish();
   return robot;

@@ -98,7 +98,9 @@ struct RobotSetup {
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::optional<double> scale;
   std::vector<double> joints;  ///< where it stands while scans are taken; empty: it is not in their way
-  double self_margin = 0.02;   ///< m, points this near to its bodies are its own
+  double payload = 0;          ///< kg at the tip, full size, for the path cost
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
+  double self_margin = 0.02;                 ///< m, points this near to its bodies are its own
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.

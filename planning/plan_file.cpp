@@ -172,7 +172,9 @@ std::string to_json(const Plan& plan) {
       {"goals", array_of(plan.goals)},
       {"scale", plan.robot_scale},
       {"base", base_json(plan.map_from_base)},
-      {"padding_m", plan.padding}};
+      {"padding_m", plan.padding},
+      {"payload_kg", plan.payload},
+      {"gravity", array_of(Eigen::VectorXd(plan.gravity))}};
   if (!plan.paint.empty()) json["paint"] = paint_json(plan.paint);
   // Bytes that are not UTF-8 (a file name) are replaced rather than refused.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -23,8 +23,10 @@ struct Plan {
   double map_resolution = 0.0;
   std::map<std::string, Policy> policies;  ///< per part
   double padding = 0.0;
-  std::vector<PlanResult> legs;      ///< each starts where the one before it ended
-  std::vector<Configuration> goals;  ///< as asked
+  double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
+  std::vector<PlanResult> legs;              ///< each starts where the one before it ended
+  std::vector<Configuration> goals;          ///< as asked
   double time_s = 0.0;
   std::vector<PaintHint> paint;  ///< of a plan that is not solved: where painting would help
   PathVerdict validation;        ///< of the whole path; `valid == false` and empty contact: not checked

@@ -205,6 +205,8 @@ Plan read_plan(const Field& root) {
   if (!(plan.robot_scale > 0.0)) root.at("scale").refuse("a number above 0");
   if (root.has("base")) plan.map_from_base = base(root.at("base"));
   if (root.has("padding_m")) plan.padding = root.at("padding_m").number();
+  if (root.has("payload_kg")) plan.payload = root.at("payload_kg").number();
+  if (root.has("gravity")) plan.gravity = numbers(root.at("gravity"), 3);
   if (!root.has("paint")) return plan;
   for (const Field& item : root.at("paint").items()) plan.paint.push_back(paint_hint(item));
   return plan;

@@ -22,7 +22,7 @@ probe: {board: probe, ball_center: [0, 0, -0.085], ball_radius: 0.0225, robot_er
         tracking_error: 0.0015, modelling_error: 0.0005}
 volumes: [{label: left, critical_parts: [hand, tool], from: 1, to: 2.5}, {label: right}]
 acceptance: {max_reprojection_px: 1.5, min_ambiguity: 2, min_tags: 3, max_speed: 0.2}
-robot: {name: puma560, base_deg: [0, 0, 1, 0, 0, 180], scale: 0.1}
+robot: {name: puma560, base_deg: [0, 0, 1, 0, 0, 180], scale: 0.1, payload: 2.5, gravity: [0, 9.81, 0]}
 queries:
   - name: across
     start_deg: [0, 90]
@@ -51,6 +51,8 @@ TEST(Setup, EveryKeyIsRead) {
   EXPECT_EQ(setup.volumes[0].to, 2.5);
   EXPECT_EQ(setup.acceptance.min_tags, 3);
   EXPECT_EQ(setup.robot->scale, 0.1);
+  EXPECT_EQ(setup.robot->payload, 2.5);
+  EXPECT_EQ(setup.robot->gravity, Eigen::Vector3d(0, 9.81, 0));
   EXPECT_EQ(setup.queries[0].policies.at("hand"), "painted");
   EXPECT_EQ(setup.queries[0].options.at("beam_width"), "50");
   EXPECT_EQ(setup.queries[1].goals, (std::vector<std::vector<double>>{{3, 4}}));

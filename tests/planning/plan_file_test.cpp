@@ -46,6 +46,8 @@ Plan example() {
   plan.map_resolution = 0.02;
   plan.policies = {{"forearm", Policy::painted}, {"upper", Policy::not_occupied}};
   plan.padding = 0.001;
+  plan.payload = 1.5;
+  plan.gravity = {0.1, 1.0 / 3.0, -9.7};
   plan.legs = {leg_between(0.0, 1.0), leg_between(1.0, 2.0)};
   plan.goals = {Eigen::Vector2d(1.0, 1.0 / 3.0), Eigen::Vector2d(2.0, 1.0 / 3.0)};
   plan.time_s = 0.03125;
@@ -96,6 +98,8 @@ TEST(PlanFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read.waypoints(), plan.waypoints());
   EXPECT_EQ(read.legs[1].waypoints, plan.legs[1].waypoints);
   EXPECT_EQ(read.policies, plan.policies);
+  EXPECT_EQ(read.payload, plan.payload);
+  EXPECT_EQ(read.gravity, plan.gravity);
   EXPECT_EQ(read.map_from_base.matrix(), plan.map_from_base.matrix());
 }
 
