@@ -24,7 +24,7 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
     EXPECT_EQ(attribute(dom, "ready"), "1");
     EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
     EXPECT_EQ(attribute(dom, "experiments"), "2");
-    // times, widths, four profiles, costs; times
+    // times, two against the width, four profiles, costs; none of a single run
     EXPECT_EQ(attribute(dom, "charts"), "8");
     EXPECT_NE(dom.find("4 / 0 / 6"), std::string::npos);
     EXPECT_NE(dom.find("not certified"), std::string::npos);

@@ -18,7 +18,7 @@ export interface Line {
 export interface ChartOptions {
   title: string;
   x: string; y: string;        // labels with units
-  logX?: boolean;
+  logX?: boolean; logY?: boolean;
   wholeX?: boolean;            // ticks at whole numbers only
   xRange?: [number, number];
   yRange?: [number, number];
@@ -49,7 +49,7 @@ function span(values: number[]): [number, number] {
 }
 
 const decades = (values: number[]): [number, number] =>
-  [10 ** Math.floor(Math.log10(Math.min(...values))), 10 ** Math.ceil(Math.log10(Math.max(...values)) + 1e-9)];
+  [10 ** Math.floor(Math.log10(Math.min(...values))), 10 ** Math.ceil(Math.log10(Math.max(...values) * 1.001))];
 
 /// Scattered dots may share an x, which aligned data cannot: uPlot's own mode for them is replaced by a hook.
 function drawDots(u: uPlot, lines: Line[]): void {
@@ -108,13 +108,13 @@ export class Chart {
 
   draw(): void {
     this.plot?.destroy();
-    const { lines, logX, diagonal } = this.options, { muted, line: grid, ink } = palette();
+    const { lines, logX, logY, diagonal } = this.options, { muted, line: grid, ink } = palette();
     const xs = lines.flatMap((line) => line.x), ys = lines.flatMap((line) => line.y);
     if (xs.length === 0) return this.box.replaceChildren(el("p", { class: "note" }, "Nothing to plot: no run was solved with a valid path."));
     this.box.replaceChildren();
     const both = span([...xs, ...ys]);
     const xRange = this.options.xRange ?? (logX ? decades(xs) : diagonal ? both : span(xs));
-    const yRange = this.options.yRange ?? (diagonal ? both : span(ys));
+    const yRange = this.options.yRange ?? (logY ? decades(ys) : diagonal ? both : span(ys));
     const axis = (label: string, extra: Partial<uPlot.Axis>): uPlot.Axis => ({
       label, stroke: muted, font: kFont, labelFont: `600 ${kFont}`, labelSize: 20, gap: 5, space: 40,
       grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1, size: 5 }, values: (_u, ticks) => ticks.map((v) => v === null ? "" : plain(v)), ...extra,
@@ -123,7 +123,7 @@ export class Chart {
     this.plot = new uPlot({
       width, height: this.height(width), padding: [12, 18, 0, 4],
       legend: { show: false }, cursor: { drag: { x: false, y: false }, points: { show: false }, x: false, y: false },
-      scales: { x: { time: false, distr: logX ? 3 : 1, range: () => xRange }, y: { range: () => yRange } },
+      scales: { x: { time: false, distr: logX ? 3 : 1, range: () => xRange }, y: { distr: logY ? 3 : 1, range: () => yRange } },
       axes: [axis(this.options.x, { size: 34, space: 60, ...(this.options.wholeX ? { incrs: [1, 2, 5].flatMap((n) => [n, 10 * n, 100 * n, 1000 * n, 10000 * n]).sort((a, b) => a - b) } : {}) }), axis(this.options.y, { size: 56, space: 36 })],
       series: [{}, ...lines.map((line): uPlot.Series => ({
         label: line.name, stroke: colorOf(line.color), dash: dashOf(line.color), width: 2, spanGaps: true,

@@ -2,12 +2,14 @@
 
 import { el } from "../dom";
 import { Chart, type ChartOptions, type Line } from "./chart";
-import { isValid, type Experiment } from "./data";
+import { isValid, type Experiment, type Run } from "./data";
 
 const kDegrees = 180 / Math.PI;
 
-/// Share of all runs that were solved with a valid path within a time, up to the time limit.
-export function timeChart(experiment: Experiment): Chart {
+/// Share of all runs that were solved with a valid path within a time, up to the time limit. Null for so few
+/// runs that the table says it all.
+export function timeChart(experiment: Experiment): Chart | null {
+  if (experiment.planners.every((planner) => planner.total < 3)) return null;
   const timesOf = experiment.planners.map((_, p) =>
     experiment.runs.filter((run) => run.planner === p && isValid(run)).map((run) => Math.max(run.time, 1e-6)).sort((a, b) => a - b));
   const all = timesOf.flat(), first = 10 ** Math.floor(Math.log10(Math.min(...all, experiment.timeLimit / 10)));
@@ -20,15 +22,15 @@ export function timeChart(experiment: Experiment): Chart {
                      xRange: [first, last], yRange: [0, 104], lines });
 }
 
-/// Cost of the paths against the option `width`, a line a problem; for many problems their median.
-export function widthChart(experiment: Experiment): Chart {
+/// A figure of valid runs against the option `width`, a line a problem; for many problems their median.
+function againstWidth(experiment: Experiment, figure: (run: Run) => number): Line[] {
   const widthOf = experiment.planners.map((planner) => Number(planner.options.width));
-  const costs = (problem: number | null, p: number) => experiment.runs
-    .filter((run) => run.planner === p && isValid(run) && (problem === null || run.problem === problem)).map((run) => run.cost).sort((a, b) => a - b);
+  const figures = (problem: number | null, p: number) => experiment.runs
+    .filter((run) => run.planner === p && isValid(run) && (problem === null || run.problem === problem)).map(figure).sort((a, b) => a - b);
   const line = (name: string, color: number, problem: number | null): Line => {
     const out: Line = { name, color, x: [], y: [], dots: true };
     widthOf.map((width, p) => ({ width, p })).filter(({ width }) => Number.isFinite(width)).sort((a, b) => a.width - b.width).forEach(({ width, p }) => {
-      const found = costs(problem, p);
+      const found = figures(problem, p);
       if (found.length === 0) return;
       out.x.push(width);
       out.y.push(found[Math.floor((found.length - 1) / 2)]);
@@ -37,7 +39,16 @@ export function widthChart(experiment: Experiment): Chart {
   };
   const few = experiment.problems.length <= 8;
   const lines = few ? experiment.problems.map((name, i) => line(name, i, i)) : [line("median of all problems", 0, null)];
-  return new Chart({ title: "Path cost against beam width", x: "beam width k", y: "path cost, J", logX: true, lines: lines.filter((each) => each.x.length > 0) });
+  return lines.filter((each) => each.x.length > 0);
+}
+
+export function widthCharts(experiment: Experiment): Chart[] {
+  const costs = againstWidth(experiment, (run) => run.cost), times = againstWidth(experiment, (run) => Math.max(run.time, 1e-6));
+  const widths = costs.flatMap((line) => line.x);
+  const xRange: [number, number] = [Math.min(...widths) / 1.25, Math.max(...widths) * 1.25];
+  const common = { x: "beam width k", logX: true, xRange };
+  return [new Chart({ ...common, title: "Path cost against beam width", y: "path cost, J", lines: costs }),
+          new Chart({ ...common, title: "Planning time against beam width", y: "planning time, s", logY: true, lines: times })];
 }
 
 /// Joint values along the path of each planner to the first problem, as the paper plots them.

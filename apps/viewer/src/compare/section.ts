@@ -3,7 +3,7 @@
 import { el } from "../dom";
 import { colorOf, plain, type Chart } from "./chart";
 import { isValid, type Experiment, type Planner } from "./data";
-import { costScatter, profileCharts, timeChart, widthChart } from "./plots";
+import { costScatter, profileCharts, timeChart, widthCharts } from "./plots";
 
 const statusWords: Record<string, string> = {
   start_invalid: "start invalid", goal_invalid: "goal invalid", no_path: "no path", timed_out: "timed out",
@@ -62,11 +62,11 @@ function failures(experiment: Experiment): HTMLElement | null {
 
 /// The section and its charts, which are to be drawn once it is in the document.
 export function section(experiment: Experiment, number: number): { element: HTMLElement; charts: Chart[] } {
-  const charts = [timeChart(experiment)], figures: HTMLElement[] = [charts[0].figure];
-  if (experiment.plots.includes("cost_against_width")) charts.push(widthChart(experiment));
-  const scatter = costScatter(experiment);
+  const charts: Chart[] = [], times = timeChart(experiment);
+  if (times) charts.push(times);
+  if (experiment.plots.includes("cost_against_width")) charts.push(...widthCharts(experiment));
   if (experiment.plots.includes("profiles")) charts.push(...profileCharts(experiment));
-  figures.push(...charts.slice(1).map((chart) => chart.figure));
+  const figures = charts.map((chart) => chart.figure), scatter = costScatter(experiment);
   if (scatter) {
     charts.push(scatter.chart);
     figures.push(scatter.figure);
