@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 #include "apps/bench/bench.hpp"
@@ -44,23 +45,36 @@ BeamRun run_beam(const std::string& planner, const PlannerOptions& options, cons
 }
 
 Json beam_joints(double resolution, int runs) {
+  struct Task {
+    BeamScene scene;
+    ConfigurationSpace space;
+    std::vector<double> ms{};
+    BeamRun run{};
+    explicit Task(BeamScene made) : scene(std::move(made)), space(scene.robot, scene.map) {}
+  };
+  std::vector<std::unique_ptr<Task>> tasks;
+  for (const auto& make : {compact_scene, seven_joint_scene, ten_joint_scene})
+    tasks.push_back(std::make_unique<Task>(make(resolution)));
+  for (int i = 0; i < 3 * runs; ++i) {  // interleaved
+    for (const auto& task : tasks) {
+      task->run = run_beam("beam", {{"width", "20"}}, task->space, task->scene, 1);
+      task->ms.push_back(task->run.ms);
+    }
+  }
   Json rows;
-  double six = 0.0;
-  for (const auto& make : {compact_scene, seven_joint_scene, ten_joint_scene}) {
-    const BeamScene scene = make(resolution);
-    const ConfigurationSpace space(scene.robot, scene.map);
-    const BeamRun run = run_beam("beam", {{"width", "20"}}, space, scene, runs);
+  for (const auto& task : tasks) {
+    BeamRun& run = task->run;
     if (run.result.status != PlanStatus::solved)
-      throw std::logic_error(scene.name + ": " + run.result.explanation);
-    if (scene.robot.dof() == 6) six = run.us_a_step();
+      throw std::logic_error(task->scene.name + ": " + run.result.explanation);
+    run.ms = median(task->ms);
     rows.push_back(
-        {{"joints", scene.robot.dof()},
-         {"robot", scene.robot.name},
-         {"voxels", voxels(scene.map)},
+        {{"joints", task->scene.robot.dof()},
+         {"robot", task->scene.robot.name},
+         {"voxels", voxels(task->scene.map)},
          {"steps", run.steps},
          {"ms", run.ms},
          {"us_a_step", run.us_a_step()},
-         {"of_six_joints", run.us_a_step() / six},
+         {"of_six_joints", run.us_a_step() / tasks.front()->run.us_a_step()},
          {"neighbours_a_step", run.result.statistics.at("neighbours_generated") / run.steps},
          {"configurations_a_step", static_cast<double>(run.result.configurations_checked) / run.steps}});
   }
