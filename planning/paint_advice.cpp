@@ -8,7 +8,7 @@
 #include <optional>
 #include <sstream>
 
-#include "planning/any_angle.hpp"
+#include "planning/beam_guided.hpp"
 #include "planning/free_route.hpp"
 #include "planning/guarded_body.hpp"
 #include "planning/hand.hpp"
@@ -110,7 +110,7 @@ std::string PaintAdvice::sentence() const {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << std::fixed;
-  if (way_exists) text << "A path that needs no more paint exists: beam_guided may find it.";
+  if (way_exists) text << "beam_guided finds a path that needs no more paint.";
   if (balls.empty()) return text.str();
   if (way_exists) text << ' ';
   text << "Painting would connect start and goal: ";
@@ -146,13 +146,16 @@ PaintAdvice advise_paint(const Planner& planner, const PlanProblem& problem, boo
   const PlanProblem free{open, problem.cost, problem.start, problem.goal, problem.seed, problem.out_of_time};
   if (check_ends(free).status != PlanStatus::solved) return advice;
 
+  if (dynamic_cast<const BeamGuided*>(&planner) == nullptr) {
+    advice.way_exists = BeamGuided({}).plan(problem).status == PlanStatus::solved;
+  }
   const PlanResult own = planner.plan(free);
   std::optional<std::vector<PaintHint>> ours, other;
   if (own.status == PlanStatus::solved) ours = missing_paint(problem.space, own.waypoints);
   const Path near_paint = path_near_paint(problem, free);
   if (!near_paint.empty()) other = missing_paint(problem.space, near_paint);
-  advice.way_exists = other && other->empty();
-  const bool takes_other = other && (!ours || (!follows_lattice && 2 * other->size() < ours->size()));
+  const bool takes_other =
+      other && !other->empty() && (!ours || (!follows_lattice && 2 * other->size() < ours->size()));
   if (takes_other || ours) advice.balls = takes_other ? std::move(*other) : std::move(*ours);
   return advice;
 }

@@ -17,14 +17,15 @@ struct PaintHint {
 /// Where painting more would connect start and goal.
 struct PaintAdvice {
   std::vector<PaintHint> balls;  ///< in the order of the way; empty: nothing to advise
-  bool way_exists = false;       ///< a path was found that needs no more paint: another planner may find it
+  bool way_exists = false;       ///< beam_guided found a path that needs no more paint
 
   /// "Painting would connect start and goal: 14 cm around (0.31, -0.12, 0.42) for tool, ...". Empty when
   /// there is nothing to say.
   std::string sentence() const;
 };
 
-/// Looks for a path where every part that has to stay in painted or known space may enter unknown space, too
+/// First `beam_guided`, unless it is the planner, is asked whether there is a path as things are. Then looks
+/// for a path where every part that has to stay in painted or known space may enter unknown space, too
 /// (never occupied voxels or conflicts). Two are tried: the same planner's, for it is this planner that is to
 /// succeed, and one along the cheapest route for the hand, where a metre outside the paint costs as much as
 /// thirty inside. Every part that leaves its space on the way asks for balls that hold it there, a voxel's
