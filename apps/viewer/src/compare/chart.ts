@@ -21,6 +21,7 @@ export interface ChartOptions {
   logX?: boolean; logY?: boolean;
   wholeX?: boolean;            // ticks at whole numbers only
   xRange?: [number, number];
+  xTicks?: number[];           // else chosen
   yRange?: [number, number];
   diagonal?: boolean;          // equal values, and the same range on both axes
   lines: Line[];
@@ -119,12 +120,15 @@ export class Chart {
       label, stroke: muted, font: kFont, labelFont: `600 ${kFont}`, labelSize: 20, gap: 5, space: 40,
       grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1, size: 5 }, values: (_u, ticks) => ticks.map((v) => v === null ? "" : plain(v)), ...extra,
     });
+    const { xTicks, wholeX } = this.options;
+    const ticksX: Partial<uPlot.Axis> = xTicks ? { splits: () => xTicks, filter: (_u, splits) => splits }
+      : wholeX ? { incrs: [1, 10, 100, 1000, 10000].flatMap((n) => [n, 2 * n, 5 * n]) } : {};
     const width = this.box.clientWidth || 480;
     this.plot = new uPlot({
       width, height: this.height(width), padding: [12, 18, 0, 4],
       legend: { show: false }, cursor: { drag: { x: false, y: false }, points: { show: false }, x: false, y: false },
       scales: { x: { time: false, distr: logX ? 3 : 1, range: () => xRange }, y: { distr: logY ? 3 : 1, range: () => yRange } },
-      axes: [axis(this.options.x, { size: 34, space: 60, ...(this.options.wholeX ? { incrs: [1, 2, 5].flatMap((n) => [n, 10 * n, 100 * n, 1000 * n, 10000 * n]).sort((a, b) => a - b) } : {}) }), axis(this.options.y, { size: 56, space: 36 })],
+      axes: [axis(this.options.x, { size: 34, space: 60, ...ticksX }), axis(this.options.y, { size: 56, space: 36 })],
       series: [{}, ...lines.map((line): uPlot.Series => ({
         label: line.name, stroke: colorOf(line.color), dash: dashOf(line.color), width: 2, spanGaps: true,
         paths: line.points ? () => null : line.steps ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),

@@ -44,9 +44,9 @@ function againstWidth(experiment: Experiment, figure: (run: Run) => number): Lin
 
 export function widthCharts(experiment: Experiment): Chart[] {
   const costs = againstWidth(experiment, (run) => run.cost), times = againstWidth(experiment, (run) => Math.max(run.time, 1e-6));
-  const widths = costs.flatMap((line) => line.x);
-  const xRange: [number, number] = [Math.min(...widths) / 1.25, Math.max(...widths) * 1.25];
-  const common = { x: "beam width k", logX: true, xRange };
+  const xTicks = [...new Set(experiment.planners.map((planner) => Number(planner.options.width)).filter(Number.isFinite))].sort((a, b) => a - b);
+  const xRange: [number, number] = [xTicks[0] / 1.25, xTicks.at(-1)! * 1.25];
+  const common = { x: "beam width k", logX: true, xRange, xTicks };
   return [new Chart({ ...common, title: "Path cost against beam width", y: "path cost, J", lines: costs }),
           new Chart({ ...common, title: "Planning time against beam width", y: "planning time, s", logY: true, lines: times })];
 }
