@@ -9,6 +9,8 @@
 #include "apps/query.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/save_file.hpp"
+#include "planning/any_angle.hpp"
+#include "planning/joint_weights.hpp"
 
 namespace clearway {
 namespace {
@@ -49,7 +51,11 @@ std::string verdict_of(const Plan& plan) {
   return plan.validation.undecided ? "undecided" : "refused";
 }
 
-CompareRun run_of(const Plan& plan) {
+/// For eq. 9 edges are cut into pieces of at most that, rad (m): so paths of few long edges and of many short
+/// ones are judged alike, whatever their planner reckons.
+constexpr double cost_step = 0.05;
+
+CompareRun run_of(const Plan& plan, const ConfigurationSpace& space) {
   CompareRun run;
   run.seed = plan.seed;
   run.status = plan.status();
@@ -57,6 +63,7 @@ CompareRun run_of(const Plan& plan) {
   run.check = verdict_of(plan);
   run.contact = plan.validation.first_contact;
   run.length = length_of(plan.waypoints());
+  run.cost = sampled_cost(PathCost(space.robot()), plan.waypoints(), joint_weights(space, 0.0), cost_step);
   run.waypoints = plan.waypoints().size();
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;
@@ -65,7 +72,6 @@ CompareRun run_of(const Plan& plan) {
     run.configurations += leg.configurations_checked;
     run.edges += leg.edges_checked;
     if (leg.status != PlanStatus::solved) continue;
-    run.cost += leg.cost + leg.last_segment_cost;
     run.steps += static_cast<std::size_t>(leg.search_steps);
   }
   return run;
@@ -174,7 +180,7 @@ class Runner {
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
       for (int number = 1; number <= experiment_.setup.runs; ++number) {
         const Plan plan = plan_once(*task.stage, problem, i, number);
-        CompareRun run = run_of(plan);
+        CompareRun run = run_of(plan, task.stage->space);
         run.planner = i;
         run.number = number;
         run.plan_file = save_plan(plan, problem, i, number);

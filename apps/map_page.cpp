@@ -132,18 +132,10 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     shown_plan.clearance.push_back(space.clearance(q));
     shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
   }
+  for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.ball);
   shown_plan.start_poses = forward_kinematics(robot, start);
   if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(robot, plan.goals.back());
   return shown_plan;
-}
-
-void show_advised_paint(ReportPage& page, const Plan& plan, const std::string& name) {
-  if (plan.paint.empty()) return;
-  const int volume = static_cast<int>(page.volume_labels.size());
-  page.volume_labels.push_back("to paint for " + name + " with " + plan.planner);
-  for (const PaintHint& hint : plan.paint) {
-    page.balls.push_back({hint.ball.center, hint.ball.radius, volume});
-  }
 }
 
 std::string map_page(const Snapshot& map, const std::string& name) {

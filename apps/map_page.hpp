@@ -20,9 +20,6 @@ void show_robot(ReportPage& page, const Robot& robot, const Configuration& home)
 PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,
                       const std::string& name);
 
-/// The balls whose painting would connect the ends of a plan that is not solved, as a volume of their own.
-void show_advised_paint(ReportPage& page, const Plan& plan, const std::string& name);
-
 /// The page of `inspect --view`.
 std::string map_page(const Snapshot& map, const std::string& name);
 

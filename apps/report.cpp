@@ -206,7 +206,6 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
     show_robot(page, first.space->robot(), first.start);
     for (const ReplayPlan& entry : report.plans) {
       page.plans.push_back(page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
-      show_advised_paint(page, entry.plan, entry.query);
     }
     const auto table = plan_table(report);
     page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});

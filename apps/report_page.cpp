@@ -169,9 +169,17 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
   require_links(plan.goal_poses, links, of + "goal_poses");
 }
 
+/// Of the page's ball colours the orange one, so that balls to paint stand out of those that are painted.
+constexpr float kPaintColour = 2.0F;
+
 json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
   require_sizes(plan, links);
-  std::vector<float> joints, poses, clearance;
+  std::vector<float> joints, poses, clearance, paint;
+  for (const Sphere& ball : plan.to_paint) {
+    for (const double value : {ball.center.x(), ball.center.y(), ball.center.z(), ball.radius})
+      paint.push_back(static_cast<float>(value));
+    paint.push_back(kPaintColour);
+  }
   for (std::size_t j = 0; j < plan.joints.size(); ++j)
     for (const Eigen::VectorXd& q : plan.waypoints)
       joints.push_back(static_cast<float>(q[static_cast<int>(j)]));
@@ -193,7 +201,8 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"figures", figures_json(plan.figures)},
           {"tip", place_points(arrays, plan.tip_path)},
           {"start", place_poses(arrays, plan.start_poses)},
-          {"goal", place_poses(arrays, plan.goal_poses)}};
+          {"goal", place_poses(arrays, plan.goal_poses)},
+          {"paint", place(arrays.add(std::span<const float>(paint)))}};
 }
 
 json page_json(PageArrays& arrays, const ReportPage& page) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/voxel_faces.hpp"
+#include "mapping/sphere.hpp"
 
 namespace clearway {
 
@@ -43,6 +44,7 @@ struct PagePlan {
       clearance;  ///< metres, below zero in contact; not finite = not known, left out of the plot
   std::vector<PageFigure> figures;
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame
+  std::vector<Sphere> to_paint;           ///< where more paint would connect the ends; map frame
   /// map_from_link at the start and at the goal asked for: the ghosts. Empty: those of the first and last
   /// waypoint; give both for a plan that found no path.
   std::vector<Eigen::Isometry3d> start_poses, goal_poses;

@@ -93,6 +93,18 @@ TEST(ReportPage, GivesBackBallsPathsPosesAndClearances) {
   }
 }
 
+TEST(ReportPage, GivesBackTheBallsToPaintForAPlan) {
+  ReportPage page = SamplePage::make();
+  page.plans[2].to_paint = {{Eigen::Vector3d(0.25, -0.5, 1.0), 0.125}, {Eigen::Vector3d(1, 2, 3), 0.5}};
+  const PageReader reader(render_report_page(page));
+  EXPECT_TRUE(reader.array<float>(reader.page["plans"][0]["paint"]).empty());
+  const auto balls = reader.array<float>(reader.page["plans"][2]["paint"]);
+  ASSERT_EQ(balls.size(), 10u);
+  EXPECT_EQ((std::vector<float>{balls.begin(), balls.begin() + 4}),
+            (std::vector<float>{0.25F, -0.5F, 1.0F, 0.125F}));
+  EXPECT_EQ(balls[8], 0.5F);
+}
+
 TEST(ReportPage, OffersTheReportByteForByte) {
   ReportPage page = SamplePage::make();
   page.json = "{\"a\": \"</script><!-- \xc3\xa9\"}\n";

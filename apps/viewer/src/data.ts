@@ -31,6 +31,7 @@ export interface Plan {
   clearance: Place;  // metres, NaN = not known
   figures: Figure[];
   tip: Place; start: Place; goal: Place;
+  paint: Place;      // balls to paint for a plan that found no path: x y z radius colour
 }
 
 export interface Table { name: string; header: string[]; rows: string[][] }

@@ -15,13 +15,15 @@ import { cutUniform } from "./surface_material";
 interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group }
 
 const stateLabels: Record<string, string> = { painted: "painted", occupied: "occupied", conflict: "conflict", seen_free: "seen free" };
-const shownFirst = new Set(["painted", "occupied", "conflict", "robot", "tip", "ghosts"]);
+const shownFirst = new Set(["painted", "occupied", "conflict", "robot", "tip", "ghosts", "advice"]);
 
 export class MapView {
   private readonly stage: Stage;
   private readonly rows: LayerRow[] = [];
   private readonly robot: RobotView;
   private readonly tips = new Group();
+  private readonly advice = new Group();  // balls to paint, a layer a plan
+  private readonly adviceLayers: (Layer | null)[] = [];
   private readonly tipMaterial = new MeshBasicMaterial({ toneMapped: false });
   private readonly workBox = new Box3();   // what the report is about: painted space, robot, path
   private readonly wholeBox = new Box3();  // the whole map
@@ -83,6 +85,12 @@ export class MapView {
       this.addRow("ghosts", "start, goal", "", ["start", "goal"], this.robot.ghosts);
       this.robot.showAt(this.page.home.count > 0 ? this.arrays.f32(this.page.home) : null);
     }
+    for (const plan of this.page.plans) {
+      const layer = plan.paint.count > 0 ? ballLayer(this.arrays.f32(plan.paint)) : null;
+      this.adviceLayers.push(layer);
+      if (layer) this.advice.add(layer.group);
+    }
+    if (this.advice.children.length > 0) this.addRow("advice", "where to paint more", "", ["advice"], this.advice);
     if (this.page.plans.some((plan) => plan.tip.count > 3)) this.addRow("tip", "tip path", "", ["tip"], this.tips);
   }
 
@@ -180,6 +188,7 @@ export class MapView {
       : size > 0 && plan.waypoints > 0 ? this.poses.subarray(from, from + size) : null;
     this.robot.showEnds(end(plan.start, 0), end(plan.goal, (plan.waypoints - 1) * size));
     this.drawTip(this.arrays.f32(plan.tip));
+    this.adviceLayers.forEach((layer, i) => { if (layer) layer.group.visible = this.page.plans[i] === plan; });
     if (this.poses.length === 0) {
       const home = this.arrays.f32(this.page.home);
       this.robot.showAt(plan.start.count > 0 ? null : home.length > 0 ? home : null);
@@ -211,6 +220,7 @@ export class MapView {
 
   recolor(): void {
     for (const row of this.rows) row.layer?.recolor();
+    for (const layer of this.adviceLayers) layer?.recolor();
     this.robot.recolor();
     this.tipMaterial.color.set(palette().tip);
     this.stage.recolor();
