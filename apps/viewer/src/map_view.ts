@@ -205,16 +205,16 @@ export class MapView {
   private drawTip(values: Float32Array): void {
     for (const mesh of this.tips.children as Mesh[]) mesh.geometry.dispose();
     this.tips.clear();
-    const points: Vector3[] = [];
+    const radius = 0.0022 * this.workBox.getSize(new Vector3()).length();
+    const points: Vector3[] = [];  // far enough apart that the curve through them does not overshoot
     for (let i = 0; i < values.length; i += 3) {
       const point = new Vector3(values[i], values[i + 1], values[i + 2]);
-      if (points.length === 0 || points[points.length - 1].distanceTo(point) > 1e-6) points.push(point);
+      if (points.length === 0 || points[points.length - 1].distanceTo(point) > 0.5 * radius) points.push(point);
     }
     if (points.length < 2) return;
-    const radius = 0.0022 * this.workBox.getSize(new Vector3()).length();
     const path = new CurvePath<Vector3>();
     for (let i = 1; i < points.length; ++i) path.add(new LineCurve3(points[i - 1], points[i]));
-    const curve = points.length > 2 ? new CatmullRomCurve3(points, false, "chordal", 0) : path;
+    const curve = points.length > 2 ? new CatmullRomCurve3(points, false, "centripetal") : path;
     this.tips.add(new Mesh(new TubeGeometry(curve, Math.min(2000, points.length * 4), radius, 8), this.tipMaterial));
   }
 
