@@ -238,8 +238,9 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap) {
   if (!std::isfinite(padding) || padding < 0.0)
     throw std::invalid_argument("padding must be a finite length not below 0, in metres");
-  if (!std::isfinite(distance_cap) || distance_cap <= 0.0)
-    throw std::invalid_argument("distance_cap must be a finite length above 0, in metres");
+  if (!std::isfinite(distance_cap) || distance_cap < 0.0)
+    throw std::invalid_argument("distance_cap must be a finite length not below 0, in metres");
+  if (distance_cap == 0.0) distance_cap = 0.2 * robot.scale;
   PathVerdict verdict;
   verdict.first_contact = malformed(robot, waypoints, verdict.edge);
   if (!verdict.first_contact.empty()) return verdict;

@@ -18,7 +18,7 @@ struct PathVerdict {
   int edge = -1;                  ///< of the first contact
   double parameter = 0.0;         ///< along that edge, 0..1
   std::vector<double> clearance;  ///< to blocked voxels at each waypoint before the first contact, metres,
-                                  ///< capped at `distance_cap`
+                                  ///< capped at `distance_cap` (0: 0.2 m, times the robot's scale)
   std::string checker = "kdl+fcl";  ///< whose kinematics and geometry decided
 };
 
@@ -32,6 +32,6 @@ struct PathVerdict {
 /// voxels.
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        double padding, const std::vector<Configuration>& waypoints,
-                       double distance_cap = 0.2);
+                       double distance_cap = 0.0);
 
 }  // namespace clearway
