@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
 
 namespace clearway {
 namespace {
@@ -19,13 +20,18 @@ void advise(const Query& query, Plan& plan) {
   const auto begin = std::chrono::steady_clock::now();
   const double limit = std::min(longest_search, query.time_limit);
   const bool follows_lattice = query.planner == "beam" || query.planner == "beam_reference";
-  const PaintAdvice advice = advise_paint(
-      *planner,
-      {query.space, cost, start, query.goals[failed], query.seed,
-       [&] {
-         return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > limit;
-       }},
-      follows_lattice);
+  PaintAdvice advice;
+  try {
+    advice = advise_paint(
+        *planner,
+        {query.space, cost, start, query.goals[failed], query.seed,
+         [&] {
+           return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > limit;
+         }},
+        follows_lattice);
+  } catch (const std::invalid_argument&) {
+    return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
+  }
   plan.paint = advice.balls;
   if (const std::string sentence = advice.sentence(); !sentence.empty()) {
     std::string& explanation = plan.legs[failed].explanation;

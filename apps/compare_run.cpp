@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 #include "apps/compare_tasks.hpp"
@@ -194,19 +195,25 @@ class Runner {
   Plan plan_once(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number) const {
     const Planner& maker = *experiment_.makers[planner];
     const std::uint64_t seed = choice_.seed + static_cast<std::uint64_t>(number - 1);
-    // Untimed: what the planner derives from the map.
-    maker.plan({open.space, PathCost(experiment_.robot), problem.start, problem.start, seed});
-    return solve({.space = open.space,
-                  .robot_name = experiment_.setup.robot,
-                  .map_file = open.stage.map_file,
-                  .map_digest = open.stage.digest,
-                  .start = problem.start,
-                  .goals = problem.goals,
-                  .planner = experiment_.planners[planner].planner,
-                  .options = {},
-                  .seed = seed,
-                  .time_limit = experiment_.time_limit},
-                 maker);
+    const std::string& label = experiment_.planners[planner].label;
+    try {
+      // Untimed: what the planner derives from the map.
+      maker.plan({open.space, PathCost(experiment_.robot), problem.start, problem.start, seed});
+      return solve({.space = open.space,
+                    .robot_name = experiment_.setup.robot,
+                    .map_file = open.stage.map_file,
+                    .map_digest = open.stage.digest,
+                    .start = problem.start,
+                    .goals = problem.goals,
+                    .planner = experiment_.planners[planner].planner,
+                    .options = {},
+                    .seed = seed,
+                    .time_limit = experiment_.time_limit},
+                   maker);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +
+                                  "', planner '" + label + "': " + error.what());
+    }
   }
 
   std::string save_plan(const Plan& plan, const StageProblem& problem, std::size_t planner,

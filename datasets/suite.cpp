@@ -15,10 +15,18 @@ namespace {
 constexpr Bounds seeds{0, 2147483647};
 constexpr Bounds resolutions{1e-4, 100};
 
-/// Notes `name` as taken, or fails at the key that gave it.
+/// Notes `name` as taken, or fails at the key that gave it. Names are files' and folders' names, too, where
+/// all but letters, digits and ._-= is one.
 void take(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
           const std::string& key) {
-  if (!taken.insert(name).second) fields.fail(key, "'" + name + "' is given twice; expected each name once");
+  std::string plain = name;
+  for (char& c : plain) {
+    const bool is_word = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (!is_word && c != '.' && c != '-' && c != '=') c = '_';
+  }
+  if (taken.insert(plain).second) return;
+  fields.fail(
+      key, "'" + name + "' is given twice; expected names that differ in letters, digits, '.', '-' or '='");
 }
 
 SuiteVolume read_volume(const YamlFields& fields) {

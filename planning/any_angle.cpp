@@ -151,7 +151,13 @@ bool try_cut(const Pass& pass, Path& path, std::mt19937_64& random) {
   const Path cut = kind < 1.0   ? Path{old.front(), old.back()}
                    : kind < 2.0 ? with_even_joint(pass, old, joint)
                                 : with_clamped_joint(old, joint);
-  if (pass.cost(cut) >= pass.cost(old) * (1.0 - 1e-9)) return false;
+  // Whole edges are compared: their samples are what the path's cost is made of.
+  const Path before(path.begin() + static_cast<std::ptrdiff_t>(from.edge),
+                    path.begin() + static_cast<std::ptrdiff_t>(to.edge) + 2);
+  Path after{before.front()};
+  after.insert(after.end(), cut.begin(), cut.end());
+  after.push_back(before.back());
+  if (pass.cost(after) >= pass.cost(before) * (1.0 - 1e-9)) return false;
   if (!is_replaceable(pass, path, from, to, cut)) return false;
   path = replaced(path, from, to, cut);
   return true;

@@ -158,7 +158,7 @@ std::vector<Head> NearestHeads::operator()(const BeamPaths& paths, BeamChecks& c
       kept_.push_back(std::move(candidate.clearances));
     }
   }
-  band_ = queue.band();
+  band_ = kept.size() < width ? 0.0 : queue.band();  // all of them were wanted: no measure for the next step
   return kept;
 }
 

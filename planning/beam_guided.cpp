@@ -46,12 +46,15 @@ Found beam_leg(const PlanProblem& problem, const Configuration& from, const Conf
     const auto i = static_cast<Eigen::Index>(j);
     ramp = std::max(ramp, std::abs(to[i] - from[i]) / steps[j]);
   }
+  const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
+  if (*least < 1e-6 || *most > 10.0 || steps.size() > 32)
+    return {};  // no lattice: a joint that does not move
   const Beam beam({{"width", std::to_string(width)},
                    {"step", to_text(steps)},
-                   {"max_steps", std::to_string(static_cast<int>(1.5 * ramp) + 4)}});
+                   {"max_steps", std::to_string(static_cast<int>(std::min(1.5 * ramp, 1e6)) + 4)}});
   // Asked once for each group of neighbours at one distance.
-  int groups = static_cast<int>(patience * width * (ramp + 4.0));
-  const auto gives_up = [&] { return --groups < 0 || problem.out_of_time(); };
+  double groups = patience * width * (ramp + 4.0);
+  const auto gives_up = [&] { return --groups < 0.0 || problem.out_of_time(); };
   const PlanResult leg = beam.plan({problem.space, problem.cost, from, to, problem.seed, gives_up});
   Found found{{}, leg.configurations_checked, leg.edges_checked};
   if (leg.status == PlanStatus::solved && leg.waypoints.back() == to) found.path = leg.waypoints;
@@ -84,20 +87,23 @@ class GuidedSearch {
         result_.explanation = "Led to the goal through " + std::to_string(via.regions) + " via regions.";
         return std::move(via.waypoints);
       }
+      if (via.farthest.size() > result_.explored.size()) result_.explored = std::move(via.farthest);
       if (via.reached == via.regions) break;
       avoided.push_back({via.stopped_at, 2.0 * hand_.outer_radius});
     }
     return {};
   }
 
-  std::string failure() {
-    return route().points.empty()
+  std::string failure() const {
+    if (!looked_) return "Out of time before a route for the hand was looked for.";
+    return first_route_.points.empty()
                ? "There is no way for the hand's middle, and no path was found without one."
                : "No path was found along the hand's routes.";
   }
 
   /// Corner points of a rough path by two trees that the route guides.
   Path through_trees(TreeOptions options, double guided_share) {
+    if (problem_.out_of_time()) return {};
     if (!route().points.empty()) options.guide = RouteGuide(problem_, hand_, route(), guided_share);
     const TreePath rough = connect_trees(problem_, options);
     count(rough.configurations, rough.edges);
@@ -174,8 +180,10 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
   if (path.empty()) return result;
   path = straightened(problem, std::move(path), weight, {.attempts = attempts_}, result.edges_checked);
   result.status = PlanStatus::solved;
+  result.explored.clear();
+  result.statistics["deadline_hit"] = problem.out_of_time() ? 1.0 : 0.0;
   result.search_steps = static_cast<int>(path.size()) - 1;
-  result.cost = problem.cost(path);
+  result.cost = sampled_cost(problem.cost, path, weight, AnyAngleOptions().cost_step);
   result.waypoints = std::move(path);
   return result;
 }
@@ -191,7 +199,8 @@ std::vector<Configuration> BeamGuided::guided(const PlanProblem& problem, const 
   if (path.empty() && !problem.out_of_time()) path = search.through_trees(trees, guided_share_);
   if (is_certified(problem, path, result.edges_checked)) return path;
   result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
-  result.final_distance = (problem.goal - problem.start).norm();
+  if (result.explored.empty()) result.explored = {problem.start};
+  result.final_distance = (problem.goal - result.explored.back()).norm();
   result.explanation = path.empty() ? search.failure() : "The path found could not be certified free.";
   return {};
 }

@@ -69,6 +69,10 @@ void tell_failure(const PlanProblem& problem, const Lattice& lattice, const Beam
   result.explanation = std::string(how) + " after " + std::to_string(paths.steps()) +
                        " steps: the best node is " + short_text(result.final_distance) +
                        " from the goal in joint space. ";
+  if (out_of_time) {  // looking closer takes time, too
+    result.explanation.pop_back();
+    return;
+  }
   std::string parted = parted_volume_sentence(problem);
   if (parted.empty()) {
     result.explanation += blocking_sentence(problem, lattice, paths);
@@ -137,10 +141,6 @@ std::vector<Configuration> BeamPaths::path_to(int head_number) const {
 
 PlanResult search_beam(const PlanProblem& problem, const BeamOptions& options, const NextHeads& next_heads) {
   PlanResult result = check_ends(problem);
-  if (result.status == PlanStatus::start_invalid) {
-    const std::string empty = empty_volume_sentence(problem.space);
-    if (!empty.empty()) result.explanation = "The start is not free: " + empty + ".";
-  }
   if (result.status != PlanStatus::solved) return result;
   const Lattice lattice(problem, options);
   const double automatic = std::min(20.0 * lattice.longest_ramp() + 200.0, 1e8);

@@ -28,6 +28,7 @@ class CellGrid {
     }
     space.clearances({x, y, z}, clearance);
     open_.reserve(count);
+    radius = std::min(radius, space.max_distance());  // the field tells no more
     for (const double free : clearance) open_.push_back(free > 0.0 && free >= radius);
   }
 
@@ -90,7 +91,7 @@ class CellGrid {
 
 HandRoute free_route(const BlockedSpace& space, const Eigen::AlignedBox3d& bounds,
                      const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius, double cell,
-                     const RoutePrice& price) {
+                     const RoutePrice& price, const std::function<bool()>& out_of_time) {
   HandRoute route;
   if (bounds.isEmpty() || !from.allFinite() || !to.allFinite()) return route;
   const CellGrid grid(space, bounds, radius, cell);
@@ -105,7 +106,8 @@ HandRoute free_route(const BlockedSpace& space, const Eigen::AlignedBox3d& bound
   const auto ahead = [&](int at) { return (grid.center(at) - target).norm() / grid.edge(); };  // A*
   length[static_cast<std::size_t>(first)] = 0.0;
   open.emplace(ahead(first), first);
-  while (!open.empty() && open.top().second != last) {
+  for (std::size_t looked = 0; !open.empty() && open.top().second != last; ++looked) {
+    if (looked % 1024 == 0 && out_of_time()) return route;
     const auto [sum, at] = open.top();
     open.pop();
     const double so_far = length[static_cast<std::size_t>(at)];

@@ -44,7 +44,8 @@ Hand find_hand(const ConfigurationSpace& space) {
   hand.body = chosen;
   hand.link = body.link;
   hand.center = body.link_from_shape.translation();
-  hand.inner_radius = std::max(0.0, -body.shape.signed_distance(Eigen::Vector3d::Zero()));
+  if (body.shape.kind() != Shape::Kind::convex)  // whose distance is that of the box around it
+    hand.inner_radius = std::max(0.0, -body.shape.signed_distance(Eigen::Vector3d::Zero()));
   hand.outer_radius = body.shape.bounding_radius();
   hand.requirement = part_requirement(space.map(), body.part, space.policies().at(body.part));
   return hand;

@@ -41,6 +41,7 @@ void NeighbourQueue::add_head(int head, const LatticeIndex& node) {
   least_ = heads_.empty() ? least : std::min(least_, least);
   most_ = std::max(most_, most);
   heads_.push_back(std::move(choices));
+  most_entries_ = std::max<std::size_t>(4096, 64 * heads_.size());
 }
 
 /// The next band: until it holds some four times as many neighbours, by the volume of a ball in n dimensions.
@@ -59,9 +60,25 @@ void NeighbourQueue::widen() {
 void NeighbourQueue::fill() {
   while (heap_.empty() && !heads_.empty() && end_ < most_) {
     widen();
-    for (std::uint32_t head = 0; head < heads_.size(); ++head) enumerate(head, 0, 0.0, 0);
+    while (!enumerate_band()) {  // too many: a narrower band, as long as there is one
+      const double low = std::max(begin_, least_), narrower = low + (end_ - low) / 4.0;
+      most_entries_ =
+          narrower > low && narrower < end_ ? most_entries_ : std::numeric_limits<std::size_t>::max();
+      if (narrower > low) end_ = std::min(end_, narrower);
+      band_ = end_ - least_;
+    }
     std::make_heap(heap_.begin(), heap_.end());
   }
+}
+
+/// False when the band holds so many that memory would not be O(k) any more.
+bool NeighbourQueue::enumerate_band() {
+  heap_.clear();
+  for (std::uint32_t head = 0; head < heads_.size(); ++head) {
+    enumerate(head, 0, 0.0, 0);
+    if (heap_.size() > most_entries_) return false;
+  }
+  return true;
 }
 
 void NeighbourQueue::enumerate(std::uint32_t head, std::size_t joint, double sum, std::uint64_t ranks) {
@@ -70,7 +87,7 @@ void NeighbourQueue::enumerate(std::uint32_t head, std::size_t joint, double sum
     if (sum > begin_ && sum <= end_) heap_.push_back({sum, head, ranks});
     return;
   }
-  for (std::uint64_t rank = 0; rank < 3; ++rank) {
+  for (std::uint64_t rank = 0; rank < 3 && heap_.size() <= most_entries_; ++rank) {
     const double next = sum + choices.term[3 * joint + rank];
     if (next + choices.least_rest[joint + 1] > end_ * (1.0 + rounding)) return;
     if (next + choices.most_rest[joint + 1] < begin_ * (1.0 - rounding)) continue;

@@ -50,12 +50,14 @@ class NeighbourQueue {
   };
   void fill();
   void widen();
+  bool enumerate_band();
   void enumerate(std::uint32_t head, std::size_t joint, double sum, std::uint64_t ranks);
 
   const Lattice* lattice_;
   std::vector<Choices> heads_;
   std::vector<Entry> heap_;          ///< within the band, nearest first
   double least_ = 0.0, most_ = 0.0;  ///< squared distance of the nearest and the farthest neighbour of all
+  std::size_t most_entries_ = 0;     ///< of heap_, so that it stays O(heads) (but for equal distances)
   double band_;
   double begin_ = -1.0, end_ = -1.0;  ///< squared distances of the band: beyond begin_, up to end_
   double popped_ = 0.0;

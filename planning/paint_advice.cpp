@@ -42,7 +42,10 @@ std::vector<BoundBody> bound_bodies(const ConfigurationSpace& space) {
     const BlockedSpace* blocked = space.blocked_space(static_cast<int>(i));
     if (blocked == nullptr || space.policies().at(body.part) == Policy::not_occupied) continue;
     const std::shared_ptr<const BlockedSpace> borrowed(std::shared_ptr<void>(), blocked);
-    bodies.push_back({GuardedBody(body, borrowed, reach_box(robot, body)), body.shape.bounding_radius()});
+    Eigen::AlignedBox3d reach = reach_box(robot, body);
+    const double beyond = space.options().padding + space.map().resolution();
+    reach.min().array() -= beyond, reach.max().array() += beyond;
+    bodies.push_back({GuardedBody(body, borrowed, reach), body.shape.bounding_radius()});
   }
   return bodies;
 }
@@ -94,7 +97,13 @@ Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
   bounds = bounds.intersection(about);
   const HandRoute route = free_route(
       open, bounds, from, to, hand.inner_radius, 2.0 * voxel,
-      [&](const Eigen::Vector3d& point) { return paint.clearance(point) >= hand.inner_radius ? 1.0 : 30.0; });
+      [&](const Eigen::Vector3d& point) {
+        const double clearance = paint.clearance(point), most = paint.max_distance();
+        return clearance >= std::min(hand.outer_radius, most)   ? 1.0
+               : clearance >= std::min(hand.inner_radius, most) ? 5.0
+                                                                : 30.0;
+      },
+      free.out_of_time);
   if (route.points.empty()) return {};
   return search_via_regions(free, hand, route, joint_weights(free.space, 0.0), {}).waypoints;
 }

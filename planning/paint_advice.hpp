@@ -28,10 +28,10 @@ struct PaintAdvice {
 /// for a path where every part that has to stay in painted or known space may enter unknown space, too
 /// (never occupied voxels or conflicts). Two are tried: the same planner's, for it is this planner that is to
 /// succeed, and one along the cheapest route for the hand, where a metre outside the paint costs as much as
-/// thirty inside. Every part that leaves its space on the way asks for balls that hold it there, a voxel's
-/// diagonal larger, because only voxels wholly inside a ball are painted. Of the two ways the planner's own
-/// is advised, unless it is not found or the other needs less than half as many balls and the planner does
-/// not move on a lattice of its own (`follows_lattice`).
+/// thirty inside. Every part that leaves its space on the way asks for balls that hold it there, larger by
+/// the padding and three and a quarter voxels, because only voxels wholly inside a ball are painted. Of the
+/// two ways the planner's own is advised, unless it is not found or the other needs less than half as many
+/// balls and the planner does not move on a lattice of its own (`follows_lattice`).
 /// @param problem as it was asked, and failed; its deadline holds for the search here.
 PaintAdvice advise_paint(const Planner& planner, const PlanProblem& problem, bool follows_lattice);
 

@@ -9,6 +9,7 @@
 #include "planning/boundary_sides.hpp"
 #include "planning/constraint.hpp"
 #include "planning/nearest_name.hpp"
+#include "planning/painted_parts.hpp"
 #include "planning/rrtconnect.hpp"
 #include "planning/rrtconnect_fcl.hpp"
 
@@ -84,6 +85,7 @@ PlanResult check_ends(const PlanProblem& problem) {
   std::string why = refusal(problem.space, problem.start);
   if (!why.empty()) {
     result.status = PlanStatus::start_invalid;
+    if (const std::string empty = empty_volume_sentence(problem.space); !empty.empty()) why = empty;
     result.explanation = "The start is not free: " + why + ".";
     return result;
   }

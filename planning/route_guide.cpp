@@ -48,7 +48,8 @@ HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand, const st
   }
   const double voxel = space.map().resolution();
   const double cell = std::max(voxel, std::min(2.0 * voxel, hand.inner_radius));
-  return free_route(blocked, hand_bounds(space, hand), from, to, hand.inner_radius, cell, price);
+  return free_route(blocked, hand_bounds(space, hand), from, to, hand.inner_radius, cell, price,
+                    problem.out_of_time);
 }
 
 RouteGuide::RouteGuide(const PlanProblem& problem, const Hand& hand, HandRoute route, double share)

@@ -1,5 +1,6 @@
 #include "planning/rrtconnect.hpp"
 
+#include "planning/any_angle.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
 #include "planning/sampled_trees.hpp"
@@ -47,7 +48,7 @@ PlanResult RrtConnect::plan(const PlanProblem& problem) const {
   }
   result.explanation = "Joined start and goal with " + std::to_string(found.samples) + " samples.";
   result.search_steps = static_cast<int>(path.size()) - 1;
-  result.cost = problem.cost(path);
+  result.cost = sampled_cost(problem.cost, path, weight, AnyAngleOptions().cost_step);
   result.waypoints = std::move(path);
   return result;
 }

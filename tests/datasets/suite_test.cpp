@@ -140,6 +140,13 @@ std::string refusal(const std::string& from, const std::string& to) {
   return complaint([&] { parse_suite(text, "s.yaml"); });
 }
 
+TEST(Suite, NamesThatWouldShareAFolderAreRefused) {
+  std::string text = full;
+  text.replace(text.find("name: there"), 11, "name: a b");
+  text.replace(text.find("name: back"), 10, "name: a_b");
+  EXPECT_NE(complaint([&] { parse_suite(text, "s.yaml"); }).find("'a_b' is given twice"), std::string::npos);
+}
+
 TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
   const std::vector<std::array<std::string, 3>> mistakes = {
       {"runs: 3", "run: 3", "line 40, experiments[0].run: unknown key; did you mean 'runs'?"},

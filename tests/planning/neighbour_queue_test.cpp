@@ -45,7 +45,7 @@ std::vector<Popped> by_brute_force(const Lattice& lattice, const std::vector<Lat
 
 TEST(NeighbourQueue, GivesAllNeighboursOfAllHeadsInOrderWhateverTheBand) {
   Random random(8);
-  for (const char* name : {"point", "arm5", "puma560"}) {
+  for (const char* name : {"point", "arm5", "puma560", "panda"}) {
     const Robot robot = load_robot(name);
     const ConfigurationSpace space(robot, VoxelScene{}.snapshot());
     const PathCost cost(robot);
