@@ -5,6 +5,8 @@
 #include <numeric>
 #include <random>
 
+#include "planning/path_pieces.hpp"
+
 namespace clearway {
 namespace {
 
@@ -53,31 +55,13 @@ Path jumped(const Pass& pass, const Path& path) {
   return jumped;
 }
 
-/// A point on a path: at `share` of the edge that starts at waypoint `edge`.
-struct Place {
-  std::size_t edge = 0;
-  double share = 0.0;
-};
-
-Configuration point(const Path& path, const Place& place) {
-  return path[place.edge] + place.share * (path[place.edge + 1] - path[place.edge]);
-}
-
-Place place_at(const std::vector<double>& lengths, double along) {
-  for (std::size_t i = 0; i + 1 < lengths.size(); ++i) {
-    if (along < lengths[i]) return {i, along / lengths[i]};
-    along -= lengths[i];
-  }
-  return {lengths.size() - 1, lengths.back() > 0.0 ? std::min(1.0, along / lengths.back()) : 0.0};
-}
-
 /// The piece of the path between two places: the places themselves and the waypoints between them.
-Path piece(const Path& path, const Place& from, const Place& to) {
-  Path points{point(path, from)};
+Path piece(const Path& path, const PathPlace& from, const PathPlace& to) {
+  Path points{point_at(path, from)};
   for (std::size_t i = from.edge + 1; i <= to.edge; ++i) {
     if (path[i] != points.back()) points.push_back(path[i]);
   }
-  const Configuration end = point(path, to);
+  const Configuration end = point_at(path, to);
   if (end != points.back()) points.push_back(end);
   return points;
 }
@@ -117,7 +101,7 @@ Eigen::Index drawn_joint(const Pass& pass, const Path& points, double share) {
 
 /// The path with its part between two places replaced. Pieces left of the cut edges are certified anew: a
 /// piece of a free edge need not prove as easily.
-bool is_replaceable(const Pass& pass, const Path& path, const Place& from, const Place& to,
+bool is_replaceable(const Pass& pass, const Path& path, const PathPlace& from, const PathPlace& to,
                     const Path& points) {
   if (points.front() != path[from.edge] && !pass.is_free(path[from.edge], points.front())) return false;
   if (points.back() != path[to.edge + 1] && !pass.is_free(points.back(), path[to.edge + 1])) return false;
@@ -127,7 +111,7 @@ bool is_replaceable(const Pass& pass, const Path& path, const Place& from, const
   return true;
 }
 
-Path replaced(const Path& path, const Place& from, const Place& to, const Path& points) {
+Path replaced(const Path& path, const PathPlace& from, const PathPlace& to, const Path& points) {
   Path result(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(from.edge) + 1);
   const auto add = [&](const Configuration& q) {
     if (q != result.back()) result.push_back(q);
@@ -140,11 +124,10 @@ Path replaced(const Path& path, const Place& from, const Place& to, const Path& 
 /// One random attempt; true when the path became cheaper.
 bool try_cut(const Pass& pass, Path& path, std::mt19937_64& random) {
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
-  std::vector<double> lengths;
-  for (std::size_t i = 1; i < path.size(); ++i) lengths.push_back(pass.length(path[i - 1], path[i]));
+  const std::vector<double> lengths = edge_lengths(path, pass.weight);
   const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
   const double a = whole * uniform(), b = whole * uniform(), kind = 3.0 * uniform(), share = uniform();
-  const Place from = place_at(lengths, std::min(a, b)), to = place_at(lengths, std::max(a, b));
+  const PathPlace from = place_at(lengths, std::min(a, b)), to = place_at(lengths, std::max(a, b));
   if (from.edge == to.edge) return false;
   const Path old = piece(path, from, to);
   const Eigen::Index joint = drawn_joint(pass, old, share);

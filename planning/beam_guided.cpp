@@ -9,6 +9,7 @@
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
 #include "planning/painted_parts.hpp"
+#include "planning/path_pieces.hpp"
 #include "planning/route_guide.hpp"
 #include "planning/sampled_trees.hpp"
 #include "planning/via_beam.hpp"
@@ -127,14 +128,6 @@ class GuidedSearch {
   bool looked_ = false;
 };
 
-bool is_certified(const PlanProblem& problem, const Path& path, std::uint64_t& edges) {
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    ++edges;
-    if (!problem.space.is_edge_free(path[i - 1], path[i])) return false;
-  }
-  return !path.empty();
-}
-
 }  // namespace
 
 BeamGuided::BeamGuided(const PlannerOptions& options) {
@@ -197,7 +190,7 @@ std::vector<Configuration> BeamGuided::guided(const PlanProblem& problem, const 
   if (path.empty()) path = search.through_regions(routes_, {});
   trees.max_samples = max_samples_;
   if (path.empty() && !problem.out_of_time()) path = search.through_trees(trees, guided_share_);
-  if (is_certified(problem, path, result.edges_checked)) return path;
+  if (!path.empty() && is_certified(problem.space, path, result.edges_checked)) return path;
   result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
   if (result.explored.empty()) result.explored = {problem.start};
   result.final_distance = (problem.goal - result.explored.back()).norm();

@@ -3,21 +3,11 @@
 #include "planning/any_angle.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
+#include "planning/path_pieces.hpp"
 #include "planning/sampled_trees.hpp"
 #include "planning/shortcut.hpp"
 
 namespace clearway {
-namespace {
-
-bool is_certified(const ConfigurationSpace& space, const std::vector<Configuration>& path) {
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (!space.is_edge_free(path[i - 1], path[i])) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
 RrtConnect::RrtConnect(const PlannerOptions& options) {
   OptionReader reader("rrtconnect", options);
   range_ = reader.number_or_auto("range", 0.0, 1e3);
@@ -39,7 +29,7 @@ PlanResult RrtConnect::plan(const PlanProblem& problem) const {
   result.configurations_checked += found.configurations;
   result.edges_checked = found.edges;
   result.statistics = {{"samples", found.samples}};
-  if (path.empty() || !is_certified(problem.space, path)) {
+  if (path.empty() || !is_certified(problem.space, path, result.edges_checked)) {
     result.status = found.out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
     result.final_distance = (problem.goal - problem.start).norm();
     result.explanation = path.empty() ? "No path found with " + std::to_string(found.samples) + " samples."
