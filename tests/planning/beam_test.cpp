@@ -3,45 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <numbers>
 #include <random>
 
+#include "beam_world.hpp"
 #include "planning/beam_search.hpp"
-#include "voxel_scene.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-Policies anywhere_but_occupied() {
-  Policies policies;
-  policies.critical_by_default = false;
-  return policies;
-}
-
-/// A robot in a map with everything a query needs.
-struct World {
-  ConfigurationSpace space;
-  PathCost cost;
-  World(const Robot& robot, const VoxelScene& scene, const Policies& policies = anywhere_but_occupied())
-      : space(robot, scene.snapshot(), policies), cost(robot) {}
-
-  PlanResult plan(const std::string& planner, const Configuration& start, const Configuration& goal,
-                  const PlannerOptions& options) const {
-    return make_planner(planner, options)->plan({space, cost, start, goal});
-  }
-};
-
-Configuration vector_of(std::initializer_list<double> values) {
-  Configuration q(static_cast<Eigen::Index>(values.size()));
-  std::copy(values.begin(), values.end(), q.begin());
-  return q;
-}
-
-void expect_valid(const World& world, const PlanResult& result, const Configuration& start) {
+void expect_valid(const BeamWorld& world, const PlanResult& result, const Configuration& start) {
   ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
   EXPECT_EQ(result.waypoints.front(), start);
   for (std::size_t i = 1; i < result.waypoints.size(); ++i) {
@@ -92,7 +65,7 @@ TEST_P(BeamAgainstReference, GivesTheSamePathCostAndStepsBitForBit) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int solved = 0, failed = 0;
   for (int s = 0; s < family.scenes; ++s) {
-    const World world(robot, random_scene(random, family.size, family.resolution, family.blocks, n == 2));
+    const BeamWorld world(robot, random_scene(random, family.size, family.resolution, family.blocks, n == 2));
     for (int i = 0; i < family.queries; ++i) {
       const Configuration start =
           Configuration::NullaryExpr(n, [&] { return family.reach * 3.0 * uniform(random); });
@@ -127,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Robots, BeamAgainstReference,
 TEST(Beam, TiesAreBrokenTheSameWayInBoth) {
   // Start, goal and steps on a grid: many nodes at exactly equal distances.
   VoxelScene scene{0.1, {box_of(0.35, -0.35, -0.1, 0.55, 0.35, 0.1)}, {}, {}};
-  const World world(load_robot("point"), scene);
+  const BeamWorld world(load_robot("point"), scene);
   for (int width = 1; width <= 20; ++width) {
     const PlannerOptions options = {{"width", std::to_string(width)}, {"step", "0.125"}};
     const PlanResult fast = world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), options);
@@ -159,7 +132,7 @@ void expect_ramp_then_flat(const PlanResult& result, double step) {
   }
 }
 
-void expect_scenario_1(const World& world, const Configuration& start, const Configuration& goal) {
+void expect_scenario_1(const BeamWorld& world, const Configuration& start, const Configuration& goal) {
   const double ramp = (goal - start).cwiseAbs().maxCoeff() / (0.5 * kDegree);
   const PlanResult greedy = world.plan("beam", start, goal, {{"width", "1"}});
   expect_valid(world, greedy, start);
@@ -178,7 +151,7 @@ void expect_scenario_1(const World& world, const Configuration& start, const Con
 
 TEST(Beam, Scenario1InAnEmptyMapIsARampForEveryJoint) {
   // Tasks of the paper's size: about 86 steps, and the shoulder and the elbow carry the arm a good way.
-  const World world(load_robot("puma560"), VoxelScene{});
+  const BeamWorld world(load_robot("puma560"), VoxelScene{});
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
   for (int i = 0; i < 5; ++i) {
@@ -201,7 +174,7 @@ TEST(Beam, Scenario1InACompactPaintedVolumeOfTheMiniature) {
   scene.resolution = 0.0025;
   scene.painted = {{tip_pose(robot, 0.5 * (start + goal)).translation(), 0.09}};
   scene.critical_parts = robot.critical_parts;
-  const World world(robot, scene, Policies{});
+  const BeamWorld world(robot, scene, Policies{});
   ASSERT_EQ(world.space.policies().at("tool"), Policy::painted);
   expect_scenario_1(world, start, goal);
 }
@@ -216,7 +189,7 @@ VoxelScene pocket() {
 }
 
 TEST(Beam, Scenario3AHoleStallsNarrowBeamsAndLetsWideOnesPass) {
-  const World world(load_robot("point"), pocket());
+  const BeamWorld world(load_robot("point"), pocket());
   const Configuration start = vector_of({-0.5, 0.0}), goal = vector_of({2.0, 0.05});
   for (const int width : {1, 5, 10, 20, 40}) {
     const PlanResult result = world.plan(
@@ -233,7 +206,7 @@ TEST(Beam, Scenario3AHoleStallsNarrowBeamsAndLetsWideOnesPass) {
 }
 
 TEST(Beam, ABeamThatWalkedIntoADeadEndStallsLongBeforeMaxSteps) {
-  const World world(load_robot("point"), pocket());
+  const BeamWorld world(load_robot("point"), pocket());
   const Configuration start = vector_of({-0.5, 0.0}), goal = vector_of({2.0, 0.05});
   const PlanResult result = world.plan("beam", start, goal, {{"width", "5"}, {"step", "0.1"}});
   EXPECT_EQ(result.status, PlanStatus::no_path);
@@ -249,7 +222,7 @@ TEST(Beam, AnEnclosedGoalEndsInNoPathWithTheReason) {
                     box_of(1, -1, -0.1, 3, -0.9, 0.1), box_of(1, 0.9, -0.1, 3, 1, 0.1)};
   Robot robot = load_robot("point");
   for (Joint& joint : robot.joints) joint.lower = -4.0, joint.upper = 4.0;
-  const World world(robot, scene);
+  const BeamWorld world(robot, scene);
   const Configuration start = vector_of({0.0, 0.0}), goal = vector_of({2.0, 0.0});
   for (const char* width : {"1", "10", "200"}) {
     const PlanResult result = world.plan("beam", start, goal, {{"width", width}, {"step", "0.1"}});
@@ -262,7 +235,7 @@ TEST(Beam, AnEnclosedGoalEndsInNoPathWithTheReason) {
 }
 
 TEST(Beam, NoNodeIsVisitedTwice) {
-  const World world(load_robot("point"), pocket());
+  const BeamWorld world(load_robot("point"), pocket());
   const PlanResult result =
       world.plan("beam", vector_of({0.0, 0.0}), vector_of({2.0, 0.05}), {{"width", "1"}, {"step", "0.1"}});
   // k = 1 and every head a new node: the best path has no node twice and the search ends by itself.
@@ -273,7 +246,7 @@ TEST(Beam, NoNodeIsVisitedTwice) {
 }
 
 TEST(Beam, AStartInTheGoalBoxNeedsNoStep) {
-  const World world(load_robot("point"), VoxelScene{});
+  const BeamWorld world(load_robot("point"), VoxelScene{});
   const PlanResult near =
       world.plan("beam", vector_of({0.0, 0.0}), vector_of({0.03, -0.05}), {{"step", "0.05"}});
   expect_valid(world, near, vector_of({0.0, 0.0}));
@@ -289,7 +262,7 @@ TEST(Beam, AStartInTheGoalBoxNeedsNoStep) {
 }
 
 TEST(Beam, LastSegmentIsCostedApartAndCanBeLeftOut) {
-  const World world(load_robot("point"), VoxelScene{});
+  const BeamWorld world(load_robot("point"), VoxelScene{});
   const Configuration start = vector_of({0.0, 0.0}), goal = vector_of({1.02, 0.53});
   const PlanResult with = world.plan("beam", start, goal, {{"step", "0.05"}});
   const PlanResult without = world.plan("beam", start, goal, {{"step", "0.05"}, {"last_segment", "false"}});
@@ -308,7 +281,7 @@ TEST(Beam, JointLimitsAreKept) {
   VoxelScene scene;
   scene.resolution = 0.1;
   scene.occupied = {box_of(0.9, -0.4, -0.1, 1.1, 0.0, 0.1)};
-  const World world(robot, scene);
+  const BeamWorld world(robot, scene);
   const PlanResult result = world.plan("beam", vector_of({0.0, -0.25}), vector_of({2.0, -0.25}),
                                        {{"width", "60"}, {"step", "0.05"}});
   expect_valid(world, result, vector_of({0.0, -0.25}));
@@ -316,7 +289,7 @@ TEST(Beam, JointLimitsAreKept) {
 }
 
 TEST(Beam, InvalidEndsAreToldInASentence) {
-  const World world(load_robot("point"), pocket());
+  const BeamWorld world(load_robot("point"), pocket());
   const Configuration free = vector_of({0.0, 0.0}), blocked = vector_of({1.05, 0.0}),
                       outside = vector_of({0.0, 500.0});
   const PlanResult start = world.plan("beam", blocked, free, {});
@@ -330,7 +303,7 @@ TEST(Beam, InvalidEndsAreToldInASentence) {
 }
 
 TEST(Beam, OutOfTimeItGivesTheBestPathSoFarOrTheBestNode) {
-  const World world(load_robot("point"), pocket());
+  const BeamWorld world(load_robot("point"), pocket());
   int asked = 0, most = 1 << 30;
   const PlanProblem problem{world.space,
                             world.cost,
@@ -363,94 +336,6 @@ TEST(Beam, OutOfTimeItGivesTheBestPathSoFarOrTheBestNode) {
   }
   EXPECT_GT(solved, 0);
   EXPECT_GT(timed_out, 0);
-}
-
-TEST(Beam, RefusesAJointThatMovesLessThanItsStep) {
-  Robot robot = load_robot("point");
-  robot.joints[1].lower = -0.04, robot.joints[1].upper = 0.04;
-  const World world(robot, VoxelScene{});
-  EXPECT_EQ(world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.08"}}).status,
-            PlanStatus::solved);
-  try {
-    world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.1"}});
-    ADD_FAILURE() << "accepted";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find(robot.joints[1].name), std::string::npos) << error.what();
-  }
-}
-
-/// What a user is told; empty when nothing is refused.
-std::string refusal(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
-}
-
-TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
-  const World world(load_robot("point"), VoxelScene{});
-  const auto told = [&](const PlannerOptions& options) {
-    return refusal([&] { world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), options); });
-  };
-  EXPECT_EQ(told({{"step", "0.1"}}), "");
-  for (const auto& [option, value] :
-       std::vector<std::pair<std::string, std::string>>{{"width", "0"},
-                                                        {"width", "-3"},
-                                                        {"step", "0"},
-                                                        {"step", "-0.1"},
-                                                        {"step", "0.1,0"},
-                                                        {"step_deg", "0"},
-                                                        {"step_deg", "-1"},
-                                                        {"step", "0.1,0.1,0.1"},
-                                                        {"max_steps", "0"},
-                                                        {"prismatic_scale", "-1"}}) {
-    const std::string sentence = told({{option, value}});
-    EXPECT_NE(sentence.find("beam"), std::string::npos) << option << " " << value << ": " << sentence;
-    EXPECT_NE(sentence.find("'" + option + "'"), std::string::npos) << sentence;
-    EXPECT_NE(sentence.find("expected"), std::string::npos) << sentence;
-    EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
-  }
-}
-
-TEST(Beam, RefusesASlidingJointThatHasNoScaleAgainstTheJointsThatTurn) {
-  // A turret on whose arm a carriage slides without limit: the reach that a scale is derived from is
-  // infinite.
-  Robot robot = load_robot("planar2");
-  robot.joints[1].kind = JointKind::prismatic;
-  robot.joints[1].axis = Eigen::Vector3d::UnitX();
-  robot.joints[1].lower = -1.0, robot.joints[1].upper = 1.0;
-  const Configuration start = vector_of({0.0, 0.0}), goal = vector_of({0.3, 0.2});
-  const World bounded(robot, VoxelScene{});
-  EXPECT_EQ(bounded.plan("beam", start, goal, {{"step", "0.05"}}).status, PlanStatus::solved);
-  robot.joints[1].lower = -std::numeric_limits<double>::infinity();
-  robot.joints[1].upper = std::numeric_limits<double>::infinity();
-  const World unbounded(robot, VoxelScene{});
-  for (const char* scale : {"auto", "1"}) {
-    const std::string sentence = refusal([&] {
-      unbounded.plan("beam", start, goal, {{"step", "0.05"}, {"prismatic_scale", scale}});
-    });
-    EXPECT_NE(sentence.find("'" + robot.joints[1].name + "' slides without limits"), std::string::npos)
-        << sentence;
-    EXPECT_NE(sentence.find("expected joint limits"), std::string::npos) << sentence;
-  }
-}
-
-TEST(Beam, StartAndGoalPastALimitAreToldWithTheJoint) {
-  Robot robot = load_robot("point");
-  robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;
-  const World world(robot, VoxelScene{});
-  const Configuration inside = vector_of({0.0, 0.0}), outside = vector_of({1.25, 0.0});
-  const PlanResult start = world.plan("beam", outside, inside, {}),
-                   goal = world.plan("beam", inside, outside, {});
-  EXPECT_EQ(start.status, PlanStatus::start_invalid);
-  EXPECT_EQ(goal.status, PlanStatus::goal_invalid);
-  for (const std::string& sentence : {start.explanation, goal.explanation}) {
-    EXPECT_NE(sentence.find("joint " + robot.joints[0].name), std::string::npos) << sentence;
-    EXPECT_NE(sentence.find("0.25"), std::string::npos) << sentence;
-    EXPECT_NE(sentence.find("limit"), std::string::npos) << sentence;
-  }
 }
 
 }  // namespace

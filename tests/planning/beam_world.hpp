@@ -1,0 +1,37 @@
+#pragma once
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+
+#include "planning/planner.hpp"
+#include "voxel_scene.hpp"
+
+namespace clearway {
+
+inline Policies anywhere_but_occupied() {
+  Policies policies;
+  policies.critical_by_default = false;
+  return policies;
+}
+
+/// A robot in a map with everything a query needs.
+struct BeamWorld {
+  ConfigurationSpace space;
+  PathCost cost;
+  BeamWorld(const Robot& robot, const VoxelScene& scene, const Policies& policies = anywhere_but_occupied())
+      : space(robot, scene.snapshot(), policies), cost(robot) {}
+
+  PlanResult plan(const std::string& planner, const Configuration& start, const Configuration& goal,
+                  const PlannerOptions& options) const {
+    return make_planner(planner, options)->plan({space, cost, start, goal});
+  }
+};
+
+inline Configuration vector_of(std::initializer_list<double> values) {
+  Configuration q(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), q.begin());
+  return q;
+}
+
+}  // namespace clearway
