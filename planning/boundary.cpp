@@ -32,9 +32,11 @@ class BoundaryMotion {
   /// One step. Returns why the motion ends, or nothing.
   std::string advance() {
     constraints_ = constraints_at(problem_.space, motion_.position(), options_);
-    local_ = local_step(constraints_, step_to_goal(options_, motion_.position(), problem_.goal), options_);
+    const Eigen::VectorXd wanted = step_to_goal(options_, motion_.position(), problem_.goal);
+    local_ = local_step(constraints_, wanted, options_);
     motion_.note(constraints_, local_);
-    const BoundaryChoice choice = controller_.next(constraints_, local_, motion_.position(), problem_.goal);
+    const BoundaryChoice choice =
+        controller_.next(constraints_, local_, wanted, motion_.position(), problem_.goal);
     if (!choice.why.empty()) return stopped(choice.why);
     if (motion_.take(choice.step)) return "";
     return stopped(choice.is_local ? "The next local step could not be certified free"

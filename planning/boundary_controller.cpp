@@ -28,7 +28,8 @@ bool Bypass::goes_round(const Eigen::VectorXd& y, double max_step) {
 }
 
 BoundaryChoice BoundaryController::next(const StepConstraints& constraints, const LocalStep& local,
-                                        const Configuration& q, const Configuration& goal) {
+                                        const Eigen::VectorXd& wanted, const Configuration& q,
+                                        const Configuration& goal) {
   const double to_goal = options_.weight.cwiseProduct(goal - q).norm();
   if (bypass_) bypass_->nearest = std::min(bypass_->nearest, to_goal);
   if (bypass_ && bypass_->nearest < leave_distance()) end_bypass();
@@ -36,10 +37,10 @@ BoundaryChoice BoundaryController::next(const StepConstraints& constraints, cons
     BoundaryChoice choice = follow(constraints, q);
     if (bypass_ || !choice.why.empty()) return choice;
   }
-  const double wanted = step_to_goal(options_, q, goal).norm();
   const bool is_creeping = watch_.is_creeping(to_goal);
-  const double least = std::max(given_.enter_ratio, kDeadlock) * wanted;
-  if (wanted > 0.0 && (is_creeping || local.step.norm() < least)) return enter(constraints, local, q, goal);
+  const double least = std::max(given_.enter_ratio, kDeadlock) * wanted.norm();
+  if (!wanted.isZero(0.0) && (is_creeping || local.step.norm() < least))
+    return enter(constraints, local, q, goal);
   ++counts_.local;
   return {local.step, true, ""};
 }

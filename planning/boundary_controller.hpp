@@ -57,11 +57,12 @@ class BoundaryController {
       : robot_(robot), given_(given), options_(options), watch_(options.max_step) {}
 
   /// The step from q.
-  /// @param constraints at q; @param local what eq. 9 makes of the step to the goal there
+  /// @param constraints at q
+  /// @param local what eq. 9 makes of the `wanted` step to the goal there (step_to_goal, or a shorter one)
   /// When `why` is not empty, the method as published ends here; where things move, one may take the
   /// step all the same (it keeps all constraints) and go on: the boundary is then looked for anew.
-  BoundaryChoice next(const StepConstraints& constraints, const LocalStep& local, const Configuration& q,
-                      const Configuration& goal);
+  BoundaryChoice next(const StepConstraints& constraints, const LocalStep& local,
+                      const Eigen::VectorXd& wanted, const Configuration& q, const Configuration& goal);
 
   bool is_following() const { return bypass_.has_value(); }
   const Counts& counts() const { return counts_; }
