@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "planning/obstacle_rows.hpp"
+
+namespace clearway {
+
+/// A pose at a time.
+struct TimedPose {
+  double time = 0.0;  ///< s
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+};
+
+/// How something rigid moves: from pose to pose with constant velocity of its origin and constant rate of
+/// turning about a fixed axis. Before the first pose and after the last one it stands still; or it repeats.
+class RigidMotion {
+ public:
+  /// @param poses in the order of time; one: it never moves
+  /// @param repeats after the last pose the first follows at once: they should be equal
+  /// @throws std::invalid_argument for no poses, times that do not grow, values that are not finite
+  explicit RigidMotion(std::vector<TimedPose> poses, bool repeats = false);
+
+  Eigen::Isometry3d pose(double time) const;
+
+  /// Bounds on the speed of any point within `radius` (m) of the origin, at any time, m/s.
+  double greatest_speed(double radius) const;
+
+  const std::vector<TimedPose>& poses() const { return poses_; }
+  bool repeats() const { return repeats_; }
+
+ private:
+  double within(double time) const;
+
+  std::vector<TimedPose> poses_;
+  bool repeats_;
+};
+
+/// A solid thing on a given way. Its shape's frame is what moves.
+struct MovingObstacle {
+  std::string name;
+  Shape shape = Shape::sphere(1.0);
+  RigidMotion motion{{TimedPose{}}};
+
+  /// Where it is at `time`, with the mean velocities until `time + period`.
+  PlacedShape placed(double time, double period) const;
+  /// Bound on the speed of its points, m/s.
+  double greatest_speed() const;
+};
+
+}  // namespace clearway

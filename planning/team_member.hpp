@@ -1,0 +1,76 @@
+#pragma once
+
+// Private to the sources of run_team.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "planning/boundary_controller.hpp"
+#include "planning/team.hpp"
+
+namespace clearway {
+
+/// Most that one weighted unit of any joint moves a point of the robot, m.
+double weighted_reach(const ConfigurationSpace& space, double prismatic_scale);
+
+/// The longest step of one period that keeps every joint's velocity limit and sqrt(a `braking`), weighted
+/// units; `braking`: radians within which the robot must be able to stop.
+double longest_step(const ConfigurationSpace& space, double prismatic_scale, const TeamOptions& options,
+                    double braking);
+
+/// The longest first step from which steps that shrink by `change` each end within `room`.
+double braking_step(double room, double change);
+
+/// What demanded a separation that a robot could not keep.
+struct OutrunBy {
+  enum Kind { nothing, map, robot, obstacle } kind = nothing;
+  int index = -1;  ///< of the obstacle
+};
+
+/// One robot of a run.
+class TeamMember {
+ public:
+  TeamMember(const TeamRobot& robot, const TeamOptions& options, const TeamFigures& figures,
+             std::size_t index);
+
+  void see(std::shared_ptr<const ConfigurationSpace> space);
+  /// Its bodies where they are now.
+  std::vector<PlacedShape> bodies() const;
+  /// Notes what limits it here, given bodies of other robots and obstacles.
+  void look(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
+  /// Decides the next step by it.
+  OutrunBy choose();
+  /// Takes it, as far as the map's certificate goes. Returns whether it moved.
+  bool move();
+
+  bool is_at_goal() const { return position() == robot_.goal; }
+  const TeamTrace& trace() const { return trace_; }
+  /// "'left' is 0.3 from its goal in joint space: its load is 21 mm from ..."
+  std::string where() const;
+
+ private:
+  const Configuration& position() const { return trace_.positions.back(); }
+  Eigen::VectorXd wanted_step() const;
+  void append_rows(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
+  void limit_change(const Eigen::VectorXd& wanted);
+  OutrunBy outrun_by(const Eigen::VectorXd& multipliers) const;
+  Configuration moved(const Eigen::VectorXd& step) const;
+
+  const TeamRobot& robot_;
+  const TeamOptions& options_;
+  std::shared_ptr<const ConfigurationSpace> space_;
+  ObstacleRows obstacle_rows_;
+  DamperOptions damper_;
+  BoundaryController controller_;
+  StepConstraints constraints_;
+  std::vector<OutrunBy> sources_;  ///< of each row
+  LocalStep local_;
+  Eigen::VectorXd change_;    ///< a T^2 of each joint, weighted units
+  Eigen::VectorXd previous_;  ///< the step before, weighted units
+  Eigen::VectorXd step_;
+  bool along_boundary_ = false;
+  TeamTrace trace_;
+};
+
+}  // namespace clearway
