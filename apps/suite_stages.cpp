@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "apps/suite_reaching.hpp"
 #include "apps/suite_shelves.hpp"
 #include "apps/suite_tunnels.hpp"
 #include "apps/suite_world.hpp"
@@ -47,17 +48,36 @@ SuiteStage shelf_stage(const SuiteGenerator& generator, std::size_t index, const
   return {shelf.world.name, shelf.map, "", "", std::move(shelf.problems)};
 }
 
+SuiteStage reaching_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                          const Policies& policies, double padding) {
+  ReachingScene scene = draw_reaching(generator, index, robot, policies, padding);
+  return {scene.world.name, scene.map, "", "", std::move(scene.problems)};
+}
+
 /// All kinds.
 constexpr Generator generators[] = {
     {"tunnels", 1, tunnel_stage},
     {"shelves", problems_of_a_shelf, shelf_stage},
+    {"shelf", problems_of_a_scene, reaching_stage},
+    {"table", problems_of_a_scene, reaching_stage},
+    {"ladder", problems_of_a_scene, reaching_stage},
+    {"cage", problems_of_a_scene, reaching_stage},
+    {"boxes", problems_of_a_scene, reaching_stage},
 };
+
+std::string generator_kinds() {
+  std::string kinds;
+  for (const Generator& generator : generators)
+    kinds += (kinds.empty() ? "" : ", ") + std::string(generator.kind);
+  return kinds;
+}
 
 const Generator& generator_of(const Suite& suite, const SuiteExperiment& experiment) {
   for (const Generator& generator : generators)
     if (generator.kind == experiment.generate->kind) return generator;
   refuse(suite, experiment,
-         "field 'generate': expected the kind tunnels or shelves, got '" + experiment.generate->kind + "'");
+         "field 'generate': expected one of the kinds " + generator_kinds() + ", got '" +
+             experiment.generate->kind + "'");
 }
 
 Configuration configuration(const std::vector<double>& values) {

@@ -121,9 +121,10 @@ TEST(SuiteStages, AnUnknownGeneratorIsRefused) {
     SuiteStages(suite, suite.experiments[0], robot);
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(),
-                 "suite 's', experiment 'drawn', field 'generate': expected the kind tunnels or shelves, got "
-                 "'mazes'");
+    EXPECT_STREQ(
+        error.what(),
+        "suite 's', experiment 'drawn', field 'generate': expected one of the kinds tunnels, shelves, "
+        "shelf, table, ladder, cage, boxes, got 'mazes'");
   }
 }
 
