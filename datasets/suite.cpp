@@ -115,17 +115,19 @@ std::vector<SuitePlanner> read_planners(const YamlFields& fields) {
 
 /// The world and the problems in it, or the generator of both.
 void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& experiment) {
-  if (fields.has("generate") == fields.has("problems"))
-    fields.fail("problems", "expected either 'world' and 'problems', or 'generate'");
-  if (fields.has("generate")) {
-    experiment.generate = read_generator(fields.map("generate"));
-    return;
-  }
+  if (fields.has("generate") + fields.has("problems") + fields.has("teams") != 1)
+    fields.fail("problems", "expected one of: 'world' and 'problems'; 'generate'; 'teams'");
+  if (fields.has("generate")) experiment.generate = read_generator(fields.map("generate"));
+  const bool is_team =
+      fields.has("teams") || (experiment.generate && experiment.generate->kind == "crossings");
+  if (is_team) experiment.teams = read_suite_teams(fields);
+  if (!is_team) experiment.robot = fields.text("robot");
+  if (experiment.generate || (is_team && !fields.has("world"))) return;
   experiment.world = fields.text("world");
   if (std::none_of(suite.worlds.begin(), suite.worlds.end(),
                    [&](const SuiteWorld& world) { return world.name == experiment.world; }))
     fields.fail("world", "expected the name of one of the worlds, got '" + experiment.world + "'");
-  experiment.problems = read_problems(fields);
+  if (!is_team) experiment.problems = read_problems(fields);
 }
 
 SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
@@ -135,9 +137,9 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.title = fields.text("title", experiment.name);
   experiment.paper = fields.text("paper", "");
   experiment.notes = fields.text("notes", "");
-  experiment.robot = fields.text("robot");
   experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
   read_tasks(fields, suite, experiment);
+  if (experiment.teams && experiment.scale) fields.fail("scale", "expected it beside each robot of a team");
   if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
   experiment.padding = fields.number("padding", not_negative, experiment.padding);
   experiment.planners = fields.has("planners") ? read_planners(fields) : usual;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/scene.hpp"
+#include "datasets/suite_team.hpp"
 
 namespace clearway {
 
@@ -43,8 +44,7 @@ struct SuiteProblem {
   std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
 };
 
-/// Worlds and problems drawn from a seed: "tunnels" (a painted tube along a winding way of the hand) or
-/// "shelves" (from one board of a shelf to another), see datasets/suites/README.md.
+/// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/README.md.
 struct SuiteGenerator {
   std::string kind;
   int count = 0;  ///< problems
@@ -59,16 +59,18 @@ struct SuitePlanner {
   std::map<std::string, std::string> options;
 };
 
-/// Problems under one robot, policy and set of planners: a table, and plots.
+/// Problems under one robot, policy and set of planners: a table, and plots. Or teams of robots, each with
+/// their own, which planners that move step by step lead at the same time.
 struct SuiteExperiment {
   std::string name, title;
   std::string paper;  ///< what the paper shows, in its own figures; may be empty
   std::string notes;  ///< why ours differs; may be empty
-  std::string robot;  ///< name in datasets/robots or a path
+  std::string robot;  ///< name in datasets/robots or a path; empty for teams
   std::optional<double> scale;
-  std::string world;  ///< of the explicit problems
+  std::string world;  ///< of the explicit problems; for teams it may be empty: nothing but the robots
   std::vector<SuiteProblem> problems;
-  std::optional<SuiteGenerator> generate;       ///< either this, or world and problems
+  std::optional<SuiteGenerator> generate;       ///< either this, or world and problems, or teams
+  std::optional<SuiteTeams> teams;              ///< generated ones are drawn later
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
   double padding = 0;                           ///< m
   std::vector<SuitePlanner> planners;

@@ -73,12 +73,18 @@ class BoundaryMotion {
 
 }  // namespace
 
+BoundaryOptions read_boundary_options(OptionReader& reader) {
+  BoundaryOptions options;
+  options.local = read_constraint_options(reader);
+  options.enter_ratio = reader.number("enter_ratio", options.enter_ratio, 0.0, 0.99);
+  options.leave_ratio = reader.number("leave_ratio", options.leave_ratio, 0.01, 1.0);
+  options.upper = reader.choice("side", "upper", {"upper", "lower"}) == "upper";
+  return options;
+}
+
 Boundary::Boundary(const PlannerOptions& options) {
   OptionReader reader("boundary", options);
-  options_.local = read_constraint_options(reader);
-  options_.enter_ratio = reader.number("enter_ratio", options_.enter_ratio, 0.0, 0.99);
-  options_.leave_ratio = reader.number("leave_ratio", options_.leave_ratio, 0.01, 1.0);
-  options_.upper = reader.choice("side", "upper", {"upper", "lower"}) == "upper";
+  options_ = read_boundary_options(reader);
   reader.refuse_unknown();
   in_force_ = reader.in_force();
 }

@@ -12,6 +12,7 @@ struct BoundaryOptions {
   double leave_ratio = 0.8;  ///< ends when ||q - q_goal|| < leave_ratio d_lock (section 4); 1: section 3.3
   bool upper = true;         ///< side: towards all upper, or all lower, joint limits
 };
+BoundaryOptions read_boundary_options(OptionReader& reader);
 
 /// Constraint method with boundary following, Lahouar et al. 2006, eq. 1-23, in a static scene.
 /// Complete for two joints only: with more, motion is confined to one plane per deadlock.

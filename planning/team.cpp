@@ -270,6 +270,22 @@ double TeamRun::least_separation() const {
   return least;
 }
 
+TeamOptions team_options(const std::string& planner, const PlannerOptions& options) {
+  require(planner == "constraint" || planner == "boundary",
+          "planner '" + planner +
+              "' cannot lead a team: expected constraint or boundary, which move step by step");
+  TeamOptions all;
+  OptionReader reader(planner, options);
+  all.follows_boundaries = planner == "boundary";
+  if (all.follows_boundaries) {
+    all.boundary = read_boundary_options(reader);
+  } else {
+    all.boundary.local = read_constraint_options(reader);
+  }
+  reader.refuse_unknown();
+  return all;
+}
+
 TeamRun run_team(const Team& team, const TeamOptions& options, const std::function<bool()>& out_of_time) {
   check_inputs(team, options);
   return TeamMotion(team, options).run(out_of_time);

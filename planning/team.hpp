@@ -38,6 +38,11 @@ struct TeamOptions {
   double max_acceleration = 5.0;   ///< a, of every joint, rad/s^2 or m/s^2
 };
 
+/// Options of the planners that can lead a team, `constraint` and `boundary`, as they are given to
+/// make_planner; `max_steps` does not count, the duration does.
+/// @throws std::invalid_argument for another planner, naming these two, and as make_planner
+TeamOptions team_options(const std::string& planner, const PlannerOptions& options);
+
 /// The values in force, common to the team. Chosen so that braking before an obstacle needs no more than the
 /// acceleration `a`: speeds fall in proportion to the distance left, the faster the smaller d_i.
 struct TeamFigures {

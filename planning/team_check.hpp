@@ -11,10 +11,10 @@ struct TeamVerdict {
   bool is_apart = false;          ///< nothing touched at any time: robots, obstacles, map, robots themselves
   double least_separation = 0.0;  ///< between robots, and of robots from obstacles, at ANY time: certified,
                                   ///< m; at most `cap`, short of the true one by 0.1 mm at most
-  double time = 0.0;                  ///< when
-  std::string between;                ///< "left/load and right/forearm"; empty when all stayed `cap` apart
-  std::string contact;                ///< the first contact with the map or within a robot; empty when none
-  double greatest_speed_share = 0.0;  ///< of a joint's velocity limit
+  double time = 0.0;              ///< when
+  std::string between;            ///< "left/load and right/forearm"; empty when all stayed `cap` apart
+  std::string contact;            ///< the first contact with the map or within a robot; empty when none
+  double greatest_speed_share = 0.0;         ///< of a joint's velocity limit
   double greatest_acceleration_share = 0.0;  ///< of the acceleration limit, from period to period
 };
 

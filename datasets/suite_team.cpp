@@ -1,0 +1,86 @@
+#include "datasets/suite_team.hpp"
+
+#include <cmath>
+#include <set>
+
+#include "datasets/scene_shape.hpp"
+#include "datasets/yaml_fields.hpp"
+
+namespace clearway {
+namespace {
+
+void take(std::set<std::string>& taken, const std::string& name, const YamlFields& fields) {
+  if (name.empty()) fields.fail("name", "expected a name that is not empty");
+  if (!taken.insert(name).second)
+    fields.fail("name", "'" + name + "' is given twice; expected names that differ");
+}
+
+SuiteTeamRobot read_robot(const YamlFields& fields) {
+  SuiteTeamRobot robot;
+  robot.name = fields.text("name");
+  robot.robot = fields.text("robot");
+  robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  if (fields.has_angles("base")) robot.map_from_base = fields.pose("base");
+  robot.start = fields.angles("start");
+  if (!fields.has_angles("goal")) fields.fail("goal", "expected where robot '" + robot.name + "' shall go");
+  robot.goal = fields.angles("goal");
+  if (robot.goal.size() != robot.start.size()) fields.fail("goal", "expected as many numbers as in start");
+  fields.finish();
+  return robot;
+}
+
+/// {time, pose}; the way of a shape.
+SuiteMoving::Pose read_timed_pose(const YamlFields& fields) {
+  SuiteMoving::Pose pose{fields.number("time", not_negative), fields.pose("pose")};
+  fields.finish();
+  return pose;
+}
+
+SuiteMoving read_moving(const YamlFields& fields) {
+  SuiteMoving moving;
+  moving.shape = read_scene_shape(fields.map("shape"));
+  for (const auto& entry : fields.list_of_maps("path")) {
+    moving.path.push_back(read_timed_pose(entry));
+    const std::size_t count = moving.path.size();
+    if (count > 1 && !(moving.path[count - 1].time > moving.path[count - 2].time))
+      entry.fail("time", "expected a time later than the one before");
+  }
+  if (moving.path.empty()) fields.fail("path", "expected at least one {time, pose}");
+  moving.repeats = fields.has("repeats") && fields.boolean("repeats");
+  fields.finish();
+  return moving;
+}
+
+SuiteTeam read_team(const YamlFields& fields) {
+  SuiteTeam team;
+  team.name = fields.text("name");
+  std::set<std::string> names;
+  for (const auto& entry : fields.list_of_maps("robots")) {
+    team.robots.push_back(read_robot(entry));
+    take(names, team.robots.back().name, entry);
+  }
+  if (team.robots.empty()) fields.fail("robots", "expected at least one robot");
+  for (const auto& entry : fields.list_of_maps("moving")) {
+    team.moving.push_back(read_moving(entry));
+    take(names, team.moving.back().shape.name, entry);
+  }
+  fields.finish();
+  return team;
+}
+
+}  // namespace
+
+SuiteTeams read_suite_teams(const YamlFields& fields) {
+  SuiteTeams all;
+  std::set<std::string> names;
+  for (const auto& entry : fields.list_of_maps("teams")) {
+    all.teams.push_back(read_team(entry));
+    take(names, all.teams.back().name, entry);
+  }
+  all.period = fields.number("period", {1e-4, 1}, all.period);
+  all.duration = fields.number("duration", {1e-3, 3600}, all.duration);
+  all.max_acceleration = fields.number("max_acceleration", positive, all.max_acceleration);
+  return all;
+}
+
+}  // namespace clearway
