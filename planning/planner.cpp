@@ -6,6 +6,7 @@
 #include "planning/beam_guided.hpp"
 #include "planning/beam_reference.hpp"
 #include "planning/boundary.hpp"
+#include "planning/boundary_plus.hpp"
 #include "planning/boundary_sides.hpp"
 #include "planning/constraint.hpp"
 #include "planning/nearest_name.hpp"
@@ -58,6 +59,9 @@ const std::vector<PlannerEntry>& planner_table() {
       {"beam_reference", "the same, every neighbour checked: slow and obvious, for comparison",
        make<BeamReference>},
       {"boundary", "constraint method with boundary following (Lahouar et al. 2006)", make<Boundary>},
+      {"boundary_plus",
+       "local method and boundary following in several planes, then a hand-over to sampled trees (ours)",
+       make<BoundaryPlus>},
       {"boundary_sides", "the same on both sides and with both leave ratios, until one succeeds (ours)",
        make<BoundarySides>},
       {"constraint", "the local step of boundary alone: stops at the first deadlock", make<Constraint>},
