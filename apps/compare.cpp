@@ -66,7 +66,7 @@ std::vector<PreparedExperiment> prepare_all(const Suite& suite, const CompareOpt
   require_known("--planners", options.planners, {planners.begin(), planners.end()});
   std::erase_if(prepared, [](const PreparedExperiment& experiment) { return experiment.planners.empty(); });
   for (const PreparedExperiment& experiment : prepared) {  // worlds, generators, numbers of joints
-    SuiteStages(suite, experiment.setup, experiment.robot);
+    if (!experiment.setup.teams) SuiteStages(suite, experiment.setup, experiment.robot);
   }
   return prepared;
 }

@@ -55,7 +55,23 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
+/// Where the animations are, in words and as files below the folder of results.
+Json pages_json(const CompareExperiment& experiment) {
+  Json pages = Json::array();
+  for (const CompareProblem& problem : experiment.problems)
+    if (!problem.page.empty()) pages.push_back({{"name", problem.name}, {"file", problem.page}});
+  return pages;
+}
+
+std::string team_conditions(const CompareExperiment& experiment) {
+  const SuiteTeams& teams = *experiment.setup.teams;
+  return experiment.setup.name + ": " + counted(experiment.problems.size(), "team") + "; a step every " +
+         significant(1000.0 * teams.period) + " ms, at most " + significant(teams.duration) +
+         " s; joints accelerate by at most " + significant(teams.max_acceleration) + " rad/s^2 (m/s^2)";
+}
+
 std::string conditions(const CompareExperiment& experiment) {
+  if (experiment.setup.teams) return team_conditions(experiment);
   std::string text = experiment.setup.name + ": " + counted(experiment.problems.size(), "problem");
   if (experiment.setup.runs > 1)
     text += ", " + counted(static_cast<std::size_t>(experiment.setup.runs), "seed") + " each";
@@ -92,7 +108,9 @@ Json experiment_json(const CompareExperiment& experiment) {
           {"planners", planners},
           {"problems", problems},
           {"runs", runs},
-          {"profiles", profiles}};
+          {"profiles", profiles},
+          {"pages", pages_json(experiment)},
+          {"table", experiment.setup.teams ? Json(summary_table(experiment)) : Json(nullptr)}};
 }
 
 }  // namespace

@@ -25,12 +25,21 @@ auto told(const Suite& suite, const SuiteExperiment& experiment, const std::stri
 }
 
 /// Plots of the page beyond those that every experiment has.
-const std::vector<std::string> plot_names = {"profiles", "cost_against_width"};
+const std::vector<std::string> plot_names = {"profiles", "cost_against_width", "animation"};
 
 /// Everything that plans promises certified paths, but for those who say that they look here and there.
 bool promises_certified_paths(const std::string& planner, const PlannerOptions& in_force) {
   const auto nodes = in_force.find("node_only");
   return planner != "rrtconnect_fcl" && (nodes == in_force.end() || nodes->second != "true");
+}
+
+void require_plots(const Suite& suite, const SuiteExperiment& experiment) {
+  for (const std::string& plot : experiment.plots) {
+    if (std::find(plot_names.begin(), plot_names.end(), plot) != plot_names.end()) continue;
+    refuse(
+        suite, experiment,
+        "field 'plots': unknown plot '" + plot + "': did you mean '" + nearest_name(plot, plot_names) + "'?");
+  }
 }
 
 bool is_chosen(const SuitePlanner& planner, const std::vector<std::string>& only) {
@@ -46,27 +55,35 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   PreparedExperiment ready;
   ready.setup = experiment;
   ready.time_limit = experiment.time_limit.value_or(suite.time_limit);
-  ready.robot = told(suite, experiment, "field 'robot'", [&] {
-    return choose_robot({.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}});
-  });
-  ready.policies = suite_policies(suite, experiment, ready.robot);
-  for (const std::string& plot : experiment.plots) {
-    if (std::find(plot_names.begin(), plot_names.end(), plot) != plot_names.end()) continue;
-    refuse(
-        suite, experiment,
-        "field 'plots': unknown plot '" + plot + "': did you mean '" + nearest_name(plot, plot_names) + "'?");
+  if (!experiment.teams) {
+    ready.robot = told(suite, experiment, "field 'robot'", [&] {
+      return choose_robot({.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}});
+    });
+    ready.policies = suite_policies(suite, experiment, ready.robot);
   }
+  require_plots(suite, experiment);
   std::set<std::string> labels;
   for (const SuitePlanner& planner : experiment.planners) {
-    auto made = told(suite, experiment, "planner '" + planner.label + "'",
-                     [&] { return make_planner(planner.planner, planner.options); });
+    const std::string where = "planner '" + planner.label + "'";
+    auto made =
+        told(suite, experiment, where, [&] { return make_planner(planner.planner, planner.options); });
     if (!labels.insert(planner.label).second) {
       refuse(suite, experiment, "field 'planners': the label '" + planner.label + "' is given twice");
     }
     if (!is_chosen(planner, only)) continue;
     ready.planners.push_back({planner.label, planner.planner, made->options(),
                               promises_certified_paths(planner.planner, made->options())});
-    ready.makers.push_back(std::move(made));
+    if (experiment.teams) {
+      ready.leaders.push_back(told(suite, experiment, where, [&] {
+        TeamOptions options = team_options(planner.planner, planner.options);
+        options.period = experiment.teams->period;
+        options.duration = experiment.teams->duration;
+        options.max_acceleration = experiment.teams->max_acceleration;
+        return options;
+      }));
+    } else {
+      ready.makers.push_back(std::move(made));
+    }
   }
   return ready;
 }

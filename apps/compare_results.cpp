@@ -71,17 +71,22 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
 
 CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
   CompareSummary sum;
-  std::vector<double> times, costs, lengths, steps;
+  std::vector<double> times, costs, lengths, steps, motions;
   for (const CompareProblem& problem : experiment.problems) {
     for (const CompareRun& run : problem.runs) {
       if (run.planner != planner) continue;
       ++sum.total;
+      sum.safe += run.check == "valid";
+      sum.outrun += run.check == "outrun";
+      if (run.team && run.check != "outrun" && run.check != "none")
+        sum.worst_shortfall = std::max(sum.worst_shortfall, run.team->security_distance - run.min_clearance);
       if (!run.is_solved()) {
         ++sum.unsolved[std::string(to_string(run.status))];
         continue;
       }
       ++sum.solved;
       times.push_back(run.time);
+      if (run.team) motions.push_back(run.team->motion_time);
       if (!run.is_valid()) continue;
       ++sum.valid;
       costs.push_back(run.cost);
@@ -94,6 +99,7 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
   sum.cost_median = quantile(costs, 0.5);
   sum.length_median = quantile(lengths, 0.5);
   sum.steps_median = quantile(steps, 0.5);
+  sum.motion_median = quantile(motions, 0.5);
   return sum;
 }
 
@@ -103,7 +109,7 @@ std::vector<std::string> broken_promises(const CompareResults& results) {
     for (const CompareProblem& problem : experiment.problems) {
       for (const CompareRun& run : problem.runs) {
         const ComparePlanner& who = experiment.planners[run.planner];
-        if (!who.certified || run.check == "valid" || run.check == "none") continue;
+        if (!who.certified || (run.check != "refused" && run.check != "undecided")) continue;
         sentences.push_back("experiment '" + experiment.setup.name + "', problem '" + problem.name + "': '" +
                             who.label + "' promises certified paths and returned one that the check holds " +
                             run.check + " (" + run.contact + ")");
@@ -113,7 +119,26 @@ std::vector<std::string> broken_promises(const CompareResults& results) {
   return sentences;
 }
 
+namespace {
+
+std::vector<std::vector<std::string>> team_table(const CompareExperiment& experiment) {
+  std::vector<std::vector<std::string>> rows{{"planner", "arrived / safe / total", "outrun", "motion s",
+                                              "worst below d_s mm", "computed in s", "not arrived"}};
+  for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
+    const CompareSummary sum = summary(experiment, i);
+    rows.push_back(
+        {experiment.planners[i].label,
+         std::to_string(sum.solved) + " / " + std::to_string(sum.safe) + " / " + std::to_string(sum.total),
+         std::to_string(sum.outrun), cell(sum.motion_median), cell(1000.0 * sum.worst_shortfall),
+         cell(sum.time_median), unsolved_text(sum)});
+  }
+  return rows;
+}
+
+}  // namespace
+
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment) {
+  if (experiment.setup.teams) return team_table(experiment);
   std::vector<std::vector<std::string>> rows{{"planner", "solved / valid / total", "median s", "p95 s",
                                               "cost J", "length rad", "steps", "unsolved"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,17 @@ struct ComparePlanner {
   bool certified = true;  ///< promises that every path it returns is valid
 };
 
+/// What a run of a team has beside its path.
+struct CompareTeamRun {
+  double motion_time = 0.0;        ///< s, from first to last step
+  double security_distance = 0.0;  ///< d_s, m
+  double step_bound = 0.0;         ///< m: how much nearer two things can come in one period at most
+  double obstacle_speed = 0.0;     ///< v_obs, m/s: no obstacle is faster
+  double acceleration = 0.0;       ///< greatest share of the acceleration limit
+  int deadlocks = 0;
+  std::string outrun;  ///< who could not keep the separation; empty: nobody
+};
+
 /// One planner's answer to one problem with one seed.
 struct CompareRun {
   std::size_t planner = 0;  ///< index in CompareExperiment::planners
@@ -26,7 +38,8 @@ struct CompareRun {
   PlanStatus status = PlanStatus::no_path;
   std::string explanation;
   std::size_t legs = 0;        ///< solved
-  std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check
+  std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check;
+                               ///< teams: "outrun", too
   std::string contact;         ///< what the check found first; empty when valid
   double cost = 0.0;           ///< J, last segments included, of the legs solved
   double length = 0.0;         ///< rad (m for sliding joints), joint-space length of the legs solved
@@ -35,6 +48,7 @@ struct CompareRun {
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   double time = 0.0;                            ///< s, wall clock, all legs
   std::string plan_file;                        ///< below the folder of results
+  std::optional<CompareTeamRun> team;           ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return status == PlanStatus::solved; }
   bool is_valid() const { return is_solved() && check == "valid"; }
@@ -47,6 +61,7 @@ struct CompareProblem {
   Configuration start;
   std::vector<Configuration> goals;
   std::vector<CompareRun> runs;  ///< planner by planner, seed by seed
+  std::string page = {};         ///< its animation, below the folder of results; empty: none
 };
 
 /// A path to plot: joint values at each waypoint.
@@ -80,6 +95,9 @@ struct CompareResults {
 /// ones; NaN when there is none.
 struct CompareSummary {
   std::size_t solved = 0, valid = 0, total = 0;
+  std::size_t safe = 0, outrun = 0;  ///< teams: by the check, arrived or not
+  double worst_shortfall = 0.0;      ///< m: of the runs that are not outrun, d_s less the least separation
+  double motion_median = 0.0;        ///< s, of teams that arrived
   double time_median = 0.0, time_p95 = 0.0;  ///< s
   double cost_median = 0.0;                  ///< J
   double length_median = 0.0;                ///< rad

@@ -6,7 +6,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "apps/compare_files.hpp"
 #include "apps/compare_tasks.hpp"
+#include "apps/compare_team.hpp"
+#include "apps/map_page.hpp"
 #include "apps/query.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/save_file.hpp"
@@ -17,28 +20,6 @@ namespace clearway {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A name as a file's: letters, digits and ._-= as they are, all else as '_'.
-std::string file_name(const std::string& name) {
-  std::string text = name;
-  for (char& c : text) {
-    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                       std::string_view("._-=").find(c) != std::string_view::npos;
-    if (!plain) c = '_';
-  }
-  return text.empty() || text[0] == '.' ? "_" + text : text;
-}
-
-/// The same for a list of names, told apart where they would be one.
-std::vector<std::string> file_names(const std::vector<ComparePlanner>& planners) {
-  std::vector<std::string> names;
-  for (const ComparePlanner& planner : planners) {
-    std::string name = file_name(planner.label);
-    while (std::find(names.begin(), names.end(), name) != names.end()) name += "_";
-    names.push_back(name);
-  }
-  return names;
-}
 
 double length_of(const std::vector<Configuration>& path) {
   double length = 0.0;
@@ -118,7 +99,7 @@ class Runner {
       : experiment_(experiment),
         choice_(choice),
         stages_(suite, experiment_.setup, experiment_.robot),
-        names_(file_names(experiment.planners)),
+        names_(names_as_files(experiment.planners)),
         collected_(stages_.size()),
         tasks_(stages_.size(), [this](std::size_t index) { return make_stage(index); }) {}
 
@@ -160,7 +141,8 @@ class Runner {
 
   /// A folder that `clearway check --map` reads, named by what is in it.
   fs::path keep_map(const SuiteStage& stage) {
-    const fs::path folder = choice_.out / "maps" / (file_name(stage.world) + "-" + stage.digest.substr(0, 8));
+    const fs::path folder =
+        choice_.out / "maps" / (name_as_file(stage.world) + "-" + stage.digest.substr(0, 8));
     const std::lock_guard lock(maps_);
     if (!fs::exists(folder / "map.ot") || map_sha256(folder) != stage.digest) {
       fs::create_directories(folder);
@@ -178,6 +160,9 @@ class Runner {
     const auto& plots = experiment_.setup.plots;
     const bool profiled = std::find(plots.begin(), plots.end(), "profiles") != plots.end() &&
                           task.stage->index == 0 && task.problem == 0;
+    const bool is_shown = std::find(plots.begin(), plots.end(), "animation") != plots.end();
+    ReportPage page;
+    if (is_shown) page = page_of_problem(*task.stage, problem);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
       for (int number = 1; number <= experiment_.setup.runs; ++number) {
         const Plan plan = plan_once(*task.stage, problem, i, number);
@@ -186,9 +171,13 @@ class Runner {
         run.number = number;
         run.plan_file = save_plan(plan, problem, i, number);
         found.runs.push_back(std::move(run));
+        if (is_shown && number == 1)
+          page.plans.push_back(
+              page_of_plan(plan, task.stage->space, problem.start, experiment_.planners[i].label));
         if (profiled && number == 1 && !plan.waypoints().empty()) profiles.push_back({i, plan.waypoints()});
       }
     }
+    if (is_shown) found.page = save_page(page, problem);
     return collected_.add(task.stage->index, task.problem, std::move(found), std::move(profiles));
   }
 
@@ -216,11 +205,25 @@ class Runner {
     }
   }
 
+  ReportPage page_of_problem(const OpenStage& open, const StageProblem& problem) const {
+    ReportPage page = page_of_map(open.stage.map, experiment_.setup.title + ": " + problem.name);
+    show_robot(page, experiment_.robot, problem.start);
+    return page;
+  }
+
+  std::string save_page(const ReportPage& page, const StageProblem& problem) const {
+    const fs::path file = fs::path("animations") / name_as_file(experiment_.setup.name) /
+                          (name_as_file(problem.name) + ".html");
+    fs::create_directories(choice_.out / file.parent_path());
+    save_file(choice_.out / file, render_report_page(page));
+    return file.string();
+  }
+
   std::string save_plan(const Plan& plan, const StageProblem& problem, std::size_t planner,
                         int number) const {
     const std::string run = experiment_.setup.runs > 1 ? "-" + std::to_string(number) : "";
-    const fs::path file = fs::path("plans") / file_name(experiment_.setup.name) / file_name(problem.name) /
-                          (names_[planner] + run + ".json");
+    const fs::path file = fs::path("plans") / name_as_file(experiment_.setup.name) /
+                          name_as_file(problem.name) / (names_[planner] + run + ".json");
     fs::create_directories(choice_.out / file.parent_path());
     save_file(choice_.out / file, to_json(plan));
     return file.string();
@@ -239,6 +242,7 @@ class Runner {
 
 CompareExperiment run_experiment(const Suite& suite, const PreparedExperiment& experiment,
                                  const CompareChoice& choice, const std::function<void(double)>& progress) {
+  if (experiment.setup.teams) return run_team_experiment(suite, experiment, choice, progress);
   CompareExperiment result;
   result.setup = experiment.setup;
   result.robot_file = experiment.robot.source.string();

@@ -10,6 +10,7 @@
 
 #include "apps/compare_results.hpp"
 #include "apps/suite_stages.hpp"
+#include "planning/team.hpp"
 
 namespace clearway {
 
@@ -20,7 +21,8 @@ struct PreparedExperiment {
   Policies policies;
   double time_limit = 0.0;  ///< s a leg
   std::vector<ComparePlanner> planners;
-  std::vector<std::unique_ptr<Planner>> makers;  ///< of these
+  std::vector<std::unique_ptr<Planner>> makers;  ///< of these; none for teams
+  std::vector<TeamOptions> leaders;              ///< of these, for teams
 };
 
 /// Looks up robot, policies, planners, options and plots of an experiment; `only` keeps the planners with

@@ -15,14 +15,28 @@ namespace {
 constexpr std::array<VoxelState, 4> shown = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
                                              VoxelState::seen_free};
 
-PageShape page_shape(const Body& body, const Robot& robot) {
+/// The path with configurations inserted so that no joint moves more than the page can interpolate.
+std::vector<Configuration> subdivided(const std::vector<Configuration>& path, const Robot& robot) {
+  std::vector<Configuration> dense;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    double pieces = 1.0;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto index = static_cast<Eigen::Index>(j);
+      const double most = robot.joints[j].kind == JointKind::revolute ? 0.052 : 0.02;
+      pieces = std::max(pieces, std::ceil(std::abs(path[i + 1][index] - path[i][index]) / most));
+    }
+    for (double piece = 0.0; piece < pieces; piece += 1.0) {
+      dense.push_back(path[i] + (path[i + 1] - path[i]) * (piece / pieces));
+    }
+  }
+  if (!path.empty()) dense.push_back(path.back());
+  return dense;
+}
+
+}  // namespace
+
+PageShape page_shape(const Shape& s) {
   PageShape shape;
-  shape.link_from_shape = body.link_from_shape;
-  shape.link = body.link;
-  shape.part = body.part;
-  shape.critical = std::find(robot.critical_parts.begin(), robot.critical_parts.end(), body.part) !=
-                   robot.critical_parts.end();
-  const Shape& s = body.shape;
   switch (s.kind()) {
     case Shape::Kind::sphere:
       shape.kind = PageShape::Kind::sphere;
@@ -49,26 +63,6 @@ PageShape page_shape(const Body& body, const Robot& robot) {
   }
   return shape;
 }
-
-/// The path with configurations inserted so that no joint moves more than the page can interpolate.
-std::vector<Configuration> subdivided(const std::vector<Configuration>& path, const Robot& robot) {
-  std::vector<Configuration> dense;
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    double pieces = 1.0;
-    for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const auto index = static_cast<Eigen::Index>(j);
-      const double most = robot.joints[j].kind == JointKind::revolute ? 0.052 : 0.02;
-      pieces = std::max(pieces, std::ceil(std::abs(path[i + 1][index] - path[i][index]) / most));
-    }
-    for (double piece = 0.0; piece < pieces; piece += 1.0) {
-      dense.push_back(path[i] + (path[i + 1] - path[i]) * (piece / pieces));
-    }
-  }
-  if (!path.empty()) dense.push_back(path.back());
-  return dense;
-}
-
-}  // namespace
 
 ReportPage page_of_map(const Snapshot& map, const std::string& title) {
   ReportPage page;
@@ -98,7 +92,14 @@ ReportPage page_of_map(const Snapshot& map, const std::string& title) {
 
 void show_robot(ReportPage& page, const Robot& robot, const Configuration& home) {
   page.robot.clear();
-  for (const Body& body : robot.bodies) page.robot.push_back(page_shape(body, robot));
+  for (const Body& body : robot.bodies) {
+    PageShape& shape = page.robot.emplace_back(page_shape(body.shape));
+    shape.link_from_shape = body.link_from_shape;
+    shape.link = body.link;
+    shape.part = body.part;
+    shape.critical = std::find(robot.critical_parts.begin(), robot.critical_parts.end(), body.part) !=
+                     robot.critical_parts.end();
+  }
   page.robot_home = forward_kinematics(robot, home);
 }
 

@@ -124,6 +124,7 @@ json shape_json(PageArrays& arrays, const PageShape& shape) {
            {"link", shape.link},
            {"part", shape.part},
            {"critical", shape.critical},
+           {"group", shape.group},
            {"pose", place_poses(arrays, {shape.link_from_shape})}};
   if (shape.link < 0) refuse("robot.link", "must not be negative");
   if (shape.kind != PageShape::Kind::mesh) return out;
@@ -193,6 +194,7 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"explanation", plan.explanation},
           {"joints", plan.joints},
           {"prismatic", plan.is_prismatic},
+          {"period", plan.period},
           {"waypoints", plan.waypoints.size()},
           {"links", plan.link_poses.empty() ? 0 : plan.link_poses.front().size()},
           {"values", place(arrays.add(std::span<const float>(joints)))},

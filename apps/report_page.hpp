@@ -27,6 +27,7 @@ struct PageShape {
   int link = 0;           ///< index into the poses of each waypoint
   std::string part;       ///< the robot part it belongs to, as policies name it
   bool critical = false;  ///< drawn in the colour of critical parts
+  int group = 0;          ///< of several robots: which one, by its colour; -1: an obstacle that moves
 };
 
 /// One plan, found or not. All per-waypoint arrays have as many entries as `waypoints`, or none.
@@ -41,7 +42,8 @@ struct PagePlan {
   std::vector<Eigen::VectorXd> waypoints;  ///< joint values; may be empty when no path was found
   std::vector<std::vector<Eigen::Isometry3d>> link_poses;  ///< map_from_link, per waypoint and link
   std::vector<double>
-      clearance;  ///< metres, below zero in contact; not finite = not known, left out of the plot
+      clearance;        ///< metres, below zero in contact; not finite = not known, left out of the plot
+  double period = 0.0;  ///< s between two waypoints; 0: the plan has no time
   std::vector<PageFigure> figures;
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame
   std::vector<Sphere> to_paint;           ///< where more paint would connect the ends; map frame

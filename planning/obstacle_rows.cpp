@@ -1,5 +1,7 @@
 #include "planning/obstacle_rows.hpp"
 
+#include <algorithm>
+
 #include "planning/reach.hpp"
 
 namespace clearway {
@@ -65,9 +67,10 @@ ObstacleRows::ObstacleRows(const Robot& robot) : robot_(&robot) {
   }
 }
 
-void ObstacleRows::append(const LinkPoses& map_from_link, std::span<const PlacedShape> shapes,
-                          double influence_distance, std::vector<ObstacleRow>& rows) const {
+double ObstacleRows::append(const LinkPoses& map_from_link, std::span<const PlacedShape> shapes,
+                            double influence_distance, std::vector<ObstacleRow>& rows) const {
   const Robot& robot = *robot_;
+  double unavoidable = influence_distance;
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     const PlacedShape& shape = shapes[s];
     const double around = shape.shape.bounding_radius() * (1.0 + 1e-9) + influence_distance;
@@ -82,9 +85,14 @@ void ObstacleRows::append(const LinkPoses& map_from_link, std::span<const Placed
       row.body = static_cast<int>(b);
       row.obstacle = static_cast<int>(s);
       row.gradient = rate_of_approach(robot, map_from_link, body.link, row.point, row.normal);
-      if (row.gradient.cwiseAbs().maxCoeff() > 1e-12) rows.push_back(std::move(row));
+      if (row.gradient.cwiseAbs().maxCoeff() > 1e-12) {
+        rows.push_back(std::move(row));
+      } else {
+        unavoidable = std::min(unavoidable, row.distance);
+      }
     }
   }
+  return unavoidable;
 }
 
 std::vector<PlacedShape> placed_bodies(const Robot& robot, const LinkPoses& map_from_link) {

@@ -39,9 +39,11 @@ class ObstacleRows {
  public:
   explicit ObstacleRows(const Robot& robot);
 
-  /// Appends to `rows`. @param map_from_link of this robot.
-  void append(const LinkPoses& map_from_link, std::span<const PlacedShape> shapes, double influence_distance,
-              std::vector<ObstacleRow>& rows) const;
+  /// Appends to `rows`. Returns the smallest distance of the rows left out of bodies that some joint moves (a
+  /// ball on the axis of the joint that turns it), at most `influence_distance`.
+  /// @param map_from_link of this robot.
+  double append(const LinkPoses& map_from_link, std::span<const PlacedShape> shapes,
+                double influence_distance, std::vector<ObstacleRow>& rows) const;
 
  private:
   struct Ball {

@@ -37,6 +37,9 @@ void check_inputs(const Team& team, const TeamOptions& options) {
   }
 }
 
+constexpr double creeping = 1e-3;  ///< share of the longest step: the damper creeps towards a stop for ever
+constexpr double patience = 2.0;   ///< s of that, in a scene that does not move, are a deadlock
+
 /// What the others are for robot `i`: their bodies, then the obstacles.
 struct Surroundings {
   std::vector<PlacedShape> shapes;
@@ -64,10 +67,11 @@ class TeamMotion {
         run_.explanation = "Out of time after " + time_text(k) + ".";
         return finished(k);
       }
-      const bool moved = step(static_cast<double>(k) * options_.period);
-      still = moved ? 0 : still + 1;
-      if (has_arrived() && !moved) return arrived(k);
-      if (still * options_.period > 2.0 && team_.obstacles.empty() && !team_.sensed) return stuck(k);
+      const double moved = step(static_cast<double>(k) * options_.period);
+      still = moved > creeping ? 0 : still + 1;
+      if (has_arrived() && moved == 0.0) return arrived(k);
+      if (static_cast<double>(still) * options_.period > patience && team_.obstacles.empty() && !team_.sensed)
+        return stuck(k);
     }
     run_.status = PlanStatus::timed_out;
     run_.explanation = "Not all robots arrived within " + time_text(steps) + waiting();
@@ -196,22 +200,23 @@ class TeamMotion {
     }
   }
 
-  /// One period of all robots. Returns whether any of them moved.
-  bool step(double time) {
+  /// One period of all robots. Returns the longest step, as a share of what was allowed.
+  double step(double time) {
     look(time);
     for (std::size_t i = 0; i < members_.size(); ++i) {
       const OutrunBy by = members_[i]->choose();
       if (by.kind != OutrunBy::nothing && run_.outrun.empty()) tell_outrun(i, by, time);
     }
-    bool moved = false;
-    for (auto& member : members_) moved = member->move() || moved;
-    return moved;
+    double longest = 0.0;
+    for (auto& member : members_) longest = std::max(longest, member->move());
+    return longest;
   }
 
   void tell_outrun(std::size_t i, const OutrunBy& by, double time) {
     const auto at = static_cast<std::size_t>(std::max(0, by.index));
     const std::string what = by.kind == OutrunBy::obstacle ? "'" + team_.obstacles[at].name + "'"
                              : by.kind == OutrunBy::robot  ? "another robot"
+                             : by.kind == OutrunBy::fixed  ? "an obstacle where no joint moves it away"
                                                            : "what surrounds it";
     run_.outrun = "At " + short_text(time) + " s robot '" + team_.robots[i].name +
                   "' could not keep the separation demanded by " + what;
@@ -268,6 +273,15 @@ double TeamRun::least_separation() const {
   for (const TeamTrace& trace : traces)
     for (const double separation : trace.separations) least = std::min(least, separation);
   return least;
+}
+
+double TeamRun::step_bound() const {
+  double first = 0.0, second = figures.greatest_obstacle_speed * period;
+  for (const TeamTrace& trace : traces) {
+    second = std::max(second, std::min(first, trace.greatest_motion));
+    first = std::max(first, trace.greatest_motion);
+  }
+  return first + second;
 }
 
 TeamOptions team_options(const std::string& planner, const PlannerOptions& options) {

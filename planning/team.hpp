@@ -66,6 +66,7 @@ struct TeamTrace {
   int outrun = 0;         ///< steps on which the separation demanded could not be kept
   int shortened = 0;      ///< steps cut short because the map's certificate ended there
   double arrival = -1.0;  ///< s; negative: did not arrive
+  double greatest_motion = 0.0;  ///< m: no point of the robot moved farther in one period
 };
 
 /// A run from first to last step.
@@ -79,6 +80,9 @@ struct TeamRun {
 
   std::size_t steps() const { return traces.empty() ? 0 : traces.front().positions.size() - 1; }
   double least_separation() const;
+  /// How much nearer two robots, or a robot and an obstacle, can have come in one period at most, m: what a
+  /// linear damper may miss.
+  double step_bound() const;
 };
 
 /// Lets the robots move at the same time, each by its own local step and boundary following (Lahouar et al.

@@ -27,8 +27,10 @@ double longest_step(const ConfigurationSpace& space, double prismatic_scale, con
 }
 
 double braking_step(double room, double change) {
-  // s + (s - c) + (s - 2 c) + ... = s (s + c) / (2 c) <= room
-  return 0.5 * (std::sqrt(change * change + 8.0 * change * std::max(0.0, room)) - change);
+  // s + (s - c) + (s - 2 c) + ... = (m + 1) s - c m (m + 1) / 2 for m c <= s <= (m + 1) c
+  const double left = std::max(0.0, room);
+  const double whole = std::floor(0.5 * (std::sqrt(1.0 + 8.0 * left / change) - 1.0));
+  return (left + 0.5 * change * whole * (whole + 1.0)) / (whole + 1.0);
 }
 
 TeamMember::TeamMember(const TeamRobot& robot, const TeamOptions& options, const TeamFigures& figures,
@@ -62,7 +64,7 @@ VectorXd TeamMember::wanted_step() const {
   const double to_goal = damper_.weight.cwiseProduct(robot_.goal - position()).norm();
   const double most = braking_step(to_goal, change_.minCoeff());
   const double length = wanted.norm();
-  return length > most && length > change_.minCoeff() ? VectorXd(wanted * (most / length)) : wanted;
+  return length > most ? VectorXd(wanted * (most / length)) : wanted;
 }
 
 /// Eq. 5 and 8: approach to another robot is shared, an obstacle's own velocity enters.
@@ -72,7 +74,8 @@ void TeamMember::append_rows(const std::vector<PlacedShape>& robots,
   std::vector<ObstacleRow> rows;
   obstacle_rows_.append(poses, robots, damper_.influence_distance, rows);
   const std::size_t shared = rows.size();
-  obstacle_rows_.append(poses, obstacles, damper_.influence_distance, rows);
+  unavoidable_ = obstacle_rows_.append(poses, obstacles, damper_.influence_distance, rows);
+  constraints_.separation = std::min(constraints_.separation, unavoidable_);
   const Index before = constraints_.rows.rows(), all = before + static_cast<Index>(rows.size());
   constraints_.rows.conservativeResize(all, position().size());
   constraints_.bounds.conservativeResize(all);
@@ -104,6 +107,10 @@ OutrunBy TeamMember::choose() {
   along_boundary_ = !choice.is_local;
   trace_.along_boundary.push_back(along_boundary_);
   limit_change(choice.step);
+  if (unavoidable_ < damper_.security_distance) {
+    ++trace_.outrun;
+    return {OutrunBy::fixed, -1};
+  }
   if (local_.demand >= 1.0) return {};
   ++trace_.outrun;
   return outrun_by(local_.multipliers);
@@ -149,7 +156,7 @@ Configuration TeamMember::moved(const VectorXd& step) const {
   return missed <= 1e-9 * damper_.max_step ? robot_.goal : q;
 }
 
-bool TeamMember::move() {
+double TeamMember::move() {
   Configuration next = position();
   double share = 1.0;
   for (int halving = 0; halving <= 10; ++halving, share *= 0.5) {
@@ -162,6 +169,8 @@ bool TeamMember::move() {
   }
   previous_ = damper_.weight.cwiseProduct(next - position());
   const bool has_moved = next != position();
+  trace_.greatest_motion =
+      std::max(trace_.greatest_motion, space_->motion_bound((next - position()).cwiseAbs()));
   trace_.positions.push_back(next);
   trace_.deadlocks = controller_.counts().deadlocks;
   trace_.switches = controller_.counts().switches;
@@ -171,7 +180,7 @@ bool TeamMember::move() {
   } else if (has_moved) {
     trace_.arrival = options_.period * static_cast<double>(trace_.positions.size() - 1);
   }
-  return has_moved;
+  return previous_.norm() / damper_.max_step;
 }
 
 std::string TeamMember::where() const {

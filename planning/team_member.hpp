@@ -19,13 +19,13 @@ double weighted_reach(const ConfigurationSpace& space, double prismatic_scale);
 double longest_step(const ConfigurationSpace& space, double prismatic_scale, const TeamOptions& options,
                     double braking);
 
-/// The longest first step from which steps that shrink by `change` each end within `room`.
+/// The longest first step after which steps that shrink by `change` each stop within `room`.
 double braking_step(double room, double change);
 
 /// What demanded a separation that a robot could not keep.
 struct OutrunBy {
-  enum Kind { nothing, map, robot, obstacle } kind = nothing;
-  int index = -1;  ///< of the obstacle
+  enum Kind { nothing, map, robot, obstacle, fixed } kind = nothing;  ///< fixed: no joint moves what it meets
+  int index = -1;                                                     ///< of the obstacle
 };
 
 /// One robot of a run.
@@ -41,8 +41,8 @@ class TeamMember {
   void look(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
   /// Decides the next step by it.
   OutrunBy choose();
-  /// Takes it, as far as the map's certificate goes. Returns whether it moved.
-  bool move();
+  /// Takes it, as far as the map's certificate goes. Returns what share of the longest step it was.
+  double move();
 
   bool is_at_goal() const { return position() == robot_.goal; }
   const TeamTrace& trace() const { return trace_; }
@@ -66,6 +66,7 @@ class TeamMember {
   StepConstraints constraints_;
   std::vector<OutrunBy> sources_;  ///< of each row
   LocalStep local_;
+  double unavoidable_ = 0.0;  ///< m from an obstacle to where no joint can move the robot away
   Eigen::VectorXd change_;    ///< a T^2 of each joint, weighted units
   Eigen::VectorXd previous_;  ///< the step before, weighted units
   Eigen::VectorXd step_;

@@ -16,6 +16,7 @@ export interface Shape {
   kind: "sphere" | "capsule" | "cylinder" | "box" | "mesh";
   size: [number, number, number];
   link: number; part: string; critical: boolean;
+  group: number;         // which of several robots; -1: an obstacle that moves
   pose: Place;
   vertices?: Place; triangles?: Place;
 }
@@ -26,6 +27,7 @@ export interface Plan {
   name: string; planner: string; status: string; explanation: string;
   joints: string[]; prismatic: boolean[];
   waypoints: number; links: number;
+  period: number;    // s between waypoints; 0: the plan has no time
   values: Place;     // joint by joint
   poses: Place;      // waypoint by waypoint, link by link: x y z qx qy qz qw
   clearance: Place;  // metres, NaN = not known

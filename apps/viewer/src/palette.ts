@@ -7,6 +7,7 @@ export interface Palette {
   robot: string; critical: string; start: string; goal: string; tip: string;
   ink: string; muted: string; line: string; danger: string; clearance: string;
   series: string[];
+  robots: string[];  // of a team, after the first
 }
 
 const light: Palette = {
@@ -16,6 +17,7 @@ const light: Palette = {
   robot: "#7287a0", critical: "#f0781e", start: "#2f9e44", goal: "#8a4fd0", tip: "#2749c9",
   ink: "#18212b", muted: "#56636f", line: "#dbe1e7", danger: "#c92a3c", clearance: "#0c8078",
   series: ["#1c6fd1", "#d9480f", "#2b8a3e", "#a02bb5", "#b08900", "#0b8793", "#c2255c", "#5f6b77"],
+  robots: ["#8aa05f", "#9a78a8", "#5f9c9c", "#b59a62"],
 };
 
 const dark: Palette = {
@@ -25,6 +27,7 @@ const dark: Palette = {
   robot: "#a9b8c7", critical: "#ff9440", start: "#51cf66", goal: "#b38af5", tip: "#ffd84d",
   ink: "#e7ecf1", muted: "#9aa7b4", line: "#2b343e", danger: "#ff6b78", clearance: "#35cfc2",
   series: ["#5ea7ff", "#ff8a4c", "#5fd37a", "#dd8bf0", "#e9c548", "#4fd0dc", "#ff7fae", "#a9b4bf"],
+  robots: ["#b9cf8c", "#c9a6d8", "#8ccbcb", "#dcc48c"],
 };
 
 export function isDark(): boolean { return document.documentElement.dataset.theme === "dark"; }

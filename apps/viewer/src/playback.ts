@@ -2,7 +2,7 @@
 
 import { byId } from "./dom";
 
-/// A whole plan takes this long at speed 1, seconds.
+/// A whole plan without time takes this long at speed 1, seconds.
 const duration = (waypoints: number) => Math.min(12, Math.max(3, 0.06 * waypoints));
 
 export class Playback {
@@ -11,6 +11,7 @@ export class Playback {
   private readonly slider = byId<HTMLInputElement>("time");
   private readonly button = byId<HTMLButtonElement>("play");
   private last = 0;     // waypoints - 1
+  private period = 0;   // s between waypoints; 0: no time
   private time = 0;
   private playing = false;
   private before = 0;   // time stamp of the frame before
@@ -31,9 +32,10 @@ export class Playback {
     this.pause();
   }
 
-  /// Starts over with a plan of `waypoints`, at `share` (0 to 1) of it.
-  reset(waypoints: number, share: number): void {
+  /// Starts over with a plan of `waypoints`, `period` seconds apart (0: it has no time), at `share` (0 to 1) of it.
+  reset(waypoints: number, period: number, share: number): void {
     this.pause();
+    this.period = period;
     this.last = Math.max(0, waypoints - 1);
     this.bar.hidden = waypoints < 2;
     this.slider.max = String(this.last);
@@ -44,7 +46,8 @@ export class Playback {
     this.time = Math.min(this.last, Math.max(0, time));
     this.slider.value = String(this.time);
     this.slider.style.setProperty("--share", `${this.last > 0 ? 100 * this.time / this.last : 0}%`);
-    byId("time-text").textContent = `${(this.time + 1).toFixed(1)} / ${this.last + 1}`;
+    byId("time-text").textContent = this.period > 0 ? `${(this.time * this.period).toFixed(2)} / ${(this.last * this.period).toFixed(2)} s`
+      : `${(this.time + 1).toFixed(1)} / ${this.last + 1}`;
     this.onTime(this.time);
   }
 
@@ -69,7 +72,8 @@ export class Playback {
     const elapsed = this.before > 0 ? Math.min(0.1, (now - this.before) / 1000) : 0;
     this.before = now;
     const speed = Number(byId<HTMLSelectElement>("speed").value);
-    this.seek(this.time + speed * elapsed * this.last / duration(this.last + 1));
+    const whole = this.period > 0 ? this.period * this.last : duration(this.last + 1);
+    this.seek(this.time + speed * elapsed * this.last / whole);
     if (this.time >= this.last) return this.pause();
     requestAnimationFrame((next) => this.step(next));
   }

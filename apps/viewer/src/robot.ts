@@ -75,12 +75,17 @@ export class RobotView {
   private readonly goal: Body;
   private readonly plain = new MeshPhongMaterial({ shininess: 40, specular: 0x222222 });
   private readonly critical = new MeshPhongMaterial({ shininess: 40, specular: 0x222222 });
+  private readonly obstacle = new MeshPhongMaterial({ shininess: 40, specular: 0x222222 });
+  private readonly others: MeshPhongMaterial[] = [];  // robots after the first, in a colour each
   private readonly ghostColors: MeshPhongMaterial[] = [];
 
   constructor(page: Page, arrays: Arrays) {
     const geometries = page.robot.map((shape) => geometryOf(shape, arrays));
-    this.solid = new Body(page.robot, geometries, arrays,
-                          [{ material: (shape) => shape.critical ? this.critical : this.plain, order: 0 }]);
+    const last = Math.max(0, ...page.robot.map((shape) => shape.group));
+    while (this.others.length < last) this.others.push(new MeshPhongMaterial({ shininess: 40, specular: 0x222222 }));
+    const material = (shape: Shape) => shape.group < 0 ? this.obstacle : shape.critical ? this.critical
+      : shape.group > 0 ? this.others[shape.group - 1] : this.plain;
+    this.solid = new Body(page.robot, geometries, arrays, [{ material, order: 0 }]);
     this.start = this.ghost(page, geometries, arrays, 20);
     this.goal = this.ghost(page, geometries, arrays, 22);
     this.robot.add(this.solid.group);
@@ -94,13 +99,16 @@ export class RobotView {
     const depth = new MeshPhongMaterial({ ...behind, colorWrite: false });
     const color = new MeshPhongMaterial({ ...behind, opacity: 0.36, depthWrite: false });
     this.ghostColors.push(color);
-    return new Body(page.robot, geometries, arrays,
+    const robots = page.robot.filter((shape) => shape.group >= 0);
+    return new Body(robots, geometries.filter((_, i) => page.robot[i].group >= 0), arrays,
                     [{ material: () => depth, order }, { material: () => color, order: order + 1 }]);
   }
 
   recolor(): void {
     this.plain.color.set(palette().robot);
     this.critical.color.set(palette().critical);
+    this.obstacle.color.set(palette().conflict);
+    this.others.forEach((other, i) => other.color.set(palette().robots[i % palette().robots.length]));
     this.ghostColors[0].color.set(palette().start);
     this.ghostColors[1].color.set(palette().goal);
   }

@@ -21,6 +21,8 @@ export interface Experiment {
   name: string; title: string; paper: string; notes: string; conditions: string; timeLimit: number;  // s a leg
   joints: string[]; prismatic: boolean[]; plots: string[];
   planners: Planner[]; problems: string[]; runs: Run[]; profiles: Profile[];
+  pages: { name: string; file: string }[];  // animations, beside the page
+  table: string[][] | null;                 // of teams: a header, then a row for each planner
 }
 
 export interface Page { title: string; subtitle: string; about: string; experiments: Experiment[] }

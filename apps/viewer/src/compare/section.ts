@@ -60,6 +60,26 @@ function failures(experiment: Experiment): HTMLElement | null {
     el("div", { class: "table-box" }, el("table", {}, el("thead", {}, el("tr", {}, ...["problem", "planner", "answer", "explanation"].map((name) => el("th", {}, name)))), el("tbody", {}, ...rows))), ...rest);
 }
 
+/// Of teams: what the program prints.
+function teamTable(experiment: Experiment, [head, ...rows]: string[][]): HTMLElement {
+  const cells = (row: string[]) => row.map((text, i) => i === 0 || i === row.length - 1 ? el("td", {}, text.replaceAll("_", " ")) : el("td", { class: "number" }, text));
+  const first = (cell: HTMLElement, p: number) => {
+    cell.className = "planner";
+    cell.prepend(el("i", { class: "swatch", style: `background:${colorOf(p)}`, "data-color": String(p) }));
+    return cell;
+  };
+  return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": experiment.name },
+    el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", i === 0 || i === head.length - 1 ? {} : { class: "number" }, name)))),
+       el("tbody", {}, ...rows.map((row, p) => { const [name, ...rest] = cells(row); return el("tr", {}, first(name, p), ...rest); }))));
+}
+
+/// Links to the animations, which lie beside the page.
+function animations(experiment: Experiment): HTMLElement | null {
+  if (experiment.pages.length === 0) return null;
+  const links = experiment.pages.map((page) => el("a", { class: "animation", href: page.file }, `▶ ${page.name.replaceAll("_", " ")}`));
+  return el("p", { class: "animations" }, experiment.pages.length === 1 ? "Animation: " : "Animations: ", ...links);
+}
+
 /// The section and its charts, which are to be drawn once it is in the document.
 export function section(experiment: Experiment, number: number): { element: HTMLElement; charts: Chart[] } {
   const charts: Chart[] = [], times = timeChart(experiment);
@@ -72,7 +92,7 @@ export function section(experiment: Experiment, number: number): { element: HTML
     figures.push(scatter.figure);
   }
   const parts = [el("h2", {}, experiment.title || experiment.name), el("p", { class: "conditions" }, experiment.conditions),
-                 table(experiment), legend(),
-                 sayings(experiment), el("div", { class: "charts" }, ...figures), failures(experiment)];
+                 ...(experiment.table ? [teamTable(experiment, experiment.table)] : [table(experiment), legend()]),
+                 animations(experiment), sayings(experiment), el("div", { class: "charts" }, ...figures), failures(experiment)];
   return { element: el("section", { id: `e${number}` }, ...parts.filter((part) => part !== null)), charts };
 }

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+
+#include "apps/compare_run.hpp"
+
+namespace clearway {
+
+/// Runs the teams of an experiment, each with every planner, and has every run judged by check_team. Its
+/// `check` says "valid": the separation never fell below d_s by more than `step_bound`; "outrun": at some
+/// time a robot could not keep it, whatever it did, so it counts neither way; "refused": anything else.
+/// For teams that are written out, and for runs that are refused, what moved is saved as JSON below
+/// `teams/`, and an animation of each such team as a page beside it.
+CompareExperiment run_team_experiment(const Suite& suite, const PreparedExperiment& experiment,
+                                      const CompareChoice& choice,
+                                      const std::function<void(double)>& progress);
+
+}  // namespace clearway
