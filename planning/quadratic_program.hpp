@@ -23,20 +23,21 @@ struct QuadraticSolution {
   Eigen::VectorXd multipliers;
   int conflicting = -1;  ///< infeasible: the constraint that cannot join those with y_i > 0
   int iterations = 0;
-  double demand = 1.0;  ///< share of the negative bounds that was kept; see solve_relaxed
+  double demand = 1.0;     ///< smallest share of a negative bound that was kept; see solve_relaxed
+  Eigen::VectorXd shares;  ///< of each row's bound what was kept; 1 for rows that did not give way
 };
 
-/// The exact solution by the dual active-set method of Goldfarb and Idnani (1983), Hessian = identity.
-/// Deterministic; never returns NaN. Works for a few dozen variables (each step factors the active rows).
-/// @throws std::invalid_argument for sizes that do not match, NaN, an infinite target, lower > upper, or a
-///         bound of -infinity.
+/// The exact solution by the dual active-set method of Goldfarb and Idnani (1983), Hessian = identity: see
+/// QuadraticSolver, which loops use. Deterministic; never returns NaN.
+/// @throws std::invalid_argument for sizes that do not match, NaN, a target beyond 1e100, rows beyond 1e150,
+///         lower > upper, or a bound of -infinity.
 QuadraticSolution solve(const QuadraticProgram& program);
 
-/// The same; when it is infeasible, the constraints that demand motion (negative bounds of `rows`: bodies
-/// nearer than the security distance) are relaxed together: bounds_i < 0 become demand * bounds_i with the
-/// largest demand in [0, 1] that is feasible (bisection to 2^-20). So the worst relative shortfall is the
-/// smallest possible, the box is always kept and no other row gives way; with demand = 0 nothing approaches.
-/// @pre lower <= 0 <= upper, so that x = 0 is feasible at demand 0.
-QuadraticSolution solve_relaxed(QuadraticProgram program);
+/// The same; rows that contradict each other are resolved by priority: limits, then rows that forbid
+/// approach (bounds >= 0), then demanded separations (negative bounds: bodies nearer than the security
+/// distance). Those of the last kind that take part in a contradiction give way, to the largest common share
+/// of their bounds that ends it; so the worst relative shortfall is the smallest possible. With all shares 0
+/// nothing approaches. @pre lower <= 0 <= upper, so that x = 0 is feasible then.
+QuadraticSolution solve_relaxed(const QuadraticProgram& program);
 
 }  // namespace clearway

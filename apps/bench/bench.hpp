@@ -64,5 +64,6 @@ BenchResult bench_paint(const BenchOptions& options);
 BenchResult bench_bodies(const BenchOptions& options);
 BenchResult bench_provenance(const BenchOptions& options);
 BenchResult bench_beam(const BenchOptions& options);
+BenchResult bench_qp(const BenchOptions& options);
 
 }  // namespace clearway::bench

@@ -31,6 +31,7 @@ constexpr Entry table[] = {
     {"bodies", "bodies in a painted volume: its voxels against the exact balls", bench_bodies},
     {"provenance", "inserting scans with keeping what they touched against without", bench_provenance},
     {"beam", "the beam search against its literal expansion", bench_beam},
+    {"qp", "quadratic programs of the local step against the same method in dense matrices", bench_qp},
 };
 
 double machine_load() {

@@ -210,6 +210,49 @@ TEST(QuadraticProgram, RelaxationAlwaysSucceedsWhenStandingStillKeepsTheBox) {
   }
 }
 
+TEST(QuadraticProgram, OnlyRowsOfAContradictionGiveWayAndAsLittleAsCanBe) {
+  QuadraticProgram p;  // x_0 is squeezed between walls that both ask for 0.2; x_1 is asked to go -0.3 and can
+  p.target = Eigen::Vector2d(0.1, 0.4);
+  p.rows.resize(3, 2);
+  p.rows << 1, 0, -1, 0, 0, 1;
+  p.bounds = Eigen::Vector3d(-0.2, -0.2, -0.3);
+  p.lower = Eigen::Vector2d::Constant(-1.0), p.upper = Eigen::Vector2d::Constant(1.0);
+  const QuadraticSolution s = solve_relaxed(p);
+  ASSERT_TRUE(s.feasible);
+  EXPECT_NEAR((s.x - Eigen::Vector2d(0.0, -0.3)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((s.shares - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.0, 1e-12);
+  EXPECT_TRUE(s.conflicting == 0 || s.conflicting == 1);
+}
+
+TEST(QuadraticProgram, TheSmallestShareIsTheLargestPossible) {
+  std::mt19937_64 random(5);
+  int relaxed = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const Index n = 1 + static_cast<Index>(random() % 6);
+    QuadraticProgram p = random_program(random, n, 12, 0.05);
+    p.lower = VectorXd::Constant(n, -0.1);
+    p.upper = VectorXd::Constant(n, 0.1);
+    const QuadraticSolution s = solve_relaxed(p);
+    ASSERT_TRUE(s.feasible) << trial;
+    QuadraticProgram kept = p;
+    for (Index i = 0; i < p.bounds.size(); ++i) {
+      kept.bounds[i] *= p.bounds[i] < 0.0 ? s.shares[i] : 1.0;
+      EXPECT_TRUE(p.bounds[i] < 0.0 || s.shares[i] == 1.0);
+    }
+    EXPECT_LE(kkt_residual(kept, s), 1e-9) << trial;
+    if (s.demand == 1.0) continue;
+    ++relaxed;
+    const auto is_feasible_with = [&](double demand) {
+      QuadraticProgram all = p;
+      for (double& bound : all.bounds) bound *= bound < 0.0 ? demand : 1.0;
+      return solve(all).feasible;
+    };
+    EXPECT_TRUE(s.demand < 1e-9 || is_feasible_with(s.demand * (1.0 - 1e-9))) << trial;
+    EXPECT_FALSE(is_feasible_with(s.demand + 1e-9)) << trial;
+  }
+  EXPECT_GT(relaxed, 100);
+}
+
 TEST(QuadraticProgram, RefusesNotANumber) {
   QuadraticProgram p;
   p.target = Eigen::VectorXd::Zero(1);

@@ -1,0 +1,78 @@
+#pragma once
+
+// Private to QuadraticSolver: four numbers side by side, the same operations in the same order, and so the
+// same bits, on every machine.
+
+#include <cstdint>
+#include <cstring>
+
+namespace clearway::lanes {
+
+using Pair = double __attribute__((vector_size(16)));  // of any x86-64, and of 64-bit ARM
+using PlacePair = std::int64_t __attribute__((vector_size(16)));
+
+constexpr int width = 4;
+struct Numbers {
+  Pair low{}, high{};
+  double operator[](int lane) const { return lane < 2 ? low[lane] : high[lane - 2]; }
+};
+struct Places {
+  PlacePair low{}, high{};
+  std::int64_t operator[](int lane) const { return lane < 2 ? low[lane] : high[lane - 2]; }
+};
+
+inline Numbers operator+(const Numbers& a, const Numbers& b) { return {a.low + b.low, a.high + b.high}; }
+inline Numbers operator-(const Numbers& a, const Numbers& b) { return {a.low - b.low, a.high - b.high}; }
+inline Numbers operator*(const Numbers& a, const Numbers& b) { return {a.low * b.low, a.high * b.high}; }
+inline Numbers operator*(double a, const Numbers& b) { return {a * b.low, a * b.high}; }
+inline Numbers all(double value) { return {Pair{value, value}, Pair{value, value}}; }
+inline Numbers absolute(const Numbers& a) {
+  return {a.low < 0.0 ? -a.low : a.low, a.high < 0.0 ? -a.high : a.high};
+}
+
+/// n rounded up to whole lanes: vectors are padded with zeros to this length.
+constexpr int padded(int n) { return (n + width - 1) / width * width; }
+
+inline Numbers load(const double* from) {
+  Numbers numbers;
+  std::memcpy(&numbers.low, from, sizeof numbers.low);
+  std::memcpy(&numbers.high, from + 2, sizeof numbers.high);
+  return numbers;
+}
+
+inline void store(double* to, const Numbers& numbers) {
+  std::memcpy(to, &numbers.low, sizeof numbers.low);
+  std::memcpy(to + 2, &numbers.high, sizeof numbers.high);
+}
+
+/// The smallest number of each lane so far, and the place where it was seen first.
+struct LeastSoFar {
+  Numbers least;
+  Places where;
+  void look_at(const Numbers& numbers, std::int64_t place) {
+    look_at(numbers.low, PlacePair{place, place + 1}, least.low, where.low);
+    look_at(numbers.high, PlacePair{place + 2, place + 3}, least.high, where.high);
+  }
+
+ private:
+  static void look_at(const Pair& numbers, const PlacePair& places, Pair& least, PlacePair& where) {
+    const PlacePair is_less = numbers < least;
+    least = is_less ? numbers : least;
+    where = is_less ? places : where;
+  }
+};
+
+/// @pre the lengths are whole lanes.
+inline double dot(const double* a, const double* b, int length) {
+  Numbers sum;
+  for (int j = 0; j < length; j += width) sum = sum + load(a + j) * load(b + j);
+  const Pair halves = sum.low + sum.high;
+  return halves[0] + halves[1];
+}
+
+/// a -= factor b
+inline void take_off(double* a, double factor, const double* b, int length) {
+  for (int j = 0; j < length; j += width) store(a + j, load(a + j) - factor * load(b + j));
+}
+
+}  // namespace clearway::lanes

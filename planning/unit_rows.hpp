@@ -1,0 +1,56 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace clearway {
+
+/// A constraint that a point breaks: by `depth`, in units of its unit normal.
+struct Violation {
+  int constraint = -1;  ///< -1: none
+  double depth = 0.0;
+};
+
+/// Private to QuadraticSolver: the rows a x <= b of a problem and the limits of x, with unit normals.
+/// Constraints are numbered: 0..m-1 the rows, m+j the upper limit of x_j, m+n+j its lower limit.
+class UnitRows {
+ public:
+  void begin(int variables);
+  /// @throws std::invalid_argument when lower > upper, or NaN.
+  void set_limits(std::span<const double> lower, std::span<const double> upper);
+  /// @throws std::invalid_argument for a bound that is NaN or -infinity.
+  void add(std::span<const double> normal, double bound);
+  /// Divides the rows that were added since by their lengths.
+  /// @throws std::invalid_argument for numbers that are NaN or beyond 1e150.
+  void normalise();
+
+  int variables() const { return n_; }
+  int rows() const { return m_; }
+  int constraints() const { return m_ + 2 * n_; }
+
+  /// The constraint that x breaks most, by more than rounding; ties: the first.
+  /// @param size of the numbers whose difference x is. @param is_out those that do not count.
+  Violation most_violated(const double* x, double size, const std::vector<unsigned char>& is_out) const;
+
+  double bound(int constraint) const;
+  double value(int constraint, const double* x) const;  ///< a x
+  double length(int constraint) const;                  ///< what the row was divided by; 1 for limits
+  void load(int constraint, double* normal) const;      ///< padded with zeros
+
+  /// A row's bound as it was given, if it is negative; else 0.
+  double demand(int row) const { return demands_[static_cast<std::size_t>(row)]; }
+  void lower_demand(int row, double share) {
+    bounds_[static_cast<std::size_t>(row)] = share * demands_[static_cast<std::size_t>(row)];
+  }
+
+ private:
+  void normalise_alone(int row);
+  Violation one_by_one(const double* x, double tolerance, const std::vector<unsigned char>& is_out) const;
+
+  int n_ = 0, m_ = 0, ready_ = 0;
+  std::vector<double> normals_;  ///< in blocks of four rows: the first numbers of four, the second ones, ...
+  std::vector<double> bounds_, demands_, lengths_;  ///< as long as whole blocks: beyond m_ no constraint
+  std::vector<double> lower_, upper_;
+};
+
+}  // namespace clearway

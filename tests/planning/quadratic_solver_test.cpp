@@ -1,0 +1,111 @@
+#include "planning/quadratic_solver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "apps/bench/random_programs.hpp"
+
+namespace clearway {
+namespace {
+
+using bench::ProgramDice;
+using bench::ProgramKind;
+
+/// `clearway_bench qp` judges a million.
+TEST(QuadraticSolver, SolvesOrProvesInfeasibleProgramsOfEveryKind) {
+  double absolute = 0.0;
+  for (std::size_t kind = 0; kind < bench::program_kinds.size(); ++kind) {
+    ProgramDice dice(100 + kind);
+    int feasible = 0;
+    for (int trial = 0; trial < 3000; ++trial) {
+      const QuadraticProgram p =
+          bench::random_program(dice, static_cast<ProgramKind>(kind), trial % 20 == 0 ? 200 : 40);
+      const QuadraticSolution s = solve(p);
+      const bench::Judgement judgement = bench::judge(p, s);
+      ASSERT_TRUE(judgement.is_number) << bench::program_kinds[kind] << " " << trial;
+      ASSERT_LE(judgement.relative, 1e-9) << bench::program_kinds[kind] << " " << trial;
+      if (s.feasible && static_cast<ProgramKind>(kind) != ProgramKind::scales)
+        absolute = std::max(absolute, judgement.absolute);
+      feasible += s.feasible;
+    }
+    EXPECT_GT(feasible, 300) << bench::program_kinds[kind];
+  }
+  EXPECT_LE(absolute, 1e-9);
+}
+
+/// Dykstra's alternating projections: slow, and knows nothing of active sets.
+Eigen::VectorXd by_projections(const QuadraticProgram& p, int rounds) {
+  Eigen::VectorXd x = p.target;
+  Eigen::MatrixXd off = Eigen::MatrixXd::Zero(x.size(), p.rows.rows() + 1);
+  for (int round = 0; round < rounds; ++round) {
+    for (Eigen::Index i = 0; i <= p.rows.rows(); ++i) {
+      const Eigen::VectorXd from = x + off.col(i);
+      if (i == p.rows.rows()) {
+        x = from.cwiseMax(p.lower).cwiseMin(p.upper);
+      } else {
+        const Eigen::VectorXd a = p.rows.row(i).transpose();
+        x = from - a * (std::max(0.0, a.dot(from) - p.bounds[i]) / a.squaredNorm());
+      }
+      off.col(i) = from - x;
+    }
+  }
+  return x;
+}
+
+TEST(QuadraticSolver, AgreesWithAlternatingProjections) {
+  ProgramDice dice(4);
+  int compared = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    QuadraticProgram p = bench::random_program(dice, ProgramKind::plain, 15);
+    if (p.rows.rows() == 0) continue;
+    p.lower = Eigen::VectorXd::Constant(p.target.size(), -0.5);
+    p.upper = -p.lower;
+    const QuadraticSolution s = solve(p);
+    if (!s.feasible) continue;
+    ++compared;
+    EXPECT_NEAR((s.x - by_projections(p, 20000)).norm(), 0.0, 1e-4) << trial;
+  }
+  EXPECT_GT(compared, 30);
+}
+
+TEST(QuadraticSolver, AnObjectThatSawOtherProblemsGivesTheSameBits) {
+  ProgramDice dice(6);
+  QuadraticSolver used;
+  const auto load = [](QuadraticSolver& solver, const QuadraticProgram& p) {
+    solver.begin(static_cast<int>(p.target.size()));
+    solver.set_target({p.target.data(), static_cast<std::size_t>(p.target.size())});
+    for (Eigen::Index i = 0; i < p.rows.rows(); ++i) {
+      const Eigen::VectorXd row = p.rows.row(i).transpose();
+      solver.add_row({row.data(), static_cast<std::size_t>(row.size())}, p.bounds[i]);
+    }
+  };
+  for (int trial = 0; trial < 2000; ++trial) {
+    const QuadraticProgram p = bench::random_program(dice, static_cast<ProgramKind>(trial % 7), 40);
+    QuadraticSolver fresh;
+    load(used, p);
+    load(fresh, p);
+    ASSERT_EQ(used.solve_relaxed(), fresh.solve_relaxed());
+    ASSERT_TRUE(std::equal(used.x().begin(), used.x().end(), fresh.x().begin()));
+    ASSERT_TRUE(
+        std::equal(used.multipliers().begin(), used.multipliers().end(), fresh.multipliers().begin()));
+  }
+}
+
+TEST(QuadraticSolver, RowsOutOfAllReachAreNoConstraintOrAContradiction) {
+  QuadraticSolver solver;
+  const double tiny[] = {1e-140, 0.0}, one[] = {1.0, 0.0};
+  solver.begin(2);
+  solver.set_target(one);
+  solver.add_row(tiny, 1.0);
+  EXPECT_TRUE(solver.solve());
+  EXPECT_EQ(solver.x()[0], 1.0);
+  solver.add_row(tiny, -1.0);
+  EXPECT_FALSE(solver.solve());
+  EXPECT_EQ(solver.conflicting(), 1);
+  EXPECT_TRUE(solver.solve_relaxed());
+  EXPECT_EQ(solver.smallest_share(), 0.0);
+}
+
+}  // namespace
+}  // namespace clearway
