@@ -1,0 +1,164 @@
+#include "planning/team_setup.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "planning/option_reader.hpp"
+#include "planning/team_member.hpp"
+
+namespace clearway {
+namespace {
+
+void require(bool holds, const std::string& sentence) {
+  if (!holds) throw std::invalid_argument(sentence);
+}
+
+/// What the others are for robot `i`: their bodies, then the obstacles.
+struct Surroundings {
+  std::vector<PlacedShape> shapes;
+  std::vector<std::string> names;
+};
+
+/// The others as they stand at the start or the goal, and at the start the obstacles.
+Surroundings around(const Team& team, const TeamOptions& options, std::size_t i, bool at_goal) {
+  Surroundings all;
+  for (std::size_t j = 0; j < team.robots.size(); ++j) {
+    const TeamRobot& other = team.robots[j];
+    if (j == i) continue;
+    const Robot& robot = other.space->robot();
+    for (const PlacedShape& body :
+         placed_bodies(robot, forward_kinematics(robot, at_goal ? other.goal : other.start)))
+      all.shapes.push_back(body);
+    for (const Body& body : robot.bodies) all.names.push_back(other.name + "/" + body.part);
+  }
+  if (at_goal) return all;
+  for (const MovingObstacle& obstacle : team.obstacles) {
+    all.shapes.push_back(obstacle.placed(0.0, options.period));
+    all.names.push_back(obstacle.name);
+  }
+  return all;
+}
+
+/// The least separation, at most `limit`, of all robots at their starts, and of all at their goals.
+double least_at_ends(const Team& team, const TeamOptions& options, double limit) {
+  double least = limit;
+  for (const bool at_goal : {false, true}) {
+    for (std::size_t i = 0; i < team.robots.size(); ++i) {
+      const ConfigurationSpace& space = *team.robots[i].space;
+      const Configuration& q = at_goal ? team.robots[i].goal : team.robots[i].start;
+      for (const ProximityRow& row : space.proximity_rows(q, limit)) least = std::min(least, row.distance);
+      std::vector<ObstacleRow> rows;
+      ObstacleRows(space.robot())
+          .append(forward_kinematics(space.robot(), q), around(team, options, i, at_goal).shapes, limit,
+                  rows);
+      for (const ObstacleRow& row : rows) least = std::min(least, row.distance);
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+void check_inputs(const Team& team, const TeamOptions& options) {
+  require(!team.robots.empty(), "a team needs at least one robot");
+  require(options.period > 0.0 && std::isfinite(options.period), "team: period: expected more than 0 s");
+  require(options.duration >= options.period && options.duration / options.period <= 1e6,
+          "team: duration: expected one to a million periods");
+  require(options.max_acceleration > 0.0, "team: max_acceleration: expected more than 0");
+  std::set<std::string> names;
+  for (const TeamRobot& member : team.robots) {
+    const Robot& robot = member.space->robot();
+    const auto n = static_cast<Eigen::Index>(robot.dof());
+    require(names.insert(member.name).second,
+            "two robots are called '" + member.name + "': expected names that differ");
+    require(member.start.size() == n && member.goal.size() == n,
+            "robot '" + member.name + "': start and goal: expected " + std::to_string(n) + " values each");
+    for (const Joint& joint : robot.joints) {
+      require(joint.max_velocity > 0.0, "robot '" + member.name + "', joint '" + joint.name +
+                                            "': its velocity limit is 0 or not given; expected one over 0 " +
+                                            "to move it in time");
+    }
+  }
+}
+
+TeamFigures choose_figures(const Team& team, const TeamOptions& options) {
+  TeamFigures figures;
+  const ConstraintOptions& given = options.boundary.local;
+  std::vector<double> reach;
+  for (const TeamRobot& robot : team.robots)
+    reach.push_back(weighted_reach(*robot.space, given.prismatic_scale));
+  const double longest = *std::max_element(reach.begin(), reach.end());
+  figures.influence_distance = given.influence_distance > 0.0 ? given.influence_distance : longest / 5.0;
+  const double d_i = figures.influence_distance;
+  figures.security_distance =
+      given.security_distance > 0.0
+          ? given.security_distance
+          : std::clamp(least_at_ends(team, options, d_i) / 2.0, 1e-3 * d_i, d_i / 8.0);
+  const double margin = d_i - figures.security_distance;
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < team.robots.size(); ++i) {
+    const double step = given.max_step > 0.0 ? given.max_step
+                                             : longest_step(*team.robots[i].space, given.prismatic_scale,
+                                                            options, margin / (2.0 * reach[i]));
+    figures.max_step.push_back(step);
+    fastest = std::max(fastest, step * reach[i]);
+  }
+  figures.xi = given.xi > 0.0 ? given.xi : std::min(2.0 * fastest, margin);
+  require(margin > 0.0 && figures.xi <= margin * (1.0 + 1e-12),
+          "team: security_distance " + to_text(figures.security_distance) + ", influence_distance " +
+              to_text(d_i) + ", xi " + to_text(figures.xi) +
+              ": expected security < influence and xi <= influence - security");
+  for (const MovingObstacle& obstacle : team.obstacles)
+    figures.greatest_obstacle_speed = std::max(figures.greatest_obstacle_speed, obstacle.greatest_speed());
+  return figures;
+}
+
+PlanResult check_team_ends(const Team& team, const TeamOptions& options) {
+  PlanResult result;
+  result.status = PlanStatus::solved;
+  for (const bool at_goal : {false, true}) {
+    for (std::size_t i = 0; i < team.robots.size(); ++i) {
+      const TeamRobot& member = team.robots[i];
+      const Configuration& q = at_goal ? member.goal : member.start;
+      const std::string who = "Robot '" + member.name + "' at its " + (at_goal ? "goal" : "start") + ": ";
+      const Verdict verdict = member.space->check(q);
+      std::string sentence = verdict.is_free() ? "" : verdict.sentence();
+      std::vector<ObstacleRow> rows;
+      const Robot& robot = member.space->robot();
+      const Surroundings others = around(team, options, i, at_goal);
+      if (sentence.empty())
+        ObstacleRows(robot).append(forward_kinematics(robot, q), others.shapes, 1e-3, rows);
+      for (const ObstacleRow& row : rows) {
+        if (row.distance > 0.0) continue;
+        sentence = robot.bodies[static_cast<std::size_t>(row.body)].part + " touches " +
+                   others.names[static_cast<std::size_t>(row.obstacle)];
+        break;
+      }
+      if (sentence.empty()) continue;
+      result.status = at_goal ? PlanStatus::goal_invalid : PlanStatus::start_invalid;
+      result.explanation = who + sentence + ".";
+      return result;
+    }
+  }
+  return result;
+}
+
+TeamOptions team_options(const std::string& planner, const PlannerOptions& options) {
+  require(planner == "constraint" || planner == "boundary",
+          "planner '" + planner +
+              "' cannot lead a team: expected constraint or boundary, which move step by step");
+  TeamOptions all;
+  OptionReader reader(planner, options);
+  all.follows_boundaries = planner == "boundary";
+  if (all.follows_boundaries) {
+    all.boundary = read_boundary_options(reader);
+  } else {
+    all.boundary.local = read_constraint_options(reader);
+  }
+  reader.refuse_unknown();
+  return all;
+}
+
+}  // namespace clearway
