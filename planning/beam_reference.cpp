@@ -29,7 +29,7 @@ std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, 
       LatticeIndex node = paths.head(parent).node;
       for (std::size_t j = 0; j < node.size(); ++j) node[j] += change[j];
       ++checks.neighbours;
-      if (!lattice.keeps_limits(node) || paths.was_visited(node)) continue;  // filters 2 and 3
+      if (!lattice.keeps_limits(node) || paths.visited().contains(node)) continue;  // filters 2 and 3
       const Configuration q = lattice.configuration(node);
       ++checks.configurations;
       if (!problem.space.is_free(q)) continue;  // filter 1: node

@@ -31,7 +31,7 @@ class BeamPaths {
   const std::vector<int>& beam() const { return beam_; }  ///< heads to expand, in order of preference
   const Head& head(int i) const { return heads_[static_cast<std::size_t>(i)]; }
   /// Filter 3: selected as a head at any earlier step, also if its path was dropped since.
-  bool was_visited(const LatticeIndex& node) const { return visited_.contains(node); }
+  const NodeSet& visited() const { return visited_; }
   /// The head at `node` reached from head `parent`: eq. 9 with the generalized `forces` at the node.
   Head extend(int parent, const LatticeIndex& node, const Eigen::VectorXd& forces) const;
   /// What its path costs, given also the configurations `from` and `to` of both.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planning/configuration_space_state.hpp"
+#include "planning/idle_turns.hpp"
 #include "planning/part_policies.hpp"
 #include "planning/reach.hpp"
 
@@ -80,9 +81,10 @@ Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
                                        const SpaceOptions& options)
-    : state_(
-          std::make_unique<State>(State{std::move(robot), std::move(map), options, {}, {}, {}, {}, {}, {}})) {
+    : state_(std::make_unique<State>(
+          State{std::move(robot), {}, std::move(map), options, {}, {}, {}, {}, {}, {}, {}})) {
   State& state = *state_;
+  state.robot = without_idle_turns(state.given);
   check_options(options);
   if (state.options.max_distance == 0.0) {
     state.options.max_distance = chosen_max_distance(state.robot, state.map.resolution());
@@ -119,12 +121,15 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     state.turns.push_back(body_turns(state.robot, body));
   }
   state.pairs = contact_pairs(state.robot);
+  state.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(state.robot.dof()));
+  for (std::size_t member = 0; member < state.members(); ++member)
+    state.matters = state.matters.array().max((state.rates(member).array() > 0.0).cast<double>());
 }
 
 ConfigurationSpace::~ConfigurationSpace() = default;
 ConfigurationSpace::ConfigurationSpace(ConfigurationSpace&&) noexcept = default;
 
-const Robot& ConfigurationSpace::robot() const { return state_->robot; }
+const Robot& ConfigurationSpace::robot() const { return state_->given; }
 const Snapshot& ConfigurationSpace::map() const { return state_->map; }
 const SpaceOptions& ConfigurationSpace::options() const { return state_->options; }
 const std::map<std::string, Policy>& ConfigurationSpace::policies() const { return state_->policies; }

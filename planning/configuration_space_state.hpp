@@ -14,7 +14,8 @@
 namespace clearway {
 
 struct ConfigurationSpace::State {
-  Robot robot;
+  Robot given;  ///< as the caller knows it
+  Robot robot;  ///< the same without_idle_turns: bodies, and so all that follows, are of this one
   Snapshot map;
   SpaceOptions options;
   std::map<std::string, Policy> policies;
@@ -24,6 +25,7 @@ struct ConfigurationSpace::State {
   std::vector<Eigen::VectorXd>
       turns;  ///< of these: radians any link below the body turns per unit of each joint
   std::vector<BodyPair> pairs;
+  Eigen::VectorXd matters;  ///< of each joint 1 when it moves a body, or a pair of them, else 0
 
   const Eigen::Isometry3d& pose(const LinkPoses& map_from_link, std::size_t body) const {
     return map_from_link[static_cast<std::size_t>(bodies[body].body().link)];
@@ -33,12 +35,13 @@ struct ConfigurationSpace::State {
 
   /// Bodies i as i, pairs k as (number of bodies + k).
   std::size_t members() const { return bodies.size() + pairs.size(); }
-  /// How far any point of a body moves, or how much a pair approaches, at most when the joints move by
-  /// |dq|, metres.
+  /// How far any point of a body moves, or how much a pair approaches, at most per unit of each joint.
+  const Eigen::VectorXd& rates(std::size_t member) const {
+    return member < bodies.size() ? levers[member] : pairs[member - bodies.size()].approach;
+  }
+  /// The same when the joints move by |dq|, metres.
   double motion(std::size_t member, const Eigen::VectorXd& abs_dq) const {
-    const Eigen::VectorXd& rates =
-        member < bodies.size() ? levers[member] : pairs[member - bodies.size()].approach;
-    return rates.dot(abs_dq) * (1.0 + 1e-9);
+    return rates(member).dot(abs_dq) * (1.0 + 1e-9);
   }
   /// The proof of ConfigurationSpace::is_edge_free for some of the members; both ends within the limits.
   /// What is known and remembered saves time and changes nothing.

@@ -80,7 +80,7 @@ bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Co
   thread_local Scratch scratch;
   scratch.step = to - from;
   scratch.distance = scratch.step.cwiseAbs();
-  const double length = scratch.step.norm();
+  const double length = scratch.step.cwiseProduct(state.matters).norm();
   const std::size_t count = state.bodies.size();
   scratch.motion.resize(state.members());
   scratch.bend.resize(count);
@@ -90,9 +90,20 @@ bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Co
     if (i < count)  // |x''| <= 2 (all turns) (all motion), and a chord is off by 1/8 of it
       scratch.bend[i] = state.turns[i].dot(scratch.distance) * scratch.motion[i] / 4.0 * (1.0 + 1e-9);
   }
-  scratch.open = members;
   scratch.used = 0;
-  scratch.pieces.assign(1, {0.0, 1.0, 0, members.size(), -1, -1});
+  scratch.open.clear();
+  for (const int member : members) {  // what stands still is free on the edge where it is free at its start
+    const auto i = static_cast<std::size_t>(member);
+    if (scratch.motion[i] > 0.0) {
+      scratch.open.push_back(member);
+      continue;
+    }
+    if (scratch.used == 0) scratch.sample(state.robot, from, 0.0);
+    if (i < count ? !state.bodies[i].is_clear(state.pose(scratch.samples[0], i), state.options.padding)
+                  : !is_apart(state.robot, state.pairs[i - count], scratch.samples[0], 0.0))
+      return false;
+  }
+  scratch.pieces.assign(1, {0.0, 1.0, 0, scratch.open.size(), scratch.used - 1, -1});
   const double resolution = state.map.resolution();
   const double finest = state.options.edge_resolution / std::max(length, state.options.edge_resolution);
   /// No point of the body is farther than its motion over half the piece from where it is at the middle.

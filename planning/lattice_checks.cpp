@@ -35,6 +35,10 @@ LatticeChecks::LatticeChecks(const ConfigurationSpace& space, const Lattice& lat
     for (Eigen::Index j = 0; j < lattice.dof(); ++j)
       step_motion_(row, j) = state_.motion(m, lattice.step(j) * Eigen::VectorXd::Unit(lattice.dof(), j));
     whole_motion_[row] = step_motion_.row(row).sum();
+    joints_of_.push_back(static_cast<std::size_t>(lattice.dof()));
+    while (joints_of_[m] > 0 && !(state_.rates(m)[static_cast<Eigen::Index>(joints_of_[m]) - 1] > 0.0))
+      --joints_of_[m];
+    deciding_joints_ = std::max(deciding_joints_, joints_of_[m]);
     if (m >= state_.bodies.size()) {
       slack_.push_back(pair_slack);
       continue;
@@ -160,6 +164,7 @@ bool LatticeChecks::is_edge_free(const LatticeIndex& from, KnownClearances& of_f
   find_motion(from, to);
   open_.clear();
   for (const std::size_t member : order_) {
+    if (motion_[member] == 0.0) continue;  // free at both ends
     const double padding = member < state_.bodies.size() ? state_.options.padding : 0.0;
     const double enough = padding + motion_[member] * (1.0 + rounding) + slack_[member] + rounding;
     if (std::max(of_from.at_least[member], of_to.at_least[member]) <= enough)

@@ -23,6 +23,10 @@ class LatticeChecks {
  public:
   LatticeChecks(const ConfigurationSpace& space, const Lattice& lattice);
 
+  /// The first joints, so many, alone decide what is free: a last joint that turns a round tool about its own
+  /// axis changes nothing.
+  std::size_t deciding_joints() const { return deciding_joints_; }
+
   /// The clearances of a node that is known to be free.
   KnownClearances measure(const LatticeIndex& node);
 
@@ -30,6 +34,9 @@ class LatticeChecks {
   /// holds its clearances.
   bool is_free(const LatticeIndex& node, const LatticeIndex& neighbour, const KnownClearances& of_neighbour,
                KnownClearances& own);
+
+  /// Of the last node that was not free: all nodes with the same first joints, so many, are not free either.
+  std::size_t blocking_joints() const { return joints_of_[order_.front()]; }
 
   /// ConfigurationSpace::is_edge_free between two free nodes, one step from each other. It may learn more of
   /// their clearances.
@@ -53,7 +60,9 @@ class LatticeChecks {
   const ConfigurationSpace::State& state_;
   const Lattice& lattice_;
   std::vector<LinkTable> tables_;
-  LatticeIndex node_;  ///< whose poses are known
+  std::size_t deciding_joints_ = 0;
+  std::vector<std::size_t> joints_of_;  ///< of each member: the first joints, so many, alone place it
+  LatticeIndex node_;                   ///< whose poses are known
   LinkPoses map_from_link_;
   std::vector<bool> placed_;
   Eigen::MatrixXd step_motion_;      ///< of each member (row) by one step of each joint (column), metres

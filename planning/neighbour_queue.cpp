@@ -1,64 +1,77 @@
 #include "planning/neighbour_queue.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
+#include <tuple>
 
 namespace clearway {
 namespace {
 
 constexpr double rounding = 1e-12;  ///< of sums of terms in another order, relative
 
-std::size_t rank_of(std::uint64_t ranks, std::size_t joint) { return ranks >> (2 * joint) & 3u; }
-
 }  // namespace
 
-void NeighbourQueue::add_head(int head, const LatticeIndex& node) {
-  const std::size_t n = node.size();
-  if (n > 32) throw std::invalid_argument("beam: robots of more than 32 joints are not supported");
-  Choices choices{head, node, {}, {}, std::vector<double>(n + 1), std::vector<double>(n + 1)};
-  for (std::size_t j = 0; j < n; ++j) {
-    std::array<std::pair<double, int>, 3> ranked;
-    for (int change = -1; change <= 1; ++change) {
-      ranked[static_cast<std::size_t>(change + 1)] = {
-          lattice_->distance_term(static_cast<Eigen::Index>(j), node[j] + change), change};
-    }
-    std::sort(ranked.begin(), ranked.end());
-    for (const auto& [term, change] : ranked) {
-      choices.term.push_back(term);
-      choices.change.push_back(change);
-    }
-  }
-  double least = 0.0, most = 0.0;  // in joint order, as Lattice::squared_distance
-  for (std::size_t j = 0; j < n; ++j) least += choices.term[3 * j], most += choices.term[3 * j + 2];
-  for (std::size_t j = n; j-- > 0;) {
-    choices.least_rest[j] = choices.least_rest[j + 1] + choices.term[3 * j];
-    choices.most_rest[j] = choices.most_rest[j + 1] + choices.term[3 * j + 2];
-  }
-  least_ = heads_.empty() ? least : std::min(least_, least);
-  most_ = std::max(most_, most);
-  heads_.push_back(std::move(choices));
-  most_entries_ = std::max<std::size_t>(4096, 64 * heads_.size());
+void NeighbourQueue::restart(double band) {
+  head_count_ = 0;
+  entries_.clear();
+  next_ = 0;
+  popped_ = 0;
+  least_ = most_ = last_ = 0.0;
+  band_ = band;
+  begin_ = end_ = -1.0;
+  widened_ = 0;
 }
 
-/// The next band: until it holds some four times as many neighbours, by the volume of a ball in n dimensions.
+void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
+  joints_ = node.size();
+  if (joints_ > most_joints)
+    throw std::invalid_argument("beam: robots of more than 32 joints are not supported");
+  if (head_count_ == heads_.size()) heads_.emplace_back();
+  Head& head = heads_[head_count_++];
+  head.number = number;
+  head.choices.resize(joints_);
+  head.least_rest.assign(joints_ + 1, 0.0);
+  head.most_rest.assign(joints_ + 1, 0.0);
+  double least = 0.0, most = 0.0;  // in joint order, as Lattice::squared_distance
+  for (std::size_t j = 0; j < joints_; ++j) {
+    std::array<Choice, 3>& choices = head.choices[j];
+    for (int change = -1; change <= 1; ++change) {
+      const int index = node[j] + change;
+      choices[static_cast<std::size_t>(change + 1)] = {
+          lattice_->distance_term(static_cast<Eigen::Index>(j), index), NodeSet::hash_term(j, index), index};
+    }
+    std::sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) {
+      return std::tie(a.term, a.index) < std::tie(b.term, b.index);
+    });
+    least += choices[0].term, most += choices[2].term;
+  }
+  for (std::size_t j = joints_; j-- > 0;) {
+    head.least_rest[j] = head.least_rest[j + 1] + head.choices[j][0].term;
+    head.most_rest[j] = head.most_rest[j + 1] + head.choices[j][2].term;
+  }
+  least_ = head_count_ == 1 ? least : std::min(least_, least);
+  most_ = std::max(most_, most);
+  most_entries_ = std::max<std::size_t>(4096, 64 * head_count_);
+}
+
+/// The next band: it holds a few more neighbours, then ever more, up to four times as many as before, by the
+/// volume of a simplex in n dimensions: the first band is a good guess, as a rule.
 void NeighbourQueue::widen() {
-  const Choices& first = heads_.front();
-  const double n = static_cast<double>(std::max<std::size_t>(first.node.size(), 1));
+  const Head& first = heads_.front();
+  const double n = static_cast<double>(std::max<std::size_t>(joints_, 1));
   begin_ = end_;
   if (band_ <= 0.0)
     band_ = (first.most_rest[0] - first.least_rest[0]) / (4.0 * n);
   else if (begin_ >= 0.0)
-    band_ *= std::exp2(2.0 / n);
+    band_ *= std::exp2(std::min(0.25 * ++widened_, 2.0) / n);
   end_ = least_ + band_;
   if (!(end_ > begin_)) end_ = most_;  // no such small difference in floating point
 }
 
 void NeighbourQueue::fill() {
-  while (heap_.empty() && !heads_.empty() && end_ < most_) {
+  while (next_ == entries_.size() && head_count_ > 0 && end_ < most_) {
     widen();
     while (!enumerate_band()) {  // too many: a narrower band, as long as there is one
       const double low = std::max(begin_, least_), narrower = low + (end_ - low) / 4.0;
@@ -67,55 +80,103 @@ void NeighbourQueue::fill() {
       if (narrower > low) end_ = std::min(end_, narrower);
       band_ = end_ - least_;
     }
-    std::make_heap(heap_.begin(), heap_.end());
+    sort_entries();
+  }
+}
+
+/// By distance, then hash, then head: into buckets by distance first, which nearly sorts them.
+void NeighbourQueue::sort_entries() {
+  const auto by_rank = [](const Entry& a, const Entry& b) {
+    if (a.squared_distance != b.squared_distance) return a.squared_distance < b.squared_distance;
+    return a.hash != b.hash ? a.hash < b.hash : a.head < b.head;
+  };
+  const double low = std::max(begin_, least_), width = end_ - low;
+  const std::size_t buckets = entries_.size();
+  const double scale = static_cast<double>(buckets) / width;
+  if (buckets < 8 || !std::isfinite(scale)) {
+    std::sort(entries_.begin(), entries_.end(), by_rank);
+    return;
+  }
+  const auto bucket_of = [&](const Entry& entry) {  // rises with the distance, as rounding does
+    const double place = std::max(entry.squared_distance - low, 0.0) * scale;
+    return place < static_cast<double>(buckets) ? static_cast<std::size_t>(place) : buckets - 1;
+  };
+  bucket_ends_.assign(buckets + 1, 0);
+  for (const Entry& entry : entries_) ++bucket_ends_[bucket_of(entry) + 1];
+  for (std::size_t i = 1; i <= buckets; ++i) bucket_ends_[i] += bucket_ends_[i - 1];
+  unsorted_.swap(entries_);
+  entries_.resize(unsorted_.size());
+  for (const Entry& entry : unsorted_) entries_[bucket_ends_[bucket_of(entry)]++] = entry;
+  // Each bucket now ends where bucket_ends_ says.
+  for (std::size_t i = 0, begin = 0; i < buckets; begin = bucket_ends_[i++]) {
+    const auto at = entries_.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto end = entries_.begin() + static_cast<std::ptrdiff_t>(bucket_ends_[i]);
+    if (end - at > 1) std::sort(at, end, by_rank);
   }
 }
 
 /// False when the band holds so many that memory would not be O(k) any more.
 bool NeighbourQueue::enumerate_band() {
-  heap_.clear();
-  for (std::uint32_t head = 0; head < heads_.size(); ++head) {
-    enumerate(head, 0, 0.0, 0);
-    if (heap_.size() > most_entries_) return false;
+  entries_.clear();
+  next_ = 0;
+  for (head_ = 0; head_ < head_count_; ++head_) {
+    enumerate(heads_[head_], 0, 0.0, 0, 0);
+    if (entries_.size() > most_entries_) return false;
   }
   return true;
 }
 
-void NeighbourQueue::enumerate(std::uint32_t head, std::size_t joint, double sum, std::uint64_t ranks) {
-  const Choices& choices = heads_[head];
-  if (joint == choices.node.size()) {
-    if (sum > begin_ && sum <= end_) heap_.push_back({sum, head, ranks});
+void NeighbourQueue::enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash,
+                               std::uint64_t ranks) {
+  if (joint == joints_) {
+    if (sum > begin_ && sum <= end_ && (closed_ == nullptr || !closed_->is_closed(node_.data(), joint, hash)))
+      entries_.push_back({sum, hash, ranks, head_});
     return;
   }
-  for (std::uint64_t rank = 0; rank < 3 && heap_.size() <= most_entries_; ++rank) {
-    const double next = sum + choices.term[3 * joint + rank];
-    if (next + choices.least_rest[joint + 1] > end_ * (1.0 + rounding)) return;
-    if (next + choices.most_rest[joint + 1] < begin_ * (1.0 - rounding)) continue;
-    enumerate(head, joint + 1, next, ranks | rank << (2 * joint));
+  if (closed_ != nullptr && closed_->is_closed(node_.data(), joint, hash)) return;
+  for (std::uint64_t rank = 0; rank < 3 && entries_.size() <= most_entries_; ++rank) {
+    const Choice& choice = head.choices[joint][rank];
+    const double next = sum + choice.term;
+    if (next + head.least_rest[joint + 1] > end_ * (1.0 + rounding)) return;
+    if (next + head.most_rest[joint + 1] < begin_ * (1.0 - rounding)) continue;
+    node_[joint] = choice.index;
+    enumerate(head, joint + 1, next, hash + choice.hash, ranks | rank << (2 * joint));
   }
 }
 
 bool NeighbourQueue::empty() {
-  if (heap_.empty()) fill();
-  return heap_.empty();
+  if (next_ == entries_.size()) fill();
+  return next_ == entries_.size();
 }
 
 double NeighbourQueue::next_squared_distance() {
-  return empty() ? std::numeric_limits<double>::infinity() : heap_.front().squared_distance;
+  return empty() ? std::numeric_limits<double>::infinity() : entries_[next_].squared_distance;
+}
+
+bool NeighbourQueue::is_same_node(const Entry& a, const Entry& b) const {
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (index_of(a, j) != index_of(b, j)) return false;
+  }
+  return true;
 }
 
 void NeighbourQueue::pop(Neighbour& neighbour) {
   if (empty()) throw std::logic_error("beam: no neighbour is left");
-  std::pop_heap(heap_.begin(), heap_.end());
-  const Entry top = heap_.back();
-  heap_.pop_back();
-  const Choices& choices = heads_[top.head];
-  popped_ = top.squared_distance;
-  neighbour.squared_distance = top.squared_distance;
-  neighbour.head = choices.head;
-  neighbour.node = choices.node;
-  for (std::size_t j = 0; j < neighbour.node.size(); ++j)
-    neighbour.node[j] += choices.change[3 * j + rank_of(top.ranks, j)];
+  const Entry first = entries_[next_];
+  const auto begin = entries_.begin() + static_cast<std::ptrdiff_t>(next_);
+  const auto alike = std::find_if(begin, entries_.end(), [&](const Entry& entry) {
+    return entry.squared_distance != first.squared_distance || entry.hash != first.hash;
+  });
+  // Nodes of one hash are one node but for chance.
+  const auto end =
+      std::stable_partition(begin, alike, [&](const Entry& entry) { return is_same_node(entry, first); });
+  neighbour.squared_distance = last_ = first.squared_distance;
+  neighbour.node.resize(joints_);
+  for (std::size_t j = 0; j < joints_; ++j) neighbour.node[j] = index_of(first, j);
+  neighbour.heads.clear();
+  for (auto entry = begin; entry != end; ++entry) neighbour.heads.push_back(heads_[entry->head].number);
+  popped_ += neighbour.heads.size();
+  next_ += neighbour.heads.size();
 }
 
 Neighbour NeighbourQueue::pop() {

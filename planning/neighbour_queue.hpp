@@ -1,66 +1,95 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "planning/beam_lattice.hpp"
+#include "planning/closed_nodes.hpp"
 
 namespace clearway {
 
-/// A neighbour of a head, not yet filtered.
+/// A neighbour of one head or several, not yet filtered.
 struct Neighbour {
   double squared_distance = 0.0;  ///< of eq. 10
-  int head = 0;                   ///< the number under which the head was added
   LatticeIndex node;
+  std::vector<int> heads;  ///< the numbers under which they were added, ascending
 };
 
 /// All 3^n neighbours of several heads in the order of their distance to the goal, each generated only when
 /// asked for. The distance is a sum of one term per joint, so those within a band of distances are found by
-/// adding terms joint by joint and leaving off what cannot end within it; band after band, each holding some
-/// four times as many neighbours as all before. Sums in floating point, in joint order as
-/// Lattice::squared_distance, keep that order.
+/// adding terms joint by joint and leaving off what cannot end within it; band after band. Sums in floating
+/// point, in joint order as Lattice::squared_distance, keep that order. Nodes that are closed when their band
+/// is begun are left off, as soon as the joints that close them are chosen.
 class NeighbourQueue {
  public:
-  /// @param band how far the first band goes beyond the nearest neighbour, as squared distance; 0: a guess.
-  explicit NeighbourQueue(const Lattice& lattice, double band = 0.0) : lattice_(&lattice), band_(band) {}
+  static constexpr std::size_t most_joints = 32;
 
+  /// @param band how far the first band goes beyond the nearest neighbour, as squared distance; 0: a guess.
+  /// @param closed null: nothing is. Outlives the queue.
+  explicit NeighbourQueue(const Lattice& lattice, double band = 0.0, const ClosedNodes* closed = nullptr)
+      : lattice_(&lattice), closed_(closed), band_(band) {}
+
+  /// Forgets the heads, as new. Memory is kept.
+  void restart(double band);
+
+  /// @throws std::invalid_argument for more than most_joints.
   void add_head(int head, const LatticeIndex& node);
   bool empty();
   double next_squared_distance();
-  /// The nearest neighbour left; equal distances in no particular order.
-  Neighbour pop();
+  /// The nearest neighbour left with all heads that it is a neighbour of; equal distances in a fixed order.
   void pop(Neighbour& neighbour);
+  Neighbour pop();
+  /// Neighbours popped so far, each counted for every head.
+  std::uint64_t popped() const { return popped_; }
   /// How far beyond the nearest neighbour the last one popped was: a good band for heads close by.
-  double band() const { return popped_ - least_; }
+  double band() const { return last_ - least_; }
 
  private:
   struct Entry {
     double squared_distance;
-    std::uint32_t head;   ///< in heads_
+    std::uint64_t hash;   ///< of the node
     std::uint64_t ranks;  ///< two bits per joint: 0 nearest, 1, 2 farthest
-    bool operator<(const Entry& other) const { return squared_distance > other.squared_distance; }
+    std::uint32_t head;   ///< in heads_
   };
-  struct Choices {
-    int head;
-    LatticeIndex node;
-    std::vector<int> change;         ///< 3 per joint, in order of rank: -1, 0 or +1
-    std::vector<double> term;        ///< 3 per joint: distance_term
-    std::vector<double> least_rest;  ///< at j: the sum of the nearest terms of joints j on
-    std::vector<double> most_rest;   ///< of the farthest terms
+  /// One of the three ways to go on with a joint.
+  struct Choice {
+    double term;  ///< distance_term
+    std::uint64_t hash;
+    int index;
+  };
+  struct Head {
+    int number = 0;
+    std::vector<std::array<Choice, 3>> choices;  ///< per joint, nearest first
+    std::vector<double> least_rest, most_rest;   ///< at j: the sum of the nearest, farthest terms from j on
   };
   void fill();
   void widen();
+  void sort_entries();
   bool enumerate_band();
-  void enumerate(std::uint32_t head, std::size_t joint, double sum, std::uint64_t ranks);
+  void enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash, std::uint64_t ranks);
+  int index_of(const Entry& entry, std::size_t joint) const {
+    return heads_[entry.head].choices[joint][entry.ranks >> (2 * joint) & 3U].index;
+  }
+  bool is_same_node(const Entry& a, const Entry& b) const;
 
   const Lattice* lattice_;
-  std::vector<Choices> heads_;
-  std::vector<Entry> heap_;          ///< within the band, nearest first
+  const ClosedNodes* closed_;
+  std::vector<Head> heads_;  ///< the first head_count_
+  std::size_t head_count_ = 0, joints_ = 0;
+  std::vector<Entry> entries_;  ///< of the band, nearest first, from next_ on
+  std::size_t next_ = 0;
+  std::vector<Entry> unsorted_;             ///< and
+  std::vector<std::uint32_t> bucket_ends_;  ///< memory of sort_entries
+  std::array<int, most_joints> node_{};     ///< under enumeration
+  std::uint32_t head_ = 0;
   double least_ = 0.0, most_ = 0.0;  ///< squared distance of the nearest and the farthest neighbour of all
-  std::size_t most_entries_ = 0;     ///< of heap_, so that it stays O(heads) (but for equal distances)
+  std::size_t most_entries_ = 0;     ///< of a band, so that it stays O(heads) (but for equal distances)
   double band_;
   double begin_ = -1.0, end_ = -1.0;  ///< squared distances of the band: beyond begin_, up to end_
-  double popped_ = 0.0;
+  int widened_ = 0;                   ///< times
+  double last_ = 0.0;
+  std::uint64_t popped_ = 0;
 };
 
 }  // namespace clearway

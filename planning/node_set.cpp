@@ -5,38 +5,48 @@
 
 namespace clearway {
 
-std::size_t NodeSet::slot_of(const LatticeIndex& node) const { return slot_of(node.data()); }
+std::uint64_t NodeSet::hash(const int* node) const {
+  std::uint64_t sum = 0;
+  for (std::size_t j = 0; j < joints_; ++j) sum += hash_term(j, node[j]);
+  return sum;
+}
 
-std::size_t NodeSet::slot_of(const int* node) const {
-  std::uint64_t hash = 0;
-  for (std::size_t j = 0; j < joints_; ++j) {
-    hash = (hash ^ static_cast<std::uint32_t>(node[j])) * 0x9e3779b97f4a7c15U;
-    hash ^= hash >> 29U;
-  }
+std::size_t NodeSet::slot_of(const int* node, std::uint64_t hash) const {
+  hash = (hash ^ hash >> 32U) * 0x9e3779b97f4a7c15U;
   const std::size_t mask = slots_.size() - 1;
-  for (std::size_t slot = hash & mask;; slot = (slot + 1) & mask) {
-    const std::uint32_t number = slots_[slot];
-    if (number == none || std::equal(node, node + joints_, &indices_[number * joints_])) return slot;
+  const auto tag = static_cast<std::uint32_t>(hash);
+  for (std::size_t slot = hash >> 32U & mask;; slot = (slot + 1) & mask) {
+    const Slot& at = slots_[slot];
+    if (at.number == none) return slot;
+    if (at.tag == tag && std::equal(node, node + joints_, indices_.data() + at.number * joints_)) return slot;
   }
 }
 
-bool NodeSet::insert(const LatticeIndex& node) {
-  std::size_t slot = slot_of(node);
-  if (slots_[slot] != none) return false;
+bool NodeSet::insert(const int* node) {
+  const std::uint64_t sum = hash(node);
+  std::size_t slot = slot_of(node, sum);
+  if (slots_[slot].number != none) return false;
   if (size_ + 1 >= none) throw std::length_error("beam: too many nodes");
-  if (3 * (size_ + 1) > 2 * slots_.size()) {
-    slots_.assign(2 * slots_.size(), none);
-    for (std::uint32_t number = 0; number < size_; ++number)
-      slots_[slot_of(&indices_[number * joints_])] = number;
-    slot = slot_of(node);
+  const auto put = [this](std::size_t place, std::uint64_t of, std::size_t number) {
+    slots_[place] = {static_cast<std::uint32_t>((of ^ of >> 32U) * 0x9e3779b97f4a7c15U),
+                     static_cast<std::uint32_t>(number)};
+  };
+  if (2 * (size_ + 1) > slots_.size()) {
+    slots_.assign(2 * slots_.size(), {});
+    for (std::size_t number = 0; number < size_; ++number) {
+      const int* known = indices_.data() + number * joints_;
+      const std::uint64_t of = hash(known);
+      put(slot_of(known, of), of, number);
+    }
+    slot = slot_of(node, sum);
   }
-  slots_[slot] = static_cast<std::uint32_t>(size_++);
-  indices_.insert(indices_.end(), node.begin(), node.end());
+  put(slot, sum, size_++);
+  indices_.insert(indices_.end(), node, node + joints_);
   return true;
 }
 
 void NodeSet::clear() {
-  std::fill(slots_.begin(), slots_.end(), none);
+  std::fill(slots_.begin(), slots_.end(), Slot{});
   indices_.clear();
   size_ = 0;
 }

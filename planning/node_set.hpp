@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -8,29 +9,53 @@
 
 namespace clearway {
 
-/// A set of lattice nodes, hashed by their indices: four bytes a joint and some eight more a node.
+/// A set of lattice nodes, hashed by their indices and numbered in the order in which they came: four bytes a
+/// joint and 16 to 32 more a node.
 class NodeSet {
  public:
-  /// Of nodes with so many joints.
-  explicit NodeSet(std::size_t joints) : joints_(joints), slots_(16, none) {}
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-  bool contains(const LatticeIndex& node) const { return slots_[slot_of(node)] != none; }
-  /// False when it was in the set already.
-  bool insert(const LatticeIndex& node);
+  /// Of nodes with so many joints.
+  explicit NodeSet(std::size_t joints) : joints_(joints), slots_(16) {}
+
+  /// A node's hash is the sum of these over its joints, so that whoever steps from node to node adds.
+  static std::uint64_t hash_term(std::size_t joint, int index) {
+    return multipliers[joint % multipliers.size()] * static_cast<std::uint64_t>(index);
+  }
+  std::uint64_t hash(const int* node) const;
+
+  /// The node's number, or none.
+  std::uint32_t find(const int* node, std::uint64_t hash) const { return slots_[slot_of(node, hash)].number; }
+  std::uint32_t find(const int* node) const { return find(node, hash(node)); }
+  bool contains(const LatticeIndex& node) const { return find(node.data()) != none; }
+  /// False when it was in the set already. A new one's number is the size before.
+  bool insert(const int* node);
+  bool insert(const LatticeIndex& node) { return insert(node.data()); }
   void clear();
   std::size_t size() const { return size_; }
 
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  struct Slot {
+    std::uint32_t tag = 0, number = none;
+  };
+  static constexpr std::array<std::uint64_t, 64> multipliers = [] {  // odd, and as good as drawn
+    std::array<std::uint64_t, 64> drawn{};
+    std::uint64_t state = 0;
+    for (std::uint64_t& value : drawn) {
+      state += 0x9e3779b97f4a7c15U;
+      value = (state ^ state >> 30U) * 0xbf58476d1ce4e5b9U;
+      value = (value ^ value >> 27U) * 0x94d049bb133111ebU;
+      value = (value ^ value >> 31U) | 1U;
+    }
+    return drawn;
+  }();
 
   /// Where the node is, or would be put.
-  std::size_t slot_of(const LatticeIndex& node) const;
-  std::size_t slot_of(const int* node) const;
+  std::size_t slot_of(const int* node, std::uint64_t hash) const;
 
   std::size_t joints_, size_ = 0;
   std::vector<int> indices_;  ///< node after node
-  std::vector<std::uint32_t>
-      slots_;  ///< a power of two of them, at least a third empty: a node's number, or none
+  std::vector<Slot> slots_;   ///< a power of two of them, at least half empty
 };
 
 }  // namespace clearway
