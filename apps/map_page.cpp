@@ -15,6 +15,15 @@ namespace {
 constexpr std::array<VoxelState, 4> shown = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
                                              VoxelState::seen_free};
 
+/// Of a path of very many small steps an even choice, ends included.
+std::vector<Configuration> thinned(std::vector<Configuration> path) {
+  constexpr std::size_t most = 600;
+  if (path.size() <= most) return path;
+  std::vector<Configuration> chosen;
+  for (std::size_t i = 0; i < most; ++i) chosen.push_back(path[i * (path.size() - 1) / (most - 1)]);
+  return chosen;
+}
+
 /// The path with configurations inserted so that no joint moves more than the page can interpolate.
 std::vector<Configuration> subdivided(const std::vector<Configuration>& path, const Robot& robot) {
   std::vector<Configuration> dense;
@@ -127,7 +136,7 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     const std::vector<Configuration>& explored = plan.legs.back().explored;
     path.insert(path.end(), explored.begin(), explored.end());
   }
-  shown_plan.waypoints = subdivided(path, robot);
+  shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
   for (const Configuration& q : shown_plan.waypoints) {
     shown_plan.link_poses.push_back(forward_kinematics(robot, q));
     shown_plan.clearance.push_back(space.clearance(q));

@@ -18,8 +18,9 @@ void show_robot(ReportPage& page, const Robot& robot, const Configuration& home)
 /// A shape without its place, link and part.
 PageShape page_shape(const Shape& shape);
 
-/// A plan as the page animates it: waypoints at most 3 degrees (or 20 mm) apart, with clearances from
-/// `space`. A plan without a path shows what was explored, and its start and goal.
+/// A plan as the page animates it: waypoints at most 3 degrees (or 20 mm) apart, of more than 600 an even
+/// choice, with clearances from `space`. A plan without a path shows what was explored, and its start and
+/// goal.
 PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,
                       const std::string& name);
 
