@@ -13,24 +13,15 @@
 namespace clearway {
 namespace {
 
-enum class Stage { straight_edge, local_method, planes, hand_over, none };
-
 /// Shortens a path a few attempts at a time, so that the deadline is kept.
 std::vector<Configuration> shortened(const PlanProblem& problem, std::vector<Configuration> path,
                                      const Eigen::VectorXd& weight, int attempts) {
-  constexpr int at_once = 20;
+  constexpr int at_once = 10;
   for (int done = 0; done < attempts && !problem.out_of_time(); done += at_once) {
     path = shortcut(problem.space, std::move(path), weight, problem.seed + static_cast<std::uint64_t>(done),
                     std::min(at_once, attempts - done));
   }
   return path;
-}
-
-Stage solving_stage(const PlanProblem& problem, PlusSearch& search) {
-  if (problem.space.is_edge_free(problem.start, problem.goal)) return Stage::straight_edge;
-  if (search.by_local_method()) return Stage::local_method;
-  if (search.by_planes()) return Stage::planes;
-  return search.by_hand_over() ? Stage::hand_over : Stage::none;
 }
 
 PlanResult failed(const PlanProblem& problem, const PlusSearch& search, PlanResult result) {
@@ -41,12 +32,30 @@ PlanResult failed(const PlanProblem& problem, const PlusSearch& search, PlanResu
   return result;
 }
 
+void refuse_contradictions(const BoundaryPlusOptions& chosen, const PlannerOptions& given) {
+  const auto refuse = [](const std::string& what) { throw std::invalid_argument("boundary_plus: " + what); };
+  if (chosen.local_steps == 0 && chosen.planes > 0) {
+    refuse("option 'planes' is " + std::to_string(chosen.planes) +
+           " and 'local_steps' 0: planes begin at deadlocks of the local method, expected planes 0");
+  }
+  if (chosen.local_steps == 0 && chosen.planes == 0 && chosen.max_samples == 0) {
+    refuse(
+        "options 'local_steps', 'planes' and 'max_samples' are all 0: expected one stage beside the straight "
+        "edge");
+  }
+  if (chosen.local.max_step > 0.0 && given.count("stride") > 0) {
+    refuse(
+        "options 'max_step' and 'stride' are both given: stride multiplies the automatic max_step, expected "
+        "one of them");
+  }
+}
+
 }  // namespace
 
 BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
   OptionReader reader("boundary_plus", options);
   options_.local = read_constraint_options(reader);
-  options_.stride = reader.number("stride", options_.stride, 0.1, 4.0);
+  options_.stride = reader.number("stride", options_.stride, 0.1, 10.0);
   options_.local_steps = reader.integer("local_steps", options_.local_steps, 0, 1000000);
   options_.planes = reader.integer("planes", options_.planes, 0, 1000);
   options_.plane_steps = reader.integer("plane_steps", options_.plane_steps, 1, 1000000);
@@ -55,10 +64,7 @@ BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
   options_.shortcuts = reader.integer("shortcuts", options_.shortcuts, 0, 1000000);
   options_.smooth = reader.flag("smooth", options_.smooth);
   reader.refuse_unknown();
-  if (options_.local_steps == 0 && options_.planes > 0)
-    throw std::invalid_argument(
-        "boundary_plus: option 'planes' is " + std::to_string(options_.planes) +
-        " and 'local_steps' 0: planes begin at deadlocks of the local method, expected planes 0");
+  refuse_contradictions(options_, options);
   in_force_ = reader.in_force();
 }
 
@@ -68,14 +74,12 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   DamperOptions damper = resolve(options_.local, problem);
   if (options_.local.max_step == 0.0) damper.max_step *= options_.stride;
   PlusSearch search(problem, options_, damper);
-  const Stage stage = solving_stage(problem, search);
+  const PlusStage stage = search.solve();
   search.add_statistics(result);
-  if (stage == Stage::none) return failed(problem, search, std::move(result));
+  if (stage == PlusStage::none) return failed(problem, search, std::move(result));
   result.statistics["solved_by"] = static_cast<double>(stage);
-  const std::vector<Configuration> raw = stage == Stage::straight_edge
-                                             ? std::vector<Configuration>{problem.start, problem.goal}
-                                             : search.trees().path();
-  std::vector<Configuration> path = shortened(problem, raw, damper.weight, options_.shortcuts);
+  std::vector<Configuration> path =
+      shortened(problem, search.trees().path(), damper.weight, options_.shortcuts);
   if (options_.smooth) {
     path = rounded_corners(problem, path, damper.weight, {.least_clearance = damper.security_distance},
                            result.edges_checked);
@@ -86,8 +90,10 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
     result.explored = std::move(path);
     return result;
   }
-  result.explanation = stage == Stage::straight_edge ? "The straight way is free."
-                                                     : "Start and goal were joined by " + search.how() + ".";
+  result.explanation = stage == PlusStage::straight_edge
+                           ? "The straight way is free."
+                           : "Start and goal were joined by " + search.how() + ".";
+  result.statistics["deadline_hit"] = problem.out_of_time() ? 1.0 : 0.0;
   result.statistics["sharpest_turn_rad"] = sharpest_turn(path, damper.weight);
   result.search_steps = static_cast<int>(path.size()) - 1;
   result.cost = sampled_cost(problem.cost, path, damper.weight, AnyAngleOptions().cost_step);

@@ -8,7 +8,7 @@ namespace clearway {
 /// What boundary_plus may spend on each of its stages.
 struct BoundaryPlusOptions {
   ConstraintOptions local;
-  double stride = 3.0;        ///< max_step, when left to us, is that many times the one of `constraint`
+  double stride = 4.0;        ///< max_step, when left to us, is that many times the one of `constraint`
   int local_steps = 300;      ///< of one run of the local method
   int planes = 4;             ///< tried at most from each side, 0: none
   int plane_steps = 60;       ///< of one run along a boundary, local steps after it included

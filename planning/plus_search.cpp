@@ -12,6 +12,7 @@ constexpr double same_deadlock = 1.0;  ///< steps
 constexpr double spacing = 8.0;        ///< steps, of the points of traces that edges are tried from
 constexpr int tries = 4;               ///< edges from each of them
 constexpr int first_round = 64;        ///< samples of the first hand-over; each has twice as many as the last
+constexpr int unguided_samples = 300;  ///< before a route for the hand is looked for
 
 /// The row with the largest multiplier, nullptr when no pair of bodies and obstacles holds the step back.
 const ProximityRow* blocking_pair(const LocalRun& stuck) {
@@ -96,21 +97,19 @@ bool PlusSearch::by_local_method() {
   return false;
 }
 
-bool PlusSearch::by_planes() {
-  for (int plane = 0; plane < options_.planes; ++plane) {
-    for (const Side side : {TwoTrees::start, TwoTrees::goal}) {
-      if (problem_.out_of_time()) return false;
-      if (memory_[side].size() == 0) continue;
-      const int node = locks_[side].node;
-      const Configuration lock = trees_.nodes(side)[static_cast<std::size_t>(node)].q;
-      ++planes_;
-      if (!run(side, node, options_.plane_steps,
-               plane_direction(plane, problem_.space, damper_, lock, locks_[side].run, random_)))
-        continue;
-      how_ = "boundary following, plane " + std::to_string(plane + 1) + " (" + plane_name(plane) + ")" +
-             (side == TwoTrees::start ? "" : " from the goal");
-      return true;
-    }
+bool PlusSearch::by_plane(int plane) {
+  for (const Side side : {TwoTrees::start, TwoTrees::goal}) {
+    if (problem_.out_of_time()) return false;
+    if (memory_[side].size() == 0) continue;
+    const int node = locks_[side].node;
+    const Configuration lock = trees_.nodes(side)[static_cast<std::size_t>(node)].q;
+    const Eigen::VectorXd direction =
+        plane_direction(plane, problem_.space, damper_, lock, locks_[side].run, random_);
+    ++planes_;
+    if (!run(side, node, options_.plane_steps, direction)) continue;
+    how_ = "boundary following, plane " + std::to_string(plane + 1) + " (" + plane_name(plane) + ")" +
+           (side == TwoTrees::start ? "" : " from the goal");
+    return true;
   }
   return false;
 }
@@ -132,29 +131,40 @@ bool PlusSearch::back_to_local_method() {
   return run(TwoTrees::start, best, options_.plane_steps, std::nullopt);
 }
 
-bool PlusSearch::by_hand_over() {
-  SampleGuide guide;
-  int left = options_.max_samples;
-  for (int samples = first_round; left > 0 && !problem_.out_of_time(); samples *= 2) {
-    if (trees_.samples() >= 300 && !guide && options_.guided_share > 0.0) {
-      const Hand hand = find_hand(problem_.space);
-      HandRoute route = find_hand_route(problem_, hand);
-      if (!route.points.empty()) guide = RouteGuide(problem_, hand, std::move(route), options_.guided_share);
-    }
-    ++rounds_;
-    const int now = std::min(samples, left);
-    left -= now;
-    if (trees_.grow(now, random_, guide)) {
-      how_ = "the hand-over to trees of " + std::to_string(trees_.samples()) + " samples";
-      return true;
-    }
-    if (!problem_.out_of_time() && back_to_local_method()) {
-      how_ =
-          "the local method after a hand-over to trees of " + std::to_string(trees_.samples()) + " samples";
-      return true;
-    }
+/// Half of the samples lead along a route for the hand, once uniform ones have not been enough.
+void PlusSearch::guide_samples() {
+  const Hand hand = find_hand(problem_.space);
+  HandRoute route = find_hand_route(problem_, hand);
+  is_guided_ = true;
+  if (!route.points.empty()) guide_ = RouteGuide(problem_, hand, std::move(route), options_.guided_share);
+}
+
+bool PlusSearch::by_hand_over(int samples) {
+  if (samples <= 0 || problem_.out_of_time()) return false;
+  if (!is_guided_ && trees_.samples() >= unguided_samples && options_.guided_share > 0.0) guide_samples();
+  ++rounds_;
+  const bool is_grown = trees_.grow(samples, random_, guide_);
+  if (!is_grown && (problem_.out_of_time() || !back_to_local_method())) return false;
+  how_ = (is_grown ? "a hand-over to trees of " : "the local method after a hand-over to trees of ") +
+         std::to_string(trees_.samples()) + " samples";
+  return true;
+}
+
+PlusStage PlusSearch::solve() {
+  if (problem_.space.is_edge_free(problem_.start, problem_.goal)) {
+    trees_.join_at(0, 0);
+    return PlusStage::straight_edge;
   }
-  return false;
+  if (by_local_method()) return PlusStage::local_method;
+  int left = options_.max_samples;
+  for (int round = 0, samples = first_round; !problem_.out_of_time(); ++round, samples *= 2) {
+    if (round >= options_.planes && left == 0) break;
+    if (round < options_.planes && by_plane(round)) return PlusStage::plane;
+    samples = std::min(samples, left);
+    left -= samples;
+    if (by_hand_over(samples)) return PlusStage::hand_over;
+  }
+  return PlusStage::none;
 }
 
 std::string PlusSearch::effort() const {

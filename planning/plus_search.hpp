@@ -18,14 +18,17 @@ Eigen::VectorXd plane_direction(int plane, const ConfigurationSpace& space, cons
                                 const Configuration& lock, const LocalRun& stuck, std::mt19937_64& random);
 std::string plane_name(int plane);
 
-/// The stages of boundary_plus for one problem, each true when start and goal are joined.
+/// What joined start and goal.
+enum class PlusStage { straight_edge, local_method, plane, hand_over, none };
+
+/// The search of boundary_plus for one problem.
 class PlusSearch {
  public:
   PlusSearch(const PlanProblem& problem, const BoundaryPlusOptions& options, const DamperOptions& damper);
 
-  bool by_local_method();
-  bool by_planes();
-  bool by_hand_over();
+  /// The straight edge; the local method from both ends; then, in rounds, a plane from both deadlocks and a
+  /// hand-over, each with twice as many samples as the last.
+  PlusStage solve();
 
   const TwoTrees& trees() const { return trees_; }
   const std::string& how() const { return how_; }  ///< which stage joined them, in words
@@ -45,7 +48,11 @@ class PlusSearch {
 
   /// Runs from a node towards the other side's root and hangs the trace into the tree.
   bool run(Side side, int node, int most_steps, const std::optional<Eigen::VectorXd>& direction);
+  bool by_local_method();
+  bool by_plane(int plane);
+  bool by_hand_over(int samples);
   bool back_to_local_method();
+  void guide_samples();
 
   const PlanProblem& problem_;
   const BoundaryPlusOptions& options_;
@@ -54,6 +61,8 @@ class PlusSearch {
   std::mt19937_64 random_;
   std::array<Lock, 2> locks_;
   std::array<DeadlockMemory, 2> memory_;
+  SampleGuide guide_;
+  bool is_guided_ = false;
   std::string how_;
   int local_steps_ = 0, boundary_steps_ = 0, planes_ = 0, handed_back_ = 0, rounds_ = 0;
 };
