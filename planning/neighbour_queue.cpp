@@ -16,6 +16,7 @@ constexpr double rounding = 1e-12;  ///< of sums of terms in another order, rela
 void NeighbourQueue::restart(double band) {
   head_count_ = 0;
   entries_.clear();
+  ways_.clear();
   next_ = 0;
   popped_ = 0;
   least_ = most_ = last_ = 0.0;
@@ -53,7 +54,7 @@ void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
   }
   least_ = head_count_ == 1 ? least : std::min(least_, least);
   most_ = std::max(most_, most);
-  most_entries_ = std::max<std::size_t>(4096, 64 * head_count_);
+  most_ways_ = std::max<std::size_t>(4096, 64 * head_count_);
 }
 
 /// The next band: it holds a few more neighbours, then ever more, up to four times as many as before, by the
@@ -75,8 +76,7 @@ void NeighbourQueue::fill() {
     widen();
     while (!enumerate_band()) {  // too many: a narrower band, as long as there is one
       const double low = std::max(begin_, least_), narrower = low + (end_ - low) / 4.0;
-      most_entries_ =
-          narrower > low && narrower < end_ ? most_entries_ : std::numeric_limits<std::size_t>::max();
+      most_ways_ = narrower > low && narrower < end_ ? most_ways_ : std::numeric_limits<std::size_t>::max();
       if (narrower > low) end_ = std::min(end_, narrower);
       band_ = end_ - least_;
     }
@@ -84,11 +84,11 @@ void NeighbourQueue::fill() {
   }
 }
 
-/// By distance, then hash, then head: into buckets by distance first, which nearly sorts them.
+/// By distance, then hash: into buckets by distance first, which nearly sorts them.
 void NeighbourQueue::sort_entries() {
   const auto by_rank = [](const Entry& a, const Entry& b) {
     if (a.squared_distance != b.squared_distance) return a.squared_distance < b.squared_distance;
-    return a.hash != b.hash ? a.hash < b.hash : a.head < b.head;
+    return a.hash != b.hash ? a.hash < b.hash : a.first_way < b.first_way;
   };
   const double low = std::max(begin_, least_), width = end_ - low;
   const std::size_t buckets = entries_.size();
@@ -118,23 +118,59 @@ void NeighbourQueue::sort_entries() {
 /// False when the band holds so many that memory would not be O(k) any more.
 bool NeighbourQueue::enumerate_band() {
   entries_.clear();
+  ways_.clear();
   next_ = 0;
+  std::fill(slots_.begin(), slots_.end(), none);
   for (head_ = 0; head_ < head_count_; ++head_) {
     enumerate(heads_[head_], 0, 0.0, 0, 0);
-    if (entries_.size() > most_entries_) return false;
+    if (ways_.size() > most_ways_) return false;
   }
   return true;
+}
+
+/// Whether the node under enumeration is that of the entry.
+bool NeighbourQueue::is_node_of(const Entry& entry) const {
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (index_of(entry, j) != node_[j]) return false;
+  }
+  return true;
+}
+
+void NeighbourQueue::grow_slots() {
+  slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), none);
+  for (std::uint32_t i = 0; i < entries_.size(); ++i) {
+    std::size_t slot = NodeSet::mixed(entries_[i].hash) & (slots_.size() - 1);
+    while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
+    slots_[slot] = i;
+  }
+}
+
+/// One more way to the node under enumeration, from the head under enumeration.
+void NeighbourQueue::add_way(double sum, std::uint64_t hash, std::uint64_t ranks) {
+  if (2 * (entries_.size() + 1) > slots_.size()) grow_slots();
+  const auto way = static_cast<std::uint32_t>(ways_.size());
+  ways_.push_back({head_, none});
+  std::size_t slot = NodeSet::mixed(hash) & (slots_.size() - 1);
+  for (; slots_[slot] != none; slot = (slot + 1) & (slots_.size() - 1)) {
+    Entry& entry = entries_[slots_[slot]];
+    if (entry.hash != hash || !is_node_of(entry)) continue;
+    ways_[entry.last_way].next = way;
+    entry.last_way = way;
+    return;
+  }
+  slots_[slot] = static_cast<std::uint32_t>(entries_.size());
+  entries_.push_back({sum, hash, ranks, way, way});
 }
 
 void NeighbourQueue::enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash,
                                std::uint64_t ranks) {
   if (joint == joints_) {
     if (sum > begin_ && sum <= end_ && (closed_ == nullptr || !closed_->is_closed(node_.data(), joint, hash)))
-      entries_.push_back({sum, hash, ranks, head_});
+      add_way(sum, hash, ranks);
     return;
   }
   if (closed_ != nullptr && closed_->is_closed(node_.data(), joint, hash)) return;
-  for (std::uint64_t rank = 0; rank < 3 && entries_.size() <= most_entries_; ++rank) {
+  for (std::uint64_t rank = 0; rank < 3 && ways_.size() <= most_ways_; ++rank) {
     const Choice& choice = head.choices[joint][rank];
     const double next = sum + choice.term;
     if (next + head.least_rest[joint + 1] > end_ * (1.0 + rounding)) return;
@@ -153,30 +189,16 @@ double NeighbourQueue::next_squared_distance() {
   return empty() ? std::numeric_limits<double>::infinity() : entries_[next_].squared_distance;
 }
 
-bool NeighbourQueue::is_same_node(const Entry& a, const Entry& b) const {
-  for (std::size_t j = 0; j < joints_; ++j) {
-    if (index_of(a, j) != index_of(b, j)) return false;
-  }
-  return true;
-}
-
 void NeighbourQueue::pop(Neighbour& neighbour) {
   if (empty()) throw std::logic_error("beam: no neighbour is left");
-  const Entry first = entries_[next_];
-  const auto begin = entries_.begin() + static_cast<std::ptrdiff_t>(next_);
-  const auto alike = std::find_if(begin, entries_.end(), [&](const Entry& entry) {
-    return entry.squared_distance != first.squared_distance || entry.hash != first.hash;
-  });
-  // Nodes of one hash are one node but for chance.
-  const auto end =
-      std::stable_partition(begin, alike, [&](const Entry& entry) { return is_same_node(entry, first); });
+  const Entry& first = entries_[next_++];
   neighbour.squared_distance = last_ = first.squared_distance;
   neighbour.node.resize(joints_);
   for (std::size_t j = 0; j < joints_; ++j) neighbour.node[j] = index_of(first, j);
   neighbour.heads.clear();
-  for (auto entry = begin; entry != end; ++entry) neighbour.heads.push_back(heads_[entry->head].number);
+  for (std::uint32_t way = first.first_way; way != none; way = ways_[way].next)
+    neighbour.heads.push_back(heads_[ways_[way].head].number);
   popped_ += neighbour.heads.size();
-  next_ += neighbour.heads.size();
 }
 
 Neighbour NeighbourQueue::pop() {

@@ -46,11 +46,18 @@ class NeighbourQueue {
   double band() const { return last_ - least_; }
 
  private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  /// A node, and the heads that it is a neighbour of as a list in ways_.
   struct Entry {
     double squared_distance;
     std::uint64_t hash;   ///< of the node
-    std::uint64_t ranks;  ///< two bits per joint: 0 nearest, 1, 2 farthest
-    std::uint32_t head;   ///< in heads_
+    std::uint64_t ranks;  ///< from its first head, two bits per joint: 0 nearest, 1, 2 farthest
+    std::uint32_t first_way, last_way;
+  };
+  struct Way {
+    std::uint32_t head;  ///< in heads_
+    std::uint32_t next;  ///< in ways_, or none
   };
   /// One of the three ways to go on with a joint.
   struct Choice {
@@ -69,22 +76,26 @@ class NeighbourQueue {
   bool enumerate_band();
   void enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash, std::uint64_t ranks);
   int index_of(const Entry& entry, std::size_t joint) const {
-    return heads_[entry.head].choices[joint][entry.ranks >> (2 * joint) & 3U].index;
+    return heads_[ways_[entry.first_way].head].choices[joint][entry.ranks >> (2 * joint) & 3U].index;
   }
-  bool is_same_node(const Entry& a, const Entry& b) const;
+  bool is_node_of(const Entry& entry) const;
+  void add_way(double sum, std::uint64_t hash, std::uint64_t ranks);
+  void grow_slots();
 
   const Lattice* lattice_;
   const ClosedNodes* closed_;
   std::vector<Head> heads_;  ///< the first head_count_
   std::size_t head_count_ = 0, joints_ = 0;
-  std::vector<Entry> entries_;  ///< of the band, nearest first, from next_ on
+  std::vector<Entry> entries_;        ///< of the band, nearest first, from next_ on
+  std::vector<Way> ways_;             ///< to these
+  std::vector<std::uint32_t> slots_;  ///< of entries_ by hash: a power of two of them, at least half none
   std::size_t next_ = 0;
   std::vector<Entry> unsorted_;             ///< and
   std::vector<std::uint32_t> bucket_ends_;  ///< memory of sort_entries
   std::array<int, most_joints> node_{};     ///< under enumeration
   std::uint32_t head_ = 0;
   double least_ = 0.0, most_ = 0.0;  ///< squared distance of the nearest and the farthest neighbour of all
-  std::size_t most_entries_ = 0;     ///< of a band, so that it stays O(heads) (but for equal distances)
+  std::size_t most_ways_ = 0;        ///< of a band, so that it stays O(heads) (but for equal distances)
   double band_;
   double begin_ = -1.0, end_ = -1.0;  ///< squared distances of the band: beyond begin_, up to end_
   int widened_ = 0;                   ///< times

@@ -23,6 +23,10 @@ class NodeSet {
     return multipliers[joint % multipliers.size()] * static_cast<std::uint64_t>(index);
   }
   std::uint64_t hash(const int* node) const;
+  /// Spreads such a sum, whose low bits are poor, over all bits: take the low ones.
+  static std::size_t mixed(std::uint64_t hash) {
+    return static_cast<std::size_t>((hash ^ hash >> 32U) * 0x9e3779b97f4a7c15U >> 32U);
+  }
 
   /// The node's number, or none.
   std::uint32_t find(const int* node, std::uint64_t hash) const { return slots_[slot_of(node, hash)].number; }
