@@ -1,0 +1,160 @@
+#include "planning/nearest_cubes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t remembered = 16384;  // a power of two
+constexpr int deepest = 3;                 ///< neighbours of neighbours that are asked
+
+std::uint64_t key_of(const Eigen::Vector3i& voxel) {
+  constexpr std::uint64_t mask = (1U << 21U) - 1U;
+  const auto part = [](int i) { return static_cast<std::uint64_t>(i + (1 << 20)) & mask; };
+  return (part(voxel.x()) << 43U | part(voxel.y()) << 22U | part(voxel.z()) << 1U) | 1U;
+}
+
+std::size_t place_of(std::uint64_t key) {
+  return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15U) >> 40U) & (remembered - 1);
+}
+
+/// Between a voxel's middle and a cube so many voxels away, half voxels, squared.
+int squared_gap(const Eigen::Vector3i& away) {
+  int sum = 0;
+  for (const int k : away) sum += k == 0 ? 0 : (2 * std::abs(k) - 1) * (2 * std::abs(k) - 1);
+  return sum;
+}
+
+constexpr int no_offset = 1000;
+
+/// The k for which one voxel further the squared gap has fallen by `fall`. 0 by none: along a wall.
+int offset_of(int fall) {
+  if (fall == 1) return 1;
+  if (fall == -1 || fall == 0) return 0;
+  if (fall % 8 != 0) return no_offset;
+  return fall > 0 ? fall / 8 + 1 : fall / 8;
+}
+
+}  // namespace
+
+NearestCubes::NearestCubes(const BlockedSpace& space)
+    : space_(space), resolution_(space.resolution()), places_(remembered) {}
+
+void NearestCubes::look_up(std::span<const Eigen::Vector3i> voxels, std::span<Offset> out) {
+  missing_.clear();
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const std::uint64_t key = key_of(voxels[i]);
+    const Place& place = places_[place_of(key)];
+    if (place.key == key) {
+      out[i] = place.offset;
+    } else {
+      missing_.push_back(i);
+    }
+  }
+  if (missing_.empty()) return;
+  looked_up_ += missing_.size();
+  const std::size_t points = around * (missing_.size() + 1);  // one more for neighbours
+  if (x_.size() < points) {
+    for (std::vector<double>* vector : {&x_, &y_, &z_, &clearance_}) vector->resize(2 * points);
+  }
+  for (std::size_t k = 0; k < missing_.size(); ++k) place_points(around * (k + 1), voxels[missing_[k]]);
+  const auto part = [&](std::vector<double>& all) {
+    return std::span(all).subspan(around, around * missing_.size());
+  };
+  space_.coarse_clearances({part(x_), part(y_), part(z_)}, part(clearance_));
+  for (std::size_t k = 0; k < missing_.size(); ++k) {
+    const std::size_t i = missing_[k];
+    out[i] = told_by_field(voxels[i], &clearance_[around * (k + 1)], 0);
+    const std::uint64_t key = key_of(voxels[i]);
+    places_[place_of(key)] = {key, out[i]};
+  }
+}
+
+/// The voxel's middle, then those before and behind it along x, y, z.
+void NearestCubes::place_points(std::size_t first, const Eigen::Vector3i& voxel) {
+  const Eigen::Vector3d middle = (voxel.cast<double>().array() + 0.5) * resolution_;
+  std::fill_n(x_.begin() + static_cast<std::ptrdiff_t>(first), around, middle.x());
+  std::fill_n(y_.begin() + static_cast<std::ptrdiff_t>(first), around, middle.y());
+  std::fill_n(z_.begin() + static_cast<std::ptrdiff_t>(first), around, middle.z());
+  x_[first + 1] -= resolution_, x_[first + 2] += resolution_;
+  y_[first + 3] -= resolution_, y_[first + 4] += resolution_;
+  z_[first + 5] -= resolution_, z_[first + 6] += resolution_;
+}
+
+NearestCubes::Offset NearestCubes::told_by_field(const Eigen::Vector3i& voxel, const double* clearance,
+                                                 int depth) {
+  if (clearance[0] <= 0.0) return {0, 0, 0, 0};
+  if (clearance[0] >= space_.max_distance()) return {nothing, 0, 0, 0};
+  Squares squared;  // half voxels
+  for (std::size_t i = 0; i < squared.size(); ++i) {
+    const double half_voxels = 2.0 * clearance[i] / resolution_;
+    squared[i] = static_cast<int>(half_voxels * half_voxels + 0.5);
+  }
+  Offset offset{nothing, 0, 0, 0};
+  if (by_differences(voxel, squared, offset) || by_neighbours(voxel, squared, depth, offset) || depth > 0)
+    return offset;
+  ++searched_;
+  const NearestBlocked nearest =
+      space_.nearest((voxel.cast<double>().array() + 0.5) * resolution_, space_.max_distance());
+  if (!nearest.found) return {nothing, 0, 0, 0};
+  const Eigen::Vector3i away = (nearest.voxel / resolution_).array().floor().matrix().cast<int>() - voxel;
+  return {static_cast<std::int8_t>(away.x()), static_cast<std::int8_t>(away.y()),
+          static_cast<std::int8_t>(away.z()), 0};
+}
+
+/// Where the neighbours along each axis see the same cube, their squared distances tell where it lies.
+bool NearestCubes::by_differences(const Eigen::Vector3i& voxel, const Squares& squared,
+                                  Offset& offset) const {
+  int candidates[3][2];
+  int count[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int behind = offset_of(squared[0] - squared[2 * axis + 2]);
+    const int before = offset_of(squared[0] - squared[2 * axis + 1]);
+    int& number = count[axis] = 0;
+    if (behind != no_offset) candidates[axis][number++] = behind;
+    if (before != no_offset && -before != behind) candidates[axis][number++] = -before;
+  }
+  for (int i = 0; i < count[0]; ++i) {
+    for (int j = 0; j < count[1]; ++j) {
+      for (int k = 0; k < count[2]; ++k) {
+        const Eigen::Vector3i away(candidates[0][i], candidates[1][j], candidates[2][k]);
+        if (squared_gap(away) != squared[0]) continue;
+        if (!space_.is_blocked(((voxel + away).cast<double>().array() + 0.5) * resolution_)) continue;
+        for (int axis = 0; axis < 3; ++axis)
+          offset[static_cast<std::size_t>(axis)] = static_cast<std::int8_t>(away[axis]);
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Else the neighbour on the way to the nearest cube most likely sees it, too.
+bool NearestCubes::by_neighbours(const Eigen::Vector3i& voxel, const Squares& squared, int depth,
+                                 Offset& offset) {
+  if (depth >= deepest) return false;
+  std::array<std::size_t, 6> order{1, 2, 3, 4, 5, 6};
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(squared[a], a) < std::pair(squared[b], b);
+  });
+  for (const std::size_t i : order) {
+    if (squared[i] >= squared[0]) break;
+    Eigen::Vector3i next = voxel;
+    next[static_cast<Eigen::Index>(i - 1) / 2] += i % 2 == 1 ? -1 : 1;
+    place_points(0, next);
+    std::array<double, around> clearance;
+    const auto part = [](const std::vector<double>& all) { return std::span(all).first(around); };
+    space_.coarse_clearances({part(x_), part(y_), part(z_)}, clearance);
+    const Offset found = told_by_field(next, clearance.data(), depth + 1);
+    if (found[0] == nothing) continue;
+    const Eigen::Vector3i away = next - voxel + Eigen::Vector3i(found[0], found[1], found[2]);
+    if (squared_gap(away) != squared[0]) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      offset[static_cast<std::size_t>(axis)] = static_cast<std::int8_t>(away[axis]);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace clearway

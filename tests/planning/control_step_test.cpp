@@ -1,0 +1,170 @@
+#include "planning/control_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/planning/random_world.hpp"
+#include "tests/planning/voxel_scene.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double edge = 0.02;
+
+/// A wall that leans: its voxels are stairs of uneven width.
+Snapshot slanted_wall(double slope) {
+  FreeSpaceMap map({.resolution = edge});
+  for (double y = -0.9; y < 0.9; y += 0.25 * edge) {
+    const Eigen::Vector3d on(0.55 + slope * y, y, 0.01);
+    occupy(map, ((on / edge).array().floor() + 0.5) * edge);
+  }
+  return map.snapshot();
+}
+
+DamperOptions damper(std::size_t joints) {
+  return {0.005, 0.12, 0.02, 0.05, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(joints))};
+}
+
+/// How the steps of a motion change from one to the next.
+struct Smoothness {
+  double roughest = 0.0;  ///< largest second difference of any joint over the longest step
+  double total = 0.0;     ///< mean length of the second difference over that of the step
+  int sign_flips = 0;     ///< steps across the wall (x) whose sign changes thrice running
+  double least = 1.0;     ///< separation
+};
+
+/// Slides the disc along the wall, drawn against it, with rows of the caller's choice.
+template <class Step>
+Smoothness slide(const Step& step_at, double slope) {
+  Smoothness result;
+  Eigen::Vector2d q(0.55 - slope * 0.6 - 0.4, -0.6);
+  const Eigen::Vector2d along = Eigen::Vector2d(slope, 1.0).normalized();
+  const Eigen::Vector2d wanted = 0.003 * (along + Eigen::Vector2d(along.y(), -along.x())).normalized();
+  Eigen::Vector2d last = Eigen::Vector2d::Zero(), before_last = last;
+  double changes = 0.0, way = 0.0;
+  for (int i = 0; i < 700 && q.y() < 0.5; ++i) {
+    const Eigen::Vector2d step = step_at(q, wanted, result.least);
+    q += step;
+    if (i > 60) {  // once it is at the wall
+      const Eigen::Vector2d across(along.y(), -along.x());
+      result.roughest = std::max(result.roughest, (step - last).cwiseAbs().maxCoeff() / wanted.norm());
+      changes += (step - last).norm();
+      way += step.norm();
+      const double now = across.dot(step), then = across.dot(last), once = across.dot(before_last);
+      result.sign_flips += now * then < -1e-10 && then * once < -1e-10;
+    }
+    before_last = last;
+    last = step;
+  }
+  EXPECT_GT(q.y(), 0.2);  // it came along
+  result.total = changes / way;
+  return result;
+}
+
+TEST(ControlStep, SlidesSmoothlyAlongASlantedWallOfVoxelsWhereTheNearestCubeAloneChatters) {
+  const Robot robot = load_robot("point");
+  double roughness = 0.0, naive_roughness = 0.0, naive_roughest = 0.0;
+  int naive_flips = 0;
+  for (const double slope : {0.13, 0.31, 0.57, 0.83}) {
+    const ConfigurationSpace space(robot, slanted_wall(slope), {.critical_by_default = false},
+                                   {.max_distance = 0.5});
+    const DamperOptions options = damper(2);
+    ControlStep control(space, options);
+    const Smoothness ours = slide(
+        [&](const Eigen::Vector2d& q, const Eigen::Vector2d& wanted, double& least) -> Eigen::Vector2d {
+          control.look(q);
+          least = std::min(least, control.separation());
+          return control.solve(wanted);
+        },
+        slope);
+    const Smoothness naive = slide(
+        [&](const Eigen::Vector2d& q, const Eigen::Vector2d& wanted, double& least) -> Eigen::Vector2d {
+          StepConstraints all = constraints_at(space, q, options);
+          Eigen::Index nearest = 0;
+          if (all.bounds.size() == 0) return wanted;
+          all.bounds.minCoeff(&nearest);
+          least = std::min(least, all.separation);
+          StepConstraints one = all;
+          one.rows = all.rows.row(nearest);
+          one.bounds = all.bounds.segment(nearest, 1);
+          return local_step(one, wanted, options).step;
+        },
+        slope);
+    EXPECT_EQ(ours.sign_flips, 0) << slope;
+    EXPECT_GT(ours.least, options.security_distance - 1e-4) << slope;
+    EXPECT_LT(ours.roughest, 0.45) << slope;
+    roughness += ours.total;
+    naive_roughness += naive.total;
+    naive_roughest = std::max(naive_roughest, naive.roughest);
+    naive_flips += naive.sign_flips;
+  }
+  EXPECT_LT(roughness, naive_roughness);
+  EXPECT_GT(naive_roughest, 0.45);
+  EXPECT_GT(naive_flips, 0);
+}
+
+TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
+  const Robot robot = load_robot("puma560");
+  Random random(8);
+  VoxelScene scene;
+  scene.occupied = {box_of(0.4, -0.5, 0.2, 0.5, 0.5, 0.6), box_of(-0.4, 0.3, 0.3, 0.4, 0.4, 0.8)};
+  const ConfigurationSpace space(robot, scene.snapshot(), {.critical_by_default = false});
+  const DamperOptions options = damper(6);
+  ControlStep control(space, options);
+  int near = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    Configuration q = random.configuration(robot);
+    if (trial % 3 == 0) q[1] = robot.joints[1].upper - 0.001;
+    const Eigen::VectorXd wanted =
+        0.005 * Eigen::VectorXd::NullaryExpr(6, [&] { return random.between(-1.0, 1.0); });
+    control.look(q);
+    if (control.separation() < options.security_distance) continue;  // rows may have to give way
+    const Eigen::VectorXd step = control.solve(wanted);
+    for (std::size_t i = 0; i < control.rows().rows().size(); ++i) {
+      const ControlRow& row = control.rows().rows()[i];
+      double approach = 0.0;
+      for (std::size_t j = 0; j < 6; ++j)
+        approach += control.rows().gradient(i)[j] * step[static_cast<Eigen::Index>(j)];
+      EXPECT_LE(approach, row.distance - options.security_distance + 1e-9);
+      if (row.behind > 0.0) continue;
+      ++near;
+      EXPECT_LE(approach, damper_bound(options, row.distance) + 1e-9);
+    }
+    for (std::size_t j = 0; j < 6; ++j) {
+      EXPECT_LE(q[static_cast<Eigen::Index>(j)] + step[static_cast<Eigen::Index>(j)],
+                robot.joints[j].upper + 1e-9);
+    }
+    EXPECT_LE(step.cwiseAbs().maxCoeff(), options.max_step + 1e-12);
+  }
+  EXPECT_GT(near, 300);
+}
+
+TEST(ControlStep, GivesTheSameBitsWhateverItSawBefore) {
+  const Robot robot = load_robot("puma560");
+  Random random(9);
+  VoxelScene scene;
+  scene.occupied = {box_of(0.4, -0.5, 0.2, 0.5, 0.5, 0.6)};
+  const ConfigurationSpace space(robot, scene.snapshot(), {.critical_by_default = false});
+  ControlStep used(space, damper(6));
+  for (int trial = 0; trial < 100; ++trial) {
+    const Configuration q = random.configuration(robot);
+    ControlStep fresh(space, damper(6));
+    used.look(q);
+    fresh.look(q);
+    const Eigen::VectorXd wanted = Eigen::VectorXd::Constant(6, 0.002);
+    ASSERT_EQ(Eigen::VectorXd(used.solve(wanted)), Eigen::VectorXd(fresh.solve(wanted)));
+  }
+}
+
+TEST(ControlStep, RefusesDampersThatCouldCrossTheSecurityDistance) {
+  const ConfigurationSpace space(load_robot("point"), VoxelScene{}.snapshot(), {});
+  DamperOptions options = damper(2);
+  options.xi = 0.11;
+  EXPECT_THROW(ControlStep(space, options), std::invalid_argument);
+  options = damper(2);
+  options.security_distance = options.influence_distance;
+  EXPECT_THROW(ControlStep(space, options), std::invalid_argument);
+  EXPECT_THROW(ControlStep(space, damper(3)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway
