@@ -24,6 +24,18 @@ std::vector<Configuration> shortened(const PlanProblem& problem, std::vector<Con
   return path;
 }
 
+/// As for `constraint`, but the automatic influence is shorter (rows cost as many voxels as they look at) and
+/// the automatic step longer.
+DamperOptions damper_of(const BoundaryPlusOptions& options, const PlanProblem& problem) {
+  constexpr double influence_share = 0.75;
+  ConstraintOptions local = options.local;
+  if (local.influence_distance == 0.0)
+    local.influence_distance = influence_share * resolve(local, problem).influence_distance;
+  DamperOptions damper = resolve(local, problem);
+  if (local.max_step == 0.0) damper.max_step *= options.stride;
+  return damper;
+}
+
 PlanResult failed(const PlanProblem& problem, const PlusSearch& search, PlanResult result) {
   result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
   result.explored = search.explored();
@@ -54,7 +66,11 @@ void refuse_contradictions(const BoundaryPlusOptions& chosen, const PlannerOptio
 
 BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
   OptionReader reader("boundary_plus", options);
-  options_.local = read_constraint_options(reader);
+  options_.local.max_step = reader.number_or_auto("max_step", 0.0, 10.0);
+  options_.local.influence_distance = reader.number_or_auto("influence_distance", 0.0, 1e3);
+  options_.local.security_distance = reader.number_or_auto("security_distance", 0.0, 1e3);
+  options_.local.xi = reader.number_or_auto("xi", 0.0, 1e3);
+  options_.local.prismatic_scale = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
   options_.stride = reader.number("stride", options_.stride, 0.1, 10.0);
   options_.local_steps = reader.integer("local_steps", options_.local_steps, 0, 1000000);
   options_.planes = reader.integer("planes", options_.planes, 0, 1000);
@@ -71,8 +87,7 @@ BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
 PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   PlanResult result = check_ends(problem);
   if (result.status != PlanStatus::solved) return result;
-  DamperOptions damper = resolve(options_.local, problem);
-  if (options_.local.max_step == 0.0) damper.max_step *= options_.stride;
+  const DamperOptions damper = damper_of(options_, problem);
   PlusSearch search(problem, options_, damper);
   const PlusStage stage = search.solve();
   search.add_statistics(result);

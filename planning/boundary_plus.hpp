@@ -7,7 +7,7 @@ namespace clearway {
 
 /// What boundary_plus may spend on each of its stages.
 struct BoundaryPlusOptions {
-  ConstraintOptions local;
+  ConstraintOptions local;    ///< its max_steps is not used: local_steps and plane_steps are
   double stride = 4.0;        ///< max_step, when left to us, is that many times the one of `constraint`
   int local_steps = 300;      ///< of one run of the local method
   int planes = 4;             ///< tried at most from each side, 0: none

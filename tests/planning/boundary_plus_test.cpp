@@ -151,6 +151,7 @@ TEST(BoundaryPlus, ContradictoryAndUnknownOptionsAreRefused) {
   EXPECT_EQ(refusal({{"max_step", "0.1"}, {"stride", "2"}}),
             "boundary_plus: options 'max_step' and 'stride' are both given: stride multiplies the automatic "
             "max_step, expected one of them");
+  EXPECT_NE(refusal({{"max_steps", "9"}}).find("max_step"), std::string::npos);
   EXPECT_NE(refusal({{"plane", "3"}}).find("planes"), std::string::npos);
   EXPECT_NE(refusal({{"guided_share", "1.5"}}).find("guided_share"), std::string::npos);
 }
