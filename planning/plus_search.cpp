@@ -131,7 +131,7 @@ bool PlusSearch::back_to_local_method() {
   return run(TwoTrees::start, best, options_.plane_steps, std::nullopt);
 }
 
-/// Half of the samples lead along a route for the hand, once uniform ones have not been enough.
+/// From now on some of the samples lie along a route for the hand.
 void PlusSearch::guide_samples() {
   const Hand hand = find_hand(problem_.space);
   HandRoute route = find_hand_route(problem_, hand);
