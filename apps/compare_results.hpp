@@ -23,7 +23,8 @@ struct ComparePlanner {
 struct CompareTeamRun {
   double motion_time = 0.0;        ///< s, from first to last step
   double security_distance = 0.0;  ///< d_s, m
-  double step_bound = 0.0;         ///< m: how much nearer two things can come in one period at most
+  double step_bound = 0.0;         ///< m: how much nearer two things can come in one period at most; what is
+                                   ///< sensed: from one scan until the next is known
   double obstacle_speed = 0.0;     ///< v_obs, m/s: no obstacle is faster
   double acceleration = 0.0;       ///< greatest share of the acceleration limit
   int deadlocks = 0;

@@ -7,7 +7,9 @@
 #include <thread>
 
 #include "apps/compare_files.hpp"
+#include "apps/map_page.hpp"
 #include "apps/parse.hpp"
+#include "apps/sensed_spaces.hpp"
 #include "apps/stopwatch.hpp"
 #include "apps/suite_teams.hpp"
 #include "apps/suite_world.hpp"
@@ -22,11 +24,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Snapshot map_of(const Suite& suite, const SuiteExperiment& experiment) {
-  for (const SuiteWorld& world : suite.worlds) {
-    if (world.name == experiment.world) return world.map.empty() ? make_map(world, {}) : load_map(world.map);
-  }
-  return empty_map();
+SuiteWorld world_of(const Suite& suite, const SuiteExperiment& experiment) {
+  for (const SuiteWorld& world : suite.worlds)
+    if (world.name == experiment.world) return world;
+  return {};
+}
+
+Snapshot map_of(const SuiteWorld& world) {
+  if (world.name.empty()) return empty_map();
+  return world.map.empty() ? make_map(world, {}) : load_map(world.map);
 }
 
 double length_of(const std::vector<Configuration>& path) {
@@ -35,9 +41,18 @@ double length_of(const std::vector<Configuration>& path) {
   return length;
 }
 
-std::string check_word(const TeamRun& run, const TeamVerdict& verdict) {
+/// What a thing that is known from scans alone can move from when it is seen until the next scan is known, m.
+double unseen_motion(const Team& team, const std::optional<SuiteSensing>& sensing) {
+  double farthest = 0.0;
+  for (const MovingObstacle& obstacle : team.obstacles)
+    if (obstacle.is_sensed && sensing)
+      farthest = std::max(farthest, obstacle.greatest_speed() * (sensing->latency + 1.0 / sensing->rate_hz));
+  return farthest;
+}
+
+std::string check_word(const TeamRun& run, const TeamVerdict& verdict, double bound) {
   if (!run.outrun.empty()) return "outrun";
-  const bool keeps = verdict.least_separation >= run.figures.security_distance - run.step_bound();
+  const bool keeps = verdict.least_separation >= run.figures.security_distance - bound;
   return verdict.is_apart && keeps ? "valid" : "refused";
 }
 
@@ -53,7 +68,8 @@ class TeamRunner {
   TeamRunner(const Suite& suite, const PreparedExperiment& experiment, const CompareChoice& choice)
       : experiment_(experiment),
         choice_(choice),
-        map_(map_of(suite, experiment.setup)),
+        world_(world_of(suite, experiment.setup)),
+        map_(map_of(world_)),
         digest_(map_sha256(map_)),
         labels_(names_as_files(experiment.planners)) {}
 
@@ -94,7 +110,7 @@ class TeamRunner {
 
   CompareProblem run_team_number(std::size_t i) const {
     const SuiteTeam given = team_number(i);
-    const Team team = make_team(given, map_, experiment_.setup.policies);
+    Team team = make_team(given, map_, experiment_.setup.policies);
     CompareProblem problem;
     problem.name = given.name;
     problem.world = experiment_.setup.world.empty() ? "nothing" : experiment_.setup.world;
@@ -106,13 +122,19 @@ class TeamRunner {
       const TeamOptions& options = experiment_.leaders[p];
       CompareRun found;
       TeamRun run;
+      const auto& sensing = experiment_.setup.teams->sensing;
+      std::optional<SensedSpaces> spaces;
+      if (sensing) {
+        spaces.emplace(team, given.moving, *sensing, world_, experiment_.setup.policies);
+        team.sensed = [&spaces](std::size_t robot, double time) { return spaces->at(robot, time); };
+      }
       {
         const Stopwatch watch(found.time);
         run = told(given, p, [&] { return run_team(team, options); });
       }
       const TeamVerdict verdict =
           check_team(team, run, options.max_acceleration, run.figures.influence_distance);
-      describe(team, run, verdict, found);
+      describe(team, run, verdict, run.step_bound() + unseen_motion(team, sensing), found);
       found.planner = p;
       found.seed = choice_.seed;
       if (!experiment_.setup.generate || found.check == "refused") {
@@ -121,6 +143,7 @@ class TeamRunner {
         save_file(choice_.out / file, team_json(team, run, verdict, experiment_.planners[p].planner,
                                                 experiment_.planners[p].options));
         found.plan_file = file.string();
+        if (spaces) show_map(page, spaces->map());
         page.plans.push_back(
             page_of_run(team, run, verdict, experiment_.planners[p].label, experiment_.planners[p].planner));
       }
@@ -145,18 +168,19 @@ class TeamRunner {
     }
   }
 
-  static void describe(const Team& team, const TeamRun& run, const TeamVerdict& verdict, CompareRun& found) {
+  static void describe(const Team& team, const TeamRun& run, const TeamVerdict& verdict, double bound,
+                       CompareRun& found) {
     found.status = run.status;
     found.explanation = run.explanation;
     found.team.emplace();
     found.team->security_distance = run.figures.security_distance;
-    found.team->step_bound = run.step_bound();
+    found.team->step_bound = bound;
     found.team->obstacle_speed = run.figures.greatest_obstacle_speed;
     found.team->motion_time = static_cast<double>(run.steps()) * run.period;
     found.team->outrun = run.outrun;
     found.team->acceleration = verdict.greatest_acceleration_share;
     if (run.steps() == 0) return;
-    found.check = check_word(run, verdict);
+    found.check = check_word(run, verdict, bound);
     if (found.check == "refused") found.contact = contact_of(verdict);
     found.legs = run.status == PlanStatus::solved ? 1 : 0;
     found.steps = run.steps();
@@ -171,6 +195,7 @@ class TeamRunner {
 
   const PreparedExperiment& experiment_;
   const CompareChoice& choice_;
+  const SuiteWorld world_;
   const Snapshot map_;
   const std::string digest_;
   const std::vector<std::string> labels_;

@@ -76,6 +76,13 @@ PageShape page_shape(const Shape& s) {
 ReportPage page_of_map(const Snapshot& map, const std::string& title) {
   ReportPage page;
   page.title = title;
+  show_map(page, map);
+  return page;
+}
+
+void show_map(ReportPage& page, const Snapshot& map) {
+  page.volume_labels.clear();
+  page.balls.clear();
   page.resolution = map.resolution();
   std::array<PageVoxels, shown.size()> sets;
   for (std::size_t s = 0; s < shown.size(); ++s) {
@@ -96,7 +103,6 @@ ReportPage page_of_map(const Snapshot& map, const std::string& title) {
       page.balls.push_back({ball.center, ball.radius, static_cast<int>(v)});
     }
   }
-  return page;
 }
 
 void show_robot(ReportPage& page, const Robot& robot, const Configuration& home) {

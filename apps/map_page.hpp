@@ -12,6 +12,9 @@ namespace clearway {
 /// A page that shows `map`: its voxels by state and its exact balls.
 ReportPage page_of_map(const Snapshot& map, const std::string& title);
 
+/// The page's voxels and balls become those of `map`.
+void show_map(ReportPage& page, const Snapshot& map);
+
 /// The robot's bodies, and where they are at `home`.
 void show_robot(ReportPage& page, const Robot& robot, const Configuration& home);
 

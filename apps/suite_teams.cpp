@@ -14,23 +14,6 @@ Configuration configuration(const std::vector<double>& values) {
   return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-Policies policies_of(const Robot& robot, const Snapshot& map,
-                     const std::map<std::string, std::string>& given) {
-  Policies policies;
-  if (map.volumes().empty()) policies.critical_by_default = false;
-  for (const auto& [part, policy] : given) {
-    if (part == "default") {
-      policies.other = parse_policy(policy);
-      policies.critical_by_default = false;
-      continue;
-    }
-    const bool has_part = std::any_of(robot.bodies.begin(), robot.bodies.end(),
-                                      [&part = part](const Body& body) { return body.part == part; });
-    if (has_part) policies.parts[part] = parse_policy(policy);
-  }
-  return policies;
-}
-
 Shape shape_of(const SceneShape& shape) {
   if (const auto* box = std::get_if<BoxShape>(&shape.geometry)) return Shape::box(box->size);
   if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
@@ -47,12 +30,29 @@ TeamRobot make_robot(const SuiteTeamRobot& given, const Snapshot& map,
                                 std::to_string(given.goal.size()) + " values, expected " +
                                 std::to_string(robot.dof()) + " each (robot '" + robot.name + "')");
   }
-  const Policies chosen = policies_of(robot, map, policies);
+  const Policies chosen = team_policies(robot, map, policies);
   auto space = std::make_shared<const ConfigurationSpace>(std::move(robot), map, chosen);
   return {given.name, std::move(space), configuration(given.start), configuration(given.goal)};
 }
 
 }  // namespace
+
+Policies team_policies(const Robot& robot, const Snapshot& map,
+                       const std::map<std::string, std::string>& given) {
+  Policies policies;
+  if (map.volumes().empty()) policies.critical_by_default = false;
+  for (const auto& [part, policy] : given) {
+    if (part == "default") {
+      policies.other = parse_policy(policy);
+      policies.critical_by_default = false;
+      continue;
+    }
+    const bool has_part = std::any_of(robot.bodies.begin(), robot.bodies.end(),
+                                      [&part = part](const Body& body) { return body.part == part; });
+    if (has_part) policies.parts[part] = parse_policy(policy);
+  }
+  return policies;
+}
 
 Team make_team(const SuiteTeam& given, const Snapshot& map,
                const std::map<std::string, std::string>& policies) {
@@ -67,8 +67,8 @@ Team make_team(const SuiteTeam& given, const Snapshot& map,
   for (const SuiteMoving& moving : given.moving) {
     std::vector<TimedPose> poses;
     for (const SuiteMoving::Pose& pose : moving.path) poses.push_back({pose.time, pose.map_from_shape});
-    team.obstacles.push_back(
-        {moving.shape.name, shape_of(moving.shape), RigidMotion(std::move(poses), moving.repeats)});
+    team.obstacles.push_back({moving.shape.name, shape_of(moving.shape),
+                              RigidMotion(std::move(poses), moving.repeats), moving.is_sensed});
   }
   return team;
 }

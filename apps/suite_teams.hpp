@@ -1,12 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <string>
 
 #include "datasets/suite.hpp"
 #include "mapping/snapshot.hpp"
+#include "planning/configuration_space.hpp"
 #include "planning/team.hpp"
 
 namespace clearway {
+
+/// Policies of a robot in that map: `given` is part or "default" -> policy; parts that the robot does not
+/// have do not count, and without paint in the map critical parts are like all others.
+Policies team_policies(const Robot& robot, const Snapshot& map,
+                       const std::map<std::string, std::string>& given);
 
 /// The team of a suite, ready to move. Parts are `not_occupied` where `policies` (part or "default" ->
 /// policy) says nothing and the map holds no paint.

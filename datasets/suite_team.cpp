@@ -47,8 +47,22 @@ SuiteMoving read_moving(const YamlFields& fields) {
   }
   if (moving.path.empty()) fields.fail("path", "expected at least one {time, pose}");
   moving.repeats = fields.has("repeats") && fields.boolean("repeats");
+  moving.is_sensed = fields.has("sensed") && fields.boolean("sensed");
   fields.finish();
   return moving;
+}
+
+SuiteSensing read_sensing(const YamlFields& fields) {
+  SuiteSensing sensing;
+  for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
+    sensing.sensors.emplace_back(at.data());
+  if (sensing.sensors.empty()) fields.fail("sensors", "expected at least one [x, y, z]");
+  sensing.range = fields.number("range", positive, sensing.range);
+  sensing.resolution = fields.number("resolution", {1e-4, 100}, sensing.resolution);
+  sensing.rate_hz = fields.number("rate_hz", {1e-3, 1e3}, sensing.rate_hz);
+  sensing.latency = fields.number("latency", {0, 60}, sensing.latency);
+  fields.finish();
+  return sensing;
 }
 
 SuiteTeam read_team(const YamlFields& fields) {
@@ -77,6 +91,12 @@ SuiteTeams read_suite_teams(const YamlFields& fields) {
     all.teams.push_back(read_team(entry));
     take(names, all.teams.back().name, entry);
   }
+  if (fields.has("sensing")) all.sensing = read_sensing(fields.map("sensing"));
+  for (const SuiteTeam& team : all.teams)
+    for (const SuiteMoving& moving : team.moving)
+      if (moving.is_sensed && !all.sensing)
+        fields.fail("sensing", "expected sensors, or nobody sees '" + moving.shape.name + "' of team '" +
+                                   team.name + "'");
   all.period = fields.number("period", {1e-4, 1}, all.period);
   all.duration = fields.number("duration", {1e-3, 3600}, all.duration);
   all.max_acceleration = fields.number("max_acceleration", positive, all.max_acceleration);

@@ -43,6 +43,7 @@ struct MovingObstacle {
   std::string name;
   Shape shape = Shape::sphere(1.0);
   RigidMotion motion{{TimedPose{}}};
+  bool is_sensed = false;  ///< robots know of it from the map alone
 
   /// Where it is at `time`, with the mean velocities until `time + period`.
   PlacedShape placed(double time, double period) const;

@@ -66,7 +66,7 @@ class TeamMotion {
     }
     std::vector<PlacedShape> obstacles;
     for (const MovingObstacle& obstacle : team_.obstacles)
-      obstacles.push_back(obstacle.placed(time, options_.period));
+      if (!obstacle.is_sensed) obstacles.push_back(obstacle.placed(time, options_.period));
     for (std::size_t i = 0; i < members_.size(); ++i) {
       std::vector<PlacedShape> robots;
       for (std::size_t j = 0; j < members_.size(); ++j)
@@ -87,9 +87,15 @@ class TeamMotion {
     return longest;
   }
 
+  /// Name of the known obstacle of that number.
+  std::string known_obstacle(int number) const {
+    for (const MovingObstacle& obstacle : team_.obstacles)
+      if (!obstacle.is_sensed && number-- == 0) return obstacle.name;
+    return "";
+  }
+
   void tell_outrun(std::size_t i, const OutrunBy& by, double time) {
-    const auto at = static_cast<std::size_t>(std::max(0, by.index));
-    const std::string what = by.kind == OutrunBy::obstacle ? "'" + team_.obstacles[at].name + "'"
+    const std::string what = by.kind == OutrunBy::obstacle ? "'" + known_obstacle(by.index) + "'"
                              : by.kind == OutrunBy::robot  ? "another robot"
                              : by.kind == OutrunBy::fixed  ? "an obstacle where no joint moves it away"
                                                            : "what surrounds it";

@@ -159,7 +159,14 @@ Configuration TeamMember::moved(const VectorXd& step) const {
 double TeamMember::move() {
   Configuration next = position();
   double share = 1.0;
-  for (int halving = 0; halving <= 10; ++halving, share *= 0.5) {
+  // What was sensed anew may overlap the robot where it stands: no edge from there is free, and it leaves by
+  // the step that its rows demand.
+  const bool is_certified = space_->is_free(position());
+  if (!is_certified) {
+    ++trace_.outrun;
+    next = moved(step_);
+  }
+  for (int halving = 0; is_certified && halving <= 10; ++halving, share *= 0.5) {
     const Configuration reached = moved(share * step_);
     if (reached == position()) break;
     if (!space_->is_edge_free(position(), reached)) continue;

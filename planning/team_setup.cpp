@@ -35,6 +35,7 @@ Surroundings around(const Team& team, const TeamOptions& options, std::size_t i,
   }
   if (at_goal) return all;
   for (const MovingObstacle& obstacle : team.obstacles) {
+    if (obstacle.is_sensed) continue;
     all.shapes.push_back(obstacle.placed(0.0, options.period));
     all.names.push_back(obstacle.name);
   }
