@@ -13,10 +13,42 @@ constexpr double least_share = 0.05;
 /// Steps between two looks whether the straight edge to the goal is free.
 constexpr int steps_between_looks = 4;
 
+/// As constraints_at, by the rows of a control step.
+StepConstraints step_constraints(ControlRows& near, const Configuration& q, const DamperOptions& damper) {
+  near.look(q);
+  const auto n = q.size(), count = static_cast<Eigen::Index>(near.rows().size());
+  StepConstraints constraints;
+  constraints.rows.resize(count, n);
+  constraints.bounds.resize(count);
+  constraints.separation = damper.influence_distance;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const ControlRow& row = near.rows()[at];
+    const Eigen::VectorXd gradient = Eigen::Map<const Eigen::VectorXd>(near.gradient(at).data(), n);
+    constraints.rows.row(i) = gradient.cwiseQuotient(damper.weight).transpose();
+    constraints.bounds[i] = damper_bound(damper, row.distance);
+    constraints.separation = std::min(constraints.separation, row.distance);
+    constraints.pairs.push_back({gradient, row.distance, row.body, row.point, row.normal});
+  }
+  constraints.lower.resize(n);
+  constraints.upper.resize(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Joint& joint = near.robot().joints[static_cast<std::size_t>(j)];
+    constraints.lower[j] = std::min(0.0, damper.weight[j] * (joint.lower - q[j]));
+    constraints.upper[j] = std::max(0.0, damper.weight[j] * (joint.upper - q[j]));
+  }
+  return constraints;
+}
+
 class Runner {
  public:
-  Runner(const PlanProblem& leg, const DamperOptions& damper, const DeadlockMemory& memory)
-      : leg_(leg), damper_(damper), memory_(memory), motion_(leg, damper), watch_(100.0 * damper.max_step) {
+  Runner(const PlanProblem& leg, const DamperOptions& damper, ControlRows& rows, const DeadlockMemory& memory)
+      : leg_(leg),
+        damper_(damper),
+        rows_(rows),
+        memory_(memory),
+        motion_(leg, damper),
+        watch_(100.0 * damper.max_step) {
     run_.trace.push_back(leg.start);
   }
 
@@ -46,8 +78,8 @@ class Runner {
 
   /// The plane at where the run begins; false when there is nothing to follow.
   bool enter(const Eigen::VectorXd& direction) {
-    look();
     bypass_.emplace();
+    look();
     const Eigen::VectorXd here = motion_.weighted_position();
     bypass_->plane = bypass_plane(here, damper_.weight.cwiseProduct(leg_.goal), here + direction);
     bypass_->lock_distance = bypass_->nearest = motion_.distance_to_goal();
@@ -59,7 +91,9 @@ class Runner {
   }
 
   void look() {
-    run_.constraints = constraints_at(leg_.space, motion_.position(), damper_);
+    // Along a boundary what lies in every direction counts, for a local step what is nearest to each ball.
+    run_.constraints = bypass_ ? constraints_at(leg_.space, motion_.position(), damper_)
+                               : step_constraints(rows_, motion_.position(), damper_);
     wanted_ = step_to_goal(damper_, motion_.position(), leg_.goal);
     run_.local = local_step(run_.constraints, wanted_, damper_);
   }
@@ -106,6 +140,7 @@ class Runner {
 
   const PlanProblem& leg_;
   const DamperOptions& damper_;
+  ControlRows& rows_;
   const DeadlockMemory& memory_;
   CertifiedMotion motion_;
   CreepWatch watch_;
@@ -122,9 +157,14 @@ bool DeadlockMemory::knows(const Configuration& q) const {
                      [&](const Eigen::VectorXd& place) { return (place - y).norm() < radius_; });
 }
 
-LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, const DeadlockMemory& memory,
-                   int most_steps, const std::optional<Eigen::VectorXd>& direction) {
-  return Runner(leg, damper, memory).run(most_steps, direction);
+LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlRows& rows,
+                   const DeadlockMemory& memory, int most_steps,
+                   const std::optional<Eigen::VectorXd>& direction) {
+  return Runner(leg, damper, rows, memory).run(most_steps, direction);
+}
+
+ControlRows rows_for(const ConfigurationSpace& space, const DamperOptions& damper) {
+  return {space, damper.influence_distance, 0.0};  // of each ball the nearest voxel alone
 }
 
 }  // namespace clearway

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "planning/control_rows.hpp"
 #include "planning/local_step.hpp"
 #include "planning/planner.hpp"
 
@@ -44,8 +45,12 @@ struct LocalRun {
 /// With a `direction` (weighted units) it begins by following the boundary in the plane through start, goal
 /// and start + direction (section 3, with that direction in the place of q_lim - q_lock in eq. 11) until it
 /// is nearer to the goal than it began, or has lost the boundary.
-/// @param leg,damper outlive the call
-LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, const DeadlockMemory& memory,
-                   int most_steps, const std::optional<Eigen::VectorXd>& direction = std::nullopt);
+/// @param rows of the leg's space, made for the damper's influence distance: what limits each step
+LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlRows& rows,
+                   const DeadlockMemory& memory, int most_steps,
+                   const std::optional<Eigen::VectorXd>& direction = std::nullopt);
+
+/// Rows as run_local wants them.
+ControlRows rows_for(const ConfigurationSpace& space, const DamperOptions& damper);
 
 }  // namespace clearway

@@ -60,6 +60,7 @@ PlusSearch::PlusSearch(const PlanProblem& problem, const BoundaryPlusOptions& op
     : problem_(problem),
       options_(options),
       damper_(damper),
+      rows_(rows_for(problem.space, damper)),
       trees_(problem, damper.weight),
       random_(problem.seed),
       memory_{DeadlockMemory(damper.weight, same_deadlock * damper.max_step),
@@ -69,7 +70,7 @@ bool PlusSearch::run(Side side, int node, int most_steps, const std::optional<Ei
   const Configuration from = trees_.nodes(side)[static_cast<std::size_t>(node)].q;
   const Configuration& to = side == TwoTrees::start ? problem_.goal : problem_.start;
   const PlanProblem leg{problem_.space, problem_.cost, from, to, problem_.seed, problem_.out_of_time};
-  LocalRun run = run_local(leg, damper_, memory_[side], most_steps, direction);
+  LocalRun run = run_local(leg, damper_, rows_, memory_[side], most_steps, direction);
   local_steps_ += run.local_steps;
   boundary_steps_ += run.boundary_steps;
   const std::size_t first = trees_.nodes(side).size();

@@ -57,6 +57,7 @@ class PlusSearch {
   const PlanProblem& problem_;
   const BoundaryPlusOptions& options_;
   const DamperOptions& damper_;
+  ControlRows rows_;
   TwoTrees trees_;
   std::mt19937_64 random_;
   std::array<Lock, 2> locks_;
