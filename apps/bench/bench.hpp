@@ -65,5 +65,6 @@ BenchResult bench_bodies(const BenchOptions& options);
 BenchResult bench_provenance(const BenchOptions& options);
 BenchResult bench_beam(const BenchOptions& options);
 BenchResult bench_qp(const BenchOptions& options);
+BenchResult bench_control(const BenchOptions& options);
 
 }  // namespace clearway::bench

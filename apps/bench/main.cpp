@@ -32,6 +32,8 @@ constexpr Entry table[] = {
     {"provenance", "inserting scans with keeping what they touched against without", bench_provenance},
     {"beam", "the beam search against its literal expansion", bench_beam},
     {"qp", "quadratic programs of the local step against the same method in dense matrices", bench_qp},
+    {"control", "one control step of an arm against the same with FCL distances to fcl::OcTree",
+     bench_control},
 };
 
 double machine_load() {
