@@ -101,9 +101,11 @@ export class MapView {
 
   /// The work box holds the painted space, the paths of all links and of the tip; else the occupied voxels.
   private measure(): void {
+    const shown = new Box3();
     for (const row of this.rows) {
       if (!row.layer) continue;
       this.wholeBox.union(row.layer.bounds);
+      if (row.shown) shown.union(row.layer.bounds);
       if (row.name === "painted" || row.name === "balls") this.workBox.union(row.layer.bounds);
     }
     const addPoints = (place: Place, stride: number) => {
@@ -119,7 +121,7 @@ export class MapView {
     else {
       this.workBox.expandByScalar(0.06 * this.workBox.getSize(new Vector3()).length());
       const around = this.workBox.clone().expandByScalar(0.5 * this.workBox.getSize(new Vector3()).length());
-      if (!this.wholeBox.isEmpty()) this.workBox.union(this.wholeBox.clone().intersect(around));
+      if (!shown.isEmpty()) this.workBox.union(shown.intersect(around));
     }
     if (this.workBox.isEmpty()) this.workBox.set(new Vector3(-1, -1, 0), new Vector3(1, 1, 1));
     this.wholeBox.union(this.workBox);
