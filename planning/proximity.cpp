@@ -77,6 +77,7 @@ std::array<Nearest, max_pieces * directions> nearest_cubes(const GuardedBody& gu
   const Eigen::Isometry3d map_from_shape = pose * guarded.body().link_from_shape;
   const LongAxis medial(shape);
   std::array<Nearest, max_pieces * directions> slots;
+  if (guarded.is_quickly_clear(pose, reach)) return slots;
   guarded.visit_near(pose, reach, [&](const Eigen::Vector3d& cube, double least) {
     const Eigen::Vector3d in_shape =
         map_from_shape.linear().transpose() * (cube - map_from_shape.translation());
