@@ -23,7 +23,7 @@ class BoundaryMotion {
       failure = motion_.steps() >= max_steps_ ? stopped("Reached max_steps") : advance();
     }
     const std::string solved =
-        "Reached the goal after " + std::to_string(controller_.counts().deadlocks) + " deadlocks.";
+        "Reached the goal after " + counted_deadlocks(controller_.counts().deadlocks) + ".";
     return finish(ends, failure.empty() ? PlanStatus::solved : PlanStatus::no_path,
                   failure.empty() ? solved : failure);
   }
@@ -45,8 +45,8 @@ class BoundaryMotion {
 
   std::string stopped(const std::string& why) const {
     return why + ", after " + std::to_string(motion_.steps()) + " steps and " +
-           std::to_string(controller_.counts().deadlocks) + " deadlocks, " +
-           short_text(motion_.distance_to_goal()) + " from the goal in joint space: " +
+           counted_deadlocks(controller_.counts().deadlocks) + ", " + short_text(motion_.distance_to_goal()) +
+           " from the goal in joint space: " +
            holding_back(problem_.space, constraints_, local_.multipliers) + ".";
   }
 

@@ -12,6 +12,10 @@ constexpr double kDeadlock = 1e-4;
 
 }  // namespace
 
+std::string counted_deadlocks(int count) {
+  return std::to_string(count) + (count == 1 ? " deadlock" : " deadlocks");
+}
+
 bool Milestone::is_reached_again(const Eigen::Vector2d& now, const Eigen::Vector2d& now_followed,
                                  double max_step) {
   ++since;

@@ -122,7 +122,7 @@ class TeamMotion {
         std::accumulate(members_.begin(), members_.end(), 0,
                         [](int sum, const auto& member) { return sum + member->trace().deadlocks; });
     run_.explanation = "All robots stand at their goals after " + time_text(k) + " and " +
-                       std::to_string(deadlocks) + " deadlocks.";
+                       counted_deadlocks(deadlocks) + ".";
     return finished(k + 1);
   }
 
