@@ -180,7 +180,7 @@ void ControlRows::gather(const Group& group, const NearBall& ball) {
   const Eigen::AlignedBox3d& reach_of_body = group.bodies[ball.body].reach;
   const double within = balls_[ball.ball].radius + reach_, half = 0.5 * resolution_;
   if (within + look_round * resolution_ > group.space->max_distance())
-    return gather_within_reach(group, ball);
+    return gather_within_reach(group, ball, within);
   std::array<Eigen::Vector3d, looks> cubes;
   std::array<double, looks> distances;
   std::size_t count = 0;
@@ -202,30 +202,36 @@ void ControlRows::gather(const Group& group, const NearBall& ball) {
     distances[count++] = apart;
     nearest = std::min(nearest, apart);
   }
-  if (hides_some) return gather_within_reach(group, ball);
+  if (hides_some)
+    return gather_within_reach(group, ball,
+                               count > 0 ? std::min(within, nearest + 2.0 * resolution_) : within);
   for (std::size_t i = 0; i < count; ++i) add_candidate(cubes[i], ball.center, distances[i] - nearest);
 }
 
 /// The same, cube by cube, where the field does not tell: beyond its max_distance, or when what is nearest
 /// cannot be reached and hides what can, as a floor under a sliding disc does.
-void ControlRows::gather_within_reach(const Group& group, const NearBall& ball) {
-  const double within = balls_[ball.ball].radius + reach_;
+void ControlRows::gather_within_reach(const Group& group, const NearBall& ball, double within) {
   const Eigen::AlignedBox3d box =
       Eigen::AlignedBox3d(ball.center.array() - within, ball.center.array() + within)
           .intersection(group.bodies[ball.body].reach);
   if (box.isEmpty()) return;
-  const auto apart = [&](const Eigen::Vector3d& cube) {
-    return ((ball.center - cube).cwiseAbs().array() - 0.5 * resolution_).max(0.0).matrix().norm();
-  };
-  double nearest = within;
+  struct Visit {  // referred to by one pointer, so that the visitor needs no memory of its own
+    ControlRows& self;
+    Eigen::Vector3d center;
+    double within, nearest;
+    double apart(const Eigen::Vector3d& cube) const {
+      return ((center - cube).cwiseAbs().array() - 0.5 * self.resolution_).max(0.0).matrix().norm();
+    }
+  } visit{*this, ball.center, within, within};
   visited_.clear();
-  group.space->visit_surface(box, [&](const Eigen::Vector3d& cube) {
-    const double distance = apart(cube);
-    if (distance < within) visited_.push_back(cube);
-    nearest = std::min(nearest, distance);
+  group.space->visit_surface(box, [&visit](const Eigen::Vector3d& cube) {
+    const double distance = visit.apart(cube);
+    if (distance < visit.within) visit.self.visited_.push_back(cube);
+    visit.nearest = std::min(visit.nearest, distance);
     return true;
   });
-  for (const Eigen::Vector3d& cube : visited_) add_candidate(cube, ball.center, apart(cube) - nearest);
+  for (const Eigen::Vector3d& cube : visited_)
+    add_candidate(cube, ball.center, visit.apart(cube) - visit.nearest);
 }
 
 void ControlRows::add_candidate(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double behind) {

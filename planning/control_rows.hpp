@@ -85,7 +85,7 @@ class ControlRows {
   void keep_near(const Group& group, bool closely);
   void find_cubes(Group& group);
   void gather(const Group& group, const NearBall& ball);
-  void gather_within_reach(const Group& group, const NearBall& ball);
+  void gather_within_reach(const Group& group, const NearBall& ball, double within);
   void add_candidate(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double behind);
   void close_body(const NearBody& body);
   void pair_rows();

@@ -223,6 +223,36 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
           {"other_rows", rows / count}};
 }
 
+/// How much farther than the nearest voxel of all the nearest row of a body is, by exact shapes.
+nlohmann::ordered_json against_exact(const ConfigurationSpace& space) {
+  const Robot& robot = space.robot();
+  ControlStep control(space, damper(robot));
+  Dice dice(7);
+  int near = 0, farther = 0, farther_by_1_mm = 0;
+  double worst = 0.0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const Configuration q = dice.configuration(robot);
+    std::vector<double> ours(robot.bodies.size(), influence), exact = ours;
+    control.look(q);
+    const auto note = [](std::vector<double>& least, int body, double distance) {
+      double& known = least[static_cast<std::size_t>(body)];
+      known = std::min(known, distance);
+    };
+    for (const ControlRow& row : control.rows().rows()) note(ours, row.body, row.distance);
+    for (const ProximityRow& row : space.proximity_rows(q, influence)) note(exact, row.body, row.distance);
+    for (std::size_t body = 0; body < ours.size(); ++body) {
+      if (exact[body] >= influence) continue;
+      const double by = ours[body] - exact[body];
+      ++near;
+      farther += by > 1e-5;
+      farther_by_1_mm += by > 1e-3;
+      worst = std::max(worst, by);
+    }
+  }
+  return {
+      {"bodies", near}, {"farther", farther}, {"farther_by_1_mm", farther_by_1_mm}, {"farther_by_m", worst}};
+}
+
 /// Our distance between bodies against the smaller of FCL's two solvers (either alone can be too large).
 nlohmann::ordered_json against_fcl(const Robot& robot) {
   const FclBodies bodies(robot);
@@ -301,6 +331,7 @@ BenchResult bench_control(const BenchOptions& options) {
   detail["known_voxels"] = map.counts().seen_free + map.counts().occupied;
   detail["blocked_voxels"] = space.blocked_space(2)->blocked_count();
   detail["resolution"] = resolution;
+  detail["nearest_rows_against_exact"] = against_exact(space);
   detail["three_arms"] = three_arms(map, robot);
   detail["distance_against_fcl"] = against_fcl(robot);
   return {pair.ours,    pair.peer, "the same step with fcl::distance to fcl::OcTree", "CPU us per step", true,
