@@ -47,7 +47,8 @@ class ObstacleDrawer {
     add_box("table", {edge, -half, top - thick}, {edge + between(0.6, 0.75), half, top});
     const int things = dice_.whole(3, 6);
     for (int i = 0; i < things; ++i) {
-      const Vector3d at(between(0.38, 0.85), between(-0.55, 0.55), top);
+      const double aside = between(-0.55, 0.55), ahead = between(0.38, 0.85);
+      const Vector3d at(ahead, aside, top);
       const double wide = between(0.08, 0.22), deep = between(0.08, 0.22), high = between(0.15, 0.45);
       add_box("thing", at - Vector3d(wide / 2, deep / 2, 0.0), at + Vector3d(wide / 2, deep / 2, high));
     }
@@ -82,7 +83,8 @@ class ObstacleDrawer {
 
   void cage() {
     const double half = between(0.24, 0.32), bar = between(0.03, 0.05);
-    const Vector3d middle(between(0.58, 0.68), between(-0.15, 0.15), shoulder_ + between(-0.25, 0.1));
+    const double above = between(-0.25, 0.1), aside = between(-0.15, 0.15), ahead = between(0.58, 0.68);
+    const Vector3d middle(ahead, aside, shoulder_ + above);
     for (int axis = 0; axis < 3; ++axis) {
       for (int edge = 0; edge < 4; ++edge) {  // the twelve edges of a cube
         Vector3d low = middle, high = middle;
@@ -112,7 +114,8 @@ class ObstacleDrawer {
     for (int i = 0; i < count; ++i) {
       const double away = between(0.35, 0.95), turn = dice_.between(-std::numbers::pi, std::numbers::pi);
       const Vector3d at(away * std::cos(turn), away * std::sin(turn), shoulder_ + between(-0.6, 0.7));
-      const Vector3d half = Vector3d(between(0.05, 0.15), between(0.05, 0.15), between(0.05, 0.15));
+      const double high = between(0.05, 0.15), wide = between(0.05, 0.15), deep = between(0.05, 0.15);
+      const Vector3d half(deep, wide, high);
       add_box("box", at - half, at + half);
     }
   }
