@@ -77,6 +77,29 @@ Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
   return turns;
 }
 
+/// without_idle_turns, but where bodies that touch in every configuration would end up on one link: these
+/// stay where they are, so that their contact still counts.
+Robot reduced(const Robot& given) {
+  Robot robot = without_idle_turns(given);
+  const std::vector<BodyPair> wanted = contact_pairs(given);
+  const LinkPoses poses =  // any will do: no joint changes how far bodies of one link are apart
+      forward_kinematics(given, Configuration::Zero(static_cast<Eigen::Index>(given.dof())));
+  for (bool changed = true; changed;) {  // a body put back may leave another one's pair without motion
+    changed = false;
+    const std::vector<BodyPair> kept = contact_pairs(robot);
+    for (const BodyPair& pair : wanted) {
+      const bool is_kept = std::any_of(kept.begin(), kept.end(), [&](const BodyPair& other) {
+        return other.first == pair.first && other.second == pair.second;
+      });
+      if (is_kept || is_apart(given, pair, poses, 0.0)) continue;
+      for (const int body : {pair.first, pair.second})
+        robot.bodies[static_cast<std::size_t>(body)] = given.bodies[static_cast<std::size_t>(body)];
+      changed = true;
+    }
+  }
+  return robot;
+}
+
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
@@ -84,7 +107,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     : state_(std::make_unique<State>(
           State{std::move(robot), {}, std::move(map), options, {}, {}, {}, {}, {}, {}, {}})) {
   State& state = *state_;
-  state.robot = without_idle_turns(state.given);
+  state.robot = reduced(state.given);
   check_options(options);
   if (state.options.max_distance == 0.0) {
     state.options.max_distance = chosen_max_distance(state.robot, state.map.resolution());

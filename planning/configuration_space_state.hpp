@@ -15,7 +15,8 @@ namespace clearway {
 
 struct ConfigurationSpace::State {
   Robot given;  ///< as the caller knows it
-  Robot robot;  ///< the same without_idle_turns: bodies, and so all that follows, are of this one
+  Robot
+      robot;  ///< the same without_idle_turns but where that hides a contact: all that follows is of this one
   Snapshot map;
   SpaceOptions options;
   std::map<std::string, Policy> policies;

@@ -6,6 +6,7 @@
 
 #include "planning/configuration_space.hpp"
 #include "planning/kinematics.hpp"
+#include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
 #include "voxel_scene.hpp"
 
@@ -103,6 +104,58 @@ TEST(IdleTurns, AnIdleJointChangesNoAnswerOfTheSpace) {
     EXPECT_EQ(space.is_edge_free(q, turned), space.is_free(q));
   }
   EXPECT_GT(std::min({free, blocked, free_edges, blocked_edges}), 200);
+}
+
+bool fcl_apart(const Robot& robot, const std::pair<int, int>& pair, const Configuration& q) {
+  const LinkPoses poses = forward_kinematics(robot, q);
+  const auto pose = [&](const Body& body) {
+    return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+  };
+  const Body& a = robot.bodies[static_cast<std::size_t>(pair.first)];
+  const Body& b = robot.bodies[static_cast<std::size_t>(pair.second)];
+  return !fcl_collide(fcl_geometry(a.shape).get(), pose(a), fcl_geometry(b.shape).get(), pose(b));
+}
+
+TEST(IdleTurns, BodiesThatAlwaysTouchAreRefusedAlsoWhenIdleTurnsCarryThemOnOneLink) {
+  Robot robot = load_robot("puma560");  // the balls of link 5 and of the forearm's end both go to link 3
+  int wrist = -1, forearm = -1;
+  for (int i = 0; i < static_cast<int>(robot.bodies.size()); ++i) {
+    const std::string& part = robot.bodies[static_cast<std::size_t>(i)].part;
+    if (part == "link5") wrist = i;
+    if (part == "link3") forearm = i;
+  }
+  ASSERT_TRUE(wrist >= 0 && forearm >= 0);
+  const std::pair<int, int> pair = std::minmax(wrist, forearm);
+  std::erase(robot.exempt, pair);
+  for (int a = 0; a < static_cast<int>(robot.bodies.size()); ++a) {
+    for (int b = a + 1; b < static_cast<int>(robot.bodies.size()); ++b)
+      if (std::pair(a, b) != pair) robot.exempt.emplace_back(a, b);  // nothing else to refuse for
+  }
+  Policies policies;
+  policies.critical_by_default = false;
+  const Snapshot empty = VoxelScene{0.05, {box_of(5, 5, 5, 5.1, 5.1, 5.1)}, {}, {}}.snapshot();
+  Random random(13);
+  for (const double radius : {0.01, 0.6}) {
+    Body& ball = robot.bodies[static_cast<std::size_t>(wrist)];
+    ball.shape = Shape::sphere(radius);
+    ball.cover = {{ball.link_from_shape.translation(), radius}};
+    ASSERT_EQ(without_idle_turns(robot).bodies[static_cast<std::size_t>(wrist)].link,
+              robot.bodies[static_cast<std::size_t>(forearm)].link);
+    const ConfigurationSpace space(robot, empty, policies);
+    for (int i = 0; i < 50; ++i) {
+      const Configuration q = random.configuration(robot), to = random.configuration(robot);
+      const bool apart = fcl_apart(robot, pair, q);
+      EXPECT_EQ(apart, radius < 0.1);
+      EXPECT_EQ(space.is_free(q), apart);
+      EXPECT_EQ(space.check(q).is_free(), apart);
+      EXPECT_EQ(space.is_edge_free(q, to), apart);
+      const std::string told = space.check(q).sentence();
+      if (!apart) {
+        EXPECT_NE(told.find("link3"), std::string::npos) << told;
+        EXPECT_NE(told.find("link5"), std::string::npos) << told;
+      }
+    }
+  }
 }
 
 }  // namespace
