@@ -159,11 +159,13 @@ std::optional<Head> NearestHeads::admitted(const LatticeIndex& node, std::span<c
   return std::nullopt;
 }
 
-/// All at the next smallest distance that pass, the preferred ones first.
+/// All at the next smallest distance that pass, the preferred ones first; fewer once out of time.
 void NearestHeads::take_nearest(std::vector<Candidate>& tied, BeamChecks& counts) {
   tied.clear();
   const double distance = queue_.next_squared_distance();
-  while (!queue_.empty() && queue_.next_squared_distance() == distance) {
+  constexpr std::size_t checks_a_look = 16;  // at the time
+  for (std::size_t i = 1; !queue_.empty() && queue_.next_squared_distance() == distance; ++i) {
+    if (i % checks_a_look == 0 && problem_.out_of_time()) break;
     queue_.pop(neighbour_);
     if (auto head = admitted(neighbour_.node, neighbour_.heads, counts))
       tied.push_back({std::move(*head), clearances_});
