@@ -10,26 +10,34 @@ namespace clearway {
 namespace {
 
 constexpr double most_cells = 4e6;
+constexpr std::size_t cells_a_look = 4096;  ///< at the time
 
-/// Cells about the whole of a box, and which of them the ball may enter.
+/// Cells about the whole of a box, and which of them the ball may enter: none of those not yet looked up when
+/// out of time.
 class CellGrid {
  public:
-  CellGrid(const BlockedSpace& space, const Eigen::AlignedBox3d& box, double radius, double cell)
+  CellGrid(const BlockedSpace& space, const Eigen::AlignedBox3d& box, double radius, double cell,
+           const std::function<bool()>& out_of_time)
       : origin_(box.min()), edge_(cell) {
     while ((box.sizes().array() / edge_ + 1.0).ceil().prod() > most_cells) edge_ *= 1.25;
     for (int i = 0; i < 3; ++i) size_[i] = static_cast<int>(std::floor(box.sizes()[i] / edge_)) + 1;
     const auto count = static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
                        static_cast<std::size_t>(size_[2]);
-    std::vector<double> x, y, z, clearance(count);
-    x.reserve(count), y.reserve(count), z.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3d at = center(static_cast<int>(i));
-      x.push_back(at.x()), y.push_back(at.y()), z.push_back(at.z());
-    }
-    space.clearances({x, y, z}, clearance);
-    open_.reserve(count);
+    open_.assign(count, false);
     radius = std::min(radius, space.max_distance());  // the field tells no more
-    for (const double free : clearance) open_.push_back(free > 0.0 && free >= radius);
+    std::vector<double> x, y, z, clearance;
+    for (std::size_t first = 0; first < count && !out_of_time(); first += cells_a_look) {
+      const std::size_t end = std::min(first + cells_a_look, count);
+      x.clear(), y.clear(), z.clear();
+      for (std::size_t i = first; i < end; ++i) {
+        const Eigen::Vector3d at = center(static_cast<int>(i));
+        x.push_back(at.x()), y.push_back(at.y()), z.push_back(at.z());
+      }
+      clearance.resize(end - first);
+      space.clearances({x, y, z}, clearance);
+      for (std::size_t i = first; i < end; ++i)
+        open_[i] = clearance[i - first] > 0.0 && clearance[i - first] >= radius;
+    }
   }
 
   std::size_t count() const { return open_.size(); }
@@ -94,7 +102,7 @@ HandRoute free_route(const BlockedSpace& space, const Eigen::AlignedBox3d& bound
                      const RoutePrice& price, const std::function<bool()>& out_of_time) {
   HandRoute route;
   if (bounds.isEmpty() || !from.allFinite() || !to.allFinite()) return route;
-  const CellGrid grid(space, bounds, radius, cell);
+  const CellGrid grid(space, bounds, radius, cell, out_of_time);
   const int first = grid.open_near(from), last = grid.open_near(to);
   if (first < 0 || last < 0) return route;
 

@@ -80,16 +80,20 @@ bool TwoTrees::join(Side side, std::size_t first, double spacing, int tries) {
   for (std::size_t i = mine.size(), last = 0; i-- > first;) {
     if (last > 0 && i > first && length(mine[i].q, mine[last].q) < spacing) continue;
     last = i;
-    std::vector<std::size_t> targets;  // spaced, too
-    for (std::size_t k = theirs.size(); k-- > 0;) {
-      if (targets.empty() || k == 0 || length(theirs[k].q, theirs[targets.back()].q) >= spacing)
-        targets.push_back(k);
+    if (problem_.out_of_time()) return false;
+    std::vector<std::pair<double, std::size_t>> targets;  // spaced, too; nearest and then latest first
+    for (std::size_t k = theirs.size(), before = k; k-- > 0;) {
+      if (before < theirs.size() && k > 0 && length(theirs[k].q, theirs[before].q) < spacing) continue;
+      targets.emplace_back(length(mine[i].q, theirs[k].q), k);
+      before = k;
     }
-    std::stable_sort(targets.begin(), targets.end(), [&](std::size_t a, std::size_t b) {
-      return length(mine[i].q, theirs[a].q) < length(mine[i].q, theirs[b].q);
-    });
-    targets.resize(std::min(targets.size(), static_cast<std::size_t>(tries)));
-    for (const std::size_t k : targets) {
+    const std::size_t tried = std::min(targets.size(), static_cast<std::size_t>(tries));
+    std::partial_sort(targets.begin(), targets.begin() + static_cast<std::ptrdiff_t>(tried), targets.end(),
+                      [](const auto& a, const auto& b) {
+                        return a.first != b.first ? a.first < b.first : a.second > b.second;
+                      });
+    targets.resize(tried);
+    for (const auto& [distance, k] : targets) {
       if (problem_.out_of_time()) return false;
       if (!is_free(mine[i].q, theirs[k].q)) continue;
       joined_[side] = static_cast<int>(i);

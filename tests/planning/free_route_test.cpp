@@ -74,5 +74,17 @@ TEST(FreeRoute, AnEndFarFromEveryFreeCellHasNoRoute) {
   EXPECT_TRUE(free_route(*space, room, {-0.5, 0, 0}, {0.7, 0, 0}, 0.05, 0.05, free_of_charge).points.empty());
 }
 
+TEST(FreeRoute, AsksForTheTimeAlsoWhileItLooksCellsUp) {
+  const auto space = with_walls(holed_wall);
+  const Eigen::Vector3d at(-0.6, -0.6, -0.6);
+  int asked = 0;
+  const auto ask = [&] { return ++asked > 3; };
+  EXPECT_TRUE(free_route(*space, room, at, {0.6, 0.6, 0.6}, 0.1, 0.02, free_of_charge, ask).points.empty());
+  EXPECT_LE(asked, 5);
+  asked = -1000000;
+  EXPECT_FALSE(free_route(*space, room, at, at, 0.1, 0.02, free_of_charge, ask).points.empty());
+  EXPECT_GE(asked + 1000000, 100);  // of a million cells, though the way is none at all
+}
+
 }  // namespace
 }  // namespace clearway

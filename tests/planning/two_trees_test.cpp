@@ -86,5 +86,21 @@ TEST(TwoTrees, AGuideIsAskedFirstAndTheDeadlineKept) {
   EXPECT_EQ(late.samples(), 0);
 }
 
+TEST(TwoTrees, JoiningTriesTheNearestNodesTheLatestOfEquallyNearOnesFirst) {
+  Wall scene;
+  int asked = 0;
+  scene.problem.out_of_time = [&] { return ++asked > 1; };
+  TwoTrees late = scene.trees();
+  EXPECT_FALSE(late.join(TwoTrees::start, 0, 0.1, 4));  // out of time before its only edge
+  EXPECT_EQ(late.edges_checked(), 0u);
+  scene.problem.out_of_time = [] { return false; };
+  TwoTrees trees = scene.trees();
+  trees.add_trace(TwoTrees::goal, 0,
+                  {scene.problem.goal, Vector2d(0.0, 0.9), Vector2d(0.3, 0.0), Vector2d(0.0, -0.3)});
+  ASSERT_TRUE(trees.join(TwoTrees::start, 0, 0.1, 4));
+  EXPECT_EQ(trees.edges_checked(), 1u);
+  EXPECT_EQ(trees.path()[1], Configuration(Vector2d(0.0, -0.3)));
+}
+
 }  // namespace
 }  // namespace clearway
