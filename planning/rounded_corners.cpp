@@ -8,6 +8,9 @@ namespace {
 
 using Path = std::vector<Configuration>;
 
+constexpr double nearest = 1e-9;  ///< weighted: between two points of the result
+constexpr int most_pieces = 64;   ///< of an arc
+
 /// Angle between a - b and c - b, taken from pi.
 double turn_at(const Configuration& a, const Configuration& b, const Configuration& c,
                const Eigen::VectorXd& weight) {
@@ -29,13 +32,27 @@ class Rounder {
     if (turn <= options_.turn) return {};
     const double in = length(before, corner), out = length(corner, next);
     double reach = std::min({options_.longest, 0.5 * in, 0.5 * out});
-    for (int halving = 0; halving <= options_.halvings; ++halving, reach *= 0.5) {
+    for (int halving = 0; halving <= options_.halvings && reach > nearest; ++halving, reach *= 0.5) {
       if (problem_.out_of_time()) return {};
       Path points = bezier(corner + (reach / in) * (before - corner), corner,
                            corner + (reach / out) * (next - corner), turn);
+      if (are_one(last, points.front())) points.front() = last;  // two arcs meet in the middle of an edge
       if (is_allowed(last, points, corner, next)) return points;
     }
     return {};
+  }
+
+  /// Whether a waypoint without an arc can be left out as good as the same as the one before it.
+  bool is_spare(const Configuration& last, const Configuration& corner, const Configuration& next) {
+    return are_one(last, corner) && (last == corner || is_free(last, next));
+  }
+
+  /// Adds the last waypoint, in the place of a point that is as good as the same.
+  void finish(Path& path, const Configuration& end) {
+    const std::size_t n = path.size();
+    if (n > 1 && are_one(path.back(), end) && (path.back() == end || is_free(path[n - 2], end)))
+      path.pop_back();
+    path.push_back(end);
   }
 
  private:
@@ -43,14 +60,20 @@ class Rounder {
     return weight_.cwiseProduct(b - a).norm();
   }
 
+  bool are_one(const Configuration& a, const Configuration& b) const { return length(a, b) < nearest; }
+
   Path bezier(const Configuration& from, const Configuration& corner, const Configuration& to,
               double turn) const {
-    const int pieces = 1 + static_cast<int>(std::ceil(turn / options_.turn));
-    Path points;
-    for (int k = 0; k <= pieces; ++k) {
+    // Edges of an arc point like points spaced evenly between two unit vectors `turn` apart.
+    const double wanted = std::ceil(2.0 * std::tan(std::min(0.5 * turn, 1.57)) / options_.turn);
+    const int pieces = static_cast<int>(std::clamp(wanted, 2.0, static_cast<double>(most_pieces)));
+    Path points{from};
+    for (int k = 1; k < pieces; ++k) {
       const double t = static_cast<double>(k) / pieces, s = 1.0 - t;
-      points.emplace_back(s * s * from + 2.0 * s * t * corner + t * t * to);
+      Configuration q = s * s * from + 2.0 * s * t * corner + t * t * to;
+      if (!are_one(points.back(), q) && !are_one(q, to)) points.push_back(std::move(q));
     }
+    points.push_back(to);
     return points;
   }
 
@@ -86,11 +109,11 @@ std::vector<Configuration> rounded_corners(const PlanProblem& problem, const std
   Path rounded{path.front()};
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
     const Path arc = rounder.arc(path[i - 1], rounded.back(), path[i], path[i + 1]);
-    if (arc.empty()) rounded.push_back(path[i]);
+    if (arc.empty() && !rounder.is_spare(rounded.back(), path[i], path[i + 1])) rounded.push_back(path[i]);
     for (const Configuration& q : arc)
       if (q != rounded.back()) rounded.push_back(q);
   }
-  if (path.back() != rounded.back()) rounded.push_back(path.back());
+  rounder.finish(rounded, path.back());
   return rounded;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "voxel_scene.hpp"
 
 namespace clearway {
@@ -45,8 +47,36 @@ TEST(RoundedCorners, TurnsAreSpreadOverAnArc) {
   Corner scene(box_of(5, 5, -0.05, 5.1, 5.1, 0.05));
   EXPECT_NEAR(sharpest_turn(scene.path, scene.weight), M_PI / 2, 1e-9);
   const Path result = scene.rounded();
-  EXPECT_LT(sharpest_turn(result, scene.weight), 2.0 * RoundingOptions().turn);
+  EXPECT_LE(sharpest_turn(result, scene.weight), RoundingOptions().turn + 1e-6);
   EXPECT_NEAR(scene.nearest_to_corner(result), 0.4 / 2.0 / std::sqrt(2.0), 0.01);  // a Bezier arc of 0.4
+}
+
+TEST(RoundedCorners, ASharpCornerTurnsNoFasterThanAsked) {
+  Corner scene(box_of(5, 5, -0.05, 5.1, 5.1, 0.05));
+  for (const double turn : {0.16, 0.5, 1.0, 2.0, 2.6}) {
+    scene.path[2] = scene.path[1] + Configuration(Vector2d(std::cos(turn), std::sin(turn)));
+    EXPECT_NEAR(sharpest_turn(scene.path, scene.weight), turn, 1e-9);
+    EXPECT_LE(sharpest_turn(scene.rounded(), scene.weight), RoundingOptions().turn + 1e-6) << turn;
+  }
+}
+
+TEST(RoundedCorners, ArcsThatMeetOnAnEdgeLeaveNoTwoPointsThereAndNoReversedEdge) {
+  Corner scene(box_of(5, 5, -0.05, 5.1, 5.1, 0.05));
+  std::mt19937_64 random(7);
+  const auto drawn = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+  };
+  for (int i = 0; i < 50; ++i) {
+    scene.path = {Vector2d(drawn(-0.5, 0.5), drawn(-0.5, 0.5))};
+    for (double at = drawn(-3.0, 3.0); scene.path.size() < 8; at += drawn(-2.5, 2.5)) {
+      const double far = drawn(0.1, 0.5);  // both corners of an edge want half of it
+      scene.path.push_back(scene.path.back() + Configuration(far * Vector2d(std::cos(at), std::sin(at))));
+    }
+    const Path result = scene.rounded();
+    for (std::size_t k = 1; k < result.size(); ++k)
+      EXPECT_GE((result[k] - result[k - 1]).norm(), 1e-9) << i << " " << k;
+    EXPECT_LE(sharpest_turn(result, scene.weight), RoundingOptions().turn + 1e-6) << i;
+  }
 }
 
 TEST(RoundedCorners, AnArcShrinksUntilItIsFree) {
