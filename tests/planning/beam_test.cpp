@@ -338,5 +338,16 @@ TEST(Beam, OutOfTimeItGivesTheBestPathSoFarOrTheBestNode) {
   EXPECT_GT(timed_out, 0);
 }
 
+TEST(Beam, LooksAtTheTimeAlsoBetweenNeighboursAtOneDistance) {
+  const BeamWorld world(load_robot("puma560"), VoxelScene{});
+  const Configuration start = Configuration::Zero(6), goal = Configuration::Constant(6, 0.5);
+  int asked = 0;  // exact sums: 729 neighbours at 28 distances
+  const PlanProblem problem{world.space, world.cost, start, goal, 0, [&] { return ++asked > 20; }};
+  const PlanResult late = make_planner("beam", {{"step", "0.125"}, {"width", "1000"}})->plan(problem);
+  EXPECT_EQ(late.status, PlanStatus::timed_out) << late.explanation;
+  EXPECT_GT(late.statistics.at("neighbours_generated"), 20.0);
+  EXPECT_LE(late.statistics.at("neighbours_generated"), 20.0 * 16.0);
+}
+
 }  // namespace
 }  // namespace clearway
