@@ -18,6 +18,8 @@ constexpr double kDependent = 1e-10;
 constexpr double kRounding = 1e-13;
 /// Weights below this are taken as 0.
 constexpr double kNoWeight = 1e-14;
+/// In is_out_: found to hold within rounding, given the active constraints of that time.
+constexpr unsigned char kSetAside = 2;
 
 }  // namespace
 
@@ -51,7 +53,7 @@ QuadraticSolver::Addition QuadraticSolver::add(const Violation& violation) {
   for (;;) {
     const double rest = normals_.split(normal_.data());
     const double* weights = normals_.weights();
-    const bool is_dependent = rest <= kDependent;
+    const bool is_dependent = !(rest > kDependent) || normals_.count() == variables();
     const double reach = is_dependent ? infinity : depth / (rest * rest);
     double drop_at = infinity;
     int dropped = -1;
@@ -95,6 +97,7 @@ bool QuadraticSolver::is_real(const Violation& violation, double rest) const {
 }
 
 void QuadraticSolver::drop(int which) {
+  std::replace(is_out_.begin(), is_out_.end(), kSetAside, static_cast<unsigned char>(0));
   is_out_[static_cast<std::size_t>(active_[static_cast<std::size_t>(which)])] = 0;
   normals_.drop(which);
   active_.erase(active_.begin() + which);
@@ -141,10 +144,13 @@ bool QuadraticSolver::run() {
     }
     const Addition addition = add(worst);
     is_polished = false;
-    if (addition == Addition::within_rounding) is_out_[static_cast<std::size_t>(worst.constraint)] = 1;
-    if (addition != Addition::contradicts && iterations_ < cap) continue;
-    tell_proof(worst.constraint);
-    return false;
+    if (addition == Addition::within_rounding)
+      is_out_[static_cast<std::size_t>(worst.constraint)] = kSetAside;
+    if (addition == Addition::contradicts) {
+      tell_proof(worst.constraint);
+      return false;
+    }
+    if (iterations_ >= cap) return false;  // no proof: the multipliers stay 0
   }
   for (std::size_t i = 0; i < active_.size(); ++i) {
     multipliers_[static_cast<std::size_t>(active_[i])] = active_multipliers_[i] / rows_.length(active_[i]);
@@ -165,6 +171,9 @@ void QuadraticSolver::tell_proof(int last) {
 bool QuadraticSolver::solve() {
   rows_.normalise();
   shares_.assign(static_cast<std::size_t>(rows_.rows()), 1.0);
+  for (int row = 0; row < rows_.rows(); ++row) {  // what solve_relaxed may have lowered
+    if (rows_.demand(row) < 0.0) rows_.lower_demand(row, 1.0);
+  }
   conflicting_ = -1;
   iterations_ = 0;
   return run();
@@ -207,7 +216,7 @@ bool QuadraticSolver::lower_shares() {
 
 bool QuadraticSolver::solve_relaxed() {
   bool is_feasible = solve();
-  for (int pass = 0; !is_feasible && pass < 50 && lower_shares(); ++pass) is_feasible = run();
+  for (int pass = 0; !is_feasible && pass < rows_.rows() + 50 && lower_shares(); ++pass) is_feasible = run();
   if (is_feasible) return true;
   for (int row = 0; row < rows_.rows(); ++row) {  // by rounding alone: nothing approaches
     if (rows_.demand(row) >= 0.0) continue;

@@ -61,6 +61,7 @@ void UnitRows::add(std::span<const double> normal, double bound) {
 }
 
 void UnitRows::normalise() {
+  while (ready_ < m_ && ready_ % lanes::width != 0) normalise_alone(ready_++);  // a block begun before
   for (; ready_ < m_; ready_ += lanes::width) {
     double* block = normals_.data() + place(ready_) * place(n_);
     lanes::Numbers squared;

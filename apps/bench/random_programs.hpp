@@ -22,7 +22,7 @@ enum class ProgramKind {
   near_parallel,  ///< rows that differ by 1e-2 to 1e-14
   scales,         ///< lengths of rows over 16 decades, the whole over 12
   squeezed,       ///< bounds that contradict each other more often than not
-  vertex,         ///< more rows than variables through one point
+  vertex,         ///< more rows than variables through one point, which keeps the limits: always feasible
   damper          ///< of an arm: short rows, demands below the security distance, a small box
 };
 constexpr std::array program_kinds{"plain",    "walls",  "near_parallel", "scales",
@@ -94,6 +94,8 @@ inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int 
     case ProgramKind::vertex: {
       const Eigen::VectorXd at = dice.vector(n, 0.3);
       p.bounds = p.rows * at;
+      if (p.upper.size() != 0) p.upper = p.upper.cwiseMax(at);
+      if (p.lower.size() != 0) p.lower = p.lower.cwiseMin(at);
       break;
     }
     case ProgramKind::damper:
@@ -156,9 +158,10 @@ inline Judgement judge(const QuadraticProgram& p, const QuadraticSolution& s) {
       note(std::abs(static_cast<Real>(s.x[j]) - static_cast<Real>(p.target[j]) + sum[j]), size + heaviest);
   } else {
     const Real rest = sum.cwiseAbs().maxCoeff();
-    judgement.relative = static_cast<double>(rest / std::max(heaviest, 1e-300L));
+    judgement.relative =
+        std::max(judgement.relative, static_cast<double>(rest / std::max(heaviest, 1e-300L)));
     judgement.absolute = 0.0;
-    if (!(gap < 0.0L)) judgement.relative = std::numeric_limits<double>::infinity();
+    if (!(-gap > 1e-14L * gap_terms)) judgement.relative = std::numeric_limits<double>::infinity();
   }
   return judgement;
 }

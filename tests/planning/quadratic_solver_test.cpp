@@ -23,6 +23,7 @@ TEST(QuadraticSolver, SolvesOrProvesInfeasibleProgramsOfEveryKind) {
           bench::random_program(dice, static_cast<ProgramKind>(kind), trial % 20 == 0 ? 200 : 40);
       const QuadraticSolution s = solve(p);
       const bench::Judgement judgement = bench::judge(p, s);
+      ASSERT_TRUE(s.feasible || static_cast<ProgramKind>(kind) != ProgramKind::vertex) << trial;
       ASSERT_TRUE(judgement.is_number) << bench::program_kinds[kind] << " " << trial;
       ASSERT_LE(judgement.relative, 1e-9) << bench::program_kinds[kind] << " " << trial;
       if (s.feasible && static_cast<ProgramKind>(kind) != ProgramKind::scales)
@@ -90,6 +91,63 @@ TEST(QuadraticSolver, AnObjectThatSawOtherProblemsGivesTheSameBits) {
     ASSERT_TRUE(
         std::equal(used.multipliers().begin(), used.multipliers().end(), fresh.multipliers().begin()));
   }
+}
+
+void add_rows(QuadraticSolver& solver, const QuadraticProgram& p, Eigen::Index first, Eigen::Index last) {
+  for (Eigen::Index i = first; i < last; ++i) {
+    const Eigen::VectorXd row = p.rows.row(i).transpose();
+    solver.add_row({row.data(), static_cast<std::size_t>(row.size())}, p.bounds[i]);
+  }
+}
+
+TEST(QuadraticSolver, RowsAddedAfterASolveCountAsIfGivenAtOnce) {
+  ProgramDice dice(8);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Index n = 1 + trial % 7, first = 1 + dice.below(9), all = first + 1 + dice.below(6);
+    QuadraticProgram p;
+    p.target = dice.vector(n, 1.0);
+    p.rows.resize(all, n);
+    for (Eigen::Index i = 0; i < all; ++i) p.rows.row(i) = dice.vector(n, 2.0).transpose();
+    p.bounds = dice.vector(all, 0.1).array() + 0.2;
+    QuadraticSolver solver, fresh;
+    for (QuadraticSolver* each : {&solver, &fresh}) {
+      each->begin(static_cast<int>(n));
+      each->set_target({p.target.data(), static_cast<std::size_t>(n)});
+    }
+    add_rows(solver, p, 0, first);
+    ASSERT_TRUE(solver.solve());
+    add_rows(solver, p, first, all);
+    add_rows(fresh, p, 0, all);
+    ASSERT_TRUE(solver.solve() && fresh.solve()) << trial;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j)
+      ASSERT_NEAR(solver.x()[j], fresh.x()[j], 1e-12) << trial << " n " << n << " after " << first;
+  }
+}
+
+TEST(QuadraticSolver, DemandsThatGaveWayAreWholeAgainAtTheNextSolve) {
+  QuadraticSolver solver;
+  const double right[] = {1.0}, left[] = {-1.0};
+  solver.begin(1);
+  solver.add_row(right, -0.2);
+  solver.add_row(left, -0.1);
+  EXPECT_TRUE(solver.solve_relaxed());
+  EXPECT_EQ(solver.smallest_share(), 0.0);
+  EXPECT_FALSE(solver.solve());
+  EXPECT_EQ(solver.smallest_share(), 1.0);
+}
+
+TEST(QuadraticSolver, AHundredContradictionsAreEachEndedByTheirOwnShare) {
+  constexpr int pairs = 100;
+  QuadraticSolver solver;
+  solver.begin(pairs);
+  for (int j = 0; j < pairs; ++j) {  // x_j <= -0.2 and x_j >= -0.1
+    Eigen::VectorXd row = Eigen::VectorXd::Unit(pairs, j);
+    solver.add_row({row.data(), pairs}, -0.2);
+    row = -row;
+    solver.add_row({row.data(), pairs}, 0.1);
+  }
+  ASSERT_TRUE(solver.solve_relaxed());
+  for (std::size_t j = 0; j < pairs; ++j) EXPECT_NEAR(solver.shares()[2 * j], 0.5, 1e-12);
 }
 
 TEST(QuadraticSolver, RowsOutOfAllReachAreNoConstraintOrAContradiction) {
