@@ -29,6 +29,7 @@ ArmKinematics::ArmKinematics(const Robot& robot)
       const Eigen::Vector3d& axis = joint.axis;
       mover.axis = link.multiplier * (link.parent_from_link.linear() * axis);
       mover.turns = joint.kind == JointKind::revolute;
+      if (!mover.turns) mover.translation += link.offset * (link.parent_from_link.linear() * axis);
       if (mover.turns) {
         Eigen::Matrix3d cross;
         cross << 0.0, -axis.z(), axis.y(), axis.z(), 0.0, -axis.x(), -axis.y(), axis.x(), 0.0;
@@ -60,9 +61,8 @@ void ArmKinematics::place(const Configuration& q) {
         const Eigen::Matrix3d linear =
             mover.still + std::sin(value) * mover.sine + std::cos(value) * mover.cosine;
         pose.linear().noalias() = turned * linear;
-      } else {  // the axis holds the multiplier already
-        const double share = mover.multiplier != 0.0 ? q[mover.joint] + mover.offset / mover.multiplier : 0.0;
-        translation += share * mover.axis;
+      } else {  // the axis holds the multiplier, the translation the offset
+        translation += q[mover.joint] * mover.axis;
         pose.linear().noalias() = turned * mover.still;
       }
     }

@@ -7,6 +7,19 @@
 namespace clearway {
 namespace {
 
+TEST(ArmKinematics, ASlidingLinkThatFollowsNoJointKeepsItsOffset) {
+  Robot robot = load_robot("point");
+  robot.links.back().multiplier = 0.0;
+  robot.links.back().offset = 0.3;
+  ArmKinematics kinematics(robot);
+  const Configuration q = Eigen::Vector2d(0.1, 0.2);
+  kinematics.place(q);
+  EXPECT_NEAR(
+      (forward_kinematics(robot, q).back().matrix() - kinematics.map_from_link().back().matrix()).norm(), 0.0,
+      1e-13);
+  ASSERT_GE(robot.links.back().joint, 0);
+}
+
 TEST(ArmKinematics, PlacesLinksAndMovesPointsAsTheGeneralFunctionsDo) {
   for (const char* name : {"puma560", "arm5", "panda", "planar2", "point"}) {
     Robot robot = load_robot(name);
