@@ -39,7 +39,8 @@ Json run_json(const CompareRun& run, std::size_t problem) {
   Json json{
       {"planner", run.planner}, {"problem", problem}, {"run", run.number}, {"status", to_string(run.status)},
       {"check", run.check},     {"time", run.time},   {"cost", run.cost}};
-  if (!run.is_valid()) json["explanation"] = run.is_solved() ? run.contact : run.explanation;
+  if (!run.is_valid())
+    json["explanation"] = run.is_solved() && !run.contact.empty() ? run.contact : run.explanation;
   return json;
 }
 

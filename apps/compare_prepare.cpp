@@ -5,6 +5,7 @@
 
 #include "apps/compare_run.hpp"
 #include "apps/query.hpp"
+#include "apps/suite_teams.hpp"
 #include "planning/nearest_name.hpp"
 
 namespace clearway {
@@ -35,11 +36,39 @@ bool promises_certified_paths(const std::string& planner, const PlannerOptions& 
 
 void require_plots(const Suite& suite, const SuiteExperiment& experiment) {
   for (const std::string& plot : experiment.plots) {
+    if (experiment.teams && plot != "animation")
+      refuse(suite, experiment, "field 'plots': teams have no '" + plot + "': expected animation");
     if (std::find(plot_names.begin(), plot_names.end(), plot) != plot_names.end()) continue;
     refuse(
         suite, experiment,
         "field 'plots': unknown plot '" + plot + "': did you mean '" + nearest_name(plot, plot_names) + "'?");
   }
+}
+
+/// Every robot of every team that is written out can be made and led; every part that a policy names exists;
+/// and the world can be sensed anew.
+void require_teams(const Suite& suite, const SuiteExperiment& experiment,
+                   const std::vector<TeamOptions>& leaders) {
+  const Snapshot nothing = empty_map();
+  std::set<std::string> parts = {"default"};
+  for (const SuiteTeam& given : experiment.teams->teams) {
+    const Team team = told(suite, experiment, "field 'teams'", [&] {
+      Team made = make_team(given, nothing, {});
+      for (const TeamOptions& leader : leaders) check_team_inputs(made, leader);
+      return made;
+    });
+    for (const TeamRobot& robot : team.robots)
+      for (const Body& body : robot.space->robot().bodies) parts.insert(body.part);
+  }
+  for (const auto& [part, policy] : experiment.policies)
+    if (!experiment.generate && !parts.contains(part))
+      refuse(suite, experiment, "field 'policies': no robot of its teams has a part '" + part + "'");
+  for (const SuiteWorld& world : suite.worlds)
+    if (experiment.teams->sensing && world.name == experiment.world &&
+        (!world.map.empty() || !world.volumes.empty()))
+      refuse(suite, experiment,
+             "field 'sensing': expected a world made of solids alone, '" + world.name +
+                 "' is loaded or painted");
 }
 
 bool is_chosen(const SuitePlanner& planner, const std::vector<std::string>& only) {
@@ -85,6 +114,7 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
       ready.makers.push_back(std::move(made));
     }
   }
+  if (experiment.teams) require_teams(suite, experiment, ready.leaders);
   return ready;
 }
 

@@ -64,6 +64,9 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"cost_median_joules", number_or_null(sum.cost_median)},
           {"length_median_rad", number_or_null(sum.length_median)},
           {"steps_median", number_or_null(sum.steps_median)},
+          {"safe", sum.safe},
+          {"outrun", sum.outrun},
+          {"refused", sum.refused},
           {"unsolved", sum.unsolved}};
 }
 
@@ -78,17 +81,21 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
       ++sum.total;
       sum.safe += run.check == "valid";
       sum.outrun += run.check == "outrun";
-      if (run.team && run.check != "outrun" && run.check != "none")
-        sum.worst_shortfall = std::max(sum.worst_shortfall, run.team->security_distance - run.min_clearance);
+      sum.refused += run.check == "refused";
+      if (run.team && run.check != "outrun" && run.check != "none") {
+        const double shortfall = run.team->security_distance - run.min_clearance;
+        sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
+        sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
+      }
       if (!run.is_solved()) {
         ++sum.unsolved[std::string(to_string(run.status))];
         continue;
       }
       ++sum.solved;
       times.push_back(run.time);
-      if (run.team) motions.push_back(run.team->motion_time);
       if (!run.is_valid()) continue;
       ++sum.valid;
+      if (run.team) motions.push_back(run.team->motion_time);
       costs.push_back(run.cost);
       lengths.push_back(run.length);
       steps.push_back(static_cast<double>(run.steps));
@@ -122,14 +129,16 @@ std::vector<std::string> broken_promises(const CompareResults& results) {
 namespace {
 
 std::vector<std::vector<std::string>> team_table(const CompareExperiment& experiment) {
-  std::vector<std::vector<std::string>> rows{{"planner", "arrived / safe / total", "outrun", "motion s",
-                                              "worst below d_s mm", "computed in s", "not arrived"}};
+  std::vector<std::vector<std::string>> rows{{"planner", "arrived / valid / total", "safe", "outrun",
+                                              "refused", "motion s", "below d_s mm", "allowed mm",
+                                              "computed in s", "not arrived"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back(
         {experiment.planners[i].label,
-         std::to_string(sum.solved) + " / " + std::to_string(sum.safe) + " / " + std::to_string(sum.total),
-         std::to_string(sum.outrun), cell(sum.motion_median), cell(1000.0 * sum.worst_shortfall),
+         std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
+         std::to_string(sum.safe), std::to_string(sum.outrun), std::to_string(sum.refused),
+         cell(sum.motion_median), cell(1000.0 * sum.worst_shortfall), cell(1000.0 * sum.allowed_shortfall),
          cell(sum.time_median), unsolved_text(sum)});
   }
   return rows;

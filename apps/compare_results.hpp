@@ -28,7 +28,8 @@ struct CompareTeamRun {
   double obstacle_speed = 0.0;     ///< v_obs, m/s: no obstacle is faster
   double acceleration = 0.0;       ///< greatest share of the acceleration limit
   int deadlocks = 0;
-  std::string outrun;  ///< who could not keep the separation; empty: nobody
+  int over_acceleration = 0;  ///< steps, of all robots
+  std::string outrun;         ///< who could not keep the separation; empty: nobody
 };
 
 /// One planner's answer to one problem with one seed.
@@ -96,9 +97,10 @@ struct CompareResults {
 /// ones; NaN when there is none.
 struct CompareSummary {
   std::size_t solved = 0, valid = 0, total = 0;
-  std::size_t safe = 0, outrun = 0;  ///< teams: by the check, arrived or not
-  double worst_shortfall = 0.0;      ///< m: of the runs that are not outrun, d_s less the least separation
-  double motion_median = 0.0;        ///< s, of teams that arrived
+  std::size_t safe = 0, outrun = 0, refused = 0;  ///< teams: by the check, arrived or not
+  double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
+  double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
+  double motion_median = 0.0;      ///< s, of teams that arrived
   double time_median = 0.0, time_p95 = 0.0;  ///< s
   double cost_median = 0.0;                  ///< J
   double length_median = 0.0;                ///< rad

@@ -50,9 +50,13 @@ double unseen_motion(const Team& team, const std::optional<SuiteSensing>& sensin
   return farthest;
 }
 
-std::string check_word(const TeamRun& run, const TeamVerdict& verdict, double bound) {
+/// Where an obstacle outran a robot, distances from obstacles do not count, and robots that it drove together
+/// need only not touch. @param bound of one period's motion @param unseen that of sensed obstacles
+std::string check_word(const TeamRun& run, const TeamVerdict& verdict, double bound, double unseen) {
+  const double least = run.figures.security_distance - bound;
+  const bool keeps = verdict.least_separation >= least - unseen && verdict.between_robots >= least;
+  if (verdict.greatest_speed_share > 1.0 + 1e-6 || !verdict.robots_are_apart) return "refused";
   if (!run.outrun.empty()) return "outrun";
-  const bool keeps = verdict.least_separation >= run.figures.security_distance - bound;
   return verdict.is_apart && keeps ? "valid" : "refused";
 }
 
@@ -134,7 +138,7 @@ class TeamRunner {
       }
       const TeamVerdict verdict =
           check_team(team, run, options.max_acceleration, run.figures.influence_distance);
-      describe(team, run, verdict, run.step_bound() + unseen_motion(team, sensing), found);
+      describe(team, run, verdict, unseen_motion(team, sensing), found);
       found.planner = p;
       found.seed = choice_.seed;
       if (!experiment_.setup.generate || found.check == "refused") {
@@ -144,8 +148,7 @@ class TeamRunner {
                                                 experiment_.planners[p].options));
         found.plan_file = file.string();
         if (spaces) show_map(page, spaces->map());
-        page.plans.push_back(
-            page_of_run(team, run, verdict, experiment_.planners[p].label, experiment_.planners[p].planner));
+        page.plans.push_back(page_of_run(team, run, verdict, found, experiment_.planners[p].label));
       }
       problem.runs.push_back(std::move(found));
     }
@@ -168,19 +171,19 @@ class TeamRunner {
     }
   }
 
-  static void describe(const Team& team, const TeamRun& run, const TeamVerdict& verdict, double bound,
+  static void describe(const Team& team, const TeamRun& run, const TeamVerdict& verdict, double unseen,
                        CompareRun& found) {
     found.status = run.status;
     found.explanation = run.explanation;
     found.team.emplace();
     found.team->security_distance = run.figures.security_distance;
-    found.team->step_bound = bound;
+    found.team->step_bound = run.step_bound() + unseen;
     found.team->obstacle_speed = run.figures.greatest_obstacle_speed;
     found.team->motion_time = static_cast<double>(run.steps()) * run.period;
     found.team->outrun = run.outrun;
     found.team->acceleration = verdict.greatest_acceleration_share;
     if (run.steps() == 0) return;
-    found.check = check_word(run, verdict, bound);
+    found.check = check_word(run, verdict, run.step_bound(), unseen);
     if (found.check == "refused") found.contact = contact_of(verdict);
     found.legs = run.status == PlanStatus::solved ? 1 : 0;
     found.steps = run.steps();
@@ -190,6 +193,7 @@ class TeamRunner {
       found.length += length_of(run.traces[i].positions);
       found.cost += PathCost(team.robots[i].space->robot())(run.traces[i].positions);
       found.team->deadlocks += run.traces[i].deadlocks;
+      found.team->over_acceleration += run.traces[i].accelerated;
     }
   }
 

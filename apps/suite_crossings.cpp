@@ -46,7 +46,8 @@ SuiteMoving draw_moving(int number, double ring, SuiteDice& dice) {
       moving.shape.geometry = CylinderShape{radius, length};
     }
   }
-  Eigen::Vector3d middle = ring * dice.between(0.0, 0.8) * direction(dice);
+  const double off = ring * dice.between(0.0, 0.8);
+  Eigen::Vector3d middle = off * direction(dice);
   middle.z() = dice.between(0.3, 1.2);
   const Eigen::Vector3d way = (ring + 1.5) * direction(dice).cwiseProduct(Eigen::Vector3d(1.0, 1.0, 0.3));
   const double leg = 2.0 * way.norm() / dice.between(0.05, 0.4);

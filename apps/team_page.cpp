@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_waypoints = 600;
+constexpr std::size_t most_waypoints = 1500;
 
 Robot joined_robot_of(const Team& team) {
   std::vector<std::pair<std::string, Robot>> robots;
@@ -64,7 +64,7 @@ Json robot_json(const TeamRobot& robot, const TeamTrace& trace) {
           {"deadlocks", trace.deadlocks},
           {"constraint_switches", trace.switches},
           {"steps_over_acceleration", trace.accelerated},
-          {"steps_outrun", trace.outrun},
+          {"steps_relaxed", trace.relaxed},
           {"positions", positions},
           {"separations_m", trace.separations}};
 }
@@ -92,20 +92,25 @@ ReportPage page_of_team(const Team& team, const Snapshot& map, const std::string
 }
 
 PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& verdict,
-                     const std::string& label, const std::string& planner) {
+                     const CompareRun& found, const std::string& label) {
   const Robot robot = joined_robot_of(team);
   PagePlan plan;
   plan.name = label;
-  plan.planner = planner;
   plan.status = to_string(run.status);
   plan.explanation = run.explanation;
+  if (found.check == "refused") plan.status = "refused by the check";
+  if (found.check == "outrun") plan.status = "outrun";
+  if (found.check == "refused") plan.explanation += " The check: " + found.contact + ".";
   for (const Joint& joint : robot.joints) {
     plan.joints.push_back(joint.name);
     plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
   }
   const std::size_t stride = run.steps() / most_waypoints + 1;
   plan.period = run.period * static_cast<double>(stride);
-  for (std::size_t k = 0; k <= run.steps(); k += stride) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k <= run.steps(); k += stride) shown.push_back(k);
+  if (shown.back() != run.steps()) shown.push_back(run.steps());
+  for (const std::size_t k : shown) {
     const Configuration q = joined_at(run, k);
     plan.waypoints.push_back(q);
     plan.link_poses.push_back(poses_of(team, robot, q, static_cast<double>(k) * run.period));

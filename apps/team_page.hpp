@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "apps/compare_results.hpp"
 #include "apps/report_page.hpp"
 #include "planning/team_check.hpp"
 
@@ -11,9 +12,11 @@ namespace clearway {
 /// @param map of the first robot, whose voxels are shown
 ReportPage page_of_team(const Team& team, const Snapshot& map, const std::string& title);
 
-/// A run as the page animates it: at most 600 waypoints, evenly in time, with separations and figures.
+/// A run as the page animates it: at most 1,500 waypoints, evenly in time but for the last, with separations
+/// and figures.
+/// @param found what compare makes of it
 PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& verdict,
-                     const std::string& label, const std::string& planner);
+                     const CompareRun& found, const std::string& label);
 
 /// All that moved, sample by sample, and what the check found: one JSON object.
 std::string team_json(const Team& team, const TeamRun& run, const TeamVerdict& verdict,

@@ -29,4 +29,16 @@ void read_legs(const YamlFields& fields, std::vector<double>& start,
       fields.fail("goals", "expected as many numbers in each goal as in the start");
 }
 
+void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
+               const std::string& key) {
+  std::string plain = name;
+  for (char& c : plain) {
+    const bool is_word = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (!is_word && c != '.' && c != '-' && c != '=') c = '_';
+  }
+  if (taken.insert(plain).second) return;
+  fields.fail(
+      key, "'" + name + "' is given twice; expected names that differ in letters, digits, '.', '-' or '='");
+}
+
 }  // namespace clearway

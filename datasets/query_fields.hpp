@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ std::map<std::string, std::string> read_words(const YamlFields& fields);
 
 /// Part or "default" -> painted | known_free | not_occupied. @throws std::invalid_argument for another word.
 std::map<std::string, std::string> read_policies(const YamlFields& fields);
+
+/// Notes `name` as taken, or fails at the key that gave it. Names are files' and folders' names, too, where
+/// all but letters, digits and ._-= is one. @throws std::invalid_argument
+void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
+               const std::string& key);
 
 /// start(_deg) and goals(_deg), all of one size. @throws std::invalid_argument
 void read_legs(const YamlFields& fields, std::vector<double>& start, std::vector<std::vector<double>>& goals);

@@ -15,20 +15,6 @@ namespace {
 constexpr Bounds seeds{0, 2147483647};
 constexpr Bounds resolutions{1e-4, 100};
 
-/// Notes `name` as taken, or fails at the key that gave it. Names are files' and folders' names, too, where
-/// all but letters, digits and ._-= is one.
-void take(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
-          const std::string& key) {
-  std::string plain = name;
-  for (char& c : plain) {
-    const bool is_word = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    if (!is_word && c != '.' && c != '-' && c != '=') c = '_';
-  }
-  if (taken.insert(plain).second) return;
-  fields.fail(
-      key, "'" + name + "' is given twice; expected names that differ in letters, digits, '.', '-' or '='");
-}
-
 SuiteVolume read_volume(const YamlFields& fields) {
   SuiteVolume volume;
   volume.label = fields.text("label");
@@ -44,7 +30,7 @@ void read_made_world(const YamlFields& fields, SuiteWorld& world) {
   std::set<std::string> names, labels;
   for (const auto& entry : fields.list_of_maps("solids")) {
     world.solids.push_back(read_scene_shape(entry));
-    take(names, world.solids.back().name, entry, "name");
+    take_name(names, world.solids.back().name, entry, "name");
   }
   if (fields.has("sensors"))
     for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
@@ -52,7 +38,7 @@ void read_made_world(const YamlFields& fields, SuiteWorld& world) {
   world.sensor_range = fields.number("sensor_range", positive, world.sensor_range);
   for (const auto& entry : fields.list_of_maps("volumes")) {
     world.volumes.push_back(read_volume(entry));
-    take(labels, world.volumes.back().label, entry, "label");
+    take_name(labels, world.volumes.back().label, entry, "label");
   }
   if (world.volumes.size() > 15) fields.fail("volumes", "expected at most 15 of them");
   if (fields.has("pockets")) world.pockets = read_balls(fields, "pockets");
@@ -79,7 +65,7 @@ std::vector<SuiteProblem> read_problems(const YamlFields& fields) {
   for (const auto& entry : fields.list_of_maps("problems")) {
     SuiteProblem& problem = problems.emplace_back();
     problem.name = entry.text("name");
-    take(names, problem.name, entry, "name");
+    take_name(names, problem.name, entry, "name");
     read_legs(entry, problem.start, problem.goals);
     if (problem.start.size() != problems.front().start.size())
       entry.fail("start", "expected as many numbers as in the problems before");
@@ -106,7 +92,7 @@ std::vector<SuitePlanner> read_planners(const YamlFields& fields) {
     SuitePlanner& planner = planners.emplace_back();
     planner.planner = entry.text("planner");
     planner.label = entry.text("label", planner.planner);
-    take(labels, planner.label, entry, entry.has("label") ? "label" : "planner");
+    take_name(labels, planner.label, entry, entry.has("label") ? "label" : "planner");
     if (entry.has("options")) planner.options = read_words(entry.map("options"));
     entry.finish();
   }
@@ -147,6 +133,8 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);
   experiment.time_limit = fields.optional_number("time_limit", positive);
   experiment.plots = fields.texts("plots");
+  for (const char* key : {"padding", "runs", "time_limit"})
+    if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
   fields.finish();
   return experiment;
 }
@@ -164,12 +152,12 @@ Suite parse_suite(const std::string& text, const std::string& name) {
   std::set<std::string> worlds, experiments;
   for (const auto& entry : fields.list_of_maps("worlds")) {
     suite.worlds.push_back(read_world(entry, file.parent_path()));
-    take(worlds, suite.worlds.back().name, entry, "name");
+    take_name(worlds, suite.worlds.back().name, entry, "name");
   }
   const auto usual = read_planners(fields);
   for (const auto& entry : fields.list_of_maps("experiments")) {
     suite.experiments.push_back(read_experiment(entry, suite, usual));
-    take(experiments, suite.experiments.back().name, entry, "name");
+    take_name(experiments, suite.experiments.back().name, entry, "name");
   }
   if (suite.experiments.empty()) fields.fail("experiments", "expected at least one experiment");
   fields.finish();

@@ -3,17 +3,12 @@
 #include <cmath>
 #include <set>
 
+#include "datasets/query_fields.hpp"
 #include "datasets/scene_shape.hpp"
 #include "datasets/yaml_fields.hpp"
 
 namespace clearway {
 namespace {
-
-void take(std::set<std::string>& taken, const std::string& name, const YamlFields& fields) {
-  if (name.empty()) fields.fail("name", "expected a name that is not empty");
-  if (!taken.insert(name).second)
-    fields.fail("name", "'" + name + "' is given twice; expected names that differ");
-}
 
 SuiteTeamRobot read_robot(const YamlFields& fields) {
   SuiteTeamRobot robot;
@@ -46,7 +41,11 @@ SuiteMoving read_moving(const YamlFields& fields) {
       entry.fail("time", "expected a time later than the one before");
   }
   if (moving.path.empty()) fields.fail("path", "expected at least one {time, pose}");
+  if (fields.map("shape").has_angles("pose"))
+    fields.fail("shape", "expected no pose: the path says where it is");
   moving.repeats = fields.has("repeats") && fields.boolean("repeats");
+  if (moving.repeats && !moving.path.back().map_from_shape.isApprox(moving.path.front().map_from_shape, 1e-9))
+    fields.fail("repeats", "expected a path that ends where it starts");
   moving.is_sensed = fields.has("sensed") && fields.boolean("sensed");
   fields.finish();
   return moving;
@@ -71,12 +70,12 @@ SuiteTeam read_team(const YamlFields& fields) {
   std::set<std::string> names;
   for (const auto& entry : fields.list_of_maps("robots")) {
     team.robots.push_back(read_robot(entry));
-    take(names, team.robots.back().name, entry);
+    take_name(names, team.robots.back().name, entry, "name");
   }
   if (team.robots.empty()) fields.fail("robots", "expected at least one robot");
   for (const auto& entry : fields.list_of_maps("moving")) {
     team.moving.push_back(read_moving(entry));
-    take(names, team.moving.back().shape.name, entry);
+    take_name(names, team.moving.back().shape.name, entry, "shape");
   }
   fields.finish();
   return team;
@@ -89,7 +88,7 @@ SuiteTeams read_suite_teams(const YamlFields& fields) {
   std::set<std::string> names;
   for (const auto& entry : fields.list_of_maps("teams")) {
     all.teams.push_back(read_team(entry));
-    take(names, all.teams.back().name, entry);
+    take_name(names, all.teams.back().name, entry, "name");
   }
   if (fields.has("sensing")) all.sensing = read_sensing(fields.map("sensing"));
   for (const SuiteTeam& team : all.teams)
@@ -97,6 +96,7 @@ SuiteTeams read_suite_teams(const YamlFields& fields) {
       if (moving.is_sensed && !all.sensing)
         fields.fail("sensing", "expected sensors, or nobody sees '" + moving.shape.name + "' of team '" +
                                    team.name + "'");
+  if (fields.has("teams") && all.teams.empty()) fields.fail("teams", "expected at least one team");
   all.period = fields.number("period", {1e-4, 1}, all.period);
   all.duration = fields.number("duration", {1e-3, 3600}, all.duration);
   all.max_acceleration = fields.number("max_acceleration", positive, all.max_acceleration);

@@ -80,7 +80,7 @@ LocalStep local_step(const StepConstraints& constraints, const VectorXd& wanted,
       solve_relaxed({wanted, constraints.rows, constraints.bounds, constraints.lower.cwiseMax(-longest),
                      constraints.upper.cwiseMin(longest)});
   if (!solution.feasible) solution.x.setZero();  // rounding only: standing still keeps every constraint
-  return {solution.x, solution.multipliers, solution.demand};
+  return {solution.x, solution.multipliers, solution.demand, solution.shares};
 }
 
 ConstraintOptions read_constraint_options(OptionReader& reader) {

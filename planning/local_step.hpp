@@ -46,6 +46,7 @@ struct LocalStep {
   Eigen::VectorXd step;         ///< weighted units
   Eigen::VectorXd multipliers;  ///< >= 0: rows, then upper, then lower limits; > 0: the constraint is active
   double demand = 1.0;
+  Eigen::VectorXd shares;  ///< of each row's demand what was kept; 1 for rows that did not give way
 };
 LocalStep local_step(const StepConstraints& constraints, const Eigen::VectorXd& wanted,
                      const DamperOptions& options);

@@ -75,7 +75,6 @@ double ObstacleRows::append(const LinkPoses& map_from_link, std::span<const Plac
     const PlacedShape& shape = shapes[s];
     const double around = shape.shape.bounding_radius() * (1.0 + 1e-9) + influence_distance;
     for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
-      if (!balls_[b].is_moved) continue;
       const Body& body = robot.bodies[b];
       const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(body.link)];
       const double apart = balls_[b].radius + around;
@@ -84,7 +83,9 @@ double ObstacleRows::append(const LinkPoses& map_from_link, std::span<const Plac
       if (row.distance >= influence_distance || row.normal.squaredNorm() < 0.5) continue;
       row.body = static_cast<int>(b);
       row.obstacle = static_cast<int>(s);
-      row.gradient = rate_of_approach(robot, map_from_link, body.link, row.point, row.normal);
+      row.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
+      if (balls_[b].is_moved)
+        row.gradient = rate_of_approach(robot, map_from_link, body.link, row.point, row.normal);
       if (row.gradient.cwiseAbs().maxCoeff() > 1e-12) {
         rows.push_back(std::move(row));
       } else {

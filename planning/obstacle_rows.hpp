@@ -39,8 +39,9 @@ class ObstacleRows {
  public:
   explicit ObstacleRows(const Robot& robot);
 
-  /// Appends to `rows`. Returns the smallest distance of the rows left out of bodies that some joint moves (a
-  /// ball on the axis of the joint that turns it), at most `influence_distance`.
+  /// Appends to `rows`. Returns the smallest distance of what no row stands for, at most
+  /// `influence_distance`: of bodies that no joint moves (a pedestal), or not away (a ball on the axis of the
+  /// joint that turns it).
   /// @param map_from_link of this robot.
   double append(const LinkPoses& map_from_link, std::span<const PlacedShape> shapes,
                 double influence_distance, std::vector<ObstacleRow>& rows) const;

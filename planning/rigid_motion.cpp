@@ -25,6 +25,8 @@ RigidMotion::RigidMotion(std::vector<TimedPose> poses, bool repeats)
       throw std::invalid_argument("rigid motion: pose " + std::to_string(i + 1) +
                                   " is not later than the one before");
   }
+  if (repeats_ && !poses_.back().pose.isApprox(poses_.front().pose, 1e-9))
+    throw std::invalid_argument("rigid motion: it repeats, but does not end where it starts");
   repeats_ = repeats_ && poses_.size() > 1;
 }
 

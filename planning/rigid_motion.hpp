@@ -19,8 +19,9 @@ struct TimedPose {
 class RigidMotion {
  public:
   /// @param poses in the order of time; one: it never moves
-  /// @param repeats after the last pose the first follows at once: they should be equal
-  /// @throws std::invalid_argument for no poses, times that do not grow, values that are not finite
+  /// @param repeats after the last pose, which is the first again, all of it once more
+  /// @throws std::invalid_argument for no poses, times that do not grow, values that are not finite, a motion
+  ///         that repeats and does not end where it starts
   explicit RigidMotion(std::vector<TimedPose> poses, bool repeats = false);
 
   Eigen::Isometry3d pose(double time) const;

@@ -80,7 +80,7 @@ class TeamMotion {
     look(time);
     for (std::size_t i = 0; i < members_.size(); ++i) {
       const OutrunBy by = members_[i]->choose();
-      if (by.kind != OutrunBy::nothing && run_.outrun.empty()) tell_outrun(i, by, time);
+      if (is_outrun(by) && run_.outrun.empty()) tell_outrun(i, by, time);
     }
     double longest = 0.0;
     for (auto& member : members_) longest = std::max(longest, member->move());
@@ -94,11 +94,18 @@ class TeamMotion {
     return "";
   }
 
+  /// Only what moves can outrun a robot: a demand of another robot, of the map or of itself that gives way is
+  /// no excuse.
+  bool is_outrun(const OutrunBy& by) const {
+    const bool by_map = by.kind == OutrunBy::map || by.kind == OutrunBy::overlap;
+    return by.kind == OutrunBy::obstacle || by.kind == OutrunBy::fixed || (by_map && team_.sensed);
+  }
+
   void tell_outrun(std::size_t i, const OutrunBy& by, double time) {
-    const std::string what = by.kind == OutrunBy::obstacle ? "'" + known_obstacle(by.index) + "'"
-                             : by.kind == OutrunBy::robot  ? "another robot"
-                             : by.kind == OutrunBy::fixed  ? "an obstacle where no joint moves it away"
-                                                           : "what surrounds it";
+    const std::string what = by.kind == OutrunBy::obstacle  ? "'" + known_obstacle(by.index) + "'"
+                             : by.kind == OutrunBy::fixed   ? "an obstacle where no joint moves it away"
+                             : by.kind == OutrunBy::overlap ? "what sensors saw where it stood"
+                                                            : "what sensors saw";
     run_.outrun = "At " + short_text(time) + " s robot '" + team_.robots[i].name +
                   "' could not keep the separation demanded by " + what;
   }
@@ -174,7 +181,7 @@ double TeamRun::step_bound() const {
 }
 
 TeamRun run_team(const Team& team, const TeamOptions& options, const std::function<bool()>& out_of_time) {
-  check_inputs(team, options);
+  check_team_inputs(team, options);
   return TeamMotion(team, options).run(out_of_time);
 }
 

@@ -43,6 +43,9 @@ struct TeamOptions {
 /// @throws std::invalid_argument for another planner, naming these two, and as make_planner
 TeamOptions team_options(const std::string& planner, const PlannerOptions& options);
 
+/// Whatever run_team would throw is thrown, without a run.
+void check_team_inputs(const Team& team, const TeamOptions& options);
+
 /// The values in force, common to the team. Chosen so that braking before an obstacle needs no more than the
 /// acceleration `a`: speeds fall in proportion to the distance left, the faster the smaller d_i.
 struct TeamFigures {
@@ -63,7 +66,7 @@ struct TeamTrace {
   std::vector<bool> along_boundary;  ///< the step from here followed a boundary
   int deadlocks = 0, switches = 0, returns = 0;
   int accelerated = 0;    ///< steps over the acceleration limit: separation, which goes first, demanded them
-  int outrun = 0;         ///< steps on which the separation demanded could not be kept
+  int relaxed = 0;        ///< steps on which the separation demanded could not be kept, whoever demanded it
   int shortened = 0;      ///< steps cut short because the map's certificate ended there
   double arrival = -1.0;  ///< s; negative: did not arrive
   double greatest_motion = 0.0;  ///< m: no point of the robot moved farther in one period
@@ -76,7 +79,7 @@ struct TeamRun {
   double period = 0.0;
   TeamFigures figures;
   std::vector<TeamTrace> traces;
-  std::string outrun;  ///< who was outrun first, when and by what; empty: nobody
+  std::string outrun;  ///< which obstacle outran whom first, and when; empty: none
 
   std::size_t steps() const { return traces.empty() ? 0 : traces.front().positions.size() - 1; }
   double least_separation() const;

@@ -31,14 +31,21 @@ Robot robot_of(const Team& team) {
 /// since.
 struct Pair {
   std::size_t first = 0, second = 0;
+  bool with_obstacle = false;
   double room = -1.0;
+};
+
+/// The least separation of some pairs.
+struct Least {
+  double distance = 0.0, time = 0.0;
+  std::string between;
 };
 
 class TeamChecker {
  public:
   TeamChecker(const Team& team, const TeamRun& run, double cap)
       : team_(team), run_(run), robot_(robot_of(team)), arm_(robot_), fcl_(robot_) {
-    verdict_.least_separation = cap;
+    of_robots_.distance = from_obstacles_.distance = cap;
     for (std::size_t k = 0; k <= run.steps(); ++k) {
       std::vector<Configuration> all;
       for (const TeamTrace& trace : run.traces) all.push_back(trace.positions[k]);
@@ -49,13 +56,19 @@ class TeamChecker {
 
   TeamVerdict run() {
     find_least();
-    verdict_.is_apart = verdict_.least_separation > 0.0;
+    const Least& least = from_obstacles_.distance < of_robots_.distance ? from_obstacles_ : of_robots_;
+    verdict_.least_separation = least.distance;
+    verdict_.between_robots = of_robots_.distance;
+    verdict_.time = least.time;
+    verdict_.between = least.between;
+    verdict_.robots_are_apart = of_robots_.distance > 0.0;
+    verdict_.is_apart = least.distance > 0.0;
     for (std::size_t i = 0; i < team_.robots.size() && verdict_.contact.empty(); ++i) {
       const ConfigurationSpace& space = *team_.robots[i].space;
       const PathVerdict path = check_path(space.robot(), space.map(), space.policies(),
                                           space.options().padding, run_.traces[i].positions);
       if (path.valid) continue;
-      verdict_.is_apart = false;
+      verdict_.is_apart = verdict_.robots_are_apart = false;
       verdict_.contact = team_.robots[i].name + ": " + path.first_contact;
     }
     return verdict_;
@@ -82,7 +95,7 @@ class TeamChecker {
   }
 
  private:
-  /// Bodies of different robots of which one moves, and bodies that move with each obstacle.
+  /// Bodies of different robots of which one moves, and every body with each obstacle.
   void list_pairs() {
     std::vector<std::size_t> owner;
     for (std::size_t i = 0; i < team_.robots.size(); ++i)
@@ -90,9 +103,8 @@ class TeamChecker {
     bodies_ = owner.size();
     for (std::size_t a = 0; a < bodies_; ++a) {
       for (std::size_t b = a + 1; b < bodies_; ++b)
-        if (owner[a] != owner[b] && (arm_.is_moved(a) || arm_.is_moved(b))) pairs_.push_back({a, b});
-      for (std::size_t o = 0; o < team_.obstacles.size(); ++o)
-        if (arm_.is_moved(a)) pairs_.push_back({a, bodies_ + o});
+        if (owner[a] != owner[b] && (arm_.is_moved(a) || arm_.is_moved(b))) pairs_.push_back({a, b, false});
+      for (std::size_t o = 0; o < team_.obstacles.size(); ++o) pairs_.push_back({a, bodies_ + o, true});
     }
   }
 
@@ -114,14 +126,14 @@ class TeamChecker {
       poses_[bodies_ + o] = team_.obstacles[o].motion.pose(time_at(step, share));
   }
 
+  Least& least_of(const Pair& pair) { return pair.with_obstacle ? from_obstacles_ : of_robots_; }
+
   /// Distance where the bodies are placed; notes it when it is the least so far.
   double measure(const Pair& pair, std::size_t step, double share) {
     const double apart = fcl_.distance(pair.first, poses_[pair.first], pair.second, poses_[pair.second]);
-    if (apart < verdict_.least_separation) {
-      verdict_.least_separation = apart;
-      verdict_.time = time_at(step, share);
-      verdict_.between = robot_.bodies[pair.first].part + " and " + robot_.bodies[pair.second].part;
-    }
+    if (apart < least_of(pair).distance)
+      least_of(pair) = {apart, time_at(step, share),
+                        robot_.bodies[pair.first].part + " and " + robot_.bodies[pair.second].part};
     return apart;
   }
 
@@ -130,18 +142,18 @@ class TeamChecker {
     const double middle = 0.5 * (from + to);
     place(step, middle);
     const double apart = measure(pair, step, middle);
-    if (apart - 0.5 * (to - from) * approach >= verdict_.least_separation - tolerance) return;
-    if (to - from <= finest || verdict_.least_separation <= 0.0) return;
+    if (apart - 0.5 * (to - from) * approach >= least_of(pair).distance - tolerance) return;
+    if (to - from <= finest || least_of(pair).distance <= 0.0) return;
     prove(pair, step, from, middle, approach);
     prove(pair, step, middle, to, approach);
   }
 
   /// Bounding boxes of the bodies are too far apart to count.
-  bool is_far(const Pair& pair) const {
+  bool is_far(const Pair& pair) {
     const double reach = fcl_.box_half(pair.first).norm() + fcl_.box_half(pair.second).norm();
     const Eigen::Vector3d between =
         poses_[pair.second] * fcl_.box_center(pair.second) - poses_[pair.first] * fcl_.box_center(pair.first);
-    return between.norm() - reach > verdict_.least_separation + 1.0;
+    return between.norm() - reach > least_of(pair).distance + 1.0;
   }
 
   void find_least() {
@@ -151,21 +163,22 @@ class TeamChecker {
       bool is_placed = false;
       for (Pair& pair : pairs_) {
         const double nearer = approach(pair, abs_dq);
-        if (pair.room - nearer >= verdict_.least_separation - tolerance) {
+        if (pair.room - nearer >= least_of(pair).distance - tolerance) {
           pair.room -= nearer;
           continue;
         }
         if (!is_placed) place(k, 0.0);
         is_placed = true;
-        pair.room = is_far(pair) ? verdict_.least_separation + 1.0 : measure(pair, k, 0.0);
-        if (pair.room - nearer < verdict_.least_separation - tolerance) {
+        pair.room = is_far(pair) ? least_of(pair).distance + 1.0 : measure(pair, k, 0.0);
+        if (pair.room - nearer < least_of(pair).distance - tolerance) {
           prove(pair, k, 0.0, 1.0, nearer);
           is_placed = false;
         }
         pair.room -= nearer;
       }
     }
-    verdict_.least_separation = std::max(0.0, verdict_.least_separation - tolerance);
+    for (Least* least : {&of_robots_, &from_obstacles_})
+      least->distance = std::max(0.0, least->distance - tolerance);
   }
 
   const Team& team_;
@@ -174,6 +187,7 @@ class TeamChecker {
   const check::KdlArm arm_;
   const check::FclBodies fcl_;
   TeamVerdict verdict_;
+  Least of_robots_, from_obstacles_;
   std::size_t bodies_ = 0;  ///< of robots; those of obstacles follow
   std::vector<Configuration> path_;
   std::vector<Pair> pairs_;

@@ -8,9 +8,12 @@ namespace clearway {
 
 /// What the independent check of a run found.
 struct TeamVerdict {
-  bool is_apart = false;          ///< nothing touched at any time: robots, obstacles, map, robots themselves
+  bool is_apart =
+      false;  ///< nothing touched at any time: robots, obstacles, themselves, the map at the start
+  bool robots_are_apart = false;  ///< the same without obstacles
   double least_separation = 0.0;  ///< between robots, and of robots from obstacles, at ANY time: certified,
                                   ///< m; at most `cap`, short of the true one by 0.1 mm at most
+  double between_robots = 0.0;    ///< the same of robots from each other alone
   double time = 0.0;              ///< when
   std::string between;            ///< "left/load and right/forearm"; empty when all stayed `cap` apart
   std::string contact;            ///< the first contact with the map or within a robot; empty when none

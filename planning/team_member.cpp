@@ -18,7 +18,7 @@ double weighted_reach(const ConfigurationSpace& space, double prismatic_scale) {
 double longest_step(const ConfigurationSpace& space, double prismatic_scale, const TeamOptions& options,
                     double braking) {
   const VectorXd weight = joint_weights(space, prismatic_scale);
-  double longest = std::sqrt(options.max_acceleration * braking) * options.period;
+  double longest = std::sqrt(options.max_acceleration * weight.minCoeff() * braking) * options.period;
   for (Index j = 0; j < weight.size(); ++j) {
     const Joint& joint = space.robot().joints[static_cast<std::size_t>(j)];
     longest = std::min(longest, weight[j] * joint.max_velocity * options.period);
@@ -33,21 +33,33 @@ double braking_step(double room, double change) {
   return (left + 0.5 * change * whole * (whole + 1.0)) / (whole + 1.0);
 }
 
+namespace {
+
+DamperOptions damper_of(const TeamRobot& robot, const TeamOptions& options, const TeamFigures& figures,
+                        std::size_t index) {
+  DamperOptions damper;
+  damper.weight = joint_weights(*robot.space, options.boundary.local.prismatic_scale);
+  damper.influence_distance = figures.influence_distance;
+  damper.security_distance = figures.security_distance;
+  damper.xi = figures.xi;
+  damper.max_step = figures.max_step[index];
+  return damper;
+}
+
+}  // namespace
+
 TeamMember::TeamMember(const TeamRobot& robot, const TeamOptions& options, const TeamFigures& figures,
                        std::size_t index)
     : robot_(robot),
       options_(options),
       space_(robot.space),
       obstacle_rows_(robot.space->robot()),
+      damper_(damper_of(robot, options, figures, index)),
       controller_(robot.space->robot(), options.boundary, damper_) {
-  damper_.weight = joint_weights(*space_, options.boundary.local.prismatic_scale);
-  damper_.influence_distance = figures.influence_distance;
-  damper_.security_distance = figures.security_distance;
-  damper_.xi = figures.xi;
-  damper_.max_step = figures.max_step[index];
   change_ = damper_.weight * (options.max_acceleration * options.period * options.period);
   previous_ = step_ = VectorXd::Zero(robot.start.size());
   trace_.positions.push_back(robot.start);
+  if (robot.start == robot.goal) trace_.arrival = 0.0;
 }
 
 void TeamMember::see(std::shared_ptr<const ConfigurationSpace> space) {
@@ -107,13 +119,11 @@ OutrunBy TeamMember::choose() {
   along_boundary_ = !choice.is_local;
   trace_.along_boundary.push_back(along_boundary_);
   limit_change(choice.step);
-  if (unavoidable_ < damper_.security_distance) {
-    ++trace_.outrun;
-    return {OutrunBy::fixed, -1};
-  }
-  if (local_.demand >= 1.0) return {};
-  ++trace_.outrun;
-  return outrun_by(local_.multipliers);
+  is_overlapped_ = !space_->is_free(position());
+  if (local_.demand < 1.0) ++trace_.relaxed;
+  if (is_overlapped_) return {OutrunBy::overlap, -1};
+  if (unavoidable_ < damper_.security_distance) return {OutrunBy::fixed, -1};
+  return local_.demand < 1.0 ? who_gave_way() : OutrunBy{};
 }
 
 /// The step nearest to `wanted` that keeps all constraints and changes the velocity by no more than the
@@ -134,15 +144,20 @@ void TeamMember::limit_change(const VectorXd& wanted) {
     step_ = smooth.x;
     return;
   }
-  ++trace_.accelerated;
   step_ = local_step(constraints_, wanted, damper_).step;
 }
 
-OutrunBy TeamMember::outrun_by(const VectorXd& multipliers) const {
-  Index strongest = 0;
-  const auto rows = static_cast<Index>(sources_.size());
-  if (rows == 0 || multipliers.head(rows).maxCoeff(&strongest) <= 0.0) return {OutrunBy::map, -1};
-  return sources_[static_cast<std::size_t>(strongest)];
+/// Whose demand was kept least; of equals an obstacle's.
+OutrunBy TeamMember::who_gave_way() const {
+  OutrunBy least{OutrunBy::map, -1};
+  double share = 1.0;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const double kept = local_.shares[static_cast<Index>(i)];
+    if (kept > share || (kept == share && sources_[i].kind <= least.kind)) continue;
+    share = kept;
+    least = sources_[i];
+  }
+  return least;
 }
 
 Configuration TeamMember::moved(const VectorXd& step) const {
@@ -161,12 +176,8 @@ double TeamMember::move() {
   double share = 1.0;
   // What was sensed anew may overlap the robot where it stands: no edge from there is free, and it leaves by
   // the step that its rows demand.
-  const bool is_certified = space_->is_free(position());
-  if (!is_certified) {
-    ++trace_.outrun;
-    next = moved(step_);
-  }
-  for (int halving = 0; is_certified && halving <= 10; ++halving, share *= 0.5) {
+  if (is_overlapped_) next = moved(step_);
+  for (int halving = 0; !is_overlapped_ && halving <= 10; ++halving, share *= 0.5) {
     const Configuration reached = moved(share * step_);
     if (reached == position()) break;
     if (!space_->is_edge_free(position(), reached)) continue;
@@ -174,7 +185,9 @@ double TeamMember::move() {
     next = reached;
     break;
   }
-  previous_ = damper_.weight.cwiseProduct(next - position());
+  const VectorXd taken = damper_.weight.cwiseProduct(next - position());
+  if (((taken - previous_).cwiseAbs().array() > change_.array() * (1.0 + 1e-6)).any()) ++trace_.accelerated;
+  previous_ = taken;
   const bool has_moved = next != position();
   trace_.greatest_motion =
       std::max(trace_.greatest_motion, space_->motion_bound((next - position()).cwiseAbs()));

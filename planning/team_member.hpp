@@ -15,7 +15,7 @@ namespace clearway {
 double weighted_reach(const ConfigurationSpace& space, double prismatic_scale);
 
 /// The longest step of one period that keeps every joint's velocity limit and sqrt(a `braking`), weighted
-/// units; `braking`: radians within which the robot must be able to stop.
+/// units; `braking`: way within which the robot must be able to stop, weighted units.
 double longest_step(const ConfigurationSpace& space, double prismatic_scale, const TeamOptions& options,
                     double braking);
 
@@ -24,8 +24,9 @@ double braking_step(double room, double change);
 
 /// What demanded a separation that a robot could not keep.
 struct OutrunBy {
-  enum Kind { nothing, map, robot, obstacle, fixed } kind = nothing;  ///< fixed: no joint moves what it meets
-  int index = -1;                                                     ///< of the obstacle
+  /// fixed: an obstacle, of what no joint moves away; overlap: the map says that something is where it stands
+  enum Kind { nothing, map, robot, obstacle, fixed, overlap } kind = nothing;
+  int index = -1;  ///< of the obstacle
 };
 
 /// One robot of a run.
@@ -54,7 +55,7 @@ class TeamMember {
   Eigen::VectorXd wanted_step() const;
   void append_rows(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
   void limit_change(const Eigen::VectorXd& wanted);
-  OutrunBy outrun_by(const Eigen::VectorXd& multipliers) const;
+  OutrunBy who_gave_way() const;
   Configuration moved(const Eigen::VectorXd& step) const;
 
   const TeamRobot& robot_;
@@ -71,6 +72,7 @@ class TeamMember {
   Eigen::VectorXd previous_;  ///< the step before, weighted units
   Eigen::VectorXd step_;
   bool along_boundary_ = false;
+  bool is_overlapped_ = false;  ///< the map says that something is where the robot stands
   TeamTrace trace_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -22,7 +23,8 @@ struct Surroundings {
 };
 
 /// The others as they stand at the start or the goal, and at the start the obstacles.
-Surroundings around(const Team& team, const TeamOptions& options, std::size_t i, bool at_goal) {
+Surroundings around(const Team& team, const TeamOptions& options, std::size_t i, bool at_goal,
+                    bool with_sensed) {
   Surroundings all;
   for (std::size_t j = 0; j < team.robots.size(); ++j) {
     const TeamRobot& other = team.robots[j];
@@ -35,11 +37,27 @@ Surroundings around(const Team& team, const TeamOptions& options, std::size_t i,
   }
   if (at_goal) return all;
   for (const MovingObstacle& obstacle : team.obstacles) {
-    if (obstacle.is_sensed) continue;
+    if (obstacle.is_sensed && !with_sensed) continue;
     all.shapes.push_back(obstacle.placed(0.0, options.period));
     all.names.push_back(obstacle.name);
   }
   return all;
+}
+
+/// "tool touches right/forearm" for the first body that touches something; empty when none does. Bodies that
+/// no joint moves count like all others.
+std::string touching(const Robot& robot, const Configuration& q, const Surroundings& others) {
+  const std::vector<PlacedShape> own = placed_bodies(robot, forward_kinematics(robot, q));
+  for (std::size_t b = 0; b < own.size(); ++b) {
+    for (std::size_t s = 0; s < others.shapes.size(); ++s) {
+      const PlacedShape& other = others.shapes[s];
+      const double apart = (own[b].pose.translation() - other.pose.translation()).norm();
+      if (apart > own[b].shape.bounding_radius() + other.shape.bounding_radius() + 1e-6) continue;
+      if (distance(own[b].shape, own[b].pose, other.shape, other.pose).lower > 0.0) continue;
+      return robot.bodies[b].part + " touches " + others.names[s];
+    }
+  }
+  return "";
 }
 
 /// The least separation, at most `limit`, of all robots at their starts, and of all at their goals.
@@ -52,8 +70,8 @@ double least_at_ends(const Team& team, const TeamOptions& options, double limit)
       for (const ProximityRow& row : space.proximity_rows(q, limit)) least = std::min(least, row.distance);
       std::vector<ObstacleRow> rows;
       ObstacleRows(space.robot())
-          .append(forward_kinematics(space.robot(), q), around(team, options, i, at_goal).shapes, limit,
-                  rows);
+          .append(forward_kinematics(space.robot(), q), around(team, options, i, at_goal, false).shapes,
+                  limit, rows);
       for (const ObstacleRow& row : rows) least = std::min(least, row.distance);
     }
   }
@@ -62,7 +80,7 @@ double least_at_ends(const Team& team, const TeamOptions& options, double limit)
 
 }  // namespace
 
-void check_inputs(const Team& team, const TeamOptions& options) {
+void check_team_inputs(const Team& team, const TeamOptions& options) {
   require(!team.robots.empty(), "a team needs at least one robot");
   require(options.period > 0.0 && std::isfinite(options.period), "team: period: expected more than 0 s");
   require(options.duration >= options.period && options.duration / options.period <= 1e6,
@@ -82,6 +100,7 @@ void check_inputs(const Team& team, const TeamOptions& options) {
                                             "to move it in time");
     }
   }
+  choose_figures(team, options);
 }
 
 TeamFigures choose_figures(const Team& team, const TeamOptions& options) {
@@ -100,9 +119,11 @@ TeamFigures choose_figures(const Team& team, const TeamOptions& options) {
   const double margin = d_i - figures.security_distance;
   double fastest = 0.0;
   for (std::size_t i = 0; i < team.robots.size(); ++i) {
-    const double step = given.max_step > 0.0 ? given.max_step
-                                             : longest_step(*team.robots[i].space, given.prismatic_scale,
-                                                            options, margin / (2.0 * reach[i]));
+    const ConfigurationSpace& space = *team.robots[i].space;
+    const double braking =
+        given.max_step > 0.0 ? std::numeric_limits<double>::infinity() : margin / (2.0 * reach[i]);
+    const double longest_kept = longest_step(space, given.prismatic_scale, options, braking);
+    const double step = given.max_step > 0.0 ? std::min(given.max_step, longest_kept) : longest_kept;
     figures.max_step.push_back(step);
     fastest = std::max(fastest, step * reach[i]);
   }
@@ -126,17 +147,8 @@ PlanResult check_team_ends(const Team& team, const TeamOptions& options) {
       const std::string who = "Robot '" + member.name + "' at its " + (at_goal ? "goal" : "start") + ": ";
       const Verdict verdict = member.space->check(q);
       std::string sentence = verdict.is_free() ? "" : verdict.sentence();
-      std::vector<ObstacleRow> rows;
-      const Robot& robot = member.space->robot();
-      const Surroundings others = around(team, options, i, at_goal);
       if (sentence.empty())
-        ObstacleRows(robot).append(forward_kinematics(robot, q), others.shapes, 1e-3, rows);
-      for (const ObstacleRow& row : rows) {
-        if (row.distance > 0.0) continue;
-        sentence = robot.bodies[static_cast<std::size_t>(row.body)].part + " touches " +
-                   others.names[static_cast<std::size_t>(row.obstacle)];
-        break;
-      }
+        sentence = touching(member.space->robot(), q, around(team, options, i, at_goal, true));
       if (sentence.empty()) continue;
       result.status = at_goal ? PlanStatus::goal_invalid : PlanStatus::start_invalid;
       result.explanation = who + sentence + ".";

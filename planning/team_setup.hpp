@@ -6,9 +6,6 @@
 
 namespace clearway {
 
-/// @throws std::invalid_argument in one sentence; see run_team.
-void check_inputs(const Team& team, const TeamOptions& options);
-
 /// The values in force; see TeamFigures. @throws std::invalid_argument for distances that do not fit.
 TeamFigures choose_figures(const Team& team, const TeamOptions& options);
 

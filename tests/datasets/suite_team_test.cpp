@@ -25,7 +25,7 @@ TEST(SuiteTeam, RobotsAndMovingThingsAreRead) {
       moving:
         - shape: {name: ball, sphere: 0.1}
           repeats: true
-          path: [{time: 0, pose: [0, 0, 1, 0, 0, 0]}, {time: 2, pose_deg: [1, 0, 1, 0, 0, 180]}]
+          path: [{time: 0, pose: [0, 0, 1, 0, 0, 0]}, {time: 2, pose_deg: [1, 0, 1, 0, 0, 180]}, {time: 3, pose: [0, 0, 1, 0, 0, 0]}]
 )",
                                              "    period: 0.01\n    duration: 7\n    max_acceleration: 3\n"),
                                   "test.yaml");
@@ -46,7 +46,7 @@ TEST(SuiteTeam, RobotsAndMovingThingsAreRead) {
   ASSERT_EQ(team.moving.size(), 1U);
   EXPECT_TRUE(team.moving[0].repeats);
   EXPECT_EQ(std::get<BallShape>(team.moving[0].shape.geometry).radius, 0.1);
-  ASSERT_EQ(team.moving[0].path.size(), 2U);
+  ASSERT_EQ(team.moving[0].path.size(), 3U);
   EXPECT_NEAR(team.moving[0].path[1].map_from_shape.linear()(0, 0), -1.0, 1e-12);
 }
 
@@ -81,6 +81,17 @@ TEST(SuiteTeam, BadTeamsAreToldInASentence) {
                  "a time later than the one before");
   expect_refused(suite_with(robots + "      moving: [{shape: {name: b, sphere: 1}, path: []}]\n"),
                  "at least one {time, pose}");
+  expect_refused(
+      suite_with(robots +
+                 "      moving: [{shape: {name: b, sphere: 1}, repeats: true, path: [{time: 1, pose: "
+                 "[0, 0, 0, 0, 0, 0]}, {time: 2, pose: [1, 0, 0, 0, 0, 0]}]}]\n"),
+      "ends where it starts");
+  expect_refused(
+      suite_with(robots + "      moving: [{shape: {name: b, sphere: 1, pose: [0, 0, 0, 0, 0, 0]}, path: "
+                          "[{time: 1, pose: [0, 0, 0, 0, 0, 0]}]}]\n"),
+      "expected no pose");
+  expect_refused("experiments: [{name: e, planners: [{planner: boundary}], teams: []}]", "at least one team");
+  expect_refused(suite_with(robots, "    padding: 0.1\n"), "does not apply to teams");
   expect_refused(suite_with(robots, "    period: 0\n"), "period");
   expect_refused(suite_with(robots, "    scale: 2\n"), "beside each robot of a team");
   expect_refused(suite_with(robots, "    generate: {kind: crossings, count: 3}\n"), "expected one of");

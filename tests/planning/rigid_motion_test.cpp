@@ -70,6 +70,10 @@ TEST(RigidMotion, RefusesWhatIsNoMotion) {
   EXPECT_THROW(RigidMotion({}), std::invalid_argument);
   EXPECT_THROW(RigidMotion({{1.0, Eigen::Isometry3d::Identity()}, {1.0, Eigen::Isometry3d::Identity()}}),
                std::invalid_argument);
+  Eigen::Isometry3d elsewhere = Eigen::Isometry3d::Identity();
+  elsewhere.translation().x() = 1.0;
+  EXPECT_THROW(RigidMotion({{0.0, Eigen::Isometry3d::Identity()}, {1.0, elsewhere}}, true),
+               std::invalid_argument);
   EXPECT_THROW(RigidMotion({{std::nan(""), Eigen::Isometry3d::Identity()}}), std::invalid_argument);
 }
 

@@ -131,6 +131,13 @@ TEST(Team, ABallThatOutrunsTheArmIsReportedAsSuch) {
   const Team rammed{{robot_at("arm", "arm5", 0.0, 0.0, 0.0, rest, rest)},
                     {ball_along({-1.0, 0.0, 0.45}, {0.0, 0.0, 0.45}, 0.5)}};
   EXPECT_NE(run_team(rammed, chosen).outrun, "");
+  // Into the pedestal, which nothing moves.
+  const Team pedestal{{robot_at("arm", "arm5", 0.0, 0.0, 0.0, rest, rest)},
+                      {ball_along({-1.0, 0.0, 0.2}, {0.0, 0.0, 0.2}, 0.5)}};
+  const TeamRun through = run_team(pedestal, chosen);
+  EXPECT_NE(through.outrun, "");
+  EXPECT_FALSE(check_team(pedestal, through, 5.0, 0.5).is_apart);
+  EXPECT_TRUE(check_team(pedestal, through, 5.0, 0.5).robots_are_apart);
 }
 
 TEST(Team, AMapThatIsSensedAnewStopsTheRobot) {
@@ -160,6 +167,13 @@ TEST(Team, InvalidEndsAreToldWithRobotAndBody) {
   EXPECT_NE(contact.explanation.find("Robot 'left' at its start: "), std::string::npos)
       << contact.explanation;
   EXPECT_NE(contact.explanation.find("right/"), std::string::npos) << contact.explanation;
+  // One in the other's pedestal, and a ball in a pedestal: what no joint moves counts, too.
+  Team close = two_arms();
+  close.robots[1] = robot_at("right", "arm5", 0.05, 0.0, 0.0, close.robots[1].start, close.robots[1].goal);
+  EXPECT_EQ(run_team(close, options(true)).status, PlanStatus::start_invalid);
+  Team ball = two_arms();
+  ball.obstacles.push_back(ball_along({0.0, 0.0, 0.2}, {0.0, 0.0, 3.0}, 0.5));
+  EXPECT_EQ(run_team(ball, options(true)).status, PlanStatus::start_invalid);
   team = two_arms();
   team.robots[0].goal[0] = 4.0;
   EXPECT_EQ(run_team(team, options(true)).status, PlanStatus::goal_invalid);
