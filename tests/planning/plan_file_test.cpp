@@ -59,7 +59,9 @@ Plan example() {
 
 std::filesystem::path written(const std::string& text) {
   const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / "clearway_plan_file_test.json";
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("clearway_plan_file_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+       ".json");
   std::ofstream(file) << text;
   return file;
 }
