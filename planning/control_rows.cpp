@@ -272,9 +272,15 @@ void ControlRows::pair_rows() {
     if (between.squaredNorm() > apart * apart) continue;
     const Body& first = robot_->bodies[static_cast<std::size_t>(pair.first)];
     const Body& second = robot_->bodies[static_cast<std::size_t>(pair.second)];
-    const DistanceBounds bounds = distance(first.shape, first_pose * first.link_from_shape, second.shape,
-                                           second_pose * second.link_from_shape, within);
-    if (bounds.lower >= within || bounds.direction.squaredNorm() < 0.5) continue;
+    DistanceBounds bounds = distance(first.shape, first_pose * first.link_from_shape, second.shape,
+                                     second_pose * second.link_from_shape, within);
+    if (bounds.lower >= within) continue;
+    if (bounds.direction.squaredNorm() < 0.5) {  // they overlap: along the line between their middles
+      bounds.direction = -between.stableNormalized();
+      if (bounds.direction.squaredNorm() < 0.5) continue;
+      bounds.point_a = first_pose * pair.first_bound.center;
+      bounds.point_b = second_pose * pair.second_bound.center;
+    }
     kinematics_.rate(pair.second_link, bounds.point_b, bounds.direction, second_gradient_);
     append({pair.first, pair.second, bounds.lower, 0.0, bounds.point_a, bounds.direction}, pair.first_link,
            pair.second_link);

@@ -39,6 +39,12 @@ double true_distance(const ConfigurationSpace& space, int index, const LinkPoses
   return least;
 }
 
+Eigen::Vector3d middle(const Robot& robot, int index, const LinkPoses& poses) {
+  const Body& body = robot.bodies[static_cast<std::size_t>(index)];
+  return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape *
+         body.shape.bounds(Eigen::Isometry3d::Identity()).center();
+}
+
 class ControlRowsOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(ControlRowsOf, AreNoFartherThanTheirVoxelsAndHoldTheNearestOne) {
@@ -102,7 +108,9 @@ TEST_P(ControlRowsOf, EachRowIsTheRateOfApproachToAVoxelThatIsBlockedAndNotNeare
             distance(body.shape, poses[static_cast<std::size_t>(body.link)] * body.link_from_shape,
                      other.shape, poses[static_cast<std::size_t>(other.link)] * other.link_from_shape);
         EXPECT_NEAR(row.distance, bounds.lower, 1e-6);
-        expected -= jacobian(robot, poses, other.link, bounds.point_b).topRows<3>().transpose() * row.normal;
+        const bool overlap = bounds.direction.squaredNorm() < 0.5;
+        const Eigen::Vector3d on_other = overlap ? middle(robot, row.other, poses) : bounds.point_b;
+        expected -= jacobian(robot, poses, other.link, on_other).topRows<3>().transpose() * row.normal;
       }
       for (std::size_t j = 0; j < robot.dof(); ++j)
         EXPECT_NEAR(rows.gradient(i)[j], expected[static_cast<Eigen::Index>(j)], 2e-5);
@@ -112,6 +120,32 @@ TEST_P(ControlRowsOf, EachRowIsTheRateOfApproachToAVoxelThatIsBlockedAndNotNeare
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, ControlRowsOf, testing::Values("puma560", "panda", "arm5"));
+
+TEST(ControlRows, BodiesThatOverlapHaveARowAlongTheLineBetweenTheirMiddles) {
+  const Robot robot = load_robot("arm5");
+  const ConfigurationSpace space(robot, FreeSpaceMap({.resolution = edge}).snapshot());
+  ControlRows rows(space, influence, influence);
+  Random random(6);
+  int seen = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Configuration q = random.configuration(robot);
+    const LinkPoses poses = forward_kinematics(robot, q);
+    rows.look(q);
+    for (const ControlRow& row : rows.rows()) {
+      if (row.other < 0 || row.distance > 0.0) continue;
+      const Body& body = robot.bodies[static_cast<std::size_t>(row.body)];
+      const Body& other = robot.bodies[static_cast<std::size_t>(row.other)];
+      const DistanceBounds bounds =
+          distance(body.shape, poses[static_cast<std::size_t>(body.link)] * body.link_from_shape, other.shape,
+                   poses[static_cast<std::size_t>(other.link)] * other.link_from_shape, influence);
+      if (bounds.direction.squaredNorm() > 0.5) continue;
+      ++seen;
+      const Eigen::Vector3d apart = middle(robot, row.other, poses) - middle(robot, row.body, poses);
+      EXPECT_NEAR(row.normal.dot(apart), apart.norm(), 1e-9) << trial;
+    }
+  }
+  EXPECT_GT(seen, 0);
+}
 
 TEST(ControlRows, ADiscInOneLayerOfKnownSpaceSeesItsWallsAndNotItsFloor) {
   Robot robot = load_robot("point");
