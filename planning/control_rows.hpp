@@ -26,13 +26,12 @@ struct ControlRow {
 /// The rows of a control step, found in microseconds. Balls that hold the bodies are looked up in the
 /// distance field, then the cover balls of those that may be near something: from one cell each, then
 /// closely. For each ball that is near, the cube nearest to its voxel is taken; where it is nearer than
-/// `close_distance`, those nearest to the eight voxels about its middle and to the six that lie three away along
-/// the map's axes, too. Each cube is one row for a body, with distance, point and direction by the body's
-/// exact shape. So a cube is known before it becomes the nearest one, the far wall of a corridor is known,
-/// and neighbouring cubes take over from each other without a jump (see ControlStep). Cubes that the body
-/// cannot reach do not count. Then come pairs of
-/// bodies. One object for each robot and thread; it allocates nothing once it has seen its largest set of
-/// rows.
+/// `close_distance`, those nearest to the eight voxels about its middle and to the six that lie three away
+/// along the map's axes, too. Each cube is one row for a body, with distance, point and direction by the
+/// body's exact shape. So a cube is known before it becomes the nearest one, the far wall of a corridor is
+/// known, and neighbouring cubes take over from each other without a jump (see ControlStep). Cubes that the
+/// body cannot reach do not count. Then come pairs of bodies. One object for each robot and thread; it
+/// allocates nothing once it has seen its largest set of rows.
 class ControlRows {
  public:
   /// Metres: rows are wanted below `influence_distance`. @param space must live as long.

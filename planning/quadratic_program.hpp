@@ -19,7 +19,7 @@ struct QuadraticSolution {
   bool feasible = false;
   Eigen::VectorXd x;  ///< the solution; when infeasible the last iterate, of no meaning
   /// Feasible: Lagrange multipliers >= 0, x = target - sum multiplier_i a_i.
-  /// Infeasible: a Farkas certificate: sum y_i a_i = 0, y >= 0, sum y_i b_i < 0.
+  /// Infeasible: a Farkas certificate: sum y_i a_i = 0, y >= 0, sum y_i b_i < 0; or all zero: none found.
   Eigen::VectorXd multipliers;
   int conflicting = -1;  ///< infeasible: the constraint that cannot join those with y_i > 0
   int iterations = 0;

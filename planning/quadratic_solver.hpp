@@ -29,7 +29,8 @@ class QuadraticSolver {
   ///         the row when it is solved.
   void add_row(std::span<const double> normal, double bound);
 
-  /// Solves what was given. False: infeasible, and multipliers() is the proof.
+  /// Solves what was given. False: infeasible, and multipliers() is the proof; all zero when rounding ended
+  /// the search without one.
   bool solve();
 
   /// The same; when it is infeasible, rows that demand motion (negative bounds) give way, and only those that
@@ -43,7 +44,7 @@ class QuadraticSolver {
   int rows() const { return rows_.rows(); }
   std::span<const double> x() const { return {x_.data(), static_cast<std::size_t>(variables())}; }
   /// Feasible: Lagrange multipliers >= 0, x = target - sum multiplier_i a_i.
-  /// Infeasible: a Farkas certificate: sum y_i a_i = 0, y >= 0, sum y_i b_i < 0.
+  /// Infeasible: a Farkas certificate: sum y_i a_i = 0, y >= 0, sum y_i b_i < 0; or all zero: none found.
   std::span<const double> multipliers() const { return multipliers_; }
   /// A constraint that could not join those with y_i > 0 (in solve_relaxed: at first); -1 when feasible.
   int conflicting() const { return conflicting_; }
