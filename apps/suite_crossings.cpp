@@ -70,8 +70,8 @@ Configuration draw_configuration(const Robot& robot, SuiteDice& dice) {
 bool is_apart(const Robot& robot, const Configuration& q, const std::vector<PlacedShape>& others,
               double margin) {
   std::vector<ObstacleRow> rows;
-  ObstacleRows(robot).append(forward_kinematics(robot, q), others, margin, rows);
-  return rows.empty();
+  return ObstacleRows(robot).append(forward_kinematics(robot, q), others, margin, rows) >= margin &&
+         rows.empty();
 }
 
 /// The bodies of all robots but one that no joint moves.

@@ -153,6 +153,7 @@ std::string team_json(const Team& team, const TeamRun& run, const TeamVerdict& v
                  {"period_s", run.period},
                  {"influence_distance_m", run.figures.influence_distance},
                  {"security_distance_m", run.figures.security_distance},
+                 {"own_security_distance_m", run.figures.own_security_distance},
                  {"xi_m", run.figures.xi},
                  {"max_step", run.figures.max_step},
                  {"greatest_obstacle_speed_m_s", run.figures.greatest_obstacle_speed},

@@ -50,9 +50,11 @@ void check_team_inputs(const Team& team, const TeamOptions& options);
 /// acceleration `a`: speeds fall in proportion to the distance left, the faster the smaller d_i.
 struct TeamFigures {
   double influence_distance = 0.0;  ///< d_i, m; auto: a fifth of the longest reach
-  double security_distance =
-      0.0;          ///< d_s, m; auto: d_i / 8, at most half of the least separation at start or goal
-  double xi = 0.0;  ///< m per period; auto: twice what a robot can move a point in one
+  double security_distance = 0.0;   ///< d_s, m, from other robots and obstacles; auto: d_i / 8, at most half
+                                    ///< of the least such separation at start or goal
+  double own_security_distance = 0.0;  ///< m, the same from the map and from itself; auto: d_s, at most half
+                                       ///< of the least such separation at start or goal
+  double xi = 0.0;                     ///< m per period; auto: twice what a robot can move a point in one
   std::vector<double> max_step;  ///< of each robot, weighted units per period: no joint over its velocity
                                  ///< limit, and sqrt(a (d_i - d_s) / (2 reach))
   double greatest_obstacle_speed = 0.0;  ///< v_obs, m/s

@@ -55,7 +55,9 @@ TeamMember::TeamMember(const TeamRobot& robot, const TeamOptions& options, const
       space_(robot.space),
       obstacle_rows_(robot.space->robot()),
       damper_(damper_of(robot, options, figures, index)),
+      own_(damper_),
       controller_(robot.space->robot(), options.boundary, damper_) {
+  own_.security_distance = figures.own_security_distance;
   change_ = damper_.weight * (options.max_acceleration * options.period * options.period);
   previous_ = step_ = VectorXd::Zero(robot.start.size());
   trace_.positions.push_back(robot.start);
@@ -105,7 +107,7 @@ void TeamMember::append_rows(const std::vector<PlacedShape>& robots,
 }
 
 void TeamMember::look(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles) {
-  constraints_ = constraints_at(*space_, position(), damper_);
+  constraints_ = constraints_at(*space_, position(), own_);
   append_rows(robots, obstacles);
   trace_.separations.push_back(constraints_.separation);
 }

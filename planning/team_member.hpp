@@ -63,6 +63,7 @@ class TeamMember {
   std::shared_ptr<const ConfigurationSpace> space_;
   ObstacleRows obstacle_rows_;
   DamperOptions damper_;
+  DamperOptions own_;  ///< the same with the security distance from the map and itself
   BoundaryController controller_;
   StepConstraints constraints_;
   std::vector<OutrunBy> sources_;  ///< of each row

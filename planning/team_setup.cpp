@@ -60,14 +60,18 @@ std::string touching(const Robot& robot, const Configuration& q, const Surroundi
   return "";
 }
 
-/// The least separation, at most `limit`, of all robots at their starts, and of all at their goals.
-double least_at_ends(const Team& team, const TeamOptions& options, double limit) {
+/// The least separation, at most `limit`, at starts and goals: of robots from the map and themselves, or from
+/// the others.
+double least_at_ends(const Team& team, const TeamOptions& options, double limit, bool own) {
   double least = limit;
   for (const bool at_goal : {false, true}) {
     for (std::size_t i = 0; i < team.robots.size(); ++i) {
       const ConfigurationSpace& space = *team.robots[i].space;
       const Configuration& q = at_goal ? team.robots[i].goal : team.robots[i].start;
-      for (const ProximityRow& row : space.proximity_rows(q, limit)) least = std::min(least, row.distance);
+      if (own) {
+        for (const ProximityRow& row : space.proximity_rows(q, limit)) least = std::min(least, row.distance);
+        continue;
+      }
       std::vector<ObstacleRow> rows;
       ObstacleRows(space.robot())
           .append(forward_kinematics(space.robot(), q), around(team, options, i, at_goal, false).shapes,
@@ -112,10 +116,13 @@ TeamFigures choose_figures(const Team& team, const TeamOptions& options) {
   const double longest = *std::max_element(reach.begin(), reach.end());
   figures.influence_distance = given.influence_distance > 0.0 ? given.influence_distance : longest / 5.0;
   const double d_i = figures.influence_distance;
-  figures.security_distance =
-      given.security_distance > 0.0
-          ? given.security_distance
-          : std::clamp(least_at_ends(team, options, d_i) / 2.0, 1e-3 * d_i, d_i / 8.0);
+  const auto automatic = [&](bool own) {
+    return std::clamp(least_at_ends(team, options, d_i, own) / 2.0, 1e-3 * d_i, d_i / 8.0);
+  };
+  const bool is_given = given.security_distance > 0.0;
+  figures.security_distance = is_given ? given.security_distance : automatic(false);
+  figures.own_security_distance =
+      is_given ? given.security_distance : std::min(figures.security_distance, automatic(true));
   const double margin = d_i - figures.security_distance;
   double fastest = 0.0;
   for (std::size_t i = 0; i < team.robots.size(); ++i) {
