@@ -13,6 +13,12 @@
 
 namespace clearway {
 
+/// Poses of links at both ends of an edge and half way, for who knows them: those of forward_kinematics at
+/// from, from + 0.5 (to - from) and to, bit for bit.
+struct EdgePoses {
+  LinkPoses begin, middle, end;
+};
+
 struct ConfigurationSpace::State {
   Robot given;  ///< as the caller knows it
   Robot
@@ -49,7 +55,7 @@ struct ConfigurationSpace::State {
   /// @param recent of each body.
   bool is_edge_free(const Configuration& from, const Configuration& to, const std::vector<int>& members,
                     std::vector<RecentCubes>& recent, KnownClearances* known_from = nullptr,
-                    KnownClearances* known_to = nullptr) const;
+                    KnownClearances* known_to = nullptr, const EdgePoses* poses = nullptr) const;
 };
 
 }  // namespace clearway

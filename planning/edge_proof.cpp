@@ -26,12 +26,22 @@ struct Scratch {
   std::vector<double> bend;  ///< how far any point of each body leaves its chord, over the whole edge, metres
   Configuration q;
   Eigen::VectorXd step, distance;
+  const Configuration *from, *to;
+  const EdgePoses* known;
 
   /// The number of a new sample, at `part` (0..1) of the edge.
-  int sample(const Robot& robot, const Configuration& from, double part) {
+  int sample(const Robot& robot, double part) {
     if (static_cast<std::size_t>(used) == samples.size()) samples.emplace_back();
-    q = from + part * step;
-    forward_kinematics(robot, q, samples[static_cast<std::size_t>(used)]);
+    LinkPoses& poses = samples[static_cast<std::size_t>(used)];
+    if (known != nullptr && (part == 0.0 || part == 0.5 || part == 1.0)) {
+      poses = part == 0.0 ? known->begin : part == 0.5 ? known->middle : known->end;
+      return used++;
+    }
+    if (part == 1.0)
+      q = *to;
+    else
+      q = *from + part * step;
+    forward_kinematics(robot, q, poses);
     return used++;
   }
 };
@@ -75,9 +85,12 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
 bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Configuration& to,
                                              const std::vector<int>& members,
                                              std::vector<RecentCubes>& recent, KnownClearances* known_from,
-                                             KnownClearances* known_to) const {
+                                             KnownClearances* known_to, const EdgePoses* poses) const {
   const State& state = *this;
   thread_local Scratch scratch;
+  scratch.from = &from;
+  scratch.to = &to;
+  scratch.known = poses;
   scratch.step = to - from;
   scratch.distance = scratch.step.cwiseAbs();
   const double length = scratch.step.cwiseProduct(state.matters).norm();
@@ -98,7 +111,7 @@ bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Co
       scratch.open.push_back(member);
       continue;
     }
-    if (scratch.used == 0) scratch.sample(state.robot, from, 0.0);
+    if (scratch.used == 0) scratch.sample(state.robot, 0.0);
     if (i < count ? !state.bodies[i].is_clear(state.pose(scratch.samples[0], i), state.options.padding)
                   : !is_apart(state.robot, state.pairs[i - count], scratch.samples[0], 0.0))
       return false;
@@ -119,8 +132,8 @@ bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Co
     const double bend = scratch.bend[id] * part * part;
     if (bend <= bend_within_voxels * resolution &&
         scratch.motion[id] * part <= sweep_within_voxels * resolution) {
-      if (piece.begin_sample < 0) piece.begin_sample = scratch.sample(state.robot, from, piece.begin);
-      if (piece.end_sample < 0) piece.end_sample = scratch.sample(state.robot, from, piece.end);
+      if (piece.begin_sample < 0) piece.begin_sample = scratch.sample(state.robot, piece.begin);
+      if (piece.end_sample < 0) piece.end_sample = scratch.sample(state.robot, piece.end);
       const Eigen::Isometry3d &begin = pose(piece.begin_sample), &end = pose(piece.end_sample);
       // What is known to block, or is met again, is what the looks below would find.
       if (piece.begin == 0.0 && known_from != nullptr && known_from->less_than[id] <= least)
@@ -142,7 +155,7 @@ bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Co
     Piece piece = scratch.pieces[next];
     const double middle = (piece.begin + piece.end) / 2, half = (piece.end - piece.begin) / 2;
     const bool is_finest = 2.0 * half * length <= state.options.edge_resolution;
-    const int sample = scratch.sample(state.robot, from, middle);
+    const int sample = scratch.sample(state.robot, middle);
     const std::size_t first_open = scratch.open.size();
     for (std::size_t i = piece.first_open; i < piece.last_open; ++i) {
       const auto id = static_cast<std::size_t>(scratch.open[i]);

@@ -18,10 +18,13 @@ constexpr double field_slack = 2.0;  ///< voxels that coarse_clearance may fall 
 }  // namespace
 
 LatticeChecks::LatticeChecks(const ConfigurationSpace& space, const Lattice& lattice)
-    : state_(*space.state_), lattice_(lattice) {
+    : state_(*space.state_),
+      lattice_(lattice),
+      poses_(state_.robot, lattice),
+      edge_(std::make_unique<EdgePoses>()) {
   const auto members = static_cast<Eigen::Index>(state_.members());
   const std::size_t links = state_.robot.links.size();
-  tables_.resize(links);
+  for (LinkPoses* poses : {&edge_->begin, &edge_->middle, &edge_->end}) poses->resize(links);
   map_from_link_.resize(links);
   placed_.resize(links);
   step_motion_.resize(members, lattice.dof());
@@ -58,26 +61,17 @@ LatticeChecks::LatticeChecks(const ConfigurationSpace& space, const Lattice& lat
   }
 }
 
-const Eigen::Isometry3d& LatticeChecks::pose_on_parent(std::size_t link, int index) {
-  LinkTable& table = tables_[link];
-  const Link& which = state_.robot.links[link];
-  const auto computed = [&](int at) {
-    return clearway::pose_on_parent(state_.robot, which,
-                                    which.joint < 0 ? 0.0 : lattice_.value(which.joint, at));
-  };
-  if (table.poses.empty()) {
-    table.first = index;
-    table.poses.push_back(computed(index));
-  }
-  while (index < table.first) table.poses.push_front(computed(--table.first));
-  while (index >= table.first + static_cast<int>(table.poses.size()))
-    table.poses.push_back(computed(table.first + static_cast<int>(table.poses.size())));
-  return table.poses[static_cast<std::size_t>(index - table.first)];
-}
+LatticeChecks::~LatticeChecks() = default;
 
 void LatticeChecks::go_to(const LatticeIndex& node) {
+  const std::vector<Link>& links = state_.robot.links;
+  for (std::size_t i = 0; i < links.size(); ++i) {  // a link stays where its parent and its joint stay
+    const auto joint = static_cast<std::size_t>(links[i].joint);
+    const bool moves = links[i].joint >= 0 && (node_.empty() || node_[joint] != node[joint]);
+    if (moves || (links[i].parent >= 0 && !placed_[static_cast<std::size_t>(links[i].parent)]))
+      placed_[i] = false;
+  }
   node_ = node;
-  std::fill(placed_.begin(), placed_.end(), false);
 }
 
 const Eigen::Isometry3d& LatticeChecks::pose(std::size_t link) {
@@ -85,10 +79,22 @@ const Eigen::Isometry3d& LatticeChecks::pose(std::size_t link) {
   const Link& which = state_.robot.links[link];
   const Eigen::Isometry3d& parent =
       which.parent < 0 ? state_.robot.map_from_base : pose(static_cast<std::size_t>(which.parent));
-  const int index = which.joint < 0 ? 0 : node_[static_cast<std::size_t>(which.joint)];
-  place_link(parent, pose_on_parent(link, index), map_from_link_[link]);
+  place_link(parent, poses_.at(link, node_), map_from_link_[link]);
   placed_[link] = true;
   return map_from_link_[link];
+}
+
+void LatticeChecks::place_edge(const LatticeIndex& from, const LatticeIndex& to) {
+  const auto place = [&](LinkPoses& poses, std::size_t link, const Eigen::Isometry3d& on_parent) {
+    const int parent = state_.robot.links[link].parent;
+    place_link(parent < 0 ? state_.robot.map_from_base : poses[static_cast<std::size_t>(parent)], on_parent,
+               poses[link]);
+  };
+  for (std::size_t link = 0; link < state_.robot.links.size(); ++link) {  // parents first
+    place(edge_->begin, link, poses_.at(link, from));
+    place(edge_->middle, link, poses_.between(link, from, to));
+    place(edge_->end, link, poses_.at(link, to));
+  }
 }
 
 void LatticeChecks::find_motion(const LatticeIndex& from, const LatticeIndex& to) {
@@ -170,8 +176,10 @@ bool LatticeChecks::is_edge_free(const LatticeIndex& from, KnownClearances& of_f
     if (std::max(of_from.at_least[member], of_to.at_least[member]) <= enough)
       open_.push_back(static_cast<int>(member));
   }
-  return open_.empty() || state_.is_edge_free(lattice_.configuration(from), lattice_.configuration(to), open_,
-                                              recent_, &of_from, &of_to);
+  if (open_.empty()) return true;
+  place_edge(from, to);
+  return state_.is_edge_free(lattice_.configuration(from), lattice_.configuration(to), open_, recent_,
+                             &of_from, &of_to, edge_.get());
 }
 
 }  // namespace clearway

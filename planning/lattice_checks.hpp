@@ -2,15 +2,18 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <deque>
+#include <memory>
 #include <vector>
 
 #include "planning/beam_lattice.hpp"
 #include "planning/configuration_space.hpp"
 #include "planning/guarded_body.hpp"
 #include "planning/known_clearances.hpp"
+#include "planning/lattice_poses.hpp"
 
 namespace clearway {
+
+struct EdgePoses;
 
 /// ConfigurationSpace for a search that moves from node to neighbouring node of a lattice: the same answers,
 /// sooner, by what such steps share.
@@ -22,6 +25,7 @@ namespace clearway {
 class LatticeChecks {
  public:
   LatticeChecks(const ConfigurationSpace& space, const Lattice& lattice);
+  ~LatticeChecks();
 
   /// The first joints, so many, alone decide what is free: a last joint that turns a round tool about its own
   /// axis changes nothing.
@@ -44,27 +48,22 @@ class LatticeChecks {
                     KnownClearances& of_to);
 
  private:
-  /// The poses of one link on its parent for a run of its joint's indices.
-  struct LinkTable {
-    int first = 0;
-    std::deque<Eigen::Isometry3d> poses;
-  };
-
-  const Eigen::Isometry3d& pose_on_parent(std::size_t link, int index);
   const Eigen::Isometry3d& pose(std::size_t link);
   void go_to(const LatticeIndex& node);
+  void place_edge(const LatticeIndex& from, const LatticeIndex& to);
   void find_motion(const LatticeIndex& from, const LatticeIndex& to);
   bool refresh(std::size_t member, KnownClearances& own);
   double quick_clearance(std::size_t member);
 
   const ConfigurationSpace::State& state_;
   const Lattice& lattice_;
-  std::vector<LinkTable> tables_;
+  LatticePoses poses_;
   std::size_t deciding_joints_ = 0;
   std::vector<std::size_t> joints_of_;  ///< of each member: the first joints, so many, alone place it
   LatticeIndex node_;                   ///< whose poses are known
   LinkPoses map_from_link_;
-  std::vector<bool> placed_;
+  std::vector<char> placed_;
+  std::unique_ptr<EdgePoses> edge_;  ///< under test
   Eigen::MatrixXd step_motion_;      ///< of each member (row) by one step of each joint (column), metres
   Eigen::VectorXd whole_motion_;     ///< by one step of all joints
   std::vector<double> slack_;        ///< what an edge's quick proof may lose, metres

@@ -27,8 +27,7 @@ void NeighbourQueue::restart(double band) {
 
 void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
   joints_ = node.size();
-  if (joints_ > most_joints)
-    throw std::invalid_argument("beam: robots of more than 32 joints are not supported");
+  node_.resize(joints_);
   if (head_count_ == heads_.size()) heads_.emplace_back();
   Head& head = heads_[head_count_++];
   head.number = number;
@@ -54,7 +53,7 @@ void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
   }
   least_ = head_count_ == 1 ? least : std::min(least_, least);
   most_ = std::max(most_, most);
-  most_ways_ = std::max<std::size_t>(4096, 64 * head_count_);
+  most_ways_ = std::max<std::size_t>(4096, 512 * head_count_);
 }
 
 /// The next band: it holds a few more neighbours, then ever more, up to four times as many as before, by the
@@ -118,6 +117,7 @@ void NeighbourQueue::sort_entries() {
 /// False when the band holds so many that memory would not be O(k) any more.
 bool NeighbourQueue::enumerate_band() {
   entries_.clear();
+  nodes_.clear();
   ways_.clear();
   next_ = 0;
   std::fill(slots_.begin(), slots_.end(), none);
@@ -130,8 +130,11 @@ bool NeighbourQueue::enumerate_band() {
 
 /// Whether the node under enumeration is that of the entry.
 bool NeighbourQueue::is_node_of(const Entry& entry) const {
+  if (joints_ > ranked_joints)
+    return std::equal(node_.begin(), node_.end(), nodes_.begin() + static_cast<std::ptrdiff_t>(entry.ranks));
+  const Head& head = first_head(entry);
   for (std::size_t j = 0; j < joints_; ++j) {
-    if (index_of(entry, j) != node_[j]) return false;
+    if (head.index(entry.ranks, j) != node_[j]) return false;
   }
   return true;
 }
@@ -159,24 +162,30 @@ void NeighbourQueue::add_way(double sum, std::uint64_t hash, std::uint64_t ranks
     return;
   }
   slots_[slot] = static_cast<std::uint32_t>(entries_.size());
+  if (joints_ > ranked_joints) {
+    ranks = nodes_.size();
+    nodes_.insert(nodes_.end(), node_.begin(), node_.end());
+  }
   entries_.push_back({sum, hash, ranks, way, way});
 }
 
+/// All neighbours of the head within the band whose joints before `joint` are chosen already.
 void NeighbourQueue::enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash,
                                std::uint64_t ranks) {
+  if (closed_ != nullptr && closed_->is_closed(node_.data(), joint, hash)) return;
   if (joint == joints_) {
-    if (sum > begin_ && sum <= end_ && (closed_ == nullptr || !closed_->is_closed(node_.data(), joint, hash)))
-      add_way(sum, hash, ranks);
+    if (sum > begin_ && sum <= end_) add_way(sum, hash, ranks);
     return;
   }
-  if (closed_ != nullptr && closed_->is_closed(node_.data(), joint, hash)) return;
+  const double highest = end_ * (1.0 + rounding) - head.least_rest[joint + 1];
+  const double lowest = begin_ * (1.0 - rounding) - head.most_rest[joint + 1];
   for (std::uint64_t rank = 0; rank < 3 && ways_.size() <= most_ways_; ++rank) {
     const Choice& choice = head.choices[joint][rank];
     const double next = sum + choice.term;
-    if (next + head.least_rest[joint + 1] > end_ * (1.0 + rounding)) return;
-    if (next + head.most_rest[joint + 1] < begin_ * (1.0 - rounding)) continue;
+    if (next > highest) return;
+    if (next < lowest || (joint + 1 == joints_ && !(next > begin_ && next <= end_))) continue;
     node_[joint] = choice.index;
-    enumerate(head, joint + 1, next, hash + choice.hash, ranks | rank << (2 * joint));
+    enumerate(head, joint + 1, next, hash + choice.hash, ranks | rank << (2 * joint) % 64);
   }
 }
 
@@ -194,7 +203,9 @@ void NeighbourQueue::pop(Neighbour& neighbour) {
   const Entry& first = entries_[next_++];
   neighbour.squared_distance = last_ = first.squared_distance;
   neighbour.node.resize(joints_);
-  for (std::size_t j = 0; j < joints_; ++j) neighbour.node[j] = index_of(first, j);
+  const Head& head = first_head(first);
+  for (std::size_t j = 0; j < joints_; ++j)
+    neighbour.node[j] = joints_ > ranked_joints ? nodes_[first.ranks + j] : head.index(first.ranks, j);
   neighbour.heads.clear();
   for (std::uint32_t way = first.first_way; way != none; way = ways_[way].next)
     neighbour.heads.push_back(heads_[ways_[way].head].number);

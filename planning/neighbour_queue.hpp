@@ -23,8 +23,6 @@ struct Neighbour {
 /// is begun are left off, as soon as the joints that close them are chosen.
 class NeighbourQueue {
  public:
-  static constexpr std::size_t most_joints = 32;
-
   /// @param band how far the first band goes beyond the nearest neighbour, as squared distance; 0: a guess.
   /// @param closed null: nothing is. Outlives the queue.
   explicit NeighbourQueue(const Lattice& lattice, double band = 0.0, const ClosedNodes* closed = nullptr)
@@ -33,7 +31,6 @@ class NeighbourQueue {
   /// Forgets the heads, as new. Memory is kept.
   void restart(double band);
 
-  /// @throws std::invalid_argument for more than most_joints.
   void add_head(int head, const LatticeIndex& node);
   bool empty();
   double next_squared_distance();
@@ -47,12 +44,14 @@ class NeighbourQueue {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
+  static constexpr std::size_t ranked_joints = 32;  ///< fit into an entry; longer nodes are stored apart
 
   /// A node, and the heads that it is a neighbour of as a list in ways_.
   struct Entry {
     double squared_distance;
-    std::uint64_t hash;   ///< of the node
-    std::uint64_t ranks;  ///< from its first head, two bits per joint: 0 nearest, 1, 2 farthest
+    std::uint64_t hash;  ///< of the node
+    std::uint64_t
+        ranks;  ///< from its first head, two bits per joint: 0 nearest, 1, 2 farthest; or place in nodes_
     std::uint32_t first_way, last_way;
   };
   struct Way {
@@ -69,15 +68,17 @@ class NeighbourQueue {
     int number = 0;
     std::vector<std::array<Choice, 3>> choices;  ///< per joint, nearest first
     std::vector<double> least_rest, most_rest;   ///< at j: the sum of the nearest, farthest terms from j on
+
+    int index(std::uint64_t ranks, std::size_t joint) const {
+      return choices[joint][ranks >> (2 * joint) & 3U].index;
+    }
   };
   void fill();
   void widen();
   void sort_entries();
   bool enumerate_band();
   void enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash, std::uint64_t ranks);
-  int index_of(const Entry& entry, std::size_t joint) const {
-    return heads_[ways_[entry.first_way].head].choices[joint][entry.ranks >> (2 * joint) & 3U].index;
-  }
+  const Head& first_head(const Entry& entry) const { return heads_[ways_[entry.first_way].head]; }
   bool is_node_of(const Entry& entry) const;
   void add_way(double sum, std::uint64_t hash, std::uint64_t ranks);
   void grow_slots();
@@ -92,7 +93,8 @@ class NeighbourQueue {
   std::size_t next_ = 0;
   std::vector<Entry> unsorted_;             ///< and
   std::vector<std::uint32_t> bucket_ends_;  ///< memory of sort_entries
-  std::array<int, most_joints> node_{};     ///< under enumeration
+  std::vector<int> nodes_;                  ///< of entries with more than ranked_joints
+  std::vector<int> node_;                   ///< under enumeration
   std::uint32_t head_ = 0;
   double least_ = 0.0, most_ = 0.0;  ///< squared distance of the nearest and the farthest neighbour of all
   std::size_t most_ways_ = 0;        ///< of a band, so that it stays O(heads) (but for equal distances)

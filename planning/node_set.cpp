@@ -30,9 +30,12 @@ bool NodeSet::insert(const int* node) {
   const auto put = [this](std::size_t place, std::uint64_t of, std::size_t number) {
     slots_[place] = {static_cast<std::uint32_t>((of ^ of >> 32U) * 0x9e3779b97f4a7c15U),
                      static_cast<std::uint32_t>(number)};
+    const std::size_t mark = mixed(of) & (64 * marks_.size() - 1);
+    marks_[mark / 64] |= std::uint64_t{1} << (mark % 64);
   };
   if (2 * (size_ + 1) > slots_.size()) {
     slots_.assign(2 * slots_.size(), {});
+    marks_.assign(2 * marks_.size(), 0);
     for (std::size_t number = 0; number < size_; ++number) {
       const int* known = indices_.data() + number * joints_;
       const std::uint64_t of = hash(known);
@@ -47,6 +50,7 @@ bool NodeSet::insert(const int* node) {
 
 void NodeSet::clear() {
   std::fill(slots_.begin(), slots_.end(), Slot{});
+  std::fill(marks_.begin(), marks_.end(), 0U);
   indices_.clear();
   size_ = 0;
 }

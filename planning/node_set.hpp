@@ -10,13 +10,13 @@
 namespace clearway {
 
 /// A set of lattice nodes, hashed by their indices and numbered in the order in which they came: four bytes a
-/// joint and 16 to 32 more a node.
+/// joint and 18 to 36 more a node.
 class NodeSet {
  public:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
   /// Of nodes with so many joints.
-  explicit NodeSet(std::size_t joints) : joints_(joints), slots_(16) {}
+  explicit NodeSet(std::size_t joints) : joints_(joints), slots_(16), marks_(2) {}
 
   /// A node's hash is the sum of these over its joints, so that whoever steps from node to node adds.
   static std::uint64_t hash_term(std::size_t joint, int index) {
@@ -29,7 +29,9 @@ class NodeSet {
   }
 
   /// The node's number, or none.
-  std::uint32_t find(const int* node, std::uint64_t hash) const { return slots_[slot_of(node, hash)].number; }
+  std::uint32_t find(const int* node, std::uint64_t hash) const {
+    return is_marked(hash) ? slots_[slot_of(node, hash)].number : none;
+  }
   std::uint32_t find(const int* node) const { return find(node, hash(node)); }
   bool contains(const LatticeIndex& node) const { return find(node.data()) != none; }
   /// False when it was in the set already. A new one's number is the size before.
@@ -54,12 +56,18 @@ class NodeSet {
     return drawn;
   }();
 
+  /// False when no node of the set has this hash: most questions end here, in a small part of the memory.
+  bool is_marked(std::uint64_t hash) const {
+    const std::size_t mark = mixed(hash) & (64 * marks_.size() - 1);
+    return (marks_[mark / 64] >> (mark % 64) & 1U) != 0;
+  }
   /// Where the node is, or would be put.
   std::size_t slot_of(const int* node, std::uint64_t hash) const;
 
   std::size_t joints_, size_ = 0;
-  std::vector<int> indices_;  ///< node after node
-  std::vector<Slot> slots_;   ///< a power of two of them, at least half empty
+  std::vector<int> indices_;          ///< node after node
+  std::vector<Slot> slots_;           ///< a power of two of them, at least half empty
+  std::vector<std::uint64_t> marks_;  ///< a bit for each hash, modulo their number: eight a slot
 };
 
 }  // namespace clearway

@@ -132,6 +132,92 @@ TEST(NeighbourQueue, GivesANodeOnceWithAllItsHeadsAndLeavesOffWhatIsClosed) {
   }
 }
 
+/// So many joints one after the other, about z and y in turn, 2 cm apart, each with a ball.
+Robot long_chain(int joints) {
+  Robot robot;
+  robot.name = "chain";
+  robot.links.emplace_back();
+  for (int j = 0; j < joints; ++j) {
+    Joint& joint = robot.joints.emplace_back();
+    joint.name = "joint " + std::to_string(j);
+    joint.axis = j % 2 == 0 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+    joint.lower = -3.0, joint.upper = 3.0;
+    Link& link = robot.links.emplace_back();
+    link.name = joint.name;
+    link.parent = j;
+    link.joint = j;
+    link.parent_from_link.translation().x() = 0.02;
+    Body& body = robot.bodies.emplace_back();
+    body.part = "chain";
+    body.link = j + 1;
+    body.shape = Shape::sphere(0.005);
+    body.cover = {{Eigen::Vector3d::Zero(), 0.005}};
+  }
+  robot.tip_link = joints;
+  return robot;
+}
+
+TEST(NeighbourQueue, GivesTheNearestNeighboursOfFortyJointsAsAHeapOfRanksDoes) {
+  Random random(10);
+  constexpr int joints = 40;
+  const Robot robot = long_chain(joints);
+  const ConfigurationSpace space(robot, VoxelScene{}.snapshot(), {.critical_by_default = false});
+  const PathCost cost(robot);
+  for (int i = 0; i < 4; ++i) {
+    const Lattice lattice({space, cost, random.configuration(robot), random.configuration(robot)},
+                          BeamOptions{});
+    LatticeIndex head(joints);
+    for (int& index : head) index = random.below(5) - 2;
+    std::vector<std::array<LatticeIndex::value_type, 3>> choices(joints);  // nearest first
+    for (int j = 0; j < joints; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      choices[at] = {head[at] - 1, head[at], head[at] + 1};
+      std::sort(choices[at].begin(), choices[at].end(),
+                [&](int a, int b) { return lattice.distance_term(j, a) < lattice.distance_term(j, b); });
+    }
+    std::set<std::pair<double, LatticeIndex>> open;  // by distance; each leads on to those one rank worse
+    std::set<LatticeIndex> known;
+    const auto add = [&](const LatticeIndex& ranks) {
+      if (!known.insert(ranks).second) return;
+      LatticeIndex node(joints);
+      for (std::size_t j = 0; j < joints; ++j) node[j] = choices[j][static_cast<std::size_t>(ranks[j])];
+      open.insert({lattice.squared_distance(node), ranks});
+    };
+    add(LatticeIndex(joints, 0));
+    NeighbourQueue queue(lattice);
+    queue.add_head(0, head);
+    for (int count = 0; count < 2000; ++count) {
+      const auto [distance, ranks] = *open.begin();
+      open.erase(open.begin());
+      for (std::size_t j = 0; j < joints; ++j) {
+        if (ranks[j] == 2) continue;
+        LatticeIndex worse = ranks;
+        ++worse[j];
+        add(worse);
+      }
+      const Neighbour neighbour = queue.pop();
+      EXPECT_EQ(neighbour.squared_distance, distance) << count;
+      EXPECT_EQ(lattice.squared_distance(neighbour.node), distance);
+    }
+  }
+}
+
+TEST(Beam, PlansForARobotOfFortyJoints) {
+  const Robot robot = long_chain(40);
+  VoxelScene scene;
+  scene.occupied.emplace_back(Eigen::Vector3d(0.3, -0.2, 0.03), Eigen::Vector3d(0.6, 0.2, 0.08));
+  const ConfigurationSpace space(robot, scene.snapshot(), {.critical_by_default = false});
+  const PathCost cost(robot);
+  Configuration goal(40);
+  for (Eigen::Index j = 0; j < 40; ++j) goal[j] = 0.01 * static_cast<double>(j % 7 - 3);
+  const PlanProblem problem{space, cost, Configuration::Zero(40), goal};
+  const PlanResult result = make_planner("beam", {{"width", "5"}, {"step", "0.005"}})->plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
+  EXPECT_EQ(result.search_steps, 5);  // 0.03 rad in steps of 0.005, to within one
+  for (std::size_t i = 1; i < result.waypoints.size(); ++i)
+    EXPECT_TRUE(space.is_edge_free(result.waypoints[i - 1], result.waypoints[i]));
+}
+
 TEST(NeighbourQueue, ItsBandIsHowFarTheLastOneWasBeyondTheFirst) {
   const Robot robot = load_robot("arm5");
   const ConfigurationSpace space(robot, VoxelScene{}.snapshot());

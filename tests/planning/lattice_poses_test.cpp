@@ -1,0 +1,43 @@
+#include "planning/lattice_poses.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/link_pose.hpp"
+#include "tests/planning/random_world.hpp"
+#include "voxel_scene.hpp"
+
+namespace clearway {
+namespace {
+
+TEST(LatticePoses, AreThoseOfForwardKinematicsAtNodesAndHalfWayBitForBit) {
+  Random random(3);
+  for (const char* name : {"puma560", "panda", "point"}) {
+    const Robot robot = load_robot(name);
+    const ConfigurationSpace space(robot, VoxelScene{}.snapshot());
+    const PathCost cost(robot);
+    const Configuration start = random.configuration(robot);
+    BeamOptions options;
+    options.step = {0.0087};
+    const Lattice lattice({space, cost, start, start}, options);
+    LatticePoses poses(robot, lattice);
+    for (int i = 0; i < 200; ++i) {
+      LatticeIndex from(robot.dof()), to;
+      for (int& index : from) index = random.below(101) - 50;
+      to = from;
+      for (int& index : to) index += random.below(3) - 1;
+      const Configuration q = lattice.configuration(from);
+      const Configuration middle = q + 0.5 * (lattice.configuration(to) - q);
+      for (std::size_t link = 0; link < robot.links.size(); ++link) {
+        const auto expected = [&](const Configuration& at) {
+          const int joint = robot.links[link].joint;
+          return pose_on_parent(robot, robot.links[link], joint < 0 ? 0.0 : at[joint]).matrix();
+        };
+        EXPECT_EQ(poses.at(link, from).matrix(), expected(q)) << name << ' ' << link;
+        EXPECT_EQ(poses.between(link, from, to).matrix(), expected(middle)) << name << ' ' << link;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace clearway
