@@ -79,6 +79,7 @@ class BlockedField final : public BlockedSpace {
 
  private:
   class Search;
+  struct Row;
   std::uint16_t squared(const Eigen::Vector3i& cell) const {
     const Eigen::Vector3i at = cell - cells_.first;
     return layers_.squared(at.x(), at.y(), at.z());
@@ -93,7 +94,7 @@ class BlockedField final : public BlockedSpace {
   double distance_to_border(const Eigen::Vector3d& inside, int& axis, bool& upper) const;
   NearestBlocked nearest_outside(const Eigen::Vector3d& point) const;
   NearestBlocked describe(const Eigen::Vector3d& point, const Eigen::Vector3i& voxel) const;
-  std::uint32_t blocked_word(int lane, int y, int z) const;
+  Row row(int lane, int z) const;
 
   Requirement requirement_;
   bool outside_blocked_;

@@ -173,15 +173,24 @@ bool BlockedField::visit_blocked(const Eigen::AlignedBox3d& box,
   return true;
 }
 
-/// The bits of the cells 32 lane to 32 lane + 31; beyond the region as the requirement has it.
-std::uint32_t BlockedField::blocked_word(int lane, int y, int z) const {
+/// Words of the cells 32 lane to 32 lane + 31 at all y; beyond the region as the requirement has it.
+struct BlockedField::Row {
+  const std::uint32_t* words;  ///< null beyond the region
+  std::uint32_t beyond, fill;  ///< a word, and the bits of a word, that are beyond it
+  int size;
+
+  std::uint32_t operator[](int y) const {
+    return words == nullptr || y < 0 || y >= size ? beyond : words[y] | fill;
+  }
+};
+
+BlockedField::Row BlockedField::row(int lane, int z) const {
   const BlockedCells& blocked = layers_.blocked();
-  const Eigen::Vector3i& size = cells_.size;
   const std::uint32_t beyond = outside_blocked_ ? ~0U : 0U;
-  if (lane < 0 || lane >= blocked.lanes() || y < 0 || y >= size.y() || z < 0 || z >= size.z()) return beyond;
-  const std::uint32_t word = blocked.row(lane, z)[y];
-  const int inside = size.x() - 32 * lane;
-  return inside >= 32 ? word : word | beyond << inside;
+  const int inside = cells_.size.x() - 32 * lane;
+  const bool is_in = lane >= 0 && lane < blocked.lanes() && z >= 0 && z < cells_.size.z();
+  return {is_in ? blocked.row(lane, z) : nullptr, beyond, inside >= 32 ? 0U : beyond << std::max(inside, 0),
+          cells_.size.y()};
 }
 
 bool BlockedField::visit_surface(const Eigen::AlignedBox3d& box,
@@ -195,16 +204,16 @@ bool BlockedField::visit_surface(const Eigen::AlignedBox3d& box,
   const Eigen::Array3i high = (range.high - first).max(-1.0).min(size).cast<int>();
   if ((range.low - first > size).any() || (range.high - first < -1.0).any()) return true;
   for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int lane = low.x() >> 5; lane <= high.x() >> 5; ++lane) {
-        const std::uint32_t here = blocked_word(lane, y, z);
-        if (here == 0) continue;
-        std::uint32_t surface = here & ~((here << 1U | blocked_word(lane - 1, y, z) >> 31U) &
-                                         (here >> 1U | blocked_word(lane + 1, y, z) << 31U) &
-                                         blocked_word(lane, y - 1, z) & blocked_word(lane, y + 1, z) &
-                                         blocked_word(lane, y, z - 1) & blocked_word(lane, y, z + 1));
-        const int from = std::max(low.x() - 32 * lane, 0), to = std::min(high.x() - 32 * lane, 31);
-        surface &= ~0U << from & ~0U >> (31 - to);
+    for (int lane = low.x() >> 5; lane <= high.x() >> 5; ++lane) {
+      const int from = std::max(low.x() - 32 * lane, 0), to = std::min(high.x() - 32 * lane, 31);
+      const std::uint32_t wanted = ~0U << from & ~0U >> (31 - to);
+      const Row own = row(lane, z), left = row(lane - 1, z), right = row(lane + 1, z);
+      const Row below = row(lane, z - 1), above = row(lane, z + 1);
+      for (int y = low.y(); y <= high.y(); ++y) {
+        const std::uint32_t here = own[y];
+        if ((here & wanted) == 0) continue;
+        const std::uint32_t around = (here << 1U | left[y] >> 31U) & (here >> 1U | right[y] << 31U);
+        std::uint32_t surface = here & wanted & ~(around & own[y - 1] & own[y + 1] & below[y] & above[y]);
         for (; surface != 0; surface &= surface - 1) {
           const Eigen::Vector3i cell(32 * lane + __builtin_ctz(surface), y, z);
           if (!visit(center(cells_.first + cell))) return false;
