@@ -45,8 +45,7 @@ Suite chosen_suite(const CompareOptions& options) {
     });
   }
   if (options.time_limit) {
-    suite.time_limit = *options.time_limit;
-    for (SuiteExperiment& experiment : suite.experiments) experiment.time_limit.reset();
+    for (SuiteExperiment& experiment : suite.experiments) experiment.time_limit = options.time_limit;
   }
   if (options.seed) suite.seed = *options.seed;
   return suite;

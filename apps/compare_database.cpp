@@ -1,10 +1,11 @@
 #include <sqlite3.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "apps/compare_results.hpp"
+#include "apps/compare_columns.hpp"
 #include "mapping/save_file.hpp"
 
 namespace clearway {
@@ -25,15 +26,15 @@ CREATE TABLE experiments(
 CREATE TABLE problems(
   id INTEGER PRIMARY KEY, experiment INTEGER NOT NULL REFERENCES experiments(id), name TEXT NOT NULL, world TEXT,
   map_file TEXT, map_sha256 TEXT, resolution_m REAL, start TEXT, goals TEXT);
-CREATE TABLE runs(
-  id INTEGER PRIMARY KEY, problem INTEGER NOT NULL REFERENCES problems(id), run INTEGER, seed TEXT, label TEXT NOT NULL,
-  planner TEXT NOT NULL, options TEXT, certified INTEGER, status TEXT, solved INTEGER, valid INTEGER,
-  "check" TEXT, legs INTEGER, cost_joules REAL, length_rad REAL, steps INTEGER, waypoints INTEGER,
-  min_clearance_m REAL, configurations INTEGER, edges INTEGER, time_s REAL, plan TEXT, contact TEXT,
-  explanation TEXT);
-CREATE INDEX runs_of_problem ON runs(problem);
-BEGIN;
 )sql";
+
+/// The table of runs has the columns that the CSV has.
+std::string runs_schema() {
+  std::string sql =
+      "CREATE TABLE runs(id INTEGER PRIMARY KEY, problem INTEGER NOT NULL REFERENCES problems(id)";
+  for (const RunColumn& column : run_columns()) sql += ", \"" + column.name + "\" " + column.sql_type;
+  return sql + "); CREATE INDEX runs_of_problem ON runs(problem); BEGIN;";
+}
 
 /// An open database that throws what SQLite says.
 class Database {
@@ -68,7 +69,9 @@ class Database {
 
  private:
   void bind(sqlite3_stmt* statement, int at, const Json& value) {
-    if (value.is_number_float()) {
+    if (value.is_null()) {
+      require(sqlite3_bind_null(statement, at) == SQLITE_OK);
+    } else if (value.is_number_float()) {
       require(sqlite3_bind_double(statement, at, value.get<double>()) == SQLITE_OK);
     } else if (value.is_number() || value.is_boolean()) {
       const auto number = value.is_boolean() ? std::int64_t{value.get<bool>()} : value.get<std::int64_t>();
@@ -87,6 +90,15 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json cell_json(const CompareCell& cell) {
+  if (const auto* whole = std::get_if<std::int64_t>(&cell)) return *whole;
+  if (const auto* real = std::get_if<double>(&cell)) return number_or_null(*real);
+  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+  return nullptr;
+}
+
 Json numbers(const Configuration& q) { return std::vector<double>(q.begin(), q.end()); }
 
 void insert_problem(Database& database, std::int64_t experiment_id, const CompareExperiment& experiment,
@@ -97,30 +109,10 @@ void insert_problem(Database& database, std::int64_t experiment_id, const Compar
       database.insert("problems", {experiment_id, problem.name, problem.world, problem.map_file,
                                    problem.map_sha256, problem.resolution, numbers(problem.start), goals});
   for (const CompareRun& run : problem.runs) {
-    const ComparePlanner& who = experiment.planners[run.planner];
-    database.insert("runs", {id,
-                             run.number,
-                             std::to_string(run.seed),
-                             who.label,
-                             who.planner,
-                             Json(who.options),
-                             who.certified,
-                             std::string(to_string(run.status)),
-                             run.is_solved(),
-                             run.is_valid(),
-                             run.check,
-                             run.legs,
-                             run.cost,
-                             run.length,
-                             run.steps,
-                             run.waypoints,
-                             run.min_clearance,
-                             run.configurations,
-                             run.edges,
-                             run.time,
-                             run.plan_file,
-                             run.contact,
-                             run.explanation});
+    std::vector<Json> row{id};
+    for (const RunColumn& column : run_columns())
+      row.push_back(cell_json(column.cell(run, experiment.planners[run.planner])));
+    database.insert("runs", row);
   }
 }
 
@@ -131,10 +123,11 @@ void insert_all(Database& database, const CompareResults& results) {
                                  results.processor, results.date, results.time});
   for (const CompareExperiment& experiment : results.experiments) {
     const SuiteExperiment& setup = experiment.setup;
-    const std::int64_t id = database.insert(
-        "experiments", {suite, setup.name, setup.title, setup.paper, setup.notes, experiment.robot_file,
-                        experiment.scale, Json(setup.policies), setup.padding, experiment.time_limit,
-                        setup.runs, Json(experiment.joints), Json(setup.plots)});
+    const std::int64_t id =
+        database.insert("experiments", {suite, setup.name, setup.title, setup.paper, setup.notes,
+                                        experiment.robot_file, experiment.scale, Json(setup.policies),
+                                        setup.padding, number_or_null(experiment.time_limit), setup.runs,
+                                        Json(experiment.joints), Json(setup.plots)});
     for (const CompareProblem& problem : experiment.problems) {
       insert_problem(database, id, experiment, problem);
     }
@@ -148,6 +141,7 @@ void save_database(const CompareResults& results, const std::filesystem::path& f
     std::filesystem::remove(temporary);  // left by a run that was killed
     Database database(temporary);
     database.execute(schema);
+    database.execute(runs_schema().c_str());
     insert_all(database, results);
     database.execute("COMMIT");
   });

@@ -34,7 +34,7 @@ Command add_compare(CLI::App& app, Console& console) {
       ->check(whole_number);
   command
       ->add_option("--time-limit", options->time_limit,
-                   "seconds for each leg of a plan, instead of the suite's")
+                   "seconds for each leg of a plan, instead of the suite's, and for each run of a team")
       ->check(positive())
       ->type_name("S");
   command->add_flag("--keep-maps", options->keep_maps, "save the maps that generators make, too");

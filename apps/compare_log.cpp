@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "apps/compare_results.hpp"
 #include "planning/option_reader.hpp"
@@ -96,7 +97,7 @@ std::string planner_block(const CompareExperiment& experiment, std::size_t plann
 double longest_time_limit(const CompareResults& results) {
   double longest = 0.0;
   for (const CompareExperiment& experiment : results.experiments) {
-    longest = std::max(longest, experiment.time_limit);
+    if (std::isfinite(experiment.time_limit)) longest = std::max(longest, experiment.time_limit);
   }
   return longest;
 }

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/compare_results.hpp"
+#include "apps/compare_summary.hpp"
 #include "apps/page_template.hpp"
 #include "apps/parse.hpp"
 #include "apps/viewer/page_templates.hpp"
@@ -10,30 +10,6 @@ namespace clearway {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json planner_json(const CompareExperiment& experiment, std::size_t index) {
-  const ComparePlanner& who = experiment.planners[index];
-  const CompareSummary sum = summary(experiment, index);
-  std::string unsolved;
-  for (const auto& [status, count] : sum.unsolved) {
-    unsolved += (unsolved.empty() ? "" : ", ") + status + " " + std::to_string(count);
-  }
-  return {{"label", who.label},
-          {"planner", who.planner},
-          {"options", who.options},
-          {"certified", who.certified},
-          {"solved", sum.solved},
-          {"valid", sum.valid},
-          {"total", sum.total},
-          {"median", number_or_null(sum.time_median)},
-          {"p95", number_or_null(sum.time_p95)},
-          {"cost", number_or_null(sum.cost_median)},
-          {"length", number_or_null(sum.length_median)},
-          {"steps", number_or_null(sum.steps_median)},
-          {"unsolved", unsolved}};
-}
 
 Json run_json(const CompareRun& run, std::size_t problem) {
   Json json{
@@ -68,7 +44,10 @@ std::string team_conditions(const CompareExperiment& experiment) {
   const SuiteTeams& teams = *experiment.setup.teams;
   return experiment.setup.name + ": " + counted(experiment.problems.size(), "team") + "; a step every " +
          significant(1000.0 * teams.period) + " ms, at most " + significant(teams.duration) +
-         " s; joints accelerate by at most " + significant(teams.max_acceleration) + " rad/s^2 (m/s^2)";
+         " s; joints accelerate by at most " + significant(teams.max_acceleration) + " rad/s^2 (m/s^2)" +
+         (std::isfinite(experiment.time_limit)
+              ? "; computed within " + significant(experiment.time_limit) + " s, or ended there"
+              : "");
 }
 
 std::string conditions(const CompareExperiment& experiment) {
@@ -91,7 +70,7 @@ std::string conditions(const CompareExperiment& experiment) {
 Json experiment_json(const CompareExperiment& experiment) {
   Json planners = Json::array(), problems = Json::array(), runs = Json::array(), profiles = Json::array();
   for (std::size_t i = 0; i < experiment.planners.size(); ++i)
-    planners.push_back(planner_json(experiment, i));
+    planners.push_back(summary_json(experiment, i));
   for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
     problems.push_back(experiment.problems[i].name);
     for (const CompareRun& run : experiment.problems[i].runs) runs.push_back(run_json(run, i));
@@ -102,7 +81,7 @@ Json experiment_json(const CompareExperiment& experiment) {
           {"paper", experiment.setup.paper},
           {"notes", experiment.setup.notes},
           {"conditions", conditions(experiment)},
-          {"timeLimit", experiment.time_limit},
+          {"timeLimit", std::isfinite(experiment.time_limit) ? Json(experiment.time_limit) : Json(nullptr)},
           {"joints", experiment.joints},
           {"prismatic", experiment.is_prismatic},
           {"plots", experiment.setup.plots},

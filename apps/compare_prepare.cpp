@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -83,7 +84,8 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
                            const std::vector<std::string>& only) {
   PreparedExperiment ready;
   ready.setup = experiment;
-  ready.time_limit = experiment.time_limit.value_or(suite.time_limit);
+  const double usual_limit = experiment.teams ? std::numeric_limits<double>::infinity() : suite.time_limit;
+  ready.time_limit = experiment.time_limit.value_or(usual_limit);
   if (!experiment.teams) {
     ready.robot = told(suite, experiment, "field 'robot'", [&] {
       return choose_robot({.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}});

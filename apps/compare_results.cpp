@@ -1,10 +1,10 @@
 #include "apps/compare_results.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/compare_columns.hpp"
+#include "apps/compare_summary.hpp"
 #include "apps/parse.hpp"
 #include "planning/option_reader.hpp"
 
@@ -12,14 +12,6 @@ namespace clearway {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Nearest rank; NaN for none.
-double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(p * static_cast<double>(values.size()));
-  return values[std::min(static_cast<std::size_t>(std::max(rank, 1.0)) - 1, values.size() - 1)];
-}
 
 std::string cell(double value, int digits = 3) {
   return std::isfinite(value) ? significant(value, digits) : "-";
@@ -32,6 +24,8 @@ std::string unsolved_text(const CompareSummary& sum) {
   }
   return text.empty() ? "-" : text;
 }
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -47,68 +41,14 @@ std::string csv_row(const std::vector<std::string>& fields) {
   return row;
 }
 
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
-  const ComparePlanner& who = experiment.planners[planner];
-  const CompareSummary sum = summary(experiment, planner);
-  return {{"label", who.label},
-          {"planner", who.planner},
-          {"options", who.options},
-          {"certified", who.certified},
-          {"solved", sum.solved},
-          {"valid", sum.valid},
-          {"total", sum.total},
-          {"time_median_s", number_or_null(sum.time_median)},
-          {"time_p95_s", number_or_null(sum.time_p95)},
-          {"cost_median_joules", number_or_null(sum.cost_median)},
-          {"length_median_rad", number_or_null(sum.length_median)},
-          {"steps_median", number_or_null(sum.steps_median)},
-          {"safe", sum.safe},
-          {"outrun", sum.outrun},
-          {"refused", sum.refused},
-          {"unsolved", sum.unsolved}};
+std::string csv_text(const CompareCell& cell) {
+  if (const auto* whole = std::get_if<std::int64_t>(&cell)) return std::to_string(*whole);
+  if (const auto* real = std::get_if<double>(&cell)) return to_text(*real);
+  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+  return "";
 }
 
 }  // namespace
-
-CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
-  CompareSummary sum;
-  std::vector<double> times, costs, lengths, steps, motions;
-  for (const CompareProblem& problem : experiment.problems) {
-    for (const CompareRun& run : problem.runs) {
-      if (run.planner != planner) continue;
-      ++sum.total;
-      sum.safe += run.check == "valid";
-      sum.outrun += run.check == "outrun";
-      sum.refused += run.check == "refused";
-      if (run.team && run.check != "outrun" && run.check != "none") {
-        const double shortfall = run.team->security_distance - run.min_clearance;
-        sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
-        sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
-      }
-      if (!run.is_solved()) {
-        ++sum.unsolved[std::string(to_string(run.status))];
-        continue;
-      }
-      ++sum.solved;
-      times.push_back(run.time);
-      if (!run.is_valid()) continue;
-      ++sum.valid;
-      if (run.team) motions.push_back(run.team->motion_time);
-      costs.push_back(run.cost);
-      lengths.push_back(run.length);
-      steps.push_back(static_cast<double>(run.steps));
-    }
-  }
-  sum.time_median = quantile(times, 0.5);
-  sum.time_p95 = quantile(times, 0.95);
-  sum.cost_median = quantile(costs, 0.5);
-  sum.length_median = quantile(lengths, 0.5);
-  sum.steps_median = quantile(steps, 0.5);
-  sum.motion_median = quantile(motions, 0.5);
-  return sum;
-}
 
 std::vector<std::string> broken_promises(const CompareResults& results) {
   std::vector<std::string> sentences;
@@ -162,42 +102,16 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
 }
 
 std::string to_csv(const CompareResults& results) {
-  std::string text =
-      csv_row({"suite",     "experiment",      "world",          "problem",     "run",        "seed",
-               "label",     "planner",         "options",        "certified",   "status",     "solved",
-               "valid",     "check",           "legs",           "cost_joules", "length_rad", "steps",
-               "waypoints", "min_clearance_m", "configurations", "edges",       "time_s",     "plan",
-               "contact",   "explanation"});
+  std::vector<std::string> header{"suite", "experiment", "world", "problem"};
+  for (const RunColumn& column : run_columns()) header.push_back(column.name);
+  std::string text = csv_row(header);
   for (const CompareExperiment& experiment : results.experiments) {
     for (const CompareProblem& problem : experiment.problems) {
       for (const CompareRun& run : problem.runs) {
-        const ComparePlanner& who = experiment.planners[run.planner];
-        text += csv_row({results.suite,
-                         experiment.setup.name,
-                         problem.world,
-                         problem.name,
-                         std::to_string(run.number),
-                         std::to_string(run.seed),
-                         who.label,
-                         who.planner,
-                         Json(who.options).dump(),
-                         std::to_string(who.certified),
-                         std::string(to_string(run.status)),
-                         std::to_string(run.is_solved()),
-                         std::to_string(run.is_valid()),
-                         run.check,
-                         std::to_string(run.legs),
-                         to_text(run.cost),
-                         to_text(run.length),
-                         std::to_string(run.steps),
-                         std::to_string(run.waypoints),
-                         to_text(run.min_clearance),
-                         std::to_string(run.configurations),
-                         std::to_string(run.edges),
-                         to_text(run.time),
-                         run.plan_file,
-                         run.contact,
-                         run.explanation});
+        std::vector<std::string> row{results.suite, experiment.setup.name, problem.world, problem.name};
+        for (const RunColumn& column : run_columns())
+          row.push_back(csv_text(column.cell(run, experiment.planners[run.planner])));
+        text += csv_row(row);
       }
     }
   }
@@ -227,7 +141,7 @@ std::string to_json(const CompareResults& results) {
                                    {"title", experiment.setup.title},
                                    {"problems", experiment.problems.size()},
                                    {"runs", experiment.setup.runs},
-                                   {"time_limit_s", experiment.time_limit},
+                                   {"time_limit_s", number_or_null(experiment.time_limit)},
                                    {"planners", planners}});
   }
   return json.dump(1, ' ', false, Json::error_handler_t::replace);

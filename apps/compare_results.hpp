@@ -26,10 +26,10 @@ struct CompareTeamRun {
   double step_bound = 0.0;         ///< m: how much nearer two things can come in one period at most; what is
                                    ///< sensed: from one scan until the next is known
   double obstacle_speed = 0.0;     ///< v_obs, m/s: no obstacle is faster
+  double between_robots = 0.0;     ///< m: least separation of robots from each other, by the check
+  double speed = 0.0;              ///< greatest share of a joint's velocity limit
   double acceleration = 0.0;       ///< greatest share of the acceleration limit
-  int deadlocks = 0;
-  int over_acceleration = 0;  ///< steps, of all robots
-  std::string outrun;         ///< who could not keep the separation; empty: nobody
+  std::string outrun;              ///< who could not keep the separation; empty: nobody
 };
 
 /// One planner's answer to one problem with one seed.
@@ -41,7 +41,7 @@ struct CompareRun {
   std::string explanation;
   std::size_t legs = 0;        ///< solved
   std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check;
-                               ///< teams: "outrun", too
+                               ///< teams: "outrun" and "unfinished", too (team_result)
   std::string contact;         ///< what the check found first; empty when valid
   double cost = 0.0;           ///< J, last segments included, of the legs solved
   double length = 0.0;         ///< rad (m for sliding joints), joint-space length of the legs solved
@@ -50,6 +50,7 @@ struct CompareRun {
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   double time = 0.0;                            ///< s, wall clock, all legs
   std::string plan_file;                        ///< below the folder of results
+  std::map<std::string, double> statistics;     ///< of those with columns of their own (compare_columns)
   std::optional<CompareTeamRun> team;           ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return status == PlanStatus::solved; }
@@ -75,7 +76,7 @@ struct CompareProfile {
 struct CompareExperiment {
   SuiteExperiment setup;
   std::string robot_file;
-  double scale = 1.0, time_limit = 0.0;  ///< as used; s a leg
+  double scale = 1.0, time_limit = 0.0;  ///< as used; s a leg, or a run of a team (infinity: none)
   std::vector<std::string> joints;
   std::vector<bool> is_prismatic;
   std::vector<ComparePlanner> planners;

@@ -1,16 +1,16 @@
 #include "apps/compare_run.hpp"
 
 #include <algorithm>
-#include <exception>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
+#include "apps/compare_columns.hpp"
 #include "apps/compare_files.hpp"
 #include "apps/compare_tasks.hpp"
 #include "apps/compare_team.hpp"
 #include "apps/map_page.hpp"
 #include "apps/query.hpp"
+#include "datasets/parallel.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/save_file.hpp"
 #include "planning/any_angle.hpp"
@@ -49,6 +49,7 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space) {
   run.waypoints = plan.waypoints().size();
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;
+  run.statistics = column_statistics(plan.legs);
   for (const PlanResult& leg : plan.legs) {
     run.legs += leg.status == PlanStatus::solved;
     run.configurations += leg.configurations_checked;
@@ -104,26 +105,20 @@ class Runner {
         tasks_(stages_.size(), [this](std::size_t index) { return make_stage(index); }) {}
 
   void run(CompareExperiment& result, const std::function<void(double)>& progress) {
-    std::exception_ptr error;
     std::mutex mutex;
-    const auto work = [&] {
+    on_threads(static_cast<std::size_t>(choice_.jobs), [&] {
       try {
-        while (const auto task = tasks_.next()) {
-          const double done = plan(*task);
-          const std::lock_guard lock(mutex);
-          progress(done);
-        }
-      } catch (...) {
-        tasks_.fail();
+        const auto task = tasks_.next();
+        if (!task) return false;
+        const double done = plan(*task);
         const std::lock_guard lock(mutex);
-        if (!error) error = std::current_exception();
+        progress(done);
+        return true;
+      } catch (...) {
+        tasks_.fail();  // or those that wait for a stage would wait for ever
+        throw;
       }
-    };
-    std::vector<std::jthread> others;
-    for (int i = 1; i < choice_.jobs; ++i) others.emplace_back(work);
-    work();
-    others.clear();
-    if (error) std::rethrow_exception(error);
+    });
     collected_.move_to(result);
   }
 

@@ -19,7 +19,7 @@ struct PreparedExperiment {
   SuiteExperiment setup;
   Robot robot;
   Policies policies;
-  double time_limit = 0.0;  ///< s a leg
+  double time_limit = 0.0;  ///< s of wall clock: a leg; a run of a team, infinity: none
   std::vector<ComparePlanner> planners;
   std::vector<std::unique_ptr<Planner>> makers;  ///< of these; none for teams
   std::vector<TeamOptions> leaders;              ///< of these, for teams

@@ -6,9 +6,8 @@
 
 namespace clearway {
 
-/// Runs the teams of an experiment, each with every planner, and has every run judged by check_team. Its
-/// `check` says "valid": the separation never fell below d_s by more than `step_bound`; "outrun": at some
-/// time a robot could not keep it, whatever it did, so it counts neither way; "refused": anything else.
+/// Runs the teams of an experiment, each with every planner, and has every run judged by check_team and
+/// team_result. A run that takes more than the experiment's time limit (wall clock) ends there.
 /// For teams that are written out, and for runs that are refused, what moved is saved as JSON below
 /// `teams/`, and an animation of each such team as a page beside it.
 CompareExperiment run_team_experiment(const Suite& suite, const PreparedExperiment& experiment,

@@ -13,4 +13,8 @@ void for_each_index(size_t count, const std::function<void(size_t)>& work);
 /// How many threads that are.
 size_t thread_count();
 
+/// Calls `step` again and again, on this thread and on `threads` - 1 others, on each until it returns false.
+/// After an exception nobody calls it any more; the first one is passed on when all have ended.
+void on_threads(size_t threads, const std::function<bool()>& step);
+
 }  // namespace clearway

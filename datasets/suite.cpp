@@ -133,7 +133,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);
   experiment.time_limit = fields.optional_number("time_limit", positive);
   experiment.plots = fields.texts("plots");
-  for (const char* key : {"padding", "runs", "time_limit"})
+  for (const char* key : {"padding", "runs"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
   fields.finish();
   return experiment;

@@ -62,6 +62,14 @@ void refuse_contradictions(const BoundaryPlusOptions& chosen, const PlannerOptio
   }
 }
 
+/// The figures of the local method in force, as `constraint` tells them.
+void add_figures(const DamperOptions& damper, PlanResult& result) {
+  result.statistics["max_step"] = damper.max_step;
+  result.statistics["influence_distance_m"] = damper.influence_distance;
+  result.statistics["security_distance_m"] = damper.security_distance;
+  result.statistics["xi_m"] = damper.xi;
+}
+
 }  // namespace
 
 BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
@@ -91,6 +99,7 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   PlusSearch search(problem, options_, damper);
   const PlusStage stage = search.solve();
   search.add_statistics(result);
+  add_figures(damper, result);
   if (stage == PlusStage::none) return failed(problem, search, std::move(result));
   result.statistics["solved_by"] = static_cast<double>(stage);
   std::vector<Configuration> path =

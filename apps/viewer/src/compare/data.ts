@@ -1,11 +1,12 @@
 // What to_html (apps/compare_page.cpp) writes into the page.
 
+/// As summary_json (apps/compare_summary.cpp) writes it.
 export interface Planner {
   label: string; planner: string; options: Record<string, string>; certified: boolean;
   solved: number; valid: number; total: number;
-  median: number | null; p95: number | null;                     // s, of solved runs
-  cost: number | null; length: number | null; steps: number | null;  // medians of valid runs: J, rad, edges
-  unsolved: string;
+  time_median_s: number | null; time_p95_s: number | null;  // of solved runs
+  cost_median_joules: number | null; length_median_rad: number | null; steps_median: number | null;  // of valid runs
+  unsolved: Record<string, number>;                         // by status
 }
 
 export interface Run {
@@ -18,7 +19,8 @@ export interface Run {
 export interface Profile { planner: number; waypoints: number[][] }
 
 export interface Experiment {
-  name: string; title: string; paper: string; notes: string; conditions: string; timeLimit: number;  // s a leg
+  name: string; title: string; paper: string; notes: string; conditions: string;
+  timeLimit: number | null;                 // s a leg; null: none
   joints: string[]; prismatic: boolean[]; plots: string[];
   planners: Planner[]; problems: string[]; runs: Run[]; profiles: Profile[];
   pages: { name: string; file: string }[];  // animations, beside the page

@@ -12,8 +12,9 @@ export function timeChart(experiment: Experiment): Chart | null {
   if (experiment.planners.every((planner) => planner.total < 3)) return null;
   const timesOf = experiment.planners.map((_, p) =>
     experiment.runs.filter((run) => run.planner === p && isValid(run)).map((run) => Math.max(run.time, 1e-6)).sort((a, b) => a - b));
-  const all = timesOf.flat(), first = 10 ** Math.floor(Math.log10(Math.min(...all, experiment.timeLimit / 10)));
-  const last = Math.max(...all, experiment.timeLimit);
+  const all = timesOf.flat(), longest = Math.max(...experiment.runs.map((run) => run.time), 1e-6);
+  const limit = experiment.timeLimit ?? longest;
+  const first = 10 ** Math.floor(Math.log10(Math.min(...all, limit / 10))), last = Math.max(...all, limit);
   const lines = experiment.planners.map((planner, p): Line => {
     const times = timesOf[p], shares = times.map((_, i) => 100 * (i + 1) / planner.total);
     return { name: planner.label, color: p, steps: true, x: [first, ...times, last], y: [0, ...shares, shares.at(-1) ?? 0] };

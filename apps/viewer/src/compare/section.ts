@@ -12,6 +12,9 @@ const seconds = (value: number | null) => value === null ? "–" : value < 1e-3 
   : value < 1 ? `${plain(Number((value * 1e3).toPrecision(3)))} ms` : `${plain(Number(value.toPrecision(3)))} s`;
 const figure = (value: number | null, digits = 4) => value === null ? "–" : plain(Number(value.toPrecision(digits)));
 
+const unsolved = (planner: Planner) =>
+  Object.entries(planner.unsolved).map(([status, count]) => `${statusWords[status] ?? status} ${count}`).join(", ");
+
 /// Valid, solved but not valid, not solved: a bar of all runs.
 function bar(planner: Planner): HTMLElement {
   const share = (count: number) => `width:${(100 * count / Math.max(planner.total, 1)).toFixed(2)}%`;
@@ -30,8 +33,8 @@ function table(experiment: Experiment): HTMLElement {
     const broken = planner.valid < planner.solved;
     return el("tr", {}, el("td", { class: "planner" }, swatch, name, ...promise), el("td", { class: "runs" }, bar(planner)),
       el("td", { class: `number${broken ? " bad" : ""}` }, `${planner.solved} / ${planner.valid} / ${planner.total}`),
-      ...[seconds(planner.median), seconds(planner.p95), figure(planner.cost), figure(planner.length), figure(planner.steps, 6)].map((text) => el("td", { class: "number" }, text)),
-      el("td", {}, planner.unsolved.replaceAll("_", " ")));
+      ...[seconds(planner.time_median_s), seconds(planner.time_p95_s), figure(planner.cost_median_joules), figure(planner.length_median_rad), figure(planner.steps_median, 6)].map((text) => el("td", { class: "number" }, text)),
+      el("td", {}, unsolved(planner)));
   });
   return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": experiment.name },
     el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", numeric.has(i) ? { class: "number" } : {}, name)))), el("tbody", {}, ...rows)));

@@ -1,0 +1,88 @@
+#include "apps/team_result.hpp"
+
+#include <gtest/gtest.h>
+
+#include "apps/suite_teams.hpp"
+
+namespace clearway {
+namespace {
+
+/// A run of no robot but with one trace of two positions, which kept its distances.
+TeamRun short_run() {
+  TeamRun run;
+  run.status = PlanStatus::timed_out;
+  run.period = 0.5;
+  run.figures.security_distance = 0.05;
+  run.figures.max_step = {0.1};
+  return run;
+}
+
+TeamVerdict apart(double separation) {
+  TeamVerdict verdict;
+  verdict.is_apart = verdict.robots_are_apart = true;
+  verdict.least_separation = verdict.between_robots = separation;
+  return verdict;
+}
+
+/// Two discs that rest for one period.
+struct Resting {
+  Resting() {
+    for (int i = 0; i < 2; ++i) {
+      TeamTrace& trace = run.traces.emplace_back();
+      trace.positions = {Eigen::Vector2d(i, 0.0), Eigen::Vector2d(i, 0.0)};
+      Robot disc = load_robot("point");
+      team.robots.push_back({"disc",
+                             std::make_shared<const ConfigurationSpace>(disc, empty_map(), Policies{}),
+                             trace.positions[0], trace.positions[1]});
+    }
+  }
+  std::string check(double separation, const TeamCircumstances& circumstances = {}) const {
+    return team_result(team, run, apart(separation), circumstances).check;
+  }
+  Team team;
+  TeamRun run = short_run();
+};
+
+TEST(TeamResult, OfARunThatTheClockEndedIsNeverValid) {
+  const Resting resting;
+  EXPECT_EQ(resting.check(0.06), "valid");
+  EXPECT_EQ(resting.check(0.06, {.is_cut_short = true}), "unfinished");
+}
+
+TEST(TeamResult, OfARunThatCameTooNearIsRefusedWhoeverEndedIt) {
+  const Resting resting;
+  EXPECT_EQ(resting.check(0.04), "refused");
+  EXPECT_EQ(resting.check(0.04, {.is_cut_short = true}), "refused");
+}
+
+TEST(TeamResult, GrantsWhatSensedThingsMoveUnseenToObstaclesAloneNotToRobots) {
+  const Resting resting;
+  TeamVerdict verdict = apart(0.06);
+  verdict.least_separation = 0.04;
+  const TeamCircumstances sensed{.unseen_motion = 0.02};
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "valid");
+  verdict.between_robots = 0.04;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+}
+
+TEST(TeamResult, CallsOutrunWhatIsNotRefusedForOtherReasons) {
+  Resting resting;
+  resting.run.outrun = "At 1 s robot 'disc' could not …";
+  EXPECT_EQ(resting.check(0.0), "outrun");
+  TeamVerdict verdict = apart(0.06);
+  verdict.greatest_speed_share = 1.01;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+  verdict = apart(0.0);
+  verdict.robots_are_apart = false;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+}
+
+TEST(TeamResult, OfARunWithoutAStepHasNothingToCheck) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces) trace.positions.pop_back();
+  EXPECT_EQ(resting.check(0.06), "none");
+}
+
+}  // namespace
+}  // namespace clearway
