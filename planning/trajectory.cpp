@@ -1,6 +1,7 @@
 #include "planning/trajectory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -64,8 +65,7 @@ std::vector<Edge> edges_of(const Robot& robot, const std::vector<Configuration>&
     edge.length = (edge.to - edge.from).stableNorm();
     edge.max_speed = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const double given = robot.joints[j].max_velocity;
-      const double limit = options.velocity_scale * (given > 0.0 ? given : options.default_max_velocity);
+      const double limit = options.velocity_scale * velocity_limit(robot, j, options);
       const double share = std::abs(edge.direction[static_cast<Eigen::Index>(j)]);
       edge.max_speed = std::min(edge.max_speed, limit / share);
     }
@@ -74,6 +74,10 @@ std::vector<Edge> edges_of(const Robot& robot, const std::vector<Configuration>&
   }
   return edges;
 }
+
+/// Shares of `a` that are tried, largest first. Jumps add up to at most 1.5 times what is tried in a period
+/// (slow_for_corners), so that the last one always keeps `a`.
+constexpr std::array shares_of_acceleration = {1.0, 0.85, 0.7, 0.55, 0.4};
 
 /// The rule at waypoints. A jump is (path speed) * turn. Bounds the speed at the ends by a T / turn, and
 /// on each edge so that a jump at its ends is at most a/2 times the time spent on it: either it takes two
@@ -169,11 +173,10 @@ Trajectory sample(const std::vector<Edge>& edges, double period) {
   return trajectory;
 }
 
-}  // namespace
-
-Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypoints,
-                     const TrajectoryOptions& options) {
-  check(robot, waypoints, options);
+/// The trajectory whose edges accelerate by `share` of what is allowed.
+Trajectory timed(const Robot& robot, const std::vector<Configuration>& waypoints, TrajectoryOptions options,
+                 double share) {
+  options.max_acceleration *= share;
   std::vector<Edge> edges = edges_of(robot, waypoints, options);
   if (edges.empty()) {
     const Configuration& only = waypoints.front();
@@ -183,6 +186,56 @@ Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypo
   join_speeds(edges);
   for (Edge& edge : edges) shape_trapezoid(edge);
   return sample(edges, options.sampling_period);
+}
+
+/// The greatest change from sample to sample of a velocity, or of a step in place of one; it rests before and
+/// after. rad/s^2 or m/s^2.
+double greatest_change(const Trajectory& trajectory) {
+  const auto& points = trajectory.points;
+  const double period = trajectory.sampling_period;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(points.front().position.size());
+  double greatest = 0.0;
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const Eigen::VectorXd next = (points[k].position - points[k - 1].position) / period;
+    greatest = std::max({greatest, (points[k].velocity - points[k - 1].velocity).cwiseAbs().maxCoeff(),
+                         (next - step).cwiseAbs().maxCoeff()});
+    step = next;
+  }
+  return std::max(greatest, step.cwiseAbs().maxCoeff()) / period;
+}
+
+}  // namespace
+
+double velocity_limit(const Robot& robot, std::size_t j, const TrajectoryOptions& options) {
+  const double given = robot.joints[j].max_velocity;
+  return given > 0.0 ? given : options.default_max_velocity;
+}
+
+LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory, const TrajectoryOptions& options) {
+  LimitShares shares;
+  for (std::size_t k = 0; k < trajectory.points.size(); ++k) {
+    const Eigen::VectorXd& velocity = trajectory.points[k].velocity;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const double speed = std::abs(velocity[static_cast<Eigen::Index>(j)]);
+      shares.velocity = std::max(shares.velocity, speed / velocity_limit(robot, j, options));
+    }
+    if (k == 0) continue;
+    const double change = (velocity - trajectory.points[k - 1].velocity).cwiseAbs().maxCoeff();
+    shares.acceleration =
+        std::max(shares.acceleration, change / (trajectory.sampling_period * options.max_acceleration));
+  }
+  return shares;
+}
+
+Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypoints,
+                     const TrajectoryOptions& options) {
+  check(robot, waypoints, options);
+  Trajectory trajectory;
+  for (const double share : shares_of_acceleration) {
+    trajectory = timed(robot, waypoints, options, share);
+    if (greatest_change(trajectory) <= options.max_acceleration * (1.0 + 1e-9)) break;
+  }
+  return trajectory;
 }
 
 }  // namespace clearway

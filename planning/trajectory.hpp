@@ -27,14 +27,16 @@ struct Trajectory {
 };
 
 /// The motion along the straight joint-space edges between `waypoints`, without blending, from rest to rest:
-/// along each edge a trapezoid of the path speed, its ends bounded by a forward and a backward pass.
+/// along each edge a trapezoid of the path speed, its ends bounded by a forward and a backward pass. Where
+/// the direction changes the velocity jumps; speeds at waypoints, and where these lie close, are so low that
+/// the jumps within a period, and what the joints accelerate in it, stay within a T together.
 ///
-/// Promised, within rounding, for the motion and so for its samples:
+/// Promised, within rounding:
 /// - every position lies on an edge of the path; the first and the last are the end waypoints, bit for bit;
-/// - every joint keeps velocity_scale times its velocity limit, and `a` along each edge;
-/// - at a waypoint where the direction changes no joint's velocity jumps by more than a T (the junction speed
-///   of numeric controls), nor by more than a/2 times the motion's time on either of its two edges. So over
-///   any one period, however many waypoints it holds, no joint's velocity changes by more than 2.5 a T.
+/// - every joint keeps velocity_scale times its velocity limit at any time;
+/// - from one sample to the next no joint's velocity changes by more than a T, nor its step (the difference
+/// of
+///   two positions) by more than a T^2: a controller that sees the samples alone sees `a` kept.
 /// Not promised: a bound on jerk, the least time, or what a controller does between samples.
 ///
 /// The motion is slowed by less than one period so that it lasts a whole number of them. Equal waypoints in
@@ -43,5 +45,16 @@ struct Trajectory {
 ///         range, or a motion of more than ten million samples.
 Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypoints,
                      const TrajectoryOptions& options = {});
+
+/// How much of the limits a trajectory uses, from sample to sample: 1 is all of them.
+struct LimitShares {
+  double velocity = 0.0;      ///< of a joint's own limit (or the default), velocity_scale not counted
+  double acceleration = 0.0;  ///< of `a`: change of velocity over a period
+};
+LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory,
+                         const TrajectoryOptions& options = {});
+
+/// The velocity limit of joint `j`, rad/s or m/s: its own, else the default.
+double velocity_limit(const Robot& robot, std::size_t j, const TrajectoryOptions& options = {});
 
 }  // namespace clearway
