@@ -66,5 +66,6 @@ BenchResult bench_provenance(const BenchOptions& options);
 BenchResult bench_beam(const BenchOptions& options);
 BenchResult bench_qp(const BenchOptions& options);
 BenchResult bench_control(const BenchOptions& options);
+BenchResult bench_live(const BenchOptions& options);
 
 }  // namespace clearway::bench

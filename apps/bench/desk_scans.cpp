@@ -3,7 +3,6 @@
 
 #include "apps/bench/room_scans.hpp"
 #include "datasets/depth_renderer.hpp"
-#include "datasets/lens.hpp"
 #include "datasets/scene.hpp"
 #include "datasets/surface.hpp"
 
@@ -60,16 +59,7 @@ std::vector<Scan> desk_scans(std::size_t frames) {
   for (std::size_t i = 0; i < frames; ++i) {
     DepthImage image = render_depth(camera, i, surfaces, 1);
     count_whole_steps(image);
-    scans[i].sensor = "depth";
-    scans[i].map_from_sensor = camera.map_from_sensor[i];
-    for (std::size_t pixel = 0; pixel < image.ranges.size(); ++pixel) {
-      const float range = image.ranges[pixel];
-      if (!(range > 0.0F)) continue;
-      const Eigen::Vector3d optical =
-          pixel_ray(camera.intrinsics, {static_cast<double>(pixel % 640), static_cast<double>(pixel / 640)});
-      const Eigen::Vector3d ray = Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
-      scans[i].points.push_back((double{range} * ray).cast<float>());
-    }
+    scans[i] = scan_of(image);
   }
   return scans;
 }

@@ -34,6 +34,8 @@ constexpr Entry table[] = {
     {"qp", "quadratic programs of the local step against the same method in dense matrices", bench_qp},
     {"control", "one control step of an arm against the same with FCL distances to fcl::OcTree",
      bench_control},
+    {"live", "a control loop beside a thread that fuses depth frames against the same update in the loop",
+     bench_live},
 };
 
 double machine_load() {

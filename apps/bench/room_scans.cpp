@@ -1,5 +1,6 @@
 #include "apps/bench/room_scans.hpp"
 
+#include "datasets/lens.hpp"
 #include "datasets/room.hpp"
 
 namespace clearway::bench {
@@ -9,6 +10,22 @@ Scan scan_of(const CloudFrame& frame) {
   scan.sensor = frame.kind;
   scan.map_from_sensor = frame.world_from_sensor;
   scan.points = frame.points;
+  return scan;
+}
+
+Scan scan_of(const DepthImage& image) {
+  const auto width = static_cast<std::size_t>(image.intrinsics.width);
+  Scan scan;
+  scan.sensor = "depth";
+  scan.map_from_sensor = image.world_from_sensor;
+  for (std::size_t pixel = 0; pixel < image.ranges.size(); ++pixel) {
+    const float range = image.ranges[pixel];
+    if (!(range > 0.0F)) continue;
+    const Eigen::Vector3d optical =
+        pixel_ray(image.intrinsics, {static_cast<double>(pixel % width), static_cast<double>(pixel / width)});
+    const Eigen::Vector3d ray = Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
+    scan.points.push_back((double{range} * ray).cast<float>());
+  }
   return scan;
 }
 

@@ -10,6 +10,9 @@ namespace clearway::bench {
 /// A recorded cloud as the map takes it.
 Scan scan_of(const CloudFrame& frame);
 
+/// A depth image's pixels with a return, as the map takes them.
+Scan scan_of(const DepthImage& image);
+
 /// The frames of a generated round through FurnishedRoom, with a structured-light camera's noise.
 std::vector<Scan> room_scans(std::size_t frames);
 
