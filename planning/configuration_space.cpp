@@ -40,19 +40,18 @@ double chosen_max_distance(const Robot& robot, double resolution) {
 
 /// Where a requirement has to be known. Under `not_occupied` nothing outside the map blocks; under the other
 /// policies everything outside it does, so that one layer of voxels around it stands for all of them.
-/// `wanted`: how far beyond its reach the robot has to know of blocked voxels, metres.
-Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach, const Snapshot& map,
-                              double wanted) {
+/// `bounds`: of the map. `wanted`: how far beyond its reach the robot has to know of blocked voxels, metres.
+Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach,
+                              const Eigen::AlignedBox3d& bounds, double resolution, double wanted) {
   const auto grown = [](Eigen::AlignedBox3d box, double by) {
     return Eigen::AlignedBox3d(box.min().array() - by, box.max().array() + by);
   };
-  const double margin = requirement.policy == Policy::not_occupied ? wanted : map.resolution();
-  const Eigen::AlignedBox3d bounds = map.bounds();
+  const double margin = requirement.policy == Policy::not_occupied ? wanted : resolution;
   reach = grown(reach, wanted);
   const Eigen::AlignedBox3d region = bounds.isEmpty() ? bounds : reach.intersection(grown(bounds, margin));
   if (!region.isEmpty()) return region;
   const Eigen::Vector3d corner = reach.min();  // nothing in reach is known: one voxel of the unknown
-  return {corner, corner + Eigen::Vector3d::Constant(map.resolution() / 2)};
+  return {corner, corner + Eigen::Vector3d::Constant(resolution / 2)};
 }
 
 /// For each joint the sum of levers over the links of the body's chain that it moves.
@@ -126,13 +125,15 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
   for (const Body& body : state.robot.bodies) {
     if (is_moved(state.robot, body.link)) reach_of(requirement_of(body)).extend(reach_box(state.robot, body));
   }
+  const Eigen::AlignedBox3d bounds = state.map.bounds();
   for (std::size_t i = 0; i < state.robot.bodies.size(); ++i) {
     const Body& body = state.robot.bodies[i];
     if (!is_moved(state.robot, body.link)) continue;
     const Requirement requirement = requirement_of(body);
     const double max_distance = state.options.max_distance;
     const double wanted = std::max(max_distance, options.padding + state.map.resolution());
-    const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), state.map, wanted);
+    const Eigen::AlignedBox3d region =
+        region_of(requirement, reach_of(requirement), bounds, state.map.resolution(), wanted);
     Eigen::AlignedBox3d counts = reach_box(state.robot, body);  // voxels that can matter to the body
     const double rounding =
         1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());

@@ -1,6 +1,7 @@
 #include "planning/part_policies.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 namespace clearway {
@@ -16,14 +17,20 @@ bool has_paint(const Snapshot& map) {
 
 std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
                                             const Policies& policies) {
-  const Policy critical = has_paint(map) ? Policy::painted : Policy::known_free;
+  // Of a bare tree only a walk through all of it tells: not in a control loop's map if no part wants to know.
+  std::optional<Policy> critical;
+  const auto of_critical_parts = [&] {
+    if (!critical) critical = has_paint(map) ? Policy::painted : Policy::known_free;
+    return *critical;
+  };
   std::map<std::string, Policy> chosen;
   for (const Body& body : robot.bodies) {
     const auto& list = robot.critical_parts;
     const bool is_critical =
         policies.critical_by_default &&
         (std::find(list.begin(), list.end(), body.part) != list.end() || map.volumes_of_part(body.part) != 0);
-    chosen[body.part] = is_critical ? critical : policies.other;
+    const bool is_given = policies.parts.contains(body.part);
+    chosen[body.part] = is_critical && !is_given ? of_critical_parts() : policies.other;
   }
   for (const auto& [part, policy] : policies.parts) {
     if (const auto known = chosen.find(part); known != chosen.end()) {
