@@ -6,6 +6,7 @@
 
 #include "planning/cube_gap.hpp"
 #include "planning/reach.hpp"
+#include "planning/segment_distance.hpp"
 
 namespace clearway {
 namespace {
@@ -16,6 +17,32 @@ constexpr int look_round = 3;
 constexpr std::size_t looks = 14;
 /// Numbers that the widest registers hold.
 constexpr std::size_t registers = 8;
+
+/// A voxel as one number; |index| < 2^20.
+std::uint64_t key_of(const Eigen::Vector3i& voxel) {
+  constexpr int bias = 1 << 20;
+  const auto part = [](int index) { return static_cast<std::uint64_t>(index + bias); };
+  return part(voxel.x()) << 42U | part(voxel.y()) << 21U | part(voxel.z());
+}
+
+/// The part of its own z axis that together with the radius about it holds a body; nothing for boxes and
+/// hulls.
+bool is_about_its_axis(const Shape& shape) {
+  return shape.kind() != Shape::Kind::box && shape.kind() != Shape::Kind::convex;
+}
+
+/// Lower bound of the distance of two such bodies.
+double axis_gap(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b,
+                const Eigen::Isometry3d& pose_b) {
+  const auto half = [](const Shape& shape, const Eigen::Isometry3d& pose) -> Eigen::Vector3d {
+    const double length = shape.kind() == Shape::Kind::sphere ? 0.0 : shape.length();
+    return 0.5 * length * pose.linear().col(2);
+  };
+  const Eigen::Vector3d along_a = half(a, pose_a), along_b = half(b, pose_b);
+  const Eigen::Vector3d at_a = pose_a.translation(), at_b = pose_b.translation();
+  return segment_to_segment(at_a - along_a, at_a + along_a, at_b - along_b, at_b + along_b).distance -
+         a.radius() - b.radius();
+}
 
 /// A ball that holds a body, link frame.
 Sphere ball_around(const Body& body) {
@@ -181,16 +208,21 @@ void ControlRows::gather(const Group& group, const NearBall& ball) {
   const double within = balls_[ball.ball].radius + reach_, half = 0.5 * resolution_;
   if (within + look_round * resolution_ > group.space->max_distance())
     return gather_within_reach(group, ball, within);
-  std::array<Eigen::Vector3d, looks> cubes;
+  std::array<Eigen::Vector3i, looks> cubes;
+  std::array<std::uint64_t, looks> seen;
   std::array<double, looks> distances;
-  std::size_t count = 0;
+  std::size_t seen_count = 0, count = 0;
   double nearest = within;
   bool hides_some = false;
   for (std::size_t k = ball.first_voxel; k < ball.first_voxel + (ball.is_close ? looks : 1); ++k) {
     const NearestCubes::Offset& offset = offsets_[k];
     if (offset[0] == NearestCubes::nothing) continue;
     const Eigen::Vector3i voxel = voxels_[k] + Eigen::Vector3i(offset[0], offset[1], offset[2]);
-    const Eigen::Vector3d cube = (voxel.cast<double>().array() + 0.5) * resolution_;
+    const std::uint64_t key = key_of(voxel);
+    const auto known = seen.begin() + static_cast<std::ptrdiff_t>(seen_count);
+    if (std::find(seen.begin(), known, key) != known) continue;
+    seen[seen_count++] = key;
+    const Eigen::Vector3d cube = center(voxel);
     const double apart = ((ball.center - cube).cwiseAbs().array() - half).max(0.0).matrix().norm();
     if (apart >= within) continue;
     if ((cube.array() + half < reach_of_body.min().array()).any() ||
@@ -198,7 +230,7 @@ void ControlRows::gather(const Group& group, const NearBall& ball) {
       hides_some = true;
       continue;
     }
-    cubes[count] = cube;
+    cubes[count] = voxel;
     distances[count++] = apart;
     nearest = std::min(nearest, apart);
   }
@@ -230,17 +262,20 @@ void ControlRows::gather_within_reach(const Group& group, const NearBall& ball, 
     visit.nearest = std::min(visit.nearest, distance);
     return true;
   });
-  for (const Eigen::Vector3d& cube : visited_)
-    add_candidate(cube, ball.center, visit.apart(cube) - visit.nearest);
+  for (const Eigen::Vector3d& cube : visited_) {
+    const Eigen::Vector3i voxel = (cube / resolution_).array().floor().matrix().cast<int>();
+    add_candidate(voxel, ball.center, visit.apart(cube) - visit.nearest);
+  }
 }
 
-void ControlRows::add_candidate(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double behind) {
+void ControlRows::add_candidate(const Eigen::Vector3i& voxel, const Eigen::Vector3d& towards, double behind) {
+  const std::uint64_t key = key_of(voxel);
   for (Candidate& known : candidates_) {
-    if ((known.cube - cube).squaredNorm() > 0.25 * resolution_ * resolution_) continue;
-    if (behind < known.behind) known = {cube, towards, behind};
+    if (known.key != key) continue;
+    if (behind < known.behind) known = {key, voxel, towards, behind};
     return;
   }
-  candidates_.push_back({cube, towards, behind});
+  candidates_.push_back({key, voxel, towards, behind});
 }
 
 /// A row for each cube that is near the body's exact shape.
@@ -249,12 +284,12 @@ void ControlRows::close_body(const NearBody& near) {
   const Body& body = *near.body;
   const Eigen::Isometry3d map_from_shape = pose(near.link) * body.link_from_shape;
   for (const Candidate& candidate : candidates_) {
-    CubeGap gap =
-        cube_gap(body.shape, map_from_shape, candidate.cube, resolution_, candidate.towards, reach_);
+    const Eigen::Vector3d cube = center(candidate.voxel);
+    CubeGap gap = cube_gap(body.shape, map_from_shape, cube, resolution_, candidate.towards, reach_);
     if (gap.distance >= reach_) continue;
     if (gap.normal.squaredNorm() < 0.5) {  // they overlap
-      gap.normal = (candidate.cube - candidate.towards).stableNormalized();
-      gap.point = candidate.cube;
+      gap.normal = (cube - candidate.towards).stableNormalized();
+      gap.point = cube;
       if (gap.normal.squaredNorm() < 0.5) continue;
     }
     append({near.index, -1, gap.distance - padding_, candidate.behind, gap.point, gap.normal}, near.link, -1);
@@ -272,8 +307,12 @@ void ControlRows::pair_rows() {
     if (between.squaredNorm() > apart * apart) continue;
     const Body& first = robot_->bodies[static_cast<std::size_t>(pair.first)];
     const Body& second = robot_->bodies[static_cast<std::size_t>(pair.second)];
-    DistanceBounds bounds = distance(first.shape, first_pose * first.link_from_shape, second.shape,
-                                     second_pose * second.link_from_shape, within);
+    const Eigen::Isometry3d first_placed = first_pose * first.link_from_shape,
+                            second_placed = second_pose * second.link_from_shape;
+    if (is_about_its_axis(first.shape) && is_about_its_axis(second.shape) &&
+        axis_gap(first.shape, first_placed, second.shape, second_placed) >= within)
+      continue;
+    DistanceBounds bounds = distance(first.shape, first_placed, second.shape, second_placed, within);
     if (bounds.lower >= within) continue;
     if (bounds.direction.squaredNorm() < 0.5) {  // they overlap: along the line between their middles
       bounds.direction = -between.stableNormalized();

@@ -77,7 +77,9 @@ class ControlRows {
     std::size_t first_voxel = 0;  ///< of voxels_: its own, and six more when it is close
   };
   struct Candidate {
-    Eigen::Vector3d cube, towards;
+    std::uint64_t key;
+    Eigen::Vector3i voxel;
+    Eigen::Vector3d towards;
     double behind;
   };
   void find_near_balls(const Group& group);
@@ -86,7 +88,10 @@ class ControlRows {
   void find_cubes(Group& group);
   void gather(const Group& group, const NearBall& ball);
   void gather_within_reach(const Group& group, const NearBall& ball, double within);
-  void add_candidate(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double behind);
+  Eigen::Vector3d center(const Eigen::Vector3i& voxel) const {
+    return (voxel.cast<double>().array() + 0.5) * resolution_;
+  }
+  void add_candidate(const Eigen::Vector3i& voxel, const Eigen::Vector3d& towards, double behind);
   void close_body(const NearBody& body);
   void pair_rows();
   void append(const ControlRow& row, int link, int other_link);

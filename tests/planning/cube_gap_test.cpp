@@ -14,13 +14,16 @@ TEST(CubeGap, IsWhatGjkProvesAndNeverMore) {
                                   Shape::convex({{0, 0, 0}, {0.2, 0, 0}, {0, 0.1, 0}, {0.05, 0.05, 0.2}})};
   for (const Shape& shape : shapes) {
     int apart = 0;
+    double short_by = 0.0;
     for (int trial = 0; trial < 3000; ++trial) {
       const Eigen::Isometry3d pose = random.pose(0.2);
       const Eigen::Vector3d cube = random.point(0.3);
       const CubeGap gap = cube_gap(shape, pose, cube, 0.05, pose.translation(), 1.0);
       const DistanceBounds bounds = distance_to_cube(shape, pose, cube, 0.05);
       EXPECT_LE(gap.distance, bounds.upper + 1e-12);
-      EXPECT_NEAR(gap.distance, bounds.lower, 1e-6);
+      const bool has_faces = shape.kind() == Shape::Kind::cylinder || shape.kind() == Shape::Kind::box;
+      EXPECT_GE(gap.distance, bounds.lower - (has_faces ? 0.01 * 0.05 : 1e-9));
+      short_by += std::max(0.0, bounds.lower - gap.distance);
       if (bounds.lower < 5e-3) continue;
       ++apart;
       EXPECT_NEAR(gap.normal.norm(), 1.0, 1e-12);
@@ -29,6 +32,7 @@ TEST(CubeGap, IsWhatGjkProvesAndNeverMore) {
       EXPECT_LE(gap.normal.dot(farthest - gap.point), 1e-9);
     }
     EXPECT_GT(apart, 1000);
+    EXPECT_LT(short_by / 3000, 2e-5);
   }
 }
 
