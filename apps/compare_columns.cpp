@@ -44,6 +44,17 @@ std::vector<RunColumn> common_columns() {
   };
 }
 
+/// What a motion in time has.
+RunColumn of_motion(const char* name, double CompareMotion::*value) {
+  return {name, "REAL",
+          [value](const Run& run, const Who&) { return run.motion ? Cell(*run.motion.*value) : Cell(); }};
+}
+
+std::vector<RunColumn> motion_columns() {
+  return {of_motion("motion_time_s", &CompareMotion::time), of_motion("speed_share", &CompareMotion::speed),
+          of_motion("acceleration_share", &CompareMotion::acceleration)};
+}
+
 /// What teams alone have; nothing of those that never moved.
 RunColumn of_team(const char* name, double CompareTeamRun::*value) {
   return {name, "REAL", [value](const Run& run, const Who&) {
@@ -57,12 +68,9 @@ std::vector<RunColumn> team_columns() {
        [](const Run& run, const Who&) { return run.team ? Cell(whole(run.check == "valid")) : Cell(); }},
       {"outrun", "TEXT",
        [](const Run& run, const Who&) { return run.team ? Cell(run.team->outrun) : Cell(); }},
-      of_team("motion_time_s", &CompareTeamRun::motion_time),
       of_team("step_bound_m", &CompareTeamRun::step_bound),
       of_team("obstacle_speed_m_s", &CompareTeamRun::obstacle_speed),
       of_team("between_robots_m", &CompareTeamRun::between_robots),
-      of_team("speed_share", &CompareTeamRun::speed),
-      of_team("acceleration_share", &CompareTeamRun::acceleration),
   };
 }
 
@@ -137,6 +145,7 @@ void join(std::map<std::string, double>& all, const Statistic& statistic, const 
 const std::vector<RunColumn>& run_columns() {
   static const std::vector<RunColumn> columns = [] {
     std::vector<RunColumn> all = common_columns();
+    for (RunColumn& column : motion_columns()) all.push_back(std::move(column));
     for (RunColumn& column : team_columns()) all.push_back(std::move(column));
     for (const Statistic& statistic : statistics) all.push_back(of_statistic(statistic));
     all.push_back(solved_by());

@@ -19,16 +19,20 @@ struct ComparePlanner {
   bool certified = true;  ///< promises that every path it returns is valid
 };
 
+/// How a run moves in time.
+struct CompareMotion {
+  double time = 0.0;          ///< s, from first to last step
+  double speed = 0.0;         ///< greatest share of a joint's velocity limit
+  double acceleration = 0.0;  ///< greatest share of the acceleration limit
+};
+
 /// What a run of a team has beside its path.
 struct CompareTeamRun {
-  double motion_time = 0.0;        ///< s, from first to last step
   double security_distance = 0.0;  ///< d_s, m
   double step_bound = 0.0;         ///< m: how much nearer two things can come in one period at most; what is
                                    ///< sensed: from one scan until the next is known
   double obstacle_speed = 0.0;     ///< v_obs, m/s: no obstacle is faster
   double between_robots = 0.0;     ///< m: least separation of robots from each other, by the check
-  double speed = 0.0;              ///< greatest share of a joint's velocity limit
-  double acceleration = 0.0;       ///< greatest share of the acceleration limit
   std::string outrun;              ///< who could not keep the separation; empty: nobody
 };
 
@@ -51,6 +55,7 @@ struct CompareRun {
   double time = 0.0;                            ///< s, wall clock, all legs
   std::string plan_file;                        ///< below the folder of results
   std::map<std::string, double> statistics;     ///< of those with columns of their own (compare_columns)
+  std::optional<CompareMotion> motion;          ///< of a valid path as time_path times it, or of a team
   std::optional<CompareTeamRun> team;           ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return status == PlanStatus::solved; }
@@ -101,7 +106,7 @@ struct CompareSummary {
   std::size_t safe = 0, outrun = 0, refused = 0;  ///< teams: by the check, arrived or not
   double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
   double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
-  double motion_median = 0.0;      ///< s, of teams that arrived
+  double motion_median = 0.0;      ///< s, of valid runs
   double time_median = 0.0, time_p95 = 0.0;  ///< s
   double cost_median = 0.0;                  ///< J
   double length_median = 0.0;                ///< rad

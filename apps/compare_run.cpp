@@ -15,6 +15,7 @@
 #include "mapping/save_file.hpp"
 #include "planning/any_angle.hpp"
 #include "planning/joint_weights.hpp"
+#include "planning/trajectory.hpp"
 
 namespace clearway {
 namespace {
@@ -37,6 +38,12 @@ std::string verdict_of(const Plan& plan) {
 /// ones are judged alike, whatever their planner reckons.
 constexpr double cost_step = 0.05;
 
+CompareMotion motion_of(const Robot& robot, const std::vector<Configuration>& path) {
+  const Trajectory trajectory = time_path(robot, path);
+  const LimitShares shares = limit_shares(robot, trajectory);
+  return {trajectory.points.back().time, shares.velocity, shares.acceleration};
+}
+
 CompareRun run_of(const Plan& plan, const ConfigurationSpace& space) {
   CompareRun run;
   run.seed = plan.seed;
@@ -50,6 +57,7 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space) {
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;
   run.statistics = column_statistics(plan.legs);
+  if (plan.validation.valid) run.motion = motion_of(space.robot(), plan.waypoints());
   for (const PlanResult& leg : plan.legs) {
     run.legs += leg.status == PlanStatus::solved;
     run.configurations += leg.configurations_checked;

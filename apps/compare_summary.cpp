@@ -45,7 +45,7 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
       times.push_back(run.time);
       if (!run.is_valid()) continue;
       ++sum.valid;
-      if (run.team) motions.push_back(run.team->motion_time);
+      if (run.motion) motions.push_back(run.motion->time);
       costs.push_back(run.cost);
       lengths.push_back(run.length);
       steps.push_back(static_cast<double>(run.steps));
@@ -77,9 +77,9 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"cost_median_joules", number_or_null(sum.cost_median)},
           {"length_median_rad", number_or_null(sum.length_median)},
           {"steps_median", number_or_null(sum.steps_median)},
+          {"motion_time_median_s", number_or_null(sum.motion_median)},
           {"safe", of_teams(sum.safe)},
           {"outrun", of_teams(sum.outrun)},
-          {"motion_time_median_s", of_teams(number_or_null(sum.motion_median))},
           {"below_security_distance_m", of_teams(sum.worst_shortfall)},
           {"allowed_below_m", of_teams(sum.allowed_shortfall)},
           {"unsolved", sum.unsolved}};

@@ -127,7 +127,7 @@ class TeamRunner {
     save_file(choice_.out / file, team_json(team, run, verdict, who.planner, who.options));
     found.plan_file = file.string();
     if (spaces) show_map(page, spaces->map());
-    page.plans.push_back(page_of_run(team, run, verdict, found, who.label));
+    page.plans.push_back(page_of_run(team, run, verdict, found, options.max_acceleration, who.label));
     return found;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/parse.hpp"
+#include "apps/plan_motion.hpp"
 #include "apps/query.hpp"
 #include "planning/convex_hull.hpp"
 
@@ -142,7 +143,11 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     const std::vector<Configuration>& explored = plan.legs.back().explored;
     path.insert(path.end(), explored.begin(), explored.end());
   }
-  shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
+  if (show_motion(shown_plan, robot, path).empty())
+    shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
+  for (const PlanResult& leg : plan.legs)
+    if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())
+      shown_plan.security_distance = kept->second;
   for (const Configuration& q : shown_plan.waypoints) {
     shown_plan.link_poses.push_back(forward_kinematics(robot, q));
     shown_plan.clearance.push_back(space.clearance(q));

@@ -161,6 +161,16 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
       refuse(of + "waypoints", "must have one value per joint");
   if (!plan.clearance.empty() && plan.clearance.size() != waypoints)
     refuse(of + "clearance", "must have one entry per waypoint");
+  for (const auto* rates : {&plan.speeds, &plan.accelerations}) {
+    if (rates->size() != (plan.period > 0.0 ? waypoints : 0))
+      refuse(of + "speeds and accelerations", "must have one entry per waypoint of a plan with time");
+    for (const Eigen::VectorXd& rate : *rates)
+      if (static_cast<std::size_t>(rate.size()) != plan.joints.size())
+        refuse(of + "speeds and accelerations", "must have one value per joint");
+  }
+  for (const auto* limits : {&plan.max_speed, &plan.max_acceleration})
+    if (limits->size() != (plan.period > 0.0 ? plan.joints.size() : 0))
+      refuse(of + "max_speed and max_acceleration", "must have one entry per joint of a plan with time");
   if (!plan.link_poses.empty() && plan.link_poses.size() != waypoints)
     refuse(of + "link_poses", "must have one entry per waypoint");
   for (const Poses& poses : plan.link_poses)
@@ -170,20 +180,27 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
   require_links(plan.goal_poses, links, of + "goal_poses");
 }
 
+/// Joint by joint.
+json place_joints(PageArrays& arrays, const std::vector<Eigen::VectorXd>& rows, std::size_t joints) {
+  std::vector<float> values;
+  for (std::size_t j = 0; j < joints; ++j)
+    for (const Eigen::VectorXd& row : rows)
+      values.push_back(static_cast<float>(row[static_cast<Eigen::Index>(j)]));
+  return place(arrays.add(std::span<const float>(values)));
+}
+
 /// Of the page's ball colours the orange one, so that balls to paint stand out of those that are painted.
 constexpr float kPaintColour = 2.0F;
 
 json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
   require_sizes(plan, links);
-  std::vector<float> joints, poses, clearance, paint;
+  std::vector<float> poses, clearance, paint;
+  const std::size_t joints = plan.joints.size();
   for (const Sphere& ball : plan.to_paint) {
     for (const double value : {ball.center.x(), ball.center.y(), ball.center.z(), ball.radius})
       paint.push_back(static_cast<float>(value));
     paint.push_back(kPaintColour);
   }
-  for (std::size_t j = 0; j < plan.joints.size(); ++j)
-    for (const Eigen::VectorXd& q : plan.waypoints)
-      joints.push_back(static_cast<float>(q[static_cast<int>(j)]));
   for (const Poses& at : plan.link_poses)
     for (const Eigen::Isometry3d& pose : at) append_pose(poses, pose);
   for (const double c : plan.clearance)
@@ -195,9 +212,15 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"joints", plan.joints},
           {"prismatic", plan.is_prismatic},
           {"period", plan.period},
+          {"duration", plan.duration},
+          {"maxSpeed", plan.max_speed},
+          {"maxAcceleration", plan.max_acceleration},
+          {"security", plan.security_distance},
           {"waypoints", plan.waypoints.size()},
           {"links", plan.link_poses.empty() ? 0 : plan.link_poses.front().size()},
-          {"values", place(arrays.add(std::span<const float>(joints)))},
+          {"values", place_joints(arrays, plan.waypoints, joints)},
+          {"speeds", place_joints(arrays, plan.speeds, joints)},
+          {"accelerations", place_joints(arrays, plan.accelerations, joints)},
           {"poses", place(arrays.add(std::span<const float>(poses)))},
           {"clearance", place(arrays.add(std::span<const float>(clearance)))},
           {"figures", figures_json(plan.figures)},

@@ -42,8 +42,14 @@ struct PagePlan {
   std::vector<Eigen::VectorXd> waypoints;  ///< joint values; may be empty when no path was found
   std::vector<std::vector<Eigen::Isometry3d>> link_poses;  ///< map_from_link, per waypoint and link
   std::vector<double>
-      clearance;        ///< metres, below zero in contact; not finite = not known, left out of the plot
-  double period = 0.0;  ///< s between two waypoints; 0: the plan has no time
+      clearance;          ///< metres, below zero in contact; not finite = not known, left out of the plot
+  double period = 0.0;    ///< s between two waypoints, less before the last one; 0: the plan has no time
+  double duration = 0.0;  ///< s, of the whole motion
+  /// With time: of each joint at each waypoint, rad/s (m/s), and the change of speed since the waypoint
+  /// before, of several in between the greatest, rad/s^2 (m/s^2). Else empty.
+  std::vector<Eigen::VectorXd> speeds, accelerations;
+  std::vector<double> max_speed, max_acceleration;  ///< limits of each joint, of a plan with time
+  double security_distance = 0.0;                   ///< m: what was to be kept; 0: nothing was said
   std::vector<PageFigure> figures;
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame
   std::vector<Sphere> to_paint;           ///< where more paint would connect the ends; map frame

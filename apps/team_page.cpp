@@ -5,6 +5,7 @@
 
 #include "apps/map_page.hpp"
 #include "apps/parse.hpp"
+#include "apps/plan_motion.hpp"
 #include "planning/joined_robot.hpp"
 
 namespace clearway {
@@ -12,12 +13,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_waypoints = 1500;
-
 Robot joined_robot_of(const Team& team) {
   std::vector<std::pair<std::string, Robot>> robots;
   for (const TeamRobot& robot : team.robots) robots.emplace_back(robot.name, robot.space->robot());
   return joined_robot(robots);
+}
+
+/// The least that any robot saw from sample `first` on, before sample `end`, m.
+double least_separation(const TeamRun& run, std::size_t first, std::size_t end) {
+  double least = run.figures.influence_distance;
+  for (const TeamTrace& trace : run.traces)
+    for (std::size_t k = first; k < std::min(end, trace.separations.size()); ++k)
+      least = std::min(least, trace.separations[k]);
+  return least;
 }
 
 Configuration joined_at(const TeamRun& run, std::size_t k) {
@@ -92,7 +100,7 @@ ReportPage page_of_team(const Team& team, const Snapshot& map, const std::string
 }
 
 PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& verdict,
-                     const CompareRun& found, const std::string& label) {
+                     const CompareRun& found, double max_acceleration, const std::string& label) {
   const Robot robot = joined_robot_of(team);
   PagePlan plan;
   plan.name = label;
@@ -105,20 +113,19 @@ PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& ve
     plan.joints.push_back(joint.name);
     plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
   }
-  const std::size_t stride = run.steps() / most_waypoints + 1;
-  plan.period = run.period * static_cast<double>(stride);
-  std::vector<std::size_t> shown;
-  for (std::size_t k = 0; k <= run.steps(); k += stride) shown.push_back(k);
-  if (shown.back() != run.steps()) shown.push_back(run.steps());
-  for (const std::size_t k : shown) {
-    const Configuration q = joined_at(run, k);
-    plan.waypoints.push_back(q);
-    plan.link_poses.push_back(poses_of(team, robot, q, static_cast<double>(k) * run.period));
-    double least = run.figures.influence_distance;
-    for (const TeamTrace& trace : run.traces)
-      for (std::size_t i = k; i < std::min(k + stride, trace.separations.size()); ++i)
-        least = std::min(least, trace.separations[i]);
-    plan.clearance.push_back(least);
+  std::vector<Configuration> positions;
+  std::vector<Eigen::VectorXd> velocities;
+  for (std::size_t k = 0; k <= run.steps(); ++k) {
+    positions.push_back(joined_at(run, k));
+    velocities.push_back((positions[k] - positions[k > 0 ? k - 1 : 0]) / run.period);
+  }
+  plan.security_distance = run.figures.security_distance;
+  const auto shown = show_motion(plan, robot, positions, velocities, run.period, max_acceleration);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const double time = static_cast<double>(shown[i]) * run.period;
+    plan.link_poses.push_back(poses_of(team, robot, positions[shown[i]], time));
+    plan.clearance.push_back(
+        least_separation(run, shown[i], i + 1 < shown.size() ? shown[i + 1] : shown[i] + 1));
   }
   plan.start_poses = poses_of(team, robot, ends(team, false), 0.0);
   plan.goal_poses = poses_of(team, robot, ends(team, true), 0.0);
@@ -129,9 +136,8 @@ PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& ve
       {"between", verdict.between.empty() ? "-" : verdict.between},
       {"security distance", millimetres(run.figures.security_distance)},
       {"influence distance", millimetres(run.figures.influence_distance)},
-      {"joint speed, at most", significant(100.0 * verdict.greatest_speed_share) + " % of the limit"},
-      {"acceleration, at most",
-       significant(100.0 * verdict.greatest_acceleration_share) + " % of the limit"}};
+      {"top joint speed", significant(100.0 * verdict.greatest_speed_share, 3) + " % of limit"},
+      {"top acceleration", significant(100.0 * verdict.greatest_acceleration_share, 3) + " % of limit"}};
   return plan;
 }
 

@@ -12,11 +12,10 @@ namespace clearway {
 /// @param map of the first robot, whose voxels are shown
 ReportPage page_of_team(const Team& team, const Snapshot& map, const std::string& title);
 
-/// A run as the page animates it: at most 1,500 waypoints, evenly in time but for the last, with separations
-/// and figures.
-/// @param found what compare makes of it
+/// A run as the page animates it, as show_motion has it, with separations and figures.
+/// @param found what compare makes of it @param max_acceleration the limit of every joint, rad/s^2 or m/s^2
 PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& verdict,
-                     const CompareRun& found, const std::string& label);
+                     const CompareRun& found, double max_acceleration, const std::string& label);
 
 /// All that moved, sample by sample, and what the check found: one JSON object.
 std::string team_json(const Team& team, const TeamRun& run, const TeamVerdict& verdict,

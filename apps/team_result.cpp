@@ -56,13 +56,10 @@ std::map<std::string, double> statistics_of(const TeamTrace& trace) {
 
 CompareTeamRun figures_of(const TeamRun& run, const TeamVerdict& verdict, double unseen) {
   CompareTeamRun figures;
-  figures.motion_time = static_cast<double>(run.steps()) * run.period;
   figures.security_distance = run.figures.security_distance;
   figures.step_bound = run.step_bound() + unseen;
   figures.obstacle_speed = run.figures.greatest_obstacle_speed;
   figures.between_robots = verdict.between_robots;
-  figures.speed = verdict.greatest_speed_share;
-  figures.acceleration = verdict.greatest_acceleration_share;
   figures.outrun = run.outrun;
   return figures;
 }
@@ -76,6 +73,8 @@ CompareRun team_result(const Team& team, const TeamRun& run, const TeamVerdict& 
   found.explanation = run.explanation;
   found.team = figures_of(run, verdict, circumstances.unseen_motion);
   if (run.steps() == 0) return found;
+  found.motion = {static_cast<double>(run.steps()) * run.period, verdict.greatest_speed_share,
+                  verdict.greatest_acceleration_share};
   found.statistics = statistics_of(run);
   found.check = check_word(run, verdict, circumstances);
   if (found.check == "refused") found.contact = contact_of(verdict);

@@ -1,7 +1,6 @@
 #include "planning/trajectory.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -75,9 +74,9 @@ std::vector<Edge> edges_of(const Robot& robot, const std::vector<Configuration>&
   return edges;
 }
 
-/// Shares of `a` that are tried, largest first. Jumps add up to at most 1.5 times what is tried in a period
-/// (slow_for_corners), so that the last one always keeps `a`.
-constexpr std::array shares_of_acceleration = {1.0, 0.85, 0.7, 0.55, 0.4};
+/// Jumps add up to at most 1.5 times the acceleration of edges in a period (slow_for_corners), so that with
+/// this share of `a` a motion keeps all of it.
+constexpr double certain_share = 0.4;
 
 /// The rule at waypoints. A jump is (path speed) * turn. Bounds the speed at the ends by a T / turn, and
 /// on each edge so that a jump at its ends is at most a/2 times the time spent on it: either it takes two
@@ -230,12 +229,12 @@ LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory, const
 Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypoints,
                      const TrajectoryOptions& options) {
   check(robot, waypoints, options);
-  Trajectory trajectory;
-  for (const double share : shares_of_acceleration) {
-    trajectory = timed(robot, waypoints, options, share);
-    if (greatest_change(trajectory) <= options.max_acceleration * (1.0 + 1e-9)) break;
+  for (double share = 1.0;;) {
+    Trajectory trajectory = timed(robot, waypoints, options, share);
+    const double used = greatest_change(trajectory) / options.max_acceleration;
+    if (used <= 1.0 + 1e-9 || share == certain_share) return trajectory;
+    share = std::max(certain_share, share * std::clamp(1.0 / used, 0.75, 0.95));
   }
-  return trajectory;
 }
 
 }  // namespace clearway

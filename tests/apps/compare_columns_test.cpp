@@ -158,6 +158,11 @@ TEST_F(CompareColumns, TellOfLocalPlannersWhatTheirPlansTell) {
     for (const char* name : {"step_bound_m", "obstacle_speed_m_s", "safe", "outrun"})
       EXPECT_TRUE(run.at(name).is_null()) << name;
     EXPECT_EQ(run.at("solved_by").is_null(), run.at("planner") != "boundary_plus");
+    ASSERT_EQ(run.at("motion_time_s").is_null(), run.at("valid") == 0);
+    if (run.at("valid") == 0) continue;
+    EXPECT_GT(run.at("motion_time_s"), 2.5) << "the disc goes 2.5 m at 1 m/s at most";
+    EXPECT_LE(run.at("speed_share"), 1.0 + 1e-9);
+    EXPECT_LE(run.at("acceleration_share"), 1.0 + 1e-9);
   }
   EXPECT_GT(found[1].at("deadlocks"), 0) << "boundary";
 }

@@ -76,6 +76,39 @@ TEST_F(ReportPageInChromium, KeepsTextAndTablesWhenTheArraysCannotBeUnpacked) {
   EXPECT_NE(dom.find("ambiguous pose"), std::string::npos);
 }
 
+TEST_F(ReportPageInChromium, ShowsAPlanInTimeWithSpeedsAndAccelerationsAgainstTheirLimits) {
+  const std::string html = render_report_page(SamplePage::make_timed());
+  const std::string half = open(html, "#nowebgl&plan=3&t=0.5");
+  EXPECT_EQ(attribute(half, "errors"), "0") << errors(half);
+  EXPECT_EQ(attribute(half, "plots"), "4") << "joints, separation, speeds, accelerations";
+  EXPECT_NE(half.find("1.46 / 2.92 s"), std::string::npos) << "the slider is in seconds";
+  EXPECT_NE(half.find("d_s 0.0200 m"), std::string::npos);
+  const std::string fast = open(html, "#nowebgl&plan=3&t=" + std::to_string(1.5 / 2.92));
+  EXPECT_NE(fast.find("<span id=\"speed-now\" class=\"now bad\">shoulder -1.8 rad/s, 120 %"),
+            std::string::npos)
+      << "a speed over its limit is told, and told to be bad";
+  EXPECT_NE(open(html, "#nowebgl&plan=3&t=1").find("2.92 / 2.92 s"), std::string::npos);
+  EXPECT_EQ(attribute(open(html, "#nowebgl&plan=1"), "plots"), "2") << "a plan without time";
+}
+
+/// Frames come from a timer, since a browser that only dumps the document draws none.
+TEST_F(ReportPageInChromium, PlaysAPlanWithTimeAsFastAsTheRobotMoves) {
+  std::string html = render_report_page(SamplePage::make_timed());
+  html.insert(
+      html.find("<script type=\"application/json\""),
+      "<script>window.requestAnimationFrame = (frame) => setTimeout(() => frame(performance.now()), 16);"
+      "const shown = () => document.getElementById('time-text').textContent;"
+      "const wait = setInterval(() => { if (!document.body.dataset.ready) return; clearInterval(wait);"
+      "document.getElementById('play').click(); const begin = performance.now();"
+      "const look = (now) => { if (now - begin < 1000) return requestAnimationFrame(look);"
+      "document.body.dataset.after = ((now - begin) / 1000 - parseFloat(shown())).toFixed(3); };"
+      "requestAnimationFrame(look); }, 50);</script>");
+  const std::string dom = open(html, "#plan=3");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  ASSERT_NE(attribute(dom, "after"), "") << "it never played";
+  EXPECT_NEAR(std::stod(attribute(dom, "after")), 0.0, 0.15) << "wall time less time of the motion, s";
+}
+
 /// A page that holds `html` in a frame as wide as a phone (headless Chromium's own windows are not narrower
 /// than 500 pixels) and, once that is ready, takes over what its body says.
 std::string in_a_phone(const std::string& html) {

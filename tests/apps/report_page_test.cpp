@@ -174,6 +174,14 @@ TEST(ReportPage, RefusesSizesAndIndicesThatDisagreeAndNamesTheField) {
   refused([](ReportPage& p) { p.plans[0].link_poses.pop_back(); }, "link_poses");
   refused([](ReportPage& p) { p.plans[1].link_poses[3].pop_back(); }, "link_poses");
   refused([](ReportPage& p) { p.plans[0].waypoints[2].resize(3); }, "waypoints");
+  const auto timed = [](ReportPage& p) -> PagePlan& {
+    p = SamplePage::make_timed();
+    return p.plans[3];
+  };
+  refused([&](ReportPage& p) { timed(p).speeds.pop_back(); }, "speeds");
+  refused([&](ReportPage& p) { timed(p).accelerations[4].resize(5); }, "accelerations");
+  refused([&](ReportPage& p) { timed(p).max_speed.clear(); }, "max_speed");
+  refused([](ReportPage& p) { p.plans[0].speeds = {Eigen::VectorXd::Zero(6)}; }, "speeds");
   refused([](ReportPage& p) { p.plans[0].is_prismatic.clear(); }, "is_prismatic");
   refused([](ReportPage& p) { p.plans[2].goal_poses.resize(2); }, "goal_poses");
   refused([](ReportPage& p) { p.robot[5].triangles[0][1] = 5; }, "triangles");

@@ -16,6 +16,24 @@ class SamplePage {
  public:
   static ReportPage make() { return SamplePage().page_; }
 
+  /// The same with a fourth plan that has time: 60 waypoints, 0.05 s apart but for the last, after 2.92 s.
+  static ReportPage make_timed() {
+    ReportPage page = make();
+    PagePlan& timed = page.plans.emplace_back(plan("boundary in time", 60, 0.6, 0.012));
+    timed.period = 0.05;
+    timed.duration = 58 * 0.05 + 0.02;
+    timed.security_distance = 0.02;
+    timed.max_speed = {1.0, 1.5, 2.0, 2.5, 3.0, 0.5};
+    timed.max_acceleration.assign(6, 5.0);
+    for (std::size_t i = 0; i < timed.waypoints.size(); ++i) {
+      const Eigen::VectorXd before = timed.waypoints[i > 0 ? i - 1 : 0];
+      timed.speeds.push_back((timed.waypoints[i] - before) / timed.period);
+      timed.accelerations.push_back((timed.speeds[i] - timed.speeds[i > 0 ? i - 1 : 0]) / timed.period);
+    }
+    timed.speeds[30][1] = -1.8;  // too fast: 120 %
+    return page;
+  }
+
  private:
   static constexpr double kVoxel = 0.02;
 

@@ -27,8 +27,12 @@ export interface Plan {
   name: string; planner: string; status: string; explanation: string;
   joints: string[]; prismatic: boolean[];
   waypoints: number; links: number;
-  period: number;    // s between waypoints; 0: the plan has no time
+  period: number;    // s between waypoints, less before the last one; 0: the plan has no time
+  duration: number;  // s
   values: Place;     // joint by joint
+  speeds: Place; accelerations: Place;  // of a plan with time, as values; rad/s (m/s), rad/s² (m/s²)
+  maxSpeed: number[]; maxAcceleration: number[];  // of each joint
+  security: number;  // m, to be kept from obstacles; 0: nothing was said
   poses: Place;      // waypoint by waypoint, link by link: x y z qx qy qz qw
   clearance: Place;  // metres, NaN = not known
   figures: Figure[];

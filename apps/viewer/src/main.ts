@@ -50,7 +50,7 @@ async function show(): Promise<void> {
   let choose = (index: number) => showPlan(page.plans[index], index);
   showPlanList(page.plans, (index) => choose(index));
   const first = Math.min(options.plan, page.plans.length - 1);
-  if (first >= 0) playback.reset(page.plans[first].waypoints, page.plans[first].period, 0);  // so that the view gets its size at once
+  if (first >= 0) playback.reset(page.plans[first], 0);  // so that the view gets its size at once
 
   const arrays = await readArrays().catch((error: Error) => { sayInView(error.message); return null; });
   const map = arrays && openMap(page, arrays);
@@ -63,7 +63,7 @@ async function show(): Promise<void> {
     showPlan(page.plans[index], index);
     map?.showPlan(page.plans[index]);
     plots?.show(page.plans[index]);
-    playback.reset(plots ? page.plans[index].waypoints : 0, page.plans[index].period, index === options.plan ? options.time : 0);
+    playback.reset(plots ? page.plans[index] : { ...page.plans[index], waypoints: 0 }, index === options.plan ? options.time : 0);
   };
   if (first >= 0) choose(first);
 

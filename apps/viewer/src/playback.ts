@@ -1,6 +1,8 @@
 // Time along a plan, in waypoints: the slider, play and pause, the keyboard.
 
+import type { Plan } from "./data";
 import { byId } from "./dom";
+import { TimeScale } from "./time_plot";
 
 /// A whole plan without time takes this long at speed 1, seconds.
 const duration = (waypoints: number) => Math.min(12, Math.max(3, 0.06 * waypoints));
@@ -11,7 +13,8 @@ export class Playback {
   private readonly slider = byId<HTMLInputElement>("time");
   private readonly button = byId<HTMLButtonElement>("play");
   private last = 0;     // waypoints - 1
-  private period = 0;   // s between waypoints; 0: no time
+  private scale = new TimeScale(0, 0, 0);
+  private hasTime = false;
   private time = 0;
   private playing = false;
   private before = 0;   // time stamp of the frame before
@@ -32,21 +35,22 @@ export class Playback {
     this.pause();
   }
 
-  /// Starts over with a plan of `waypoints`, `period` seconds apart (0: it has no time), at `share` (0 to 1) of it.
-  reset(waypoints: number, period: number, share: number): void {
+  /// Starts over with a plan, at `share` (0 to 1) of it; of a plan with time, of its time.
+  reset(plan: Plan, share: number): void {
     this.pause();
-    this.period = period;
-    this.last = Math.max(0, waypoints - 1);
-    this.bar.hidden = waypoints < 2;
+    this.scale = TimeScale.of(plan);
+    this.hasTime = plan.period > 0;
+    this.last = Math.max(0, plan.waypoints - 1);
+    this.bar.hidden = plan.waypoints < 2;
     this.slider.max = String(this.last);
-    this.seek(share * this.last);
+    this.seek(this.hasTime ? this.scale.time(share * plan.duration) : share * this.last);
   }
 
   seek(time: number): void {
     this.time = Math.min(this.last, Math.max(0, time));
     this.slider.value = String(this.time);
     this.slider.style.setProperty("--share", `${this.last > 0 ? 100 * this.time / this.last : 0}%`);
-    byId("time-text").textContent = this.period > 0 ? `${(this.time * this.period).toFixed(2)} / ${(this.last * this.period).toFixed(2)} s`
+    byId("time-text").textContent = this.hasTime ? `${this.scale.x(this.time).toFixed(2)} / ${this.scale.x(this.last).toFixed(2)} s`
       : `${(this.time + 1).toFixed(1)} / ${this.last + 1}`;
     this.onTime(this.time);
   }
@@ -72,8 +76,8 @@ export class Playback {
     const elapsed = this.before > 0 ? Math.min(0.1, (now - this.before) / 1000) : 0;
     this.before = now;
     const speed = Number(byId<HTMLSelectElement>("speed").value);
-    const whole = this.period > 0 ? this.period * this.last : duration(this.last + 1);
-    this.seek(this.time + speed * elapsed * this.last / whole);
+    const passed = speed * elapsed;  // s; with time the robot moves as fast as it would
+    this.seek(this.hasTime ? this.scale.time(this.scale.x(this.time) + passed) : this.time + passed * this.last / duration(this.last + 1));
     if (this.time >= this.last) return this.pause();
     requestAnimationFrame((next) => this.step(next));
   }
