@@ -22,6 +22,22 @@ struct LiveControl::Map {
   Map* next = nullptr;    ///< given back before
 };
 
+namespace {
+
+/// More rows than an arm between obstacles has.
+constexpr int rows_foreseen = 256;
+
+/// So that the loop finds the program's memory large enough, and the cubes about the robot remembered.
+void run_once(ControlStep& control, const Configuration& q) {
+  control.look(q);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(q.size()), row = Eigen::VectorXd::Ones(q.size());
+  for (int i = 0; i < rows_foreseen; ++i)
+    control.add({row.data(), static_cast<std::size_t>(row.size())}, 1.0);
+  control.solve(nothing);
+}
+
+}  // namespace
+
 LiveControl::LiveControl(DamperOptions damper, const LiveOptions& options)
     : damper_(std::move(damper)), options_(options) {
   if (!(options_.max_age > Duration::zero()))
@@ -41,8 +57,7 @@ std::uint64_t LiveControl::publish(ConfigurationSpace space, Time taken) {
   if (const Map* latest = returned_.load(std::memory_order_acquire)) expected_ = latest->left_at;
   auto map = std::make_unique<Map>(std::move(space), damper_, taken);
   map->number = published_ + 1;
-  map->control.look(expected_);  // what grows has grown, and the cubes nearby are remembered
-  map->control.solve(Eigen::VectorXd::Zero(expected_.size()));
+  run_once(map->control, expected_);
   ++published_;
   delete newest_.exchange(map.release(), std::memory_order_acq_rel);
   collect();

@@ -25,9 +25,10 @@ struct LiveOptions {
 /// Hands what a control loop needs of the newest map from the one thread that maps to the one that controls.
 /// The mapping thread brings the space up to date, makes a ControlStep for it and runs it once where the
 /// robot was last seen; the loop exchanges a pointer between two steps. It never waits, also not while the
-/// mapping thread is stopped half way, and never frees: what it is done with it gives back, and the mapping
-/// thread takes it apart with its next map. At most three maps live at a time: the loop's, and two that are
-/// made, wait for it or were given back.
+/// mapping thread is stopped half way, and takes nothing apart: what it is done with it gives back, and the
+/// mapping thread takes it apart with its next map. Fetching allocates and frees nothing; a step's lists may
+/// grow a little where more is near than where the map was made ready. At most three maps live at a time: the
+/// loop's, and two that are made, wait for it or were given back.
 ///
 /// The loop goes on with the map it has and knows its age. Without a map, or with one older than max_age,
 /// `step` brakes: along the last step, shorter and shorter, still within the rows of the map it has. It goes
