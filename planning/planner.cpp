@@ -10,6 +10,7 @@
 #include "planning/boundary_sides.hpp"
 #include "planning/constraint.hpp"
 #include "planning/nearest_name.hpp"
+#include "planning/ompl_planners.hpp"
 #include "planning/painted_parts.hpp"
 #include "planning/rrtconnect.hpp"
 #include "planning/rrtconnect_fcl.hpp"
@@ -20,6 +21,11 @@ namespace {
 template <typename P>
 std::unique_ptr<Planner> make(const PlannerOptions& options) {
   return std::make_unique<P>(options);
+}
+
+template <OmplAlgorithm algorithm>
+std::unique_ptr<Planner> make_of_ompl(const PlannerOptions& options) {
+  return std::make_unique<OmplPlanner>(algorithm, options);
 }
 
 /// Why `q` cannot be an end of a path; empty when it can.
@@ -58,6 +64,8 @@ const std::vector<PlannerEntry>& planner_table() {
        make<BeamGuided>},
       {"beam_reference", "the same, every neighbour checked: slow and obvious, for comparison",
        make<BeamReference>},
+      {"bitstar", "BIT* of OMPL, with certified edges: improves its path until samples or time are out",
+       make_of_ompl<OmplAlgorithm::bitstar>},
       {"boundary", "constraint method with boundary following (Lahouar et al. 2006)", make<Boundary>},
       {"boundary_plus",
        "local method and boundary following in several planes, then a hand-over to sampled trees (ours)",
@@ -65,9 +73,13 @@ const std::vector<PlannerEntry>& planner_table() {
       {"boundary_sides", "the same on both sides and with both leave ratios, until one succeeds (ours)",
        make<BoundarySides>},
       {"constraint", "the local step of boundary alone: stops at the first deadlock", make<Constraint>},
+      {"est", "EST of OMPL, with certified edges", make_of_ompl<OmplAlgorithm::est>},
+      {"prm", "PRM of OMPL, with certified edges", make_of_ompl<OmplAlgorithm::prm>},
       {"rrtconnect", "RRT-Connect of OMPL, with certified edges", make<RrtConnect>},
       {"rrtconnect_fcl", "RRT-Connect of OMPL as most people run it: FCL on an octree, edges not certified",
        make<RrtConnectFcl>},
+      {"rrtstar", "RRT* of OMPL, with certified edges: improves its path until samples or time are out",
+       make_of_ompl<OmplAlgorithm::rrtstar>},
   };
   return table;
 }

@@ -4,7 +4,10 @@
 #include <ompl/datastructures/NearestNeighborsLinear.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 
+#include "planning/any_angle.hpp"
 #include "planning/ompl_query.hpp"
+#include "planning/path_pieces.hpp"
+#include "planning/shortcut.hpp"
 
 namespace clearway {
 
@@ -26,6 +29,28 @@ TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
   result.samples = query.samples;
   result.configurations = query.configurations;
   result.edges = query.edges;
+  return result;
+}
+
+PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePath found,
+                     const Eigen::VectorXd& weight, int shortcuts) {
+  PlanResult result = ends;
+  std::vector<Configuration> path = std::move(found.waypoints);
+  if (path.size() > 2) path = shortcut(problem.space, std::move(path), weight, problem.seed, shortcuts);
+  result.configurations_checked += found.configurations;
+  result.edges_checked = found.edges;
+  result.statistics = {{"samples", found.samples}};
+  if (path.empty() || !is_certified(problem.space, path, result.edges_checked)) {
+    result.status = found.out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
+    result.final_distance = (problem.goal - problem.start).norm();
+    result.explanation = path.empty() ? "No path found with " + std::to_string(found.samples) + " samples."
+                                      : "The path found could not be certified free.";
+    return result;
+  }
+  result.explanation = "Joined start and goal with " + std::to_string(found.samples) + " samples.";
+  result.search_steps = static_cast<int>(path.size()) - 1;
+  result.cost = sampled_cost(problem.cost, path, weight, AnyAngleOptions().cost_step);
+  result.waypoints = std::move(path);
   return result;
 }
 

@@ -33,4 +33,10 @@ struct TreePath {
 /// put back exactly after OMPL's arithmetic: certify the path before it is returned to anyone.
 TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options);
 
+/// What a sampling planner answers that found this path, or none: the path is shortened by so many tries of
+/// `shortcut`, certified once more as a whole, and costed.
+/// @param ends what check_ends said of the problem
+PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePath found,
+                     const Eigen::VectorXd& weight, int shortcuts);
+
 }  // namespace clearway
