@@ -1,7 +1,6 @@
 #include "planning/live_control.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -52,16 +51,25 @@ LiveControl::~LiveControl() {
   delete current_;
 }
 
-std::uint64_t LiveControl::publish(ConfigurationSpace space, Time taken) {
+void LiveControl::TakeApart::operator()(Map* map) const { delete map; }
+
+LiveControl::ReadyMap LiveControl::prepare(ConfigurationSpace space, Time taken) {
   // Only this thread takes maps off the list: the first one is not deleted meanwhile.
   if (const Map* latest = returned_.load(std::memory_order_acquire)) expected_ = latest->left_at;
-  auto map = std::make_unique<Map>(std::move(space), damper_, taken);
-  map->number = published_ + 1;
+  ReadyMap map(new Map(std::move(space), damper_, taken));
   run_once(map->control, expected_);
-  ++published_;
+  return map;
+}
+
+std::uint64_t LiveControl::publish(ReadyMap map) {
+  map->number = ++published_;
   delete newest_.exchange(map.release(), std::memory_order_acq_rel);
   collect();
   return published_;
+}
+
+std::uint64_t LiveControl::publish(ConfigurationSpace space, Time taken) {
+  return publish(prepare(std::move(space), taken));
 }
 
 std::size_t LiveControl::collect() {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 
 #include "planning/control_step.hpp"
 
@@ -52,6 +53,16 @@ class LiveControl {
   /// @param taken when the newest frame in it was taken.
   /// @throws std::invalid_argument, and changes nothing, when the damper does not fit the space's robot.
   std::uint64_t publish(ConfigurationSpace space, Time taken);
+
+  /// The two halves of it: what takes its time, and the hand-over.
+  struct Map;
+  struct TakeApart {
+    void operator()(Map* map) const;
+  };
+  using ReadyMap = std::unique_ptr<Map, TakeApart>;
+  ReadyMap prepare(ConfigurationSpace space, Time taken);
+  std::uint64_t publish(ReadyMap map);  ///< @pre of this object's `prepare`
+
   /// Takes apart what was given back, without a new map. Returns how many.
   std::size_t collect();
 
@@ -76,8 +87,6 @@ class LiveControl {
   bool is_braking() const { return is_braking_; }
 
  private:
-  struct Map;
-
   DamperOptions damper_;
   LiveOptions options_;
   Configuration expected_;  ///< the mapping thread's: where the loop last said that the robot is

@@ -25,8 +25,8 @@ DamperOptions damper(const Robot& robot) {
 /// One depth frame's way into the loop's map. Seconds.
 struct Update {
   double taken = 0.0;  ///< when the camera had it
-  double collect = 0.0, insert = 0.0, snapshot = 0.0, space = 0.0, publish = 0.0;
-  double published = 0.0;  ///< when publish was called
+  double collect = 0.0, insert = 0.0, snapshot = 0.0, space = 0.0, step = 0.0, publish = 0.0;
+  double published = 0.0;  ///< when it was handed over
   std::uint64_t number = 0;
   int known = -1;  ///< the place whose fist is in the map, of this frame's
 };
@@ -49,9 +49,12 @@ Update update(LiveWorld& world, LiveControl& live, const LiveFrame& frame, doubl
   const double ready = steady_seconds();
   if (frame.place >= 0 && has_blocked_voxel(space, world.task.places[static_cast<std::size_t>(frame.place)]))
     done.known = frame.place;
+  const double looked = steady_seconds();
+  LiveControl::ReadyMap next = live.prepare(std::move(space), steady_time(taken));
   done.published = steady_seconds();
-  done.number = live.publish(std::move(space), steady_time(taken));
+  done.number = live.publish(std::move(next));
   done.publish = steady_seconds() - done.published;
+  done.step = done.published - looked;
   done.collect = begin - old;
   done.insert = inserted - begin;
   done.snapshot = shown - inserted;
@@ -83,11 +86,12 @@ Json told(const std::vector<Update>& updates) {
           {"insert_ms", part(&Update::insert)},
           {"snapshot_ms", part(&Update::snapshot)},
           {"space_and_fields_ms", part(&Update::space)},
-          {"control_step_and_hand_over_ms", part(&Update::publish)}};
+          {"control_step_ms", part(&Update::step)},
+          {"hand_over_and_taking_apart_ms", part(&Update::publish)}};
 }
 
-/// From the call of `publish` with the first map that has a fist, and from its frame, until the end of the
-/// first step with a row for it.
+/// From handing over the first map that has a fist, and from its frame, until the end of the first step with
+/// a row for it.
 Json reactions(const std::vector<Update>& updates, const std::vector<LoopTurn>& turns) {
   std::vector<double> published, taken;
   std::size_t never = 0;
