@@ -13,6 +13,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t restart = 400;  ///< turns
+
 double thread_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -84,7 +86,8 @@ LoopLog run_loop(LiveControl& live, const LoopTask& task, bool real_time,
     turn.is_braking = live.is_braking();
     turn.places = places_in_rows(task, live.control().rows());
     q += step;
-    if ((goal - q).norm() < 1e-3 || count % 400 == 399) goal = goal == task.one ? task.other : task.one;
+    if ((goal - q).norm() < 1e-3) goal = goal == task.one ? task.other : task.one;
+    if (count % restart == restart - 1) q = task.one;
   }
   log.turns.resize(count);
   log.involuntary_switches = involuntary_switches() - switches;

@@ -20,7 +20,8 @@ struct LoopTurn {
   bool is_new = false, is_braking = false;  ///< the first with this map
 };
 
-/// A loop that lets an arm sway between two configurations.
+/// A loop that lets an arm sway between two configurations, and puts it back to the first every 400 turns:
+/// what turned up may have pushed it away.
 struct LoopTask {
   Configuration one, other;
   std::vector<Sphere> places;  ///< whose rows are looked for
