@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planning/kinematics.hpp"
 #include "planning/reach.hpp"
 
 namespace clearway {
@@ -38,17 +39,7 @@ ObstacleRow row_between(const Body& body, const Eigen::Isometry3d& map_from_body
 /// n^T J of a point that moves with `link`.
 Eigen::VectorXd rate_of_approach(const Robot& robot, const LinkPoses& map_from_link, int link,
                                  const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
-  for (int i = link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
-    const Link& mover = robot.links[static_cast<std::size_t>(i)];
-    if (mover.joint < 0) continue;
-    const Joint& joint = robot.joints[static_cast<std::size_t>(mover.joint)];
-    const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d axis = mover.multiplier * (pose.linear() * joint.axis);
-    const bool turns = joint.kind == JointKind::revolute;
-    gradient[mover.joint] += normal.dot(turns ? axis.cross(point - pose.translation()) : axis);
-  }
-  return gradient;
+  return jacobian(robot, map_from_link, link, point).topRows<3>().transpose() * normal;
 }
 
 }  // namespace
