@@ -4,9 +4,6 @@
 // by FCL's contact test (LIBCCD: no contact missed in 360,000 measured pairs of shape and voxel).
 
 #include <fcl/geometry/shape/box.h>
-#include <fcl/geometry/shape/capsule.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
@@ -15,24 +12,11 @@
 #include <vector>
 
 #include "apps/bench/arm_worlds.hpp"
+#include "apps/bench/fcl_shape.hpp"
 #include "planning/configuration_space.hpp"
 #include "planning/part_policies.hpp"
 
 namespace clearway::bench {
-
-/// @pre not a convex hull
-inline std::shared_ptr<fcl::CollisionGeometryd> fcl_shape(const Shape& shape) {
-  switch (shape.kind()) {
-    case Shape::Kind::sphere:
-      return std::make_shared<fcl::Sphered>(shape.radius());
-    case Shape::Kind::capsule:
-      return std::make_shared<fcl::Capsuled>(shape.radius(), shape.length());
-    case Shape::Kind::cylinder:
-      return std::make_shared<fcl::Cylinderd>(shape.radius(), shape.length());
-    default:
-      return std::make_shared<fcl::Boxd>(shape.edges());
-  }
-}
 
 /// What each voxel near an arm is, leaf by leaf into a plain array.
 class VoxelGrid {
