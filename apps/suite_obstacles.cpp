@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "apps/suite_dice.hpp"
+#include "apps/suite_draws.hpp"
 #include "apps/suite_reaching.hpp"
 
 namespace clearway {
@@ -125,11 +125,9 @@ class ObstacleDrawer {
   double floor_or(double height) const { return std::max(height, 0.06 * size_); }
 
   void add_box(const char* name, const Vector3d& low, const Vector3d& high) {
-    SceneShape shape;
-    shape.name = std::string(name) + " " + std::to_string(scene_.world.solids.size());
-    shape.geometry = BoxShape{high - low};
-    shape.map_from_shape = map_from_front_ * Eigen::Translation3d((low + high) / 2.0);
-    scene_.world.solids.push_back(shape);
+    std::vector<SceneShape>& solids = scene_.world.solids;
+    solids.push_back(
+        box_between(std::string(name) + " " + std::to_string(solids.size()), map_from_front_, low, high));
   }
 
   /// A bar along `axis`, moved by u and v along the other two.

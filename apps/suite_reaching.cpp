@@ -4,9 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
-#include "apps/suite_dice.hpp"
+#include "apps/suite_draws.hpp"
 #include "apps/suite_world.hpp"
 
 namespace clearway {
@@ -14,15 +13,6 @@ namespace {
 
 constexpr int most_draws = 50000;
 constexpr double widest_tilt = 50.0 * std::numbers::pi / 180.0;
-
-Configuration draw_configuration(const Robot& robot, SuiteDice& dice) {
-  Configuration q(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j) {
-    q[static_cast<Eigen::Index>(j)] = dice.between(std::max(robot.joints[j].lower, -std::numbers::pi),
-                                                   std::min(robot.joints[j].upper, std::numbers::pi));
-  }
-  return q;
-}
 
 /// Which way the hand points: from its link to the tip, map frame.
 Eigen::Vector3d pointing(const Robot& robot, const Configuration& q) {
@@ -101,18 +91,8 @@ ReachingScene draw_reaching(const SuiteGenerator& generator, std::size_t index, 
   scene.map = make_map(scene.world, robot.critical_parts);
   const ConfigurationSpace space(robot, scene.map, policies, {.padding = padding});
   ProblemDrawer drawer(space, scene.regions, SuiteDice(generator.seed, 2 * index + 1));
-  const std::size_t left = static_cast<std::size_t>(generator.count) - index * problems_of_a_scene;
-  for (int draw = 0; scene.problems.size() < std::min(left, problems_of_a_scene); ++draw) {
-    if (draw == most_draws) {
-      throw std::runtime_error(generator.kind + ": no problem found for robot '" + robot.name + "' in " +
-                               std::to_string(most_draws) + " draws");
-    }
-    auto problem = drawer.draw();
-    if (!problem) continue;
-    problem->name = scene.world.name + "." + std::to_string(scene.problems.size() + 1);
-    scene.problems.push_back(std::move(*problem));
-    draw = 0;
-  }
+  scene.problems = draw_problems(generator, index, problems_of_a_scene, most_draws, scene.world.name, robot,
+                                 [&] { return drawer.draw(); });
   return scene;
 }
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
-#include "apps/suite_dice.hpp"
+#include "apps/suite_draws.hpp"
 #include "apps/suite_world.hpp"
 
 namespace clearway {
@@ -36,30 +35,21 @@ ShelfPlan draw_plan(const Robot& robot, SuiteDice& dice) {
   return plan;
 }
 
-SceneShape box(const std::string& name, const Eigen::Isometry3d& map_from_frame, const Eigen::Vector3d& low,
-               const Eigen::Vector3d& high) {
-  SceneShape shape;
-  shape.name = name;
-  shape.geometry = BoxShape{high - low};
-  shape.map_from_shape = map_from_frame * Eigen::Translation3d((low + high) / 2.0);
-  return shape;
-}
-
 void add_shelf(const ShelfPlan& plan, double scale, std::vector<SceneShape>& solids) {
   const double half = columns * plan.column / 2.0, thick = scale * board / 2.0;
   const double top = plan.bottom + rows * plan.row;
   for (int row = 0; row <= rows; ++row) {
     const double z = plan.bottom + row * plan.row;
-    solids.push_back(box("board " + std::to_string(row), plan.map_from_shelf, {0.0, -half, z - thick},
-                         {plan.depth, half, z + thick}));
+    solids.push_back(box_between("board " + std::to_string(row), plan.map_from_shelf, {0.0, -half, z - thick},
+                                 {plan.depth, half, z + thick}));
   }
   for (int column = 0; column <= columns; ++column) {
     const double y = column * plan.column - half;
-    solids.push_back(box("side " + std::to_string(column), plan.map_from_shelf, {0.0, y - thick, 0.0},
-                         {plan.depth, y + thick, top}));
+    solids.push_back(box_between("side " + std::to_string(column), plan.map_from_shelf, {0.0, y - thick, 0.0},
+                                 {plan.depth, y + thick, top}));
   }
-  solids.push_back(
-      box("back", plan.map_from_shelf, {plan.depth, -half, 0.0}, {plan.depth + 2.0 * thick, half, top}));
+  solids.push_back(box_between("back", plan.map_from_shelf, {plan.depth, -half, 0.0},
+                               {plan.depth + 2.0 * thick, half, top}));
 }
 
 /// A floor and four walls around the arm.
@@ -67,11 +57,11 @@ void add_room(const Robot& robot, std::vector<SceneShape>& solids) {
   const double s = robot.scale, front = 1.55 * s, back = -1.25 * s, side = 1.55 * s, top = 2.2 * s;
   const double w = wall * s;
   const Eigen::Isometry3d& base = robot.map_from_base;
-  solids.push_back(box("floor", base, {back, -side, -w}, {front, side, -0.007 * s}));
-  solids.push_back(box("left wall", base, {back, side, 0.0}, {front, side + w, top}));
-  solids.push_back(box("right wall", base, {back, -side - w, 0.0}, {front, -side, top}));
-  solids.push_back(box("front wall", base, {front, -side, 0.0}, {front + w, side, top}));
-  solids.push_back(box("back wall", base, {back - w, -side, 0.0}, {back, side, top}));
+  solids.push_back(box_between("floor", base, {back, -side, -w}, {front, side, -0.007 * s}));
+  solids.push_back(box_between("left wall", base, {back, side, 0.0}, {front, side + w, top}));
+  solids.push_back(box_between("right wall", base, {back, -side - w, 0.0}, {front, -side, top}));
+  solids.push_back(box_between("front wall", base, {front, -side, 0.0}, {front + w, side, top}));
+  solids.push_back(box_between("back wall", base, {back - w, -side, 0.0}, {back, side, top}));
 }
 
 SuiteWorld shelf_world(const std::string& name, double resolution, const Robot& robot,
@@ -103,15 +93,6 @@ Eigen::Isometry3d draw_tip(const ShelfPlan& plan, int compartment, SuiteDice& di
          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
 }
 
-Configuration draw_configuration(const Robot& robot, SuiteDice& dice) {
-  Configuration q(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j) {
-    q[static_cast<Eigen::Index>(j)] = dice.between(std::max(robot.joints[j].lower, -std::numbers::pi),
-                                                   std::min(robot.joints[j].upper, std::numbers::pi));
-  }
-  return q;
-}
-
 /// A problem between two compartments, or none when this draw gave none.
 std::optional<StageProblem> draw_problem(const ConfigurationSpace& space, const ShelfPlan& plan,
                                          SuiteDice& dice) {
@@ -139,18 +120,8 @@ Shelf draw_shelf(const SuiteGenerator& generator, std::size_t index, const Robot
   shelf.world = shelf_world("shelf " + std::to_string(index + 1), generator.resolution, robot, plan);
   shelf.map = make_map(shelf.world, robot.critical_parts);
   const ConfigurationSpace space(robot, shelf.map, policies, {.padding = padding});
-  const std::size_t left = static_cast<std::size_t>(generator.count) - index * problems_of_a_shelf;
-  for (int draw = 0; shelf.problems.size() < std::min(left, problems_of_a_shelf); ++draw) {
-    if (draw == most_draws) {
-      throw std::runtime_error("shelves: no problem found for robot '" + robot.name + "' in " +
-                               std::to_string(most_draws) + " draws");
-    }
-    auto problem = draw_problem(space, plan, dice);
-    if (!problem) continue;
-    problem->name = shelf.world.name + "." + std::to_string(shelf.problems.size() + 1);
-    shelf.problems.push_back(std::move(*problem));
-    draw = 0;
-  }
+  shelf.problems = draw_problems(generator, index, problems_of_a_shelf, most_draws, shelf.world.name, robot,
+                                 [&] { return draw_problem(space, plan, dice); });
   return shelf;
 }
 
