@@ -163,6 +163,10 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("FILE")
       ->check(file_name);
   command
+      ->add_option("--view", options->view, "write a page that shows map and plan in 3D, in time, with plots")
+      ->type_name("FILE.html")
+      ->check(file_name);
+  command
       ->add_option("--trajectory", options->trajectories,
                    "write the motion with time, for a plan that is solved and valid: ros (JointTrajectory "
                    "YAML) or urscript; repeatable")

@@ -59,6 +59,7 @@ struct PlanOptions {
   double time_limit = 60.0;
   std::filesystem::path out;  ///< plan.json; empty: none
   std::filesystem::path csv;
+  std::filesystem::path view;                                     ///< HTML; empty: none
   std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE)
   bool print_options = false;
 };

@@ -1,8 +1,10 @@
+#include <array>
 #include <ostream>
 #include <stdexcept>
 
 #include "apps/advice.hpp"
 #include "apps/commands.hpp"
+#include "apps/map_page.hpp"
 #include "apps/parse.hpp"
 #include "apps/query.hpp"
 #include "apps/table.hpp"
@@ -52,6 +54,31 @@ void save_trajectories(const PlanOptions& options, const Robot& robot, const Pla
   }
 }
 
+/// Where the plan is written to: every file once.
+void require_files(const PlanOptions& options) {
+  const std::array files = {std::pair{"--out", options.out}, std::pair{"--csv", options.csv},
+                            std::pair{"--view", options.view}};
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto& [flag, file] = files[i];
+    if (file.empty()) continue;
+    require_writable(file);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (files[j].second != file) continue;
+      throw std::invalid_argument(std::string(flag) + ": '" + file.string() + "' is the file of " +
+                                  files[j].first + ", too");
+    }
+  }
+}
+
+std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
+                      const Configuration& start) {
+  ReportPage page = page_of_map(space.map(), space.robot().name + ", " + plan.planner);
+  page.subtitle = options.map.string();
+  show_robot(page, space.robot(), start);
+  page.plans.push_back(page_of_plan(plan, space, start, plan.planner));
+  return render_report_page(page);
+}
+
 }  // namespace
 
 int run_plan(const PlanOptions& options, Console& console) {
@@ -70,12 +97,7 @@ int run_plan(const PlanOptions& options, Console& console) {
     goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));
   }
   const Policies policies = choose_policies(options.robot.policies, robot);
-  for (const auto& file : {options.out, options.csv}) {
-    if (!file.empty()) require_writable(file);
-  }
-  if (!options.out.empty() && options.out == options.csv) {
-    throw std::invalid_argument("--csv: '" + options.csv.string() + "' is the file of --out, too");
-  }
+  require_files(options);
   const Snapshot map = load_map(options.map);
 
   const ConfigurationSpace space(robot, map, policies, {.padding = options.robot.padding});
@@ -91,12 +113,14 @@ int run_plan(const PlanOptions& options, Console& console) {
   const std::string text = to_json(plan);
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
+  if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, start));
   save_trajectories(options, robot, plan, console);
   if (console.json) {
     console.out() << text << '\n';
   } else {
     print_rows(console.out(), plan_figures(plan));
     if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
+    if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
     for (const auto& [format, file] : options.trajectories) {
       if (is_solved_and_valid(plan)) console.out() << "  trajectory: " << file << '\n';
     }

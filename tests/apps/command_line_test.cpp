@@ -9,6 +9,9 @@
 
 #include "mapping/free_space_map.hpp"
 #include "mapping/map_file.hpp"
+#include "planning/plan_file.hpp"
+#include "planning/trajectory.hpp"
+#include "tests/apps/page_reader.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -220,6 +223,29 @@ TEST_F(CommandLine, a_solved_plan_is_written_as_a_trajectory_of_its_waypoints) {
       << text.substr(0, 600);
   EXPECT_LT(text.rfind("positions: [1.4, 0.1]\n    velocities: [0.0, 0.0]\n"), text.size());
   EXPECT_EQ(read_file(again), text);
+}
+
+TEST_F(CommandLine, a_plan_is_shown_on_a_page_in_the_time_of_its_trajectory) {
+  const std::string page = folder_.file("plan.html"), file = folder_.file("shown.json");
+  const CommandRun run = plan("-1,0", "1.4,0.1", {"--view", page, "--out", file});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE(run.out.find("page: " + page), std::string::npos);
+  const PageReader reader(read_file(page));
+  const auto& shown = reader.page.at("plans").at(0);
+  EXPECT_EQ(shown.at("status"), "solved");
+  const auto points = time_path(load_robot("point"), load_plan(file).waypoints()).points;
+  ASSERT_EQ(shown.at("waypoints"), points.size());
+  const auto values = reader.array<float>(shown.at("values")),
+             speeds = reader.array<float>(shown.at("speeds"));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    for (std::size_t j = 0; j < 2; ++j) {
+      const auto joint = static_cast<Eigen::Index>(j);
+      EXPECT_EQ(values[j * points.size() + k], static_cast<float>(points[k].position[joint]));
+      EXPECT_EQ(speeds[j * points.size() + k], static_cast<float>(points[k].velocity[joint]));
+    }
+  }
+  expect_refused(plan("-1,0", "1,1", {"--view", page, "--out", page}), exit_bad_input, {"--view", "--out"});
+  EXPECT_EQ(plan("0.5,0", "1,1", {"--view", page}).status, exit_no) << "a plan that fails is shown, too";
 }
 
 TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot_it_does_not_fit) {
