@@ -21,7 +21,7 @@ CREATE TABLE suites(
   git_commit TEXT, host TEXT, processor TEXT, date TEXT, time_s REAL);
 CREATE TABLE experiments(
   id INTEGER PRIMARY KEY, suite INTEGER NOT NULL REFERENCES suites(id), name TEXT NOT NULL, title TEXT, paper TEXT,
-  notes TEXT, robot TEXT, scale REAL, policies TEXT, padding_m REAL, time_limit_s REAL, runs INTEGER,
+  notes TEXT, robot TEXT, scale REAL, policies TEXT, padding_m REAL, payload_kg REAL, gravity TEXT, time_limit_s REAL, runs INTEGER,
   joints TEXT, plots TEXT);
 CREATE TABLE problems(
   id INTEGER PRIMARY KEY, experiment INTEGER NOT NULL REFERENCES experiments(id), name TEXT NOT NULL, world TEXT,
@@ -123,11 +123,11 @@ void insert_all(Database& database, const CompareResults& results) {
                                  results.processor, results.date, results.time});
   for (const CompareExperiment& experiment : results.experiments) {
     const SuiteExperiment& setup = experiment.setup;
-    const std::int64_t id =
-        database.insert("experiments", {suite, setup.name, setup.title, setup.paper, setup.notes,
-                                        experiment.robot_file, experiment.scale, Json(setup.policies),
-                                        setup.padding, number_or_null(experiment.time_limit), setup.runs,
-                                        Json(experiment.joints), Json(setup.plots)});
+    const std::int64_t id = database.insert(
+        "experiments",
+        {suite, setup.name, setup.title, setup.paper, setup.notes, experiment.robot_file, experiment.scale,
+         Json(setup.policies), setup.padding, setup.payload, numbers(setup.gravity),
+         number_or_null(experiment.time_limit), setup.runs, Json(experiment.joints), Json(setup.plots)});
     for (const CompareProblem& problem : experiment.problems) {
       insert_problem(database, id, experiment, problem);
     }

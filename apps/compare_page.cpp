@@ -40,11 +40,23 @@ Json pages_json(const CompareExperiment& experiment) {
   return pages;
 }
 
+/// What the path cost is reckoned with, where that is not the usual.
+std::string loads(const SuiteExperiment& setup) {
+  std::string text;
+  if (setup.payload > 0.0) text += "; payload " + significant(setup.payload) + " kg";
+  if (setup.gravity != SuiteExperiment().gravity) {
+    text += "; gravity (" + significant(setup.gravity.x()) + ", " + significant(setup.gravity.y()) + ", " +
+            significant(setup.gravity.z()) + ") m/s^2";
+  }
+  return text;
+}
+
 std::string team_conditions(const CompareExperiment& experiment) {
   const SuiteTeams& teams = *experiment.setup.teams;
   return experiment.setup.name + ": " + counted(experiment.problems.size(), "team") + "; a step every " +
          significant(1000.0 * teams.period) + " ms, at most " + significant(teams.duration) +
          " s; joints accelerate by at most " + significant(teams.max_acceleration) + " rad/s^2 (m/s^2)" +
+         loads(experiment.setup) +
          (std::isfinite(experiment.time_limit)
               ? "; computed within " + significant(experiment.time_limit) + " s, or ended there"
               : "");
@@ -64,7 +76,7 @@ std::string conditions(const CompareExperiment& experiment) {
   if (experiment.setup.padding > 0.0) {
     text += "; padding " + significant(1000.0 * experiment.setup.padding) + " mm";
   }
-  return text + "; at most " + significant(experiment.time_limit) + " s a leg";
+  return text + loads(experiment.setup) + "; at most " + significant(experiment.time_limit) + " s a leg";
 }
 
 Json experiment_json(const CompareExperiment& experiment) {

@@ -44,7 +44,8 @@ CompareMotion motion_of(const Robot& robot, const std::vector<Configuration>& pa
   return {trajectory.points.back().time, shares.velocity, shares.acceleration};
 }
 
-CompareRun run_of(const Plan& plan, const ConfigurationSpace& space) {
+/// @param cost what the planner reckoned with
+CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathCost& cost) {
   CompareRun run;
   run.seed = plan.seed;
   run.status = plan.status();
@@ -52,7 +53,7 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space) {
   run.check = verdict_of(plan);
   run.contact = plan.validation.first_contact;
   run.length = length_of(plan.waypoints());
-  run.cost = sampled_cost(PathCost(space.robot()), plan.waypoints(), joint_weights(space, 0.0), cost_step);
+  run.cost = sampled_cost(cost, plan.waypoints(), joint_weights(space, 0.0), cost_step);
   run.waypoints = plan.waypoints().size();
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;
@@ -168,8 +169,9 @@ class Runner {
     if (is_shown) page = page_of_problem(*task.stage, problem);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
       for (int number = 1; number <= experiment_.setup.runs; ++number) {
-        const Plan plan = plan_once(*task.stage, problem, i, number);
-        CompareRun run = run_of(plan, task.stage->space);
+        const Query query = query_of(*task.stage, problem, i, number);
+        const Plan plan = plan_once(query, problem, i);
+        CompareRun run = run_of(plan, task.stage->space, path_cost(query));
         run.planner = i;
         run.number = number;
         run.plan_file = save_plan(plan, problem, i, number);
@@ -184,27 +186,31 @@ class Runner {
     return collected_.add(task.stage->index, task.problem, std::move(found), std::move(profiles));
   }
 
-  Plan plan_once(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number) const {
+  Query query_of(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number) const {
+    return {.space = open.space,
+            .robot_name = experiment_.setup.robot,
+            .map_file = open.stage.map_file,
+            .map_digest = open.stage.digest,
+            .start = problem.start,
+            .goals = problem.goals,
+            .planner = experiment_.planners[planner].planner,
+            .options = {},
+            .seed = choice_.seed + static_cast<std::uint64_t>(number - 1),
+            .time_limit = experiment_.time_limit,
+            .payload = experiment_.setup.payload,
+            .gravity = experiment_.setup.gravity};
+  }
+
+  Plan plan_once(const Query& query, const StageProblem& problem, std::size_t planner) const {
     const Planner& maker = *experiment_.makers[planner];
-    const std::uint64_t seed = choice_.seed + static_cast<std::uint64_t>(number - 1);
-    const std::string& label = experiment_.planners[planner].label;
     try {
       // Untimed: what the planner derives from the map.
-      maker.plan({open.space, PathCost(experiment_.robot), problem.start, problem.start, seed});
-      return solve({.space = open.space,
-                    .robot_name = experiment_.setup.robot,
-                    .map_file = open.stage.map_file,
-                    .map_digest = open.stage.digest,
-                    .start = problem.start,
-                    .goals = problem.goals,
-                    .planner = experiment_.planners[planner].planner,
-                    .options = {},
-                    .seed = seed,
-                    .time_limit = experiment_.time_limit},
-                   maker);
+      maker.plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
+      return solve(query, maker);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +
-                                  "', planner '" + label + "': " + error.what());
+                                  "', planner '" + experiment_.planners[planner].label +
+                                  "': " + error.what());
     }
   }
 

@@ -108,7 +108,9 @@ class TeamRunner {
       spaces.emplace(team, given.moving, *sensing, world_, experiment_.setup.policies);
       team.sensed = [&spaces](std::size_t robot, double time) { return spaces->at(robot, time); };
     }
-    TeamCircumstances circumstances{.unseen_motion = unseen_motion(team, sensing)};
+    TeamCircumstances circumstances{.unseen_motion = unseen_motion(team, sensing),
+                                    .gravity = experiment_.setup.gravity};
+    for (const SuiteTeamRobot& robot : given.robots) circumstances.payloads.push_back(robot.payload);
     double time = 0.0;
     const TeamRun run = told(given, planner, [&] {
       const Deadline deadline(experiment_.time_limit);

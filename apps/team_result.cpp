@@ -54,6 +54,12 @@ std::map<std::string, double> statistics_of(const TeamTrace& trace) {
           {"steps_over_acceleration", trace.accelerated}};
 }
 
+PathCost cost_of(const Robot& robot, std::size_t index, const TeamCircumstances& circumstances) {
+  return PathCost(robot,
+                  {.gravity = robot.map_from_base.linear().transpose() * circumstances.gravity,
+                   .payload_mass = circumstances.payloads.empty() ? 0.0 : circumstances.payloads[index]});
+}
+
 CompareTeamRun figures_of(const TeamRun& run, const TeamVerdict& verdict, double unseen) {
   CompareTeamRun figures;
   figures.security_distance = run.figures.security_distance;
@@ -84,7 +90,7 @@ CompareRun team_result(const Team& team, const TeamRun& run, const TeamVerdict& 
   found.min_clearance = verdict.least_separation;
   for (std::size_t i = 0; i < run.traces.size(); ++i) {
     found.length += length_of(run.traces[i].positions);
-    found.cost += PathCost(team.robots[i].space->robot())(run.traces[i].positions);
+    found.cost += cost_of(team.robots[i].space->robot(), i, circumstances)(run.traces[i].positions);
     for (const auto& [name, value] : statistics_of(run.traces[i])) found.statistics[name] += value;
   }
   return found;

@@ -10,6 +10,8 @@ struct TeamCircumstances {
   double unseen_motion = 0.0;  ///< m: how far something that is only sensed moves from when it is seen until
                                ///< the next scan is known
   bool is_cut_short = false;   ///< the clock ended it
+  std::vector<double> payloads = {};         ///< kg at the tip of each robot, full size; none: empty hands
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame
 };
 
 /// What `compare` makes of a run. `check` is

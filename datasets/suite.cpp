@@ -124,8 +124,11 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.paper = fields.text("paper", "");
   experiment.notes = fields.text("notes", "");
   experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
+  experiment.payload = fields.number("payload", not_negative, experiment.payload);
+  if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, experiment);
-  if (experiment.teams && experiment.scale) fields.fail("scale", "expected it beside each robot of a team");
+  for (const char* key : {"scale", "payload"})
+    if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
   if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
   experiment.padding = fields.number("padding", not_negative, experiment.padding);
   experiment.planners = fields.has("planners") ? read_planners(fields) : usual;

@@ -67,6 +67,8 @@ struct SuiteExperiment {
   std::string notes;  ///< why ours differs; may be empty
   std::string robot;  ///< name in datasets/robots or a path; empty for teams
   std::optional<double> scale;
+  double payload = 0;  ///< kg at the tip, full size, for the path cost; of teams beside each robot
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
   std::string world;  ///< of the explicit problems; for teams it may be empty: nothing but the robots
   std::vector<SuiteProblem> problems;
   std::optional<SuiteGenerator> generate;       ///< either this, or world and problems, or teams

@@ -15,6 +15,7 @@ SuiteTeamRobot read_robot(const YamlFields& fields) {
   robot.name = fields.text("name");
   robot.robot = fields.text("robot");
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has_angles("base")) robot.map_from_base = fields.pose("base");
   robot.start = fields.angles("start");
   if (!fields.has_angles("goal")) fields.fail("goal", "expected where robot '" + robot.name + "' shall go");

@@ -17,6 +17,7 @@ struct SuiteTeamRobot {
   std::string name;
   std::string robot;  ///< name in datasets/robots or a path
   std::optional<double> scale;
+  double payload = 0;                              ///< kg at the tip, full size, for the path cost
   std::optional<Eigen::Isometry3d> map_from_base;  ///< left out: the robot's own
   std::vector<double> start, goal;                 ///< rad and m
 };

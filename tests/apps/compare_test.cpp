@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "apps/compare_columns.hpp"
+#include "planning/path_cost.hpp"
 #include "run_command.hpp"
 #include "small_suite.hpp"
 
@@ -313,6 +314,34 @@ TEST_F(CompareJob, MistakesAreToldBeforeAnythingRuns) {
          "none.yaml");
   folder_->write("file", "");
   EXPECT_EQ(compare("file", {}).status, 2);
+}
+
+/// An arm that swings in a vertical plane, with and without a load, by the cost of the path that it took.
+TEST(CompareCosts, AreReckonedWithThePayloadAndGravityOfTheExperiment) {
+  const auto run_with = [](const std::string& keys) {
+    const TemporaryFolder folder;
+    std::string suite = small_suite;
+    suite.replace(suite.find("    robot: planar2"), 18, "    robot: planar2\n" + keys);
+    const CommandRun run = run_command({"compare", folder.write("s.yaml", suite), "--out", folder.file("out"),
+                                        "--experiments", "swing", "--planners", "beam"});
+    EXPECT_EQ(run.status, 0) << run.log;
+    auto found = records(text_of(folder.path() / "out" / "results.csv")).at(0);
+    const auto plan = nlohmann::json::parse(text_of(folder.path() / "out" / found.at("plan")));
+    const Robot robot = load_robot("planar2");
+    const auto gravity = plan.at("gravity").get<std::vector<double>>();
+    const PathCost cost(robot, {.gravity = Eigen::Vector3d(gravity.data()),
+                                .payload_mass = plan.at("payload_kg").get<double>()});
+    std::vector<Configuration> path;
+    for (const auto& q : plan.at("waypoints")) path.emplace_back(Eigen::Vector2d(q[0], q[1]));
+    EXPECT_NEAR(std::stod(found.at("cost_joules")), cost(path), 0.05 * cost(path)) << keys;
+    const std::string html = text_of(folder.path() / "out" / "report.html");
+    EXPECT_EQ(html.find("payload 3 kg") != std::string::npos, keys.find("payload") != std::string::npos);
+    return std::stod(found.at("cost_joules"));
+  };
+  const double usual = run_with(""), upright = run_with("    gravity: [0, -9.81, 0]\n"),
+               loaded = run_with("    gravity: [0, -9.81, 0]\n    payload: 3\n");
+  EXPECT_GT(std::abs(upright - usual), 0.01 * usual);
+  EXPECT_GT(std::abs(loaded - upright), 0.01 * upright);
 }
 
 CompareResults hand_made() {

@@ -16,7 +16,7 @@ struct Passing {
 
   Passing() {
     given.name = "passing";
-    given.robots.push_back({"disc", "point", {}, {}, {0.0, 0.0}, {0.0, 0.0}});
+    given.robots.push_back({"disc", "point", {}, 0.0, {}, {0.0, 0.0}, {0.0, 0.0}});
     SuiteMoving box;
     box.shape.name = "box";
     box.shape.geometry = BoxShape{{0.1, 0.4, 0.1}};

@@ -62,7 +62,7 @@ TEST(SuiteTeams, RandomTeamsKeepTheSecurityDistanceByTheIndependentCheck) {
 TEST(SuiteTeams, ATeamThatDoesNotFitItsRobotsIsToldWithTeamAndRobot) {
   SuiteTeam team;
   team.name = "pair";
-  team.robots.push_back({"left", "arm5", {}, {}, {0.0, 0.0}, {0.0, 0.0}});
+  team.robots.push_back({"left", "arm5", {}, 0.0, {}, {0.0, 0.0}, {0.0, 0.0}});
   try {
     make_team(team, empty_map(), {});
     FAIL();

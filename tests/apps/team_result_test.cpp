@@ -78,6 +78,20 @@ TEST(TeamResult, CallsOutrunWhatIsNotRefusedForOtherReasons) {
   EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
 }
 
+TEST(TeamResult, CostsWhatThePayloadsAndGravityMakeOfTheWay) {
+  Resting resting;
+  resting.run.traces[1].positions.back() = Eigen::Vector2d(1.0, 1.0);
+  const auto cost = [&](const TeamCircumstances& circumstances) {
+    return team_result(resting.team, resting.run, apart(0.06), circumstances).cost;
+  };
+  const Eigen::Vector3d along(0.0, -9.81, 0.0);
+  EXPECT_GT(cost({.gravity = along}), cost({}));
+  EXPECT_GT(cost({.payloads = {0.0, 2.0}, .gravity = along}),
+            cost({.payloads = {2.0, 0.0}, .gravity = along}));
+  EXPECT_EQ(cost({.payloads = {2.0, 0.0}, .gravity = along}), cost({.gravity = along}))
+      << "the first one rests";
+}
+
 TEST(TeamResult, OfARunWithoutAStepHasNothingToCheck) {
   Resting resting;
   for (TeamTrace& trace : resting.run.traces) trace.positions.pop_back();

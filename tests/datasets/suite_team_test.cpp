@@ -12,7 +12,7 @@ namespace {
 const std::string robots = R"(
       robots:
         - {name: left, robot: arm5, base_deg: [1, 2, 3, 0, 0, 90], start: [0, 0, 0, 0, 0], goal_deg: [90, 0, 0, 0, 0]}
-        - {name: right, robot: puma560, scale: 0.5, start: [0, 0, 0, 0, 0, 0], goal: [1, 0, 0, 0, 0, 0]}
+        - {name: right, robot: puma560, scale: 0.5, payload: 1.5, start: [0, 0, 0, 0, 0, 0], goal: [1, 0, 0, 0, 0, 0]}
 )";
 
 std::string suite_with(const std::string& team, const std::string& more = "") {
@@ -21,19 +21,23 @@ std::string suite_with(const std::string& team, const std::string& more = "") {
 }
 
 TEST(SuiteTeam, RobotsAndMovingThingsAreRead) {
-  const Suite suite = parse_suite(suite_with(robots + R"(
+  const Suite suite = parse_suite(
+      suite_with(robots + R"(
       moving:
         - shape: {name: ball, sphere: 0.1}
           repeats: true
           path: [{time: 0, pose: [0, 0, 1, 0, 0, 0]}, {time: 2, pose_deg: [1, 0, 1, 0, 0, 180]}, {time: 3, pose: [0, 0, 1, 0, 0, 0]}]
 )",
-                                             "    period: 0.01\n    duration: 7\n    max_acceleration: 3\n"),
-                                  "test.yaml");
+                 "    period: 0.01\n    duration: 7\n    max_acceleration: 3\n    time_limit: 9\n    "
+                 "gravity: [1, 0, 0]\n"),
+      "test.yaml");
   const SuiteExperiment& experiment = suite.experiments.at(0);
   ASSERT_TRUE(experiment.teams);
   EXPECT_EQ(experiment.teams->period, 0.01);
   EXPECT_EQ(experiment.teams->duration, 7.0);
   EXPECT_EQ(experiment.teams->max_acceleration, 3.0);
+  EXPECT_EQ(experiment.time_limit, 9.0);
+  EXPECT_EQ(experiment.gravity, Eigen::Vector3d(1, 0, 0));
   const SuiteTeam& team = experiment.teams->teams.at(0);
   ASSERT_EQ(team.robots.size(), 2U);
   EXPECT_EQ(team.robots[0].name, "left");
@@ -43,6 +47,8 @@ TEST(SuiteTeam, RobotsAndMovingThingsAreRead) {
   EXPECT_NEAR(team.robots[0].goal[0], std::numbers::pi / 2.0, 1e-12);
   EXPECT_FALSE(team.robots[1].map_from_base);
   EXPECT_EQ(team.robots[1].scale, 0.5);
+  EXPECT_EQ(team.robots[1].payload, 1.5);
+  EXPECT_EQ(team.robots[0].payload, 0.0);
   ASSERT_EQ(team.moving.size(), 1U);
   EXPECT_TRUE(team.moving[0].repeats);
   EXPECT_EQ(std::get<BallShape>(team.moving[0].shape.geometry).radius, 0.1);
@@ -94,6 +100,7 @@ TEST(SuiteTeam, BadTeamsAreToldInASentence) {
   expect_refused(suite_with(robots, "    padding: 0.1\n"), "does not apply to teams");
   expect_refused(suite_with(robots, "    period: 0\n"), "period");
   expect_refused(suite_with(robots, "    scale: 2\n"), "beside each robot of a team");
+  expect_refused(suite_with(robots, "    payload: 2\n"), "beside each robot of a team");
   expect_refused(suite_with(robots, "    generate: {kind: crossings, count: 3}\n"), "expected one of");
 }
 

@@ -51,6 +51,8 @@ experiments:
     runs: 3
     time_limit: 1
     plots: [profiles]
+    payload: 2.5
+    gravity: [0, 9.81, 0]
   - {name: drawn, robot: planar2, generate: {kind: tunnels, count: 12, seed: 5, resolution: 0.05}}
 )";
 
@@ -85,12 +87,16 @@ TEST(Suite, EveryKeyIsRead) {
   EXPECT_EQ(across.runs, 3);
   EXPECT_EQ(across.time_limit, 1);
   EXPECT_EQ(across.plots, std::vector<std::string>{"profiles"});
+  EXPECT_EQ(across.payload, 2.5);
+  EXPECT_EQ(across.gravity, Eigen::Vector3d(0, 9.81, 0));
   const SuiteExperiment& drawn = suite.experiments.at(1);
   EXPECT_EQ(drawn.generate->kind, "tunnels");
   EXPECT_EQ(drawn.generate->count, 12);
   EXPECT_EQ(drawn.generate->seed, 5u);
   EXPECT_EQ(drawn.generate->resolution, 0.05);
   EXPECT_FALSE(drawn.time_limit);
+  EXPECT_EQ(drawn.payload, 0.0);
+  EXPECT_EQ(drawn.gravity, Eigen::Vector3d(0, 0, -9.81));
 }
 
 TEST(Suite, AnExperimentWithoutPlannersTakesTheSuitesAndALabelIsThePlannersName) {
@@ -167,6 +173,8 @@ TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
       {"radius: 0.15, spacing: 0.3", "radius: 0.15, spacing: 1e-9", "spacing: expected"},
       {"radii: [0.1, 0.2]", "radii: [0.2, 0.1]", "the smallest and then the largest radius"},
       {"strokes:\n          - {balls", "strokes:\n          - {ball", "expected either balls, or points"},
+      {"payload: 2.5", "payload: -1", "experiments[0].payload: expected a number from 0"},
+      {"gravity: [0, 9.81, 0]", "gravity: [0, 9.81]", "experiments[0].gravity: expected 3 numbers"},
       {"time_limit: 2.5", "time_limit: -1", "line 4, time_limit: expected a positive number"},
   };
   for (const auto& [from, to, expected] : mistakes) {
