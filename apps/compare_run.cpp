@@ -216,6 +216,7 @@ class Runner {
 
   ReportPage page_of_problem(const OpenStage& open, const StageProblem& problem) const {
     ReportPage page = page_of_map(open.stage.map, experiment_.setup.title + ": " + problem.name);
+    look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
     show_robot(page, experiment_.robot, problem.start);
     return page;
   }

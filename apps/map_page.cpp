@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "apps/parse.hpp"
 #include "apps/plan_motion.hpp"
@@ -104,6 +105,21 @@ void show_map(ReportPage& page, const Snapshot& map) {
       page.balls.push_back({ball.center, ball.radius, static_cast<int>(v)});
     }
   }
+}
+
+void look_from(ReportPage& page, const Snapshot& map, const Eigen::Vector3d& from) {
+  Eigen::Vector3d occupied = Eigen::Vector3d::Zero();
+  double weight = 0.0;
+  const double floor = map.bounds().min().z();
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != VoxelState::occupied) return;
+    occupied += (leaf.center.z() - floor) * leaf.center;  // what is high hides more than what is low
+    weight += leaf.center.z() - floor;
+  });
+  if (weight == 0.0) return;
+  const Eigen::Vector2d aside = (from - occupied / weight).head<2>();
+  if (aside.norm() < 0.1 * map.bounds().sizes().head<2>().norm()) return;
+  page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
 }
 
 void show_robot(ReportPage& page, const Robot& robot, const Configuration& home) {

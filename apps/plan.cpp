@@ -74,6 +74,7 @@ std::string plan_page(const PlanOptions& options, const Plan& plan, const Config
                       const Configuration& start) {
   ReportPage page = page_of_map(space.map(), space.robot().name + ", " + plan.planner);
   page.subtitle = options.map.string();
+  look_from(page, space.map(), space.robot().map_from_base.translation());
   show_robot(page, space.robot(), start);
   page.plans.push_back(page_of_plan(plan, space, start, plan.planner));
   return render_report_page(page);

@@ -1,8 +1,6 @@
 #include "apps/report.hpp"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "apps/inspect_parts.hpp"
 #include "apps/map_page.hpp"
@@ -78,23 +76,6 @@ Json plan_json(const ReplayPlan& entry) {
                       : plan.validation.valid  ? "valid"
                                                : "refused"},
           {"min_clearance_m", plan.validation.min_clearance}};
-}
-
-/// The first view of the page stands beside where the sensors stood, so that no wall hides what they saw.
-void look_from_the_sensors(ReportPage& page, const ReplayReport& report) {
-  Eigen::Vector3d occupied = Eigen::Vector3d::Zero();
-  double leaves = 0.0;
-  report.map.visit_leaves([&](const Voxel& leaf) {
-    if (leaf.state != VoxelState::occupied) return;
-    occupied += leaf.center;
-    leaves += 1.0;
-  });
-  const FusionCounts& counts = report.fusion->counts;
-  if (counts.scans == 0 || leaves == 0.0) return;
-  const Eigen::Vector3d sensors = counts.scan_origin_sum / static_cast<double>(counts.scans);
-  const Eigen::Vector2d aside = (sensors - occupied / leaves).head<2>();
-  if (aside.norm() < 0.1 * report.map.bounds().sizes().head<2>().norm()) return;
-  page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
 }
 
 }  // namespace
@@ -197,7 +178,9 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
       page_of_map(report.map, setup.title.empty() ? report.recording.filename().string() : setup.title);
   page.subtitle = report.recording.filename().string();
   page.figures = report_figures(report);
-  look_from_the_sensors(page, report);
+  const FusionCounts& counts = report.fusion->counts;
+  if (counts.scans > 0)
+    look_from(page, report.map, counts.scan_origin_sum / static_cast<double>(counts.scans));
   page.warnings = report.fusion->warnings;
   if (report.fusion->damage) page.warnings.push_back(*report.fusion->damage);
   if (!report.planning_problem.empty()) page.warnings.push_back(report.planning_problem);
