@@ -3,43 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planning/segment_distance.hpp"
-
 namespace clearway {
 namespace {
 
-CubeGap by_gjk(const Shape& shape, const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
-               double edge, double enough) {
+CubeGap proved_gap(const Shape& shape, const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
+                   double edge, double enough) {
   const DistanceBounds bounds = distance_to_cube(shape, map_from_shape, cube, edge, enough);
   if (bounds.upper <= 0.0) return {};
   return {bounds.lower, bounds.point_a, bounds.direction};
-}
-
-/// A sphere or capsule: the nearest points of its core and the cube, and the plane between them.
-CubeGap of_core(const Shape& shape, const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
-                double half, double rounding) {
-  const double reach = shape.kind() == Shape::Kind::capsule ? shape.length() / 2 : 0.0;
-  const Eigen::Vector3d middle = map_from_shape.translation() - cube;
-  const Eigen::Vector3d axis = reach * map_from_shape.linear().col(2);
-  const Eigen::Vector3d first = middle - axis, last = middle + axis;
-  const NearestPair nearest = segment_to_box(first, last, Eigen::Vector3d::Constant(half));
-  if (nearest.distance <= rounding) return {};
-  const Eigen::Vector3d n = (nearest.b - nearest.a) / nearest.distance;
-  const double apart = -half * n.cwiseAbs().sum() - std::max(n.dot(first), n.dot(last)) - shape.radius();
-  if (apart <= rounding) return {};
-  return {apart - rounding, cube + nearest.a + shape.radius() * n, n};
 }
 
 }  // namespace
 
 CubeGap cube_gap(const Shape& shape, const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
                  double edge, const Eigen::Vector3d& towards, double enough) {
-  if (shape.kind() == Shape::Kind::convex) return by_gjk(shape, map_from_shape, cube, edge, enough);
+  if (shape.kind() != Shape::Kind::cylinder && shape.kind() != Shape::Kind::box)
+    return proved_gap(shape, map_from_shape, cube, edge, enough);
   CubeGap gap;
   constexpr int closely = 4, most = 12;  // looks
   const double half = 0.5 * edge, rounding = 1e-13 * (1.0 + cube.cwiseAbs().maxCoeff());
-  if (shape.kind() == Shape::Kind::sphere || shape.kind() == Shape::Kind::capsule)
-    return of_core(shape, map_from_shape, cube, half, rounding);
   const auto turned = map_from_shape.linear();
   const bool is_cylinder = shape.kind() == Shape::Kind::cylinder;
   const double reach = is_cylinder ? shape.length() / 2 : 0.0;
@@ -69,7 +51,7 @@ CubeGap cube_gap(const Shape& shape, const Eigen::Isometry3d& map_from_shape, co
     if (distance - gap.distance <= within || gap.distance > enough) return gap;
     on_cube = nearest_of_cube(on_body);
   }
-  const CubeGap proved = by_gjk(shape, map_from_shape, cube, edge, enough);
+  const CubeGap proved = proved_gap(shape, map_from_shape, cube, edge, enough);
   return proved.distance > gap.distance ? proved : gap;
 }
 

@@ -14,10 +14,10 @@ struct CubeGap {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, from the body to the cube; zero: they overlap
 };
 
-/// Of spheres and capsules exactly (segment_to_box). Of cylinders and boxes by projecting to and fro between
-/// the two from the cube's point nearest to `towards` (near the body) until little is gained, or they are
-/// proved to be farther apart than `enough`: in the worst case, faces that are nearly parallel, the distance
-/// is up to 1 % of the cube's edge too short. Hulls by distance_to_cube.
+/// Of spheres, capsules and hulls by distance_to_cube. Of cylinders and boxes by projecting to and fro
+/// between the two from the cube's point nearest to `towards` (near the body) until little is gained, or they
+/// are proved to be farther apart than `enough`: in the worst case, faces that are nearly parallel, the
+/// distance is up to 1 % of the cube's edge too short.
 CubeGap cube_gap(const Shape& shape, const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube,
                  double edge, const Eigen::Vector3d& towards, double enough);
 
