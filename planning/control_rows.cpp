@@ -95,6 +95,13 @@ ControlRows::ControlRows(const ConfigurationSpace& space, double influence_dista
   const std::size_t points = balls_.size() + static_cast<std::size_t>(count) + registers;
   for (std::vector<double>* vector : {&x_, &y_, &z_, &clearance_}) vector->resize(points);
   second_gradient_.resize(robot_->dof());
+  // What a look may find at most, as a rule: a loop must not wait for memory.
+  near_.reserve(balls_.size());
+  voxels_.reserve(looks * balls_.size());
+  offsets_.reserve(looks * balls_.size());
+  candidates_.reserve(looks * balls_.size());
+  rows_.reserve(looks * balls_.size() + pairs_.size());
+  gradients_.reserve(robot_->dof() * (looks * balls_.size() + pairs_.size()));
 }
 
 ControlRows::~ControlRows() = default;
