@@ -7,6 +7,7 @@
 
 #include "planning/beam_search.hpp"
 #include "planning/lattice_checks.hpp"
+#include "planning/lattice_poses.hpp"
 #include "planning/neighbour_queue.hpp"
 
 namespace clearway {
@@ -23,6 +24,7 @@ class NearestHeads {
         options_(options),
         paths_(paths),
         checks_(problem.space, lattice),
+        cost_poses_(problem.cost.robot(), lattice, problem.cost.scale()),
         deciding_(checks_.deciding_joints()),
         closed_(static_cast<std::size_t>(lattice.dof()), paths.visited()),
         queue_(lattice, 0.0, &closed_),
@@ -65,6 +67,7 @@ class NearestHeads {
   const BeamOptions& options_;
   const BeamPaths& paths_;
   LatticeChecks checks_;
+  LatticePoses cost_poses_;
   std::size_t deciding_;  ///< joints
   ClosedNodes closed_;    ///< so that the neighbours of a beam along a wall are not checked again and again
   NeighbourQueue queue_;
@@ -143,7 +146,7 @@ std::optional<Head> NearestHeads::admitted(const LatticeIndex& node, std::span<c
   if (closed_.is_closed(node) || !lattice_.keeps_limits(node)) return std::nullopt;
   if (!is_free(node, sources_[static_cast<std::size_t>(sources.front())], counts)) return std::nullopt;
   const Configuration q = lattice_.configuration(node);
-  const Eigen::VectorXd forces = problem_.cost.generalized_forces(q);
+  const Eigen::VectorXd forces = problem_.cost.generalized_forces(cost_poses_.all_at(node));
   ways_.clear();
   for (const int source : sources) {
     const Source& from = sources_[static_cast<std::size_t>(source)];

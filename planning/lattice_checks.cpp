@@ -90,10 +90,11 @@ void LatticeChecks::place_edge(const LatticeIndex& from, const LatticeIndex& to)
     place_link(parent < 0 ? state_.robot.map_from_base : poses[static_cast<std::size_t>(parent)], on_parent,
                poses[link]);
   };
+  go_to(to);
   for (std::size_t link = 0; link < state_.robot.links.size(); ++link) {  // parents first
     place(edge_->begin, link, poses_.at(link, from));
     place(edge_->middle, link, poses_.between(link, from, to));
-    place(edge_->end, link, poses_.at(link, to));
+    edge_->end[link] = pose(link);
   }
 }
 

@@ -5,16 +5,21 @@
 #include <vector>
 
 #include "planning/beam_lattice.hpp"
+#include "planning/kinematics.hpp"
 
 namespace clearway {
 
 /// Poses of links on their parents at the nodes of a lattice and half way between neighbours, from tables
 /// over each joint's indices: bit for bit those of forward_kinematics at the configurations of the nodes, and
-/// at from + 0.5 (to - from). Robot and lattice must outlive it; not for several threads at once.
+/// at from + 0.5 (to - from), prismatic values over `scale`. Robot and lattice must outlive it; not for
+/// several threads at once.
 class LatticePoses {
  public:
-  LatticePoses(const Robot& robot, const Lattice& lattice)
-      : robot_(robot), lattice_(lattice), tables_(3 * robot.links.size()) {}
+  LatticePoses(const Robot& robot, const Lattice& lattice, double scale = 1.0)
+      : robot_(robot), lattice_(lattice), scale_(scale), tables_(3 * robot.links.size()) {}
+
+  /// All links in the map, where these of the last node still hold or anew.
+  const LinkPoses& all_at(const LatticeIndex& node);
 
   /// parent_from_link where the link's joint stands at the node. Holds until the next call.
   const Eigen::Isometry3d& at(std::size_t link, const LatticeIndex& node) {
@@ -48,7 +53,11 @@ class LatticePoses {
 
   const Robot& robot_;
   const Lattice& lattice_;
+  double scale_;
   std::vector<Table> tables_;  ///< link after link: toward -1, 0, 1
+  LinkPoses all_;              ///< at
+  LatticeIndex node_;
+  std::vector<char> moved_;  ///< of each link, from the last node to this
 };
 
 }  // namespace clearway

@@ -56,7 +56,7 @@ void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
   most_ways_ = std::max<std::size_t>(4096, 512 * head_count_);
 }
 
-/// The next band: it holds a few more neighbours, then ever more, up to four times as many as before, by the
+/// The next band: it holds a few more neighbours, then ever more, up to eight times as many as before, by the
 /// volume of a simplex in n dimensions: the first band is a good guess, as a rule.
 void NeighbourQueue::widen() {
   const Head& first = heads_.front();
@@ -65,7 +65,7 @@ void NeighbourQueue::widen() {
   if (band_ <= 0.0)
     band_ = (first.most_rest[0] - first.least_rest[0]) / (4.0 * n);
   else if (begin_ >= 0.0)
-    band_ *= std::exp2(std::min(0.25 * ++widened_, 2.0) / n);
+    band_ *= std::exp2(std::min<double>(++widened_, 3.0) / n);
   end_ = least_ + band_;
   if (!(end_ > begin_)) end_ = most_;  // no such small difference in floating point
 }

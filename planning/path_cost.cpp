@@ -37,10 +37,8 @@ struct JointForces {
   Eigen::VectorXd gravity;   ///< what holds the arm still: -W.(z x rho) or -W.z; |gravity| = F_T r_j or F_T
 };
 
-JointForces joint_forces(const Robot& robot, const CostOptions& options, const Configuration& q) {
-  thread_local LinkPoses poses;  // a search asks for the forces of thousands of configurations
-  thread_local std::vector<Distal> distal;
-  forward_kinematics(robot, q, poses);
+JointForces joint_forces(const Robot& robot, const CostOptions& options, const LinkPoses& poses) {
+  thread_local std::vector<Distal> distal;  // a search asks for the forces of thousands of configurations
   distal_masses(robot, poses, options.payload_mass, distal);
   const auto n = static_cast<Eigen::Index>(robot.dof());
   JointForces forces{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
@@ -86,12 +84,18 @@ Configuration PathCost::full_size(const Configuration& q) const {
 }
 
 Eigen::VectorXd PathCost::generalized_forces(const Configuration& q) const {
-  const JointForces forces = joint_forces(robot_, options_, full_size(q));
+  thread_local LinkPoses poses;
+  forward_kinematics(robot_, full_size(q), poses);
+  return generalized_forces(poses);
+}
+
+Eigen::VectorXd PathCost::generalized_forces(const LinkPoses& poses) const {
+  const JointForces forces = joint_forces(robot_, options_, poses);
   return forces.friction + forces.gravity.cwiseAbs();
 }
 
 Eigen::VectorXd PathCost::gravity_torques(const Configuration& q) const {
-  return joint_forces(robot_, options_, full_size(q)).gravity;
+  return joint_forces(robot_, options_, forward_kinematics(robot_, full_size(q))).gravity;
 }
 
 double PathCost::step_cost(const Eigen::VectorXd& forces_from, const Eigen::VectorXd& forces_to,

@@ -23,6 +23,8 @@ class PathCost {
   /// u_j: torque (Nm) or force (N) magnitude of each joint at q, eq. 8: friction and gravity terms. Never <
   /// 0.
   Eigen::VectorXd generalized_forces(const Configuration& q) const;
+  /// The same for who knows the poses of links of the robot as it is costed, `robot()`, at full_size(q).
+  Eigen::VectorXd generalized_forces(const LinkPoses& poses) const;
   /// The gravity part alone, signed (tau_j such that it holds the arm): for comparison with rigid-body codes.
   Eigen::VectorXd gravity_torques(const Configuration& q) const;
   /// Eq. 9 for one step: sum over joints of mean(u_from, u_to) |dq_j|; for prismatic joints dq at full size.
@@ -31,9 +33,12 @@ class PathCost {
   /// Eq. 9 for a path, summed per waypoint pair.
   double operator()(const std::vector<Configuration>& waypoints) const;
 
- private:
+  /// At full size, its base at the origin: gravity is given in the base's frame.
+  const Robot& robot() const { return robot_; }
+  double scale() const { return scale_; }                 ///< of the robot given
   Configuration full_size(const Configuration& q) const;  ///< prismatic values, or steps, over the scale
 
+ private:
   Robot robot_;  ///< at full size
   CostOptions options_;
   double scale_ = 1.0;

@@ -35,7 +35,32 @@ TEST(LatticePoses, AreThoseOfForwardKinematicsAtNodesAndHalfWayBitForBit) {
         EXPECT_EQ(poses.at(link, from).matrix(), expected(q)) << name << ' ' << link;
         EXPECT_EQ(poses.between(link, from, to).matrix(), expected(middle)) << name << ' ' << link;
       }
+      const LinkPoses& all = poses.all_at(i % 2 == 0 ? from : to);
+      const LinkPoses expected = forward_kinematics(robot, lattice.configuration(i % 2 == 0 ? from : to));
+      for (std::size_t link = 0; link < all.size(); ++link)
+        EXPECT_EQ(all[link].matrix(), expected[link].matrix()) << name << ' ' << link;
     }
+  }
+}
+
+TEST(LatticePoses, GiveTheForcesOfAScaledRobotsCostBitForBit) {
+  Random random(4);
+  const Robot robot = scaled(load_robot("point"), 0.1);
+  const ConfigurationSpace space(robot, VoxelScene{}.snapshot());
+  const PathCost cost(robot);
+  const Configuration start = 0.1 * random.configuration(robot);
+  BeamOptions options;
+  options.step = {0.0013};
+  const Lattice lattice({space, cost, start, start}, options);
+  LatticePoses poses(cost.robot(), lattice, cost.scale());
+  for (int i = 0; i < 100; ++i) {
+    LatticeIndex node(robot.dof());
+    for (int& index : node) index = random.below(101) - 50;
+    const Configuration q = lattice.configuration(node);
+    EXPECT_EQ(cost.generalized_forces(poses.all_at(node)), cost.generalized_forces(q));
+    const LinkPoses expected = forward_kinematics(cost.robot(), cost.full_size(q));
+    for (std::size_t link = 0; link < expected.size(); ++link)
+      EXPECT_EQ(poses.all_at(node)[link].matrix(), expected[link].matrix());
   }
 }
 
