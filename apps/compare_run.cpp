@@ -38,10 +38,13 @@ std::string verdict_of(const Plan& plan) {
 /// ones are judged alike, whatever their planner reckons.
 constexpr double cost_step = 0.05;
 
-CompareMotion motion_of(const Robot& robot, const std::vector<Configuration>& path) {
+/// Nothing for a motion that lasts too long to be sampled.
+std::optional<CompareMotion> motion_of(const Robot& robot, const std::vector<Configuration>& path) try {
   const Trajectory trajectory = time_path(robot, path);
   const LimitShares shares = limit_shares(robot, trajectory);
-  return {trajectory.points.back().time, shares.velocity, shares.acceleration};
+  return CompareMotion{trajectory.points.back().time, shares.velocity, shares.acceleration};
+} catch (const std::invalid_argument&) {
+  return std::nullopt;
 }
 
 /// @param cost what the planner reckoned with

@@ -1,4 +1,4 @@
-#include <array>
+#include <filesystem>
 #include <ostream>
 #include <stdexcept>
 
@@ -56,14 +56,18 @@ void save_trajectories(const PlanOptions& options, const Robot& robot, const Pla
 
 /// Where the plan is written to: every file once.
 void require_files(const PlanOptions& options) {
-  const std::array files = {std::pair{"--out", options.out}, std::pair{"--csv", options.csv},
-                            std::pair{"--view", options.view}};
+  std::vector<std::pair<const char*, std::filesystem::path>> files = {
+      {"--out", options.out}, {"--csv", options.csv}, {"--view", options.view}};
+  for (const auto& [format, file] : options.trajectories) files.emplace_back("--trajectory", file);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const auto& [flag, file] = files[i];
     if (file.empty()) continue;
     require_writable(file);
     for (std::size_t j = 0; j < i; ++j) {
-      if (files[j].second != file) continue;
+      const auto same = [](const std::filesystem::path& path) {
+        return std::filesystem::weakly_canonical(path);
+      };
+      if (same(files[j].second) != same(file)) continue;
       throw std::invalid_argument(std::string(flag) + ": '" + file.string() + "' is the file of " +
                                   files[j].first + ", too");
     }

@@ -9,8 +9,8 @@
 namespace clearway {
 
 /// Gives `plan` time: waypoints, speeds, accelerations and limits of the motion that rests before its first
-/// sample, at most 1,500 of them, evenly in time but for the last one. Speeds are those at the waypoints;
-/// between two of them the greatest acceleration is kept. Returns which samples are shown.
+/// sample, some 1,500 of them at most, evenly in time but for the last one. Speeds are those at the
+/// waypoints; between two of them the greatest acceleration is kept. Returns which samples are shown.
 /// @param robot of all joints @param velocities of each position, rad/s and m/s
 /// @param period s between two positions
 std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,

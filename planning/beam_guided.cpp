@@ -48,8 +48,7 @@ Found beam_leg(const PlanProblem& problem, const Configuration& from, const Conf
     ramp = std::max(ramp, std::abs(to[i] - from[i]) / steps[j]);
   }
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
-  if (*least < 1e-6 || *most > 10.0 || steps.size() > 32)
-    return {};  // no lattice: a joint that does not move
+  if (*least < 1e-6 || *most > 10.0) return {};  // no lattice: a joint that does not move
   const Beam beam({{"width", std::to_string(width)},
                    {"step", to_text(steps)},
                    {"max_steps", std::to_string(static_cast<int>(std::min(1.5 * ramp, 1e6)) + 4)}});

@@ -54,8 +54,7 @@ LiveControl::~LiveControl() {
 void LiveControl::TakeApart::operator()(Map* map) const { delete map; }
 
 LiveControl::ReadyMap LiveControl::prepare(ConfigurationSpace space, Time taken) {
-  // Only this thread takes maps off the list: the first one is not deleted meanwhile.
-  if (const Map* latest = returned_.load(std::memory_order_acquire)) expected_ = latest->left_at;
+  collect();
   ReadyMap map(new Map(std::move(space), damper_, taken));
   run_once(map->control, expected_);
   return map;
@@ -74,8 +73,9 @@ std::uint64_t LiveControl::publish(ConfigurationSpace space, Time taken) {
 
 std::size_t LiveControl::collect() {
   std::size_t count = 0;
-  for (Map* map = returned_.exchange(nullptr, std::memory_order_acquire); map != nullptr; ++count)
-    delete std::exchange(map, map->next);
+  Map* map = returned_.exchange(nullptr, std::memory_order_acquire);
+  if (map != nullptr) expected_ = map->left_at;  // the last one given back is the first
+  for (; map != nullptr; ++count) delete std::exchange(map, map->next);
   return count;
 }
 
@@ -98,6 +98,10 @@ std::uint64_t LiveControl::number() const { return has_map() ? current_->number 
 
 LiveControl::Duration LiveControl::age(Time now) const {
   return has_map() ? now - current_->taken : Duration::max();
+}
+
+bool LiveControl::is_too_old(Time now) const {
+  return !has_map() || current_->taken < now - options_.max_age || current_->taken > now;
 }
 
 const ConfigurationSpace& LiveControl::space() const { return current_->space; }

@@ -63,7 +63,7 @@ class LiveControl {
   ReadyMap prepare(ConfigurationSpace space, Time taken);
   std::uint64_t publish(ReadyMap map);  ///< @pre of this object's `prepare`
 
-  /// Takes apart what was given back, without a new map. Returns how many.
+  /// Takes apart what was given back, without a new map, and remembers where the robot was. Returns how many.
   std::size_t collect();
 
   // The loop's own.
@@ -73,7 +73,8 @@ class LiveControl {
   bool has_map() const { return current_ != nullptr; }
   std::uint64_t number() const;  ///< of its map; 0: none yet
   Duration age(Time now) const;  ///< since its newest frame was taken; Duration::max() without a map
-  bool is_too_old(Time now) const { return age(now) > options_.max_age; }
+  /// Older than max_age, or from the future: a clock is wrong.
+  bool is_too_old(Time now) const;
   /// Space and step of its map, until the next fetch. @pre has_map()
   const ConfigurationSpace& space() const;
   ControlStep& control();

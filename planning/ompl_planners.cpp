@@ -9,6 +9,7 @@
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "planning/joint_weights.hpp"
@@ -65,9 +66,12 @@ class Roadmap : public Seeded<og::PRM> {
 /// OMPL's own draw from generators that nobody can seed.
 class EllipsoidSampler : public ob::InformedSampler {
  public:
-  EllipsoidSampler(const ob::ProblemDefinitionPtr& definition, unsigned most_tries, OmplQuery& query)
+  /// @param is_over asked before each try, as OMPL asks only between batches
+  EllipsoidSampler(const ob::ProblemDefinitionPtr& definition, unsigned most_tries, OmplQuery& query,
+                   const std::function<bool()>& is_over)
       : ob::InformedSampler(definition, most_tries),
         query_(query),
+        is_over_(is_over),
         uniform_(space_->allocStateSampler()),
         middle_(query.weight.cwiseProduct(query.problem.start + query.problem.goal) / 2),
         between_(query.weight.cwiseProduct(query.problem.goal - query.problem.start)) {}
@@ -114,7 +118,7 @@ class EllipsoidSampler : public ob::InformedSampler {
 
   bool draw(ob::State* state, const ob::Cost& from, const ob::Cost& below) {
     const bool in_ellipsoid = getInformedMeasure(below) < space_->getMeasure();
-    for (unsigned i = 0; i < numIters_; ++i) {
+    for (unsigned i = 0; i < numIters_ && !is_over_(); ++i) {
       if (in_ellipsoid) {
         ++query_.samples;
         query_.set(state, inside(below).cwiseQuotient(query_.weight));
@@ -129,6 +133,7 @@ class EllipsoidSampler : public ob::InformedSampler {
   }
 
   OmplQuery& query_;
+  const std::function<bool()>& is_over_;
   ob::StateSamplerPtr uniform_;
   Eigen::VectorXd middle_, between_;  ///< of start and goal, weighted
 };
@@ -136,15 +141,17 @@ class EllipsoidSampler : public ob::InformedSampler {
 /// Path length, sampled so.
 class ShortPath : public ob::PathLengthOptimizationObjective {
  public:
-  ShortPath(const ob::SpaceInformationPtr& information, OmplQuery& query)
-      : ob::PathLengthOptimizationObjective(information), query_(query) {}
+  ShortPath(const ob::SpaceInformationPtr& information, OmplQuery& query,
+            const std::function<bool()>& is_over)
+      : ob::PathLengthOptimizationObjective(information), query_(query), is_over_(is_over) {}
   ob::InformedSamplerPtr allocInformedStateSampler(const ob::ProblemDefinitionPtr& definition,
                                                    unsigned most_tries) const override {
-    return std::make_shared<EllipsoidSampler>(definition, most_tries, query_);
+    return std::make_shared<EllipsoidSampler>(definition, most_tries, query_, is_over_);
   }
 
  private:
   OmplQuery& query_;
+  const std::function<bool()>& is_over_;
 };
 
 std::string_view name_of(OmplAlgorithm algorithm) {
@@ -183,10 +190,17 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   const PlanResult ends = check_ends(problem);
   if (ends.status != PlanStatus::solved) return ends;
   OmplQuery query{problem, joint_weights(problem.space, prismatic_scale_), std::mt19937_64(problem.seed), {}};
+  if (problem.start == problem.goal)  // there is nothing to improve on
+    return result_of(problem, ends, {.waypoints = {problem.start, problem.goal}}, query.weight, 0);
   const ob::SpaceInformationPtr information = certified_space(query);
   const ob::ProblemDefinitionPtr definition = problem_definition(query, information);
+  TreePath found;
+  const std::function<bool()> is_over = [&] {
+    found.out_of_time = problem.out_of_time();
+    return found.out_of_time || query.samples >= max_samples_;
+  };
   if (improves(algorithm_))  // the others take the first path
-    definition->setOptimizationObjective(std::make_shared<ShortPath>(information, query));
+    definition->setOptimizationObjective(std::make_shared<ShortPath>(information, query, is_over));
   ob::PlannerPtr planner;
   if (algorithm_ == OmplAlgorithm::est) {
     const auto est = std::make_shared<Seeded<og::EST>>(information, problem.seed);
@@ -205,11 +219,7 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   }
   planner->setProblemDefinition(definition);
   planner->setup();
-  TreePath found;
-  planner->solve(ob::PlannerTerminationCondition([&] {
-    found.out_of_time = problem.out_of_time();
-    return found.out_of_time || query.samples >= max_samples_;
-  }));
+  planner->solve(ob::PlannerTerminationCondition(is_over));
   found.waypoints = waypoints(query, *definition);
   found.samples = query.samples;
   found.configurations = query.configurations;

@@ -15,7 +15,8 @@ enum class OmplAlgorithm {
 /// A sampling planner of OMPL with our certified edges as its motion validator, then shortcuts, each edge
 /// certified again: as RrtConnect. `rrtstar` and `bitstar` go on to improve on the weighted length of their
 /// path until `max_samples` are drawn or time is out. The same seed gives the same path as long as samples,
-/// not time, end the search: all that these planners draw comes from generators of the query's own.
+/// not time, end the search: all that these planners draw comes from generators of the query's own, but for
+/// pivots of OMPL's trees of nearest neighbours, whose answers are exact whatever these are.
 class OmplPlanner : public Planner {
  public:
   OmplPlanner(OmplAlgorithm algorithm, const PlannerOptions& options);

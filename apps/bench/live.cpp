@@ -127,7 +127,11 @@ Json run_beside(LiveWorld& world, LiveControl& live, const LoopTask& task, bool 
   done = true;
   mapper.join();
   worst = 0.0;
-  for (const LoopTurn& turn : log.turns) worst = std::max(worst, turn.is_new ? turn.fetch : 0.0);
+  std::vector<double> usual;
+  for (const LoopTurn& turn : log.turns) usual.push_back(turn.end - turn.begin);
+  const double usually = median(usual);
+  for (const LoopTurn& turn : log.turns)
+    if (turn.is_new) worst = std::max(worst, turn.end - turn.begin - usually);
   return {{"loop", told(log)}, {"update", told(updates)}, {"reaction", reactions(updates, log.turns)}};
 }
 
@@ -137,7 +141,7 @@ Json run_alternating(LiveWorld& world, LiveControl& live, const LoopTask& task, 
   std::vector<double> held;
   const double begin = steady_seconds();
   std::size_t next = 0;
-  const LoopLog log = run_loop(live, task, false, [&] {
+  const LoopLog log = run_loop(live, task, true, [&] {
     const double taken = begin + static_cast<double>(next) / frames_a_second, now = steady_seconds();
     if (taken > now) return;
     updates.push_back(update(world, live, world.frames[next % world.frames.size()], taken));
@@ -181,7 +185,7 @@ BenchResult bench_live(const BenchOptions& options) {
   const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
   LiveWorld world = make_live_world(resolution, influence);
   LiveControl live(damper(world.robot), {.max_age = std::chrono::milliseconds(500)});
-  world.task.duration = options.runs;
+  world.task.duration = std::min(options.runs, 60);  // each turn is remembered
   LoopTask paced = world.task;
   paced.period = 0.5e-3;
   const VoxelCounts counts = world.map.snapshot().counts();
@@ -192,10 +196,11 @@ BenchResult bench_live(const BenchOptions& options) {
               {"seconds_a_loop", world.task.duration}};
   for (std::size_t i = 0; i < 10; ++i) update(world, live, world.frames[i], steady_seconds());
   live.fetch(world.task.one);
+  LiveControl still(damper(world.robot), {.max_age = std::chrono::hours(1)});
   const auto alone = [&](const LoopTask& task, bool real_time) {
-    update(world, live, world.frames.back(), steady_seconds() + options.runs);
-    live.fetch(world.task.one);
-    return told(run_loop(live, task, real_time));
+    update(world, still, world.frames.back(), steady_seconds());
+    still.fetch(world.task.one);
+    return told(run_loop(still, task, real_time));
   };
   double worst = 0.0, worst_free = 0.0, worst_alternating = 0.0;
   detail["loop_2khz_alone"] = alone(paced, true);
@@ -207,7 +212,7 @@ BenchResult bench_live(const BenchOptions& options) {
   return {1e3 * worst,
           1e3 * worst_alternating,
           "the same update made in the loop",
-          "ms that a new map held a 2 kHz loop at worst",
+          "ms that a new map held a 2 kHz loop at worst, its first step included",
           true,
           options.runs,
           detail};

@@ -246,6 +246,8 @@ TEST_F(CommandLine, a_plan_is_shown_on_a_page_in_the_time_of_its_trajectory) {
   }
   EXPECT_EQ(reader.page.at("isoAzimuth"), 35.0) << "the robot's base is amid the walls: the view stays";
   expect_refused(plan("-1,0", "1,1", {"--view", page, "--out", page}), exit_bad_input, {"--view", "--out"});
+  expect_refused(plan("-1,0", "1,1", {"--view", page, "--trajectory", "ros", folder_.file("./plan.html")}),
+                 exit_bad_input, {"--view", "--trajectory"});
   EXPECT_EQ(plan("0.5,0", "1,1", {"--view", page}).status, exit_no) << "a plan that fails is shown, too";
 }
 

@@ -176,6 +176,46 @@ TEST(LiveControl, KnowsTheAgeAndNumberOfItsMapAndTakesTheNewest) {
   EXPECT_EQ(live.collect(), 1U);
 }
 
+TEST(LiveControl, MakesAMapReadyWhereTheRobotWasLastSeenAlsoWhenOldOnesWereCollected) {
+  const Robot robot = load_robot("puma560");
+  const Snapshot map = wall(0.6).snapshot();
+  LiveControl live(damper(robot), {});
+  Random random(6);
+  const auto seen_at = [&](const Configuration& q) {  // before the loop looks with its map
+    const LinkPoses expected = forward_kinematics(robot, q);
+    const auto& poses = live.control().rows().kinematics().map_from_link();
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      if (!poses[i].isApprox(expected[i], 1e-9)) return false;
+    return true;
+  };
+  const Configuration first = random.configuration(robot), second = random.configuration(robot);
+  for (const bool collects : {false, true}) {
+    for (const Configuration& q : {first, second}) {
+      live.publish(space_of(robot, map), Time::clock::now());
+      live.fetch(q);  // gives back the map before
+      live.publish(space_of(robot, map), Time::clock::now());
+      live.fetch(q);
+      if (collects) live.collect();
+    }
+    live.publish(space_of(robot, map), Time::clock::now());
+    live.fetch(first);
+    EXPECT_TRUE(seen_at(second));
+  }
+}
+
+TEST(LiveControl, TrustsNoMapFromTheFuture) {
+  const Robot robot = load_robot("puma560");
+  LiveControl live(damper(robot), {});
+  const Time now = Time::clock::now();
+  live.publish(space_of(robot, wall(0.6).snapshot()), now + std::chrono::hours(1));
+  const Configuration q = Configuration::Zero(6);
+  EXPECT_EQ(live.step(q, Eigen::VectorXd::Constant(6, 1e-3), now), Eigen::VectorXd(Eigen::VectorXd::Zero(6)));
+  EXPECT_TRUE(live.is_braking());
+  live.publish(space_of(robot, wall(0.6).snapshot()), Time::min());
+  live.fetch(q);
+  EXPECT_TRUE(live.is_too_old(now));
+}
+
 TEST(LiveControl, BrakesAlongTheLastStepWhenTheMapIsTooOldAndGoesOnWithANewOne) {
   const Robot robot = load_robot("point");
   const Snapshot map = wall(2.0).snapshot();  // far away

@@ -87,6 +87,14 @@ TEST_P(OmplPlannerOf, GivesUpOnAnEnclosedGoalAfterItsSamplesOrItsTime) {
   EXPECT_EQ(field.plan(GetParam(), Vector2d(1.05, 0), goal, 1).status, PlanStatus::start_invalid);
 }
 
+TEST_P(OmplPlannerOf, AStartThatIsTheGoalTakesNoSamples) {
+  const Field field(load_robot("point"), wall);
+  const Vector2d start(0.0, 0.0);
+  const PlanResult result = field.plan(GetParam(), start, start, 1, {{"max_samples", "100000000"}});
+  EXPECT_EQ(result.status, PlanStatus::solved);
+  EXPECT_EQ(result.statistics.at("samples"), 0.0);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, OmplPlannerOf, testing::Values("est", "prm", "rrtstar", "bitstar"));
 
 TEST(OmplPlanner, RrtStarAndBitStarComeNearTheShortestWayAsSamplesGrow) {
