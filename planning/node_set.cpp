@@ -12,7 +12,7 @@ std::uint64_t NodeSet::hash(const int* node) const {
 }
 
 std::size_t NodeSet::slot_of(const int* node, std::uint64_t hash) const {
-  hash = (hash ^ hash >> 32U) * 0x9e3779b97f4a7c15U;
+  hash = spread(hash);
   const std::size_t mask = slots_.size() - 1;
   const auto tag = static_cast<std::uint32_t>(hash);
   for (std::size_t slot = hash >> 32U & mask;; slot = (slot + 1) & mask) {
@@ -28,9 +28,8 @@ bool NodeSet::insert(const int* node) {
   if (slots_[slot].number != none) return false;
   if (size_ + 1 >= none) throw std::length_error("beam: too many nodes");
   const auto put = [this](std::size_t place, std::uint64_t of, std::size_t number) {
-    slots_[place] = {static_cast<std::uint32_t>((of ^ of >> 32U) * 0x9e3779b97f4a7c15U),
-                     static_cast<std::uint32_t>(number)};
-    const std::size_t mark = mixed(of) & (64 * marks_.size() - 1);
+    slots_[place] = {static_cast<std::uint32_t>(spread(of)), static_cast<std::uint32_t>(number)};
+    const std::size_t mark = mark_of(of);
     marks_[mark / 64] |= std::uint64_t{1} << (mark % 64);
   };
   if (2 * (size_ + 1) > slots_.size()) {

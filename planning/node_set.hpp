@@ -24,9 +24,7 @@ class NodeSet {
   }
   std::uint64_t hash(const int* node) const;
   /// Spreads such a sum, whose low bits are poor, over all bits: take the low ones.
-  static std::size_t mixed(std::uint64_t hash) {
-    return static_cast<std::size_t>((hash ^ hash >> 32U) * 0x9e3779b97f4a7c15U >> 32U);
-  }
+  static std::size_t mixed(std::uint64_t hash) { return static_cast<std::size_t>(spread(hash) >> 32U); }
 
   /// The node's number, or none.
   std::uint32_t find(const int* node, std::uint64_t hash) const {
@@ -56,9 +54,12 @@ class NodeSet {
     return drawn;
   }();
 
+  static std::uint64_t spread(std::uint64_t hash) { return (hash ^ hash >> 32U) * 0x9e3779b97f4a7c15U; }
+  /// Of a hash, in marks_.
+  std::size_t mark_of(std::uint64_t hash) const { return mixed(hash) & (64 * marks_.size() - 1); }
   /// False when no node of the set has this hash: most questions end here, in a small part of the memory.
   bool is_marked(std::uint64_t hash) const {
-    const std::size_t mark = mixed(hash) & (64 * marks_.size() - 1);
+    const std::size_t mark = mark_of(hash);
     return (marks_[mark / 64] >> (mark % 64) & 1U) != 0;
   }
   /// Where the node is, or would be put.
