@@ -27,7 +27,7 @@ class NearestHeads {
         cost_poses_(problem.cost.robot(), lattice, problem.cost.scale()),
         deciding_(checks_.deciding_joints()),
         closed_(static_cast<std::size_t>(lattice.dof()), paths.visited()),
-        queue_(lattice, 0.0, &closed_),
+        queue_(lattice, 0.0, &closed_, [&problem] { return problem.out_of_time(); }),
         free_(deciding_),
         edges_(2 * deciding_) {}
 

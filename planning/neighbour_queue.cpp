@@ -1,10 +1,10 @@
 #include "planning/neighbour_queue.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <tuple>
 
 namespace clearway {
 namespace {
@@ -14,56 +14,48 @@ constexpr double rounding = 1e-12;  ///< of sums of terms in another order, rela
 }  // namespace
 
 void NeighbourQueue::restart(double band) {
-  head_count_ = 0;
+  numbers_.clear();
+  group_count_ = 0;
   entries_.clear();
   ways_.clear();
   next_ = 0;
-  popped_ = 0;
-  least_ = most_ = last_ = 0.0;
+  popped_ = enumerated_ = 0;
+  last_ = 0.0;
   band_ = band;
   begin_ = end_ = -1.0;
   widened_ = 0;
+  has_begun_ = was_stopped_ = false;
 }
 
 void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
+  if (has_begun_) throw std::logic_error("beam: a head is added to neighbours that are being taken");
   joints_ = node.size();
+  if (numbers_.size() % HeadGroup::most == 0) {
+    if (group_count_ == groups_.size()) groups_.emplace_back();
+    groups_[group_count_++].clear();
+  }
+  numbers_.push_back(number);
+  groups_[group_count_ - 1].add(node, *lattice_);
+}
+
+void NeighbourQueue::begin() {
+  has_begun_ = true;
   node_.resize(joints_);
-  if (head_count_ == heads_.size()) heads_.emplace_back();
-  Head& head = heads_[head_count_++];
-  head.number = number;
-  head.choices.resize(joints_);
-  head.least_rest.assign(joints_ + 1, 0.0);
-  head.most_rest.assign(joints_ + 1, 0.0);
-  double least = 0.0, most = 0.0;  // in joint order, as Lattice::squared_distance
-  for (std::size_t j = 0; j < joints_; ++j) {
-    std::array<Choice, 3>& choices = head.choices[j];
-    for (int change = -1; change <= 1; ++change) {
-      const int index = node[j] + change;
-      choices[static_cast<std::size_t>(change + 1)] = {
-          lattice_->distance_term(static_cast<Eigen::Index>(j), index), NodeSet::hash_term(j, index), index};
-    }
-    std::sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) {
-      return std::tie(a.term, a.index) < std::tie(b.term, b.index);
-    });
-    least += choices[0].term, most += choices[2].term;
+  most_ways_ = std::max<std::size_t>(4096, 64 * numbers_.size());
+  for (std::size_t i = 0; i < group_count_; ++i) {
+    groups_[i].finish();
+    least_ = i == 0 ? groups_[i].nearest() : std::min(least_, groups_[i].nearest());
+    most_ = i == 0 ? groups_[i].farthest() : std::max(most_, groups_[i].farthest());
   }
-  for (std::size_t j = joints_; j-- > 0;) {
-    head.least_rest[j] = head.least_rest[j + 1] + head.choices[j][0].term;
-    head.most_rest[j] = head.most_rest[j + 1] + head.choices[j][2].term;
-  }
-  least_ = head_count_ == 1 ? least : std::min(least_, least);
-  most_ = std::max(most_, most);
-  most_ways_ = std::max<std::size_t>(4096, 512 * head_count_);
 }
 
 /// The next band: it holds a few more neighbours, then ever more, up to eight times as many as before, by the
 /// volume of a simplex in n dimensions: the first band is a good guess, as a rule.
 void NeighbourQueue::widen() {
-  const Head& first = heads_.front();
   const double n = static_cast<double>(std::max<std::size_t>(joints_, 1));
   begin_ = end_;
   if (band_ <= 0.0)
-    band_ = (first.most_rest[0] - first.least_rest[0]) / (4.0 * n);
+    band_ = (groups_.front().farthest() - groups_.front().nearest()) / (4.0 * n);
   else if (begin_ >= 0.0)
     band_ *= std::exp2(std::min<double>(++widened_, 3.0) / n);
   end_ = least_ + band_;
@@ -71,7 +63,8 @@ void NeighbourQueue::widen() {
 }
 
 void NeighbourQueue::fill() {
-  while (next_ == entries_.size() && head_count_ > 0 && end_ < most_) {
+  if (!has_begun_) begin();
+  while (next_ == entries_.size() && group_count_ > 0 && end_ < most_ && !was_stopped_) {
     widen();
     while (!enumerate_band()) {  // too many: a narrower band, as long as there is one
       const double low = std::max(begin_, least_), narrower = low + (end_ - low) / 4.0;
@@ -121,8 +114,8 @@ bool NeighbourQueue::enumerate_band() {
   ways_.clear();
   next_ = 0;
   std::fill(slots_.begin(), slots_.end(), none);
-  for (head_ = 0; head_ < head_count_; ++head_) {
-    enumerate(heads_[head_], 0, 0.0, 0, 0);
+  for (group_ = 0; group_ < group_count_; ++group_) {
+    enumerate(0, 0.0, 0, groups_[group_].all());
     if (ways_.size() > most_ways_) return false;
   }
   return true;
@@ -130,13 +123,8 @@ bool NeighbourQueue::enumerate_band() {
 
 /// Whether the node under enumeration is that of the entry.
 bool NeighbourQueue::is_node_of(const Entry& entry) const {
-  if (joints_ > ranked_joints)
-    return std::equal(node_.begin(), node_.end(), nodes_.begin() + static_cast<std::ptrdiff_t>(entry.ranks));
-  const Head& head = first_head(entry);
-  for (std::size_t j = 0; j < joints_; ++j) {
-    if (head.index(entry.ranks, j) != node_[j]) return false;
-  }
-  return true;
+  return std::equal(node_.begin(), node_.end(),
+                    nodes_.begin() + static_cast<std::ptrdiff_t>(entry.node * joints_));
 }
 
 void NeighbourQueue::grow_slots() {
@@ -148,11 +136,11 @@ void NeighbourQueue::grow_slots() {
   }
 }
 
-/// One more way to the node under enumeration, from the head under enumeration.
-void NeighbourQueue::add_way(double sum, std::uint64_t hash, std::uint64_t ranks) {
+/// One more way to the node under enumeration, from heads of the group under enumeration.
+void NeighbourQueue::add_way(double sum, std::uint64_t hash, std::uint64_t heads) {
   if (2 * (entries_.size() + 1) > slots_.size()) grow_slots();
   const auto way = static_cast<std::uint32_t>(ways_.size());
-  ways_.push_back({head_, none});
+  ways_.push_back({heads, group_, none});
   std::size_t slot = NodeSet::mixed(hash) & (slots_.size() - 1);
   for (; slots_[slot] != none; slot = (slot + 1) & (slots_.size() - 1)) {
     Entry& entry = entries_[slots_[slot]];
@@ -161,31 +149,40 @@ void NeighbourQueue::add_way(double sum, std::uint64_t hash, std::uint64_t ranks
     entry.last_way = way;
     return;
   }
-  slots_[slot] = static_cast<std::uint32_t>(entries_.size());
-  if (joints_ > ranked_joints) {
-    ranks = nodes_.size();
-    nodes_.insert(nodes_.end(), node_.begin(), node_.end());
-  }
-  entries_.push_back({sum, hash, ranks, way, way});
+  const auto number = static_cast<std::uint32_t>(entries_.size());
+  slots_[slot] = number;
+  nodes_.insert(nodes_.end(), node_.begin(), node_.end());
+  entries_.push_back({sum, hash, number, way, way});
 }
 
-/// All neighbours of the head within the band whose joints before `joint` are chosen already.
-void NeighbourQueue::enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash,
-                               std::uint64_t ranks) {
+/// All neighbours within the band, of these heads of the group, whose joints before `joint` are chosen.
+void NeighbourQueue::enumerate(std::size_t joint, double sum, std::uint64_t hash, std::uint64_t heads) {
+  constexpr std::uint64_t nodes_a_look = 1U << 14U;  // at the time
+  if (is_stopped_ && ++enumerated_ % nodes_a_look == 0 && is_stopped_()) was_stopped_ = true;
   if (closed_ != nullptr && closed_->is_closed(node_.data(), joint, hash)) return;
   if (joint == joints_) {
-    if (sum > begin_ && sum <= end_) add_way(sum, hash, ranks);
+    if (sum > begin_ && sum <= end_) add_way(sum, hash, heads);
     return;
   }
-  const double highest = end_ * (1.0 + rounding) - head.least_rest[joint + 1];
-  const double lowest = begin_ * (1.0 - rounding) - head.most_rest[joint + 1];
-  for (std::uint64_t rank = 0; rank < 3 && ways_.size() <= most_ways_; ++rank) {
-    const Choice& choice = head.choices[joint][rank];
+  const HeadGroup& group = groups_[group_];
+  const double highest = end_ * (1.0 + rounding), lowest = begin_ * (1.0 - rounding);
+  const double beyond = highest - group.least_rest(joint + 1);
+  for (const HeadGroup::Choice& choice : group.choices(joint)) {
+    if (ways_.size() > most_ways_ || was_stopped_) return;
     const double next = sum + choice.term;
-    if (next > highest) return;
-    if (next < lowest || (joint + 1 == joints_ && !(next > begin_ && next <= end_))) continue;
+    if (next > beyond) return;
+    std::uint64_t left = heads & choice.heads;
+    if (left == 0) continue;
+    if (joint + 1 == joints_) {
+      if (!(next > begin_ && next <= end_)) continue;
+    } else {
+      left &= group.that_can_add_at_most(highest - next, joint + 1);
+      if (left == 0) continue;
+      left &= group.that_can_add_at_least(lowest - next, joint + 1);
+      if (left == 0) continue;
+    }
     node_[joint] = choice.index;
-    enumerate(head, joint + 1, next, hash + choice.hash, ranks | rank << (2 * joint) % 64);
+    enumerate(joint + 1, next, hash + choice.hash, left);
   }
 }
 
@@ -202,13 +199,14 @@ void NeighbourQueue::pop(Neighbour& neighbour) {
   if (empty()) throw std::logic_error("beam: no neighbour is left");
   const Entry& first = entries_[next_++];
   neighbour.squared_distance = last_ = first.squared_distance;
-  neighbour.node.resize(joints_);
-  const Head& head = first_head(first);
-  for (std::size_t j = 0; j < joints_; ++j)
-    neighbour.node[j] = joints_ > ranked_joints ? nodes_[first.ranks + j] : head.index(first.ranks, j);
+  const auto node = nodes_.begin() + static_cast<std::ptrdiff_t>(first.node * joints_);
+  neighbour.node.assign(node, node + static_cast<std::ptrdiff_t>(joints_));
   neighbour.heads.clear();
-  for (std::uint32_t way = first.first_way; way != none; way = ways_[way].next)
-    neighbour.heads.push_back(heads_[ways_[way].head].number);
+  for (std::uint32_t way = first.first_way; way != none; way = ways_[way].next) {
+    const std::size_t begin = ways_[way].group * HeadGroup::most;
+    for (std::uint64_t left = ways_[way].heads; left != 0; left &= left - 1)
+      neighbour.heads.push_back(numbers_[begin + static_cast<std::size_t>(std::countr_zero(left))]);
+  }
   popped_ += neighbour.heads.size();
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "planning/beam_lattice.hpp"
 #include "planning/closed_nodes.hpp"
+#include "planning/head_group.hpp"
 
 namespace clearway {
 
@@ -25,12 +27,16 @@ class NeighbourQueue {
  public:
   /// @param band how far the first band goes beyond the nearest neighbour, as squared distance; 0: a guess.
   /// @param closed null: nothing is. Outlives the queue.
-  explicit NeighbourQueue(const Lattice& lattice, double band = 0.0, const ClosedNodes* closed = nullptr)
-      : lattice_(&lattice), closed_(closed), band_(band) {}
+  /// @param is_stopped asked now and then while neighbours are enumerated, which may be many at one distance;
+  /// once true, what comes out of the queue may be anything.
+  explicit NeighbourQueue(const Lattice& lattice, double band = 0.0, const ClosedNodes* closed = nullptr,
+                          std::function<bool()> is_stopped = nullptr)
+      : lattice_(&lattice), closed_(closed), is_stopped_(std::move(is_stopped)), band_(band) {}
 
   /// Forgets the heads, as new. Memory is kept.
   void restart(double band);
 
+  /// All heads are added before the first question.
   void add_head(int head, const LatticeIndex& node);
   bool empty();
   double next_squared_distance();
@@ -44,65 +50,52 @@ class NeighbourQueue {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  static constexpr std::size_t ranked_joints = 32;  ///< fit into an entry; longer nodes are stored apart
 
   /// A node, and the heads that it is a neighbour of as a list in ways_.
   struct Entry {
     double squared_distance;
     std::uint64_t hash;  ///< of the node
-    std::uint64_t
-        ranks;  ///< from its first head, two bits per joint: 0 nearest, 1, 2 farthest; or place in nodes_
+    std::uint32_t node;  ///< place in nodes_, in nodes
     std::uint32_t first_way, last_way;
   };
   struct Way {
-    std::uint32_t head;  ///< in heads_
+    std::uint64_t heads;  ///< of its group
+    std::uint32_t group;
     std::uint32_t next;  ///< in ways_, or none
   };
-  /// One of the three ways to go on with a joint.
-  struct Choice {
-    double term;  ///< distance_term
-    std::uint64_t hash;
-    int index;
-  };
-  struct Head {
-    int number = 0;
-    std::vector<std::array<Choice, 3>> choices;  ///< per joint, nearest first
-    std::vector<double> least_rest, most_rest;   ///< at j: the sum of the nearest, farthest terms from j on
-
-    int index(std::uint64_t ranks, std::size_t joint) const {
-      return choices[joint][ranks >> (2 * joint) & 3U].index;
-    }
-  };
+  void begin();
   void fill();
   void widen();
   void sort_entries();
   bool enumerate_band();
-  void enumerate(const Head& head, std::size_t joint, double sum, std::uint64_t hash, std::uint64_t ranks);
-  const Head& first_head(const Entry& entry) const { return heads_[ways_[entry.first_way].head]; }
+  void enumerate(std::size_t joint, double sum, std::uint64_t hash, std::uint64_t heads);
   bool is_node_of(const Entry& entry) const;
-  void add_way(double sum, std::uint64_t hash, std::uint64_t ranks);
+  void add_way(double sum, std::uint64_t hash, std::uint64_t heads);
   void grow_slots();
 
   const Lattice* lattice_;
   const ClosedNodes* closed_;
-  std::vector<Head> heads_;  ///< the first head_count_
-  std::size_t head_count_ = 0, joints_ = 0;
+  std::function<bool()> is_stopped_;
+  std::vector<int> numbers_;       ///< of the heads, group after group
+  std::vector<HeadGroup> groups_;  ///< the first group_count_
+  std::size_t group_count_ = 0, joints_ = 0;
   std::vector<Entry> entries_;        ///< of the band, nearest first, from next_ on
   std::vector<Way> ways_;             ///< to these
+  std::vector<int> nodes_;            ///< of these
   std::vector<std::uint32_t> slots_;  ///< of entries_ by hash: a power of two of them, at least half none
   std::size_t next_ = 0;
   std::vector<Entry> unsorted_;             ///< and
   std::vector<std::uint32_t> bucket_ends_;  ///< memory of sort_entries
-  std::vector<int> nodes_;                  ///< of entries with more than ranked_joints
   std::vector<int> node_;                   ///< under enumeration
-  std::uint32_t head_ = 0;
+  std::uint32_t group_ = 0;                 ///< under enumeration
   double least_ = 0.0, most_ = 0.0;  ///< squared distance of the nearest and the farthest neighbour of all
   std::size_t most_ways_ = 0;        ///< of a band, so that it stays O(heads) (but for equal distances)
   double band_;
   double begin_ = -1.0, end_ = -1.0;  ///< squared distances of the band: beyond begin_, up to end_
   int widened_ = 0;                   ///< times
   double last_ = 0.0;
-  std::uint64_t popped_ = 0;
+  std::uint64_t popped_ = 0, enumerated_ = 0;
+  bool has_begun_ = false, was_stopped_ = false;
 };
 
 }  // namespace clearway

@@ -73,6 +73,26 @@ TEST(NeighbourQueue, GivesAllNeighboursOfAllHeadsInOrderWhateverTheBand) {
   }
 }
 
+TEST(NeighbourQueue, GivesAllNeighboursOfMoreHeadsThanFitIntoAWord) {
+  Random random(12);
+  const Robot robot = load_robot("arm5");
+  const ConfigurationSpace space(robot, VoxelScene{}.snapshot());
+  const PathCost cost(robot);
+  const Lattice lattice({space, cost, random.configuration(robot), random.configuration(robot)},
+                        BeamOptions{});
+  for (const int spread : {3, 60}) {  // heads that share most neighbours, or few
+    std::vector<LatticeIndex> heads(150, LatticeIndex(5));
+    NeighbourQueue queue(lattice);
+    for (std::size_t head = 0; head < heads.size(); ++head) {
+      for (int& index : heads[head]) index = random.below(spread);
+      queue.add_head(static_cast<int>(head), heads[head]);
+    }
+    std::vector<Popped> popped = all_of(queue);
+    std::sort(popped.begin(), popped.end());
+    EXPECT_TRUE(popped == by_brute_force(lattice, heads)) << spread;
+  }
+}
+
 TEST(NeighbourQueue, GivesANodeOnceWithAllItsHeadsAndLeavesOffWhatIsClosed) {
   Random random(9);
   const Robot robot = load_robot("puma560");
@@ -200,6 +220,21 @@ TEST(NeighbourQueue, GivesTheNearestNeighboursOfFortyJointsAsAHeapOfRanksDoes) {
       EXPECT_EQ(lattice.squared_distance(neighbour.node), distance);
     }
   }
+}
+
+TEST(NeighbourQueue, IsStoppedWithinAGroupOfThousandsAtOneDistance) {
+  const Robot robot = long_chain(40);
+  const ConfigurationSpace space(robot, VoxelScene{}.snapshot(), {.critical_by_default = false});
+  const PathCost cost(robot);
+  const Configuration here = Configuration::Zero(40);
+  const Lattice lattice({space, cost, here, here}, BeamOptions{});  // 79,040 ways to move three joints
+  int asked = 0;
+  NeighbourQueue queue(lattice, 0.0, nullptr, [&asked] { return ++asked > 30; });
+  queue.add_head(0, LatticeIndex(40, 0));
+  std::size_t count = 0;
+  for (; !queue.empty(); ++count) queue.pop();
+  EXPECT_GE(count, 3201U);  // all that move two joints or fewer
+  EXPECT_EQ(asked, 31);
 }
 
 TEST(Beam, PlansForARobotOfFortyJoints) {
