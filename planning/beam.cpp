@@ -143,7 +143,8 @@ bool NearestHeads::is_edge_free(Source& from, const LatticeIndex& node, BeamChec
 /// Filters 1-4 for one node: the cheapest head with a free edge to it, or nothing.
 std::optional<Head> NearestHeads::admitted(const LatticeIndex& node, std::span<const int> sources,
                                            BeamChecks& counts) {
-  if (closed_.is_closed(node) || !lattice_.keeps_limits(node)) return std::nullopt;
+  // The queue leaves off what was visited, and what was blocked when its band began.
+  if (closed_.is_blocked(node) || !lattice_.keeps_limits(node)) return std::nullopt;
   if (!is_free(node, sources_[static_cast<std::size_t>(sources.front())], counts)) return std::nullopt;
   const Configuration q = lattice_.configuration(node);
   const Eigen::VectorXd forces = problem_.cost.generalized_forces(cost_poses_.all_at(node));

@@ -107,7 +107,8 @@ Head BeamPaths::extend(int parent, const LatticeIndex& node, const Eigen::Vector
 double BeamPaths::cost_through(int parent, const Configuration& from, const Configuration& to,
                                const Eigen::VectorXd& forces) const {
   const Head& before = head(parent);
-  return before.cost + problem_.cost.step_cost(before.forces, forces, to - from);
+  step_ = to - from;
+  return before.cost + problem_.cost.step_cost(before.forces, forces, step_);
 }
 
 void BeamPaths::admit(Head head) {

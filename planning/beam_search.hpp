@@ -23,7 +23,8 @@ struct BeamChecks {
   std::uint64_t neighbours = 0, configurations = 0, edges = 0;
 };
 
-/// The paths of Fig. 8 as a tree of heads, and the bookkeeping of its lines 6-14. Memory O(k h).
+/// The paths of Fig. 8 as a tree of heads, and the bookkeeping of its lines 6-14. Memory O(k h). Not for
+/// several threads at once.
 class BeamPaths {
  public:
   BeamPaths(const PlanProblem& problem, const Lattice& lattice);
@@ -58,6 +59,7 @@ class BeamPaths {
   std::vector<Head> heads_;
   std::vector<int> beam_;
   NodeSet visited_;
+  mutable Eigen::VectorXd step_;  ///< memory of cost_through
 };
 
 /// Lines 4-6: the at most k best free neighbours of the beam, in order of preference. Once the problem is out

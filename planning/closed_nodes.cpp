@@ -15,9 +15,13 @@ void ClosedNodes::block(const int* node, std::size_t first_joints, std::size_t m
 }
 
 bool ClosedNodes::is_closed(const LatticeIndex& node) const {
+  return visited_.contains(node) || is_blocked(node);
+}
+
+bool ClosedNodes::is_blocked(const LatticeIndex& node) const {
   std::uint64_t hash = 0;
   for (std::size_t first = 0; first <= joints(); ++first) {
-    if (is_closed(node.data(), first, hash)) return true;
+    if (blocked_[first].size() > 0 && blocked_[first].find(node.data(), hash) != NodeSet::none) return true;
     if (first < joints()) hash += NodeSet::hash_term(first, node[first]);
   }
   return false;

@@ -22,6 +22,8 @@ class ClosedNodes {
            (first_joints == joints() && visited_.find(node, hash) != NodeSet::none);
   }
   bool is_closed(const LatticeIndex& node) const;
+  /// Whether any first joints of it, known not to have been visited, are blocked.
+  bool is_blocked(const LatticeIndex& node) const;
 
  private:
   const NodeSet& visited_;

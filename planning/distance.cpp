@@ -4,6 +4,7 @@
 #include "planning/gjk.hpp"
 #include "planning/segment_distance.hpp"
 #include "planning/shape.hpp"
+#include "planning/sweep_beyond.hpp"
 
 namespace clearway {
 namespace {
@@ -56,9 +57,10 @@ double plane_separation(const Placed& a, const Placed& b, const Eigen::Vector3d&
 }
 
 /// Gilbert, Johnson, Keerthi 1988, from `direction` on. Ends when the proved separation meets the distance of
-/// the nearest points, exceeds `enough`, or nothing improves.
+/// the nearest points, exceeds `enough`, or nothing improves; and when the distance is `too_near`.
 template <class Body>
-CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, double size, double enough) {
+CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, double size, double enough,
+                 double too_near = -1.0) {
   CoreDistance result;
   Simplex simplex;
   double last = 1e300;
@@ -86,6 +88,7 @@ CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, doub
     last = distance;
     result.a = simplex.nearest_a();
     result.b = simplex.nearest_b();
+    if (distance <= too_near) return result;
   }
   return result;
 }
@@ -155,9 +158,11 @@ DistanceBounds distance_to_cube(const Shape& a, const Eigen::Isometry3d& pose_a,
   return bounds_of(core, placed.radius, 0.0, size, cube_center);
 }
 
-DistanceBounds swept_distance_to_cube(const Shape& a, const Eigen::Isometry3d& begin,
-                                      const Eigen::Isometry3d& end, const Eigen::Vector3d& cube_center,
-                                      double cube_edge, double enough) {
+namespace {
+
+DistanceBounds swept_bounds(const Shape& a, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
+                            const Eigen::Vector3d& cube_center, double cube_edge,
+                            const Eigen::Vector3d& towards, double enough, double too_near) {
   const Swept swept{Placed(a, begin, cube_center), Placed(a, end, cube_center)};
   const Shape cube = Shape::box(Eigen::Vector3d::Constant(cube_edge));
   const Placed placed(cube, Eigen::Isometry3d::Identity(), Eigen::Vector3d::Zero());
@@ -165,8 +170,23 @@ DistanceBounds swept_distance_to_cube(const Shape& a, const Eigen::Isometry3d& b
       a.bounding_radius() + cube_edge + std::max(swept.begin.center.norm(), swept.end.center.norm());
   if (!std::isfinite(size) || !swept.begin.rotation.allFinite() || !swept.end.rotation.allFinite()) return {};
   const double radius = swept.begin.radius;
-  const Eigen::Vector3d towards = -(swept.begin.center + swept.end.center) / 2;
-  return bounds_of(gjk(swept, placed, towards, size, enough + radius), radius, 0.0, size, cube_center);
+  const CoreDistance core = gjk(swept, placed, towards, size, enough + radius, too_near + radius);
+  return bounds_of(core, radius, 0.0, size, cube_center);
+}
+
+}  // namespace
+
+DistanceBounds swept_distance_to_cube(const Shape& a, const Eigen::Isometry3d& begin,
+                                      const Eigen::Isometry3d& end, const Eigen::Vector3d& cube_center,
+                                      double cube_edge, double enough) {
+  const Eigen::Vector3d middle = (begin.translation() + end.translation()) / 2;
+  return swept_bounds(a, begin, end, cube_center, cube_edge, cube_center - middle, enough, -1.0);
+}
+
+bool is_sweep_beyond(const Shape& a, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
+                     const Eigen::Vector3d& cube_center, double cube_edge, const Eigen::Vector3d& towards,
+                     double margin) {
+  return swept_bounds(a, begin, end, cube_center, cube_edge, towards, margin, margin).lower > margin;
 }
 
 }  // namespace clearway

@@ -1,10 +1,13 @@
 #include "planning/guarded_body.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace clearway {
 namespace {
+
+std::atomic<std::uint64_t> bodies_made = 0;
 
 /// A ball that holds the body: about the middle of its own frame, or of its cover when that is smaller.
 Sphere bounding_ball(const Body& body) {
@@ -44,7 +47,7 @@ std::vector<Eigen::Vector3d> inner_points(const Shape& shape) {
 
 GuardedBody::GuardedBody(const Body& body, std::shared_ptr<const BlockedSpace> space,
                          const Eigen::AlignedBox3d& reach)
-    : body_(body), space_(std::move(space)), reach_(reach), bound_(bounding_ball(body)) {
+    : id_(++bodies_made), body_(body), space_(std::move(space)), reach_(reach), bound_(bounding_ball(body)) {
   for (const Eigen::Vector3d& point : inner_points(body.shape))
     witnesses_.push_back(body.link_from_shape * point);
   const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
@@ -119,13 +122,6 @@ bool GuardedBody::is_clear_of(const Eigen::Isometry3d& map_from_link, const Eige
   const Sight sight = look_at(map_from_shape, cube, margin, projections);
   if (sight != Sight::unsure) return sight == Sight::clear;
   return distance_to_cube(body_.shape, map_from_shape, cube, space_->resolution(), margin).lower > margin;
-}
-
-bool GuardedBody::is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
-  return is_far(map_from_link * bound_.center, bound_.radius + margin) ||
-         std::all_of(body_.cover.begin(), body_.cover.end(), [&](const Sphere& ball) {
-           return is_far(map_from_link * ball.center, ball.radius + margin);
-         });
 }
 
 double GuardedBody::quick_clearance(const Eigen::Isometry3d& map_from_link) const {

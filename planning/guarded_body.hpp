@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -95,13 +96,18 @@ class GuardedBody {
   enum class Sight { clear, met, unsure };
   double cover_clearance(const Eigen::Isometry3d& map_from_link) const;
   bool is_proved_clear(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes* recent) const;
-  void look_up_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end) const;
-  void find_near_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end, double margin) const;
+  void look_up_balls(const Eigen::Isometry3d& map_from_link) const;
+  double close_clearance(std::size_t ball) const;
+  bool is_ball_far(std::size_t ball, double distance) const;
+  void find_near_balls(double margin) const;
+  void find_near_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& middle,
+                       const Eigen::Isometry3d& end, double margin) const;
   struct Sweep;
   bool is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cube) const;
   Sight look_at(const Eigen::Isometry3d& map_from_shape, const Eigen::Vector3d& cube, double margin,
                 int looks) const;
 
+  std::uint64_t id_;  ///< no other body's, but of copies
   Body body_;
   std::shared_ptr<const BlockedSpace> space_;
   Eigen::AlignedBox3d reach_;

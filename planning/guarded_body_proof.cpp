@@ -5,13 +5,19 @@
 #include <span>
 
 #include "planning/guarded_body.hpp"
+#include "planning/sweep_beyond.hpp"
 
 namespace clearway {
 namespace {
 
+constexpr int sweep_projections = 4;  ///< to and fro before GJK: those that succeed do so at once, as a rule
+
 /// Memory of one look, kept per thread.
 struct Scratch {
-  std::vector<double> x, y, z, clearance;
+  std::uint64_t body = 0;  ///< whose balls were looked up, 0: nobody's
+  Eigen::Isometry3d pose;  ///< at which
+  std::vector<double> x, y, z, coarse,
+      close;                               ///< their centres and clearances; close: negative till looked up
   std::vector<Eigen::AlignedBox3d> boxes;  ///< about balls that are not clear
   std::vector<std::size_t> balls;          ///< those, by number
   std::vector<Eigen::Vector3d> unsure;
@@ -46,39 +52,74 @@ Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
 
 }  // namespace
 
-/// Coarse clearances of the balls' centres, in the middle between two poses.
-void GuardedBody::look_up_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end) const {
+/// Coarse clearances of the balls' centres, if they are not known from the last look.
+void GuardedBody::look_up_balls(const Eigen::Isometry3d& map_from_link) const {
   Scratch& memory = scratch();
-  for (std::vector<double>* values : {&memory.x, &memory.y, &memory.z, &memory.clearance})
-    values->resize(body_.cover.size());
-  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    Eigen::Vector3d center = begin * body_.cover[i].center;
-    if (&begin != &end) center = (center + end * body_.cover[i].center) / 2;
+  if (memory.body == id_ && memory.pose.matrix() == map_from_link.matrix()) return;
+  memory.body = 0;  // should a look-up throw
+  const std::size_t count = body_.cover.size();
+  for (std::vector<double>* values : {&memory.x, &memory.y, &memory.z, &memory.coarse}) values->resize(count);
+  memory.close.assign(count, -1.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d center = map_from_link * body_.cover[i].center;
     memory.x[i] = center.x(), memory.y[i] = center.y(), memory.z[i] = center.z();
   }
-  space_->coarse_clearances({memory.x, memory.y, memory.z}, memory.clearance);
+  space_->coarse_clearances({memory.x, memory.y, memory.z}, memory.coarse);
+  memory.pose = map_from_link;
+  memory.body = id_;
 }
 
-/// Whatever is within the margin of the body, or of its hull at two poses, is within it of a ball, or of the
-/// way of a ball, that is not clear. Finds these.
-void GuardedBody::find_near_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,
-                                  double margin) const {
+/// Of a ball that was looked up.
+double GuardedBody::close_clearance(std::size_t ball) const {
+  Scratch& memory = scratch();
+  double& close = memory.close[ball];
+  if (close < 0.0) close = space_->clearance({memory.x[ball], memory.y[ball], memory.z[ball]});
+  return close;
+}
+
+bool GuardedBody::is_ball_far(std::size_t ball, double distance) const {
+  return scratch().coarse[ball] > distance || close_clearance(ball) > distance;
+}
+
+bool GuardedBody::is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
+  if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
+  look_up_balls(map_from_link);
+  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
+    if (!is_ball_far(i, body_.cover[i].radius + margin)) return false;
+  }
+  return true;
+}
+
+/// Whatever is within the margin of the body, where its balls were looked up, is within it of a ball that is
+/// not clear. Finds these.
+void GuardedBody::find_near_balls(double margin) const {
   Scratch& memory = scratch();
   memory.boxes.clear();
   memory.balls.clear();
-  const bool rests = &begin == &end;
-  const auto reach_of = [&](std::size_t i) {
-    const double reach = body_.cover[i].radius + margin;
-    if (rests) return reach;
-    const Eigen::Vector3d way = end * body_.cover[i].center - begin * body_.cover[i].center;
-    return reach + way.norm() / 2 * (1.0 + 1e-9);
-  };
   for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    if (memory.clearance[i] > reach_of(i)) continue;
+    const double reach = body_.cover[i].radius + margin;
+    if (is_ball_far(i, reach)) continue;
     const Eigen::Vector3d center(memory.x[i], memory.y[i], memory.z[i]);
-    if (space_->clearance(center) > reach_of(i)) continue;
-    const Eigen::Vector3d from = begin * body_.cover[i].center, to = end * body_.cover[i].center;
-    memory.boxes.push_back(grown({from.cwiseMin(to), from.cwiseMax(to)}, body_.cover[i].radius + margin));
+    memory.boxes.push_back(grown({center, center}, reach));
+    memory.balls.push_back(i);
+  }
+}
+
+/// The same for the hull of the body at two poses, the balls looked up at the middle: a ball's way from one
+/// pose to the other is within the farther one of its ends of where it is in the middle.
+void GuardedBody::find_near_balls(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& middle,
+                                  const Eigen::Isometry3d& end, double margin) const {
+  look_up_balls(middle);
+  Scratch& memory = scratch();
+  memory.boxes.clear();
+  memory.balls.clear();
+  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
+    const Sphere& ball = body_.cover[i];
+    const Eigen::Vector3d center(memory.x[i], memory.y[i], memory.z[i]);
+    const Eigen::Vector3d from = begin * ball.center, to = end * ball.center;
+    const double way = std::sqrt(std::max((from - center).squaredNorm(), (to - center).squaredNorm()));
+    if (is_ball_far(i, ball.radius + margin + way * (1.0 + 1e-9))) continue;
+    memory.boxes.push_back(grown({from.cwiseMin(to), from.cwiseMax(to)}, ball.radius + margin));
     memory.balls.push_back(i);
   }
 }
@@ -86,7 +127,6 @@ void GuardedBody::find_near_balls(const Eigen::Isometry3d& begin, const Eigen::I
 bool GuardedBody::is_clear(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes* recent) const {
   if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
   if (recent != nullptr && is_met(map_from_link, margin, *recent)) return false;
-  look_up_balls(map_from_link, map_from_link);
   return is_proved_clear(map_from_link, margin, recent);
 }
 
@@ -111,18 +151,19 @@ double GuardedBody::coarse_clearance(const Eigen::Isometry3d& map_from_link) con
 
 /// Looks the balls up and gives what they tell.
 double GuardedBody::cover_clearance(const Eigen::Isometry3d& map_from_link) const {
-  look_up_balls(map_from_link, map_from_link);
+  look_up_balls(map_from_link);
   const Scratch& memory = scratch();
   double least = space_->max_distance();
   for (std::size_t i = 0; i < body_.cover.size(); ++i)
-    least = std::min(least, memory.clearance[i] - body_.cover[i].radius);
+    least = std::min(least, memory.coarse[i] - body_.cover[i].radius);
   return least;
 }
 
-/// is_clear once the balls are looked up at the pose.
+/// is_clear by looking at the cubes near balls.
 bool GuardedBody::is_proved_clear(const Eigen::Isometry3d& map_from_link, double margin,
                                   RecentCubes* recent) const {
-  find_near_balls(map_from_link, map_from_link, margin);
+  look_up_balls(map_from_link);
+  find_near_balls(margin);
   Scratch& memory = scratch();
   if (memory.boxes.empty()) return true;
   if (recent == nullptr ? is_pierced(map_from_link) : space_->is_blocked(map_from_link * witnesses_[0]))
@@ -184,8 +225,8 @@ bool GuardedBody::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cube)
   if ((cube - nearest_at(sweep.middle, cube)).norm() - 2.0 * half_diagonal * half >
       sweep.margin + sweep.travel + rounding)
     return true;
-  Eigen::Vector3d point = cube;
-  for (int projection = 0; projection < projections; ++projection) {
+  Eigen::Vector3d point = cube, towards = cube - sweep.middle.translation();
+  for (int projection = 0; projection < sweep_projections; ++projection) {
     const Eigen::Vector3d from = nearest_at(sweep.begin, point);
     const Eigen::Vector3d way = nearest_at(sweep.end, point) - from;
     const double share = std::clamp((point - from).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
@@ -194,6 +235,7 @@ bool GuardedBody::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cube)
     const double distance = offset.norm();
     if (distance > 0.0) {
       const Eigen::Vector3d n = offset / distance;
+      towards = n;
       const auto farthest = [&](const Eigen::Isometry3d& at) {
         const Eigen::Vector3d direction = at.linear().transpose() * n;
         return n.dot(at.translation() - cube) + direction.dot(body_.shape.support(direction));
@@ -207,16 +249,15 @@ bool GuardedBody::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cube)
     if (is_of_body && (beyond + rounding <= sweep.margin || beyond == 0.0)) return false;
     point = cube + (nearest + 2.0 * (nearest - on_hull) - cube).cwiseMax(-half).cwiseMin(half);
   }
-  return swept_distance_to_cube(body_.shape, sweep.begin, sweep.end, cube, space_->resolution(), sweep.margin)
-             .lower > sweep.margin;
+  return is_sweep_beyond(body_.shape, sweep.begin, sweep.end, cube, space_->resolution(), towards,
+                         sweep.margin);
 }
 
 bool GuardedBody::is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& middle,
                                  const Eigen::Isometry3d& end, double margin, RecentCubes& in_the_way) const {
   const Eigen::Vector3d from = begin * bound_.center, to = end * bound_.center;
   if (is_far((from + to) / 2, bound_.radius + margin + (to - from).norm() / 2 * (1.0 + 1e-9))) return true;
-  look_up_balls(begin, end);
-  find_near_balls(begin, end, margin);
+  find_near_balls(begin, middle, end, margin);
   Scratch& memory = scratch();
   if (memory.boxes.empty()) return true;
   // As in is_clear: the hull is convex, and its first point is not blocked.

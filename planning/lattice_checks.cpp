@@ -13,7 +13,8 @@ namespace {
 
 constexpr double rounding = 1e-9;    ///< metres by which a bound must hold to decide in place of a look
 constexpr double pair_slack = 1e-6;  ///< metres that a distance of two bodies may fall short of the true one
-constexpr double field_slack = 2.0;  ///< voxels that coarse_clearance may fall short of the distance
+constexpr std::size_t tabled_joints = 10;  ///< at most, as the table has 2^joints entries
+constexpr double field_slack = 2.0;        ///< voxels that coarse_clearance may fall short of the distance
 
 }  // namespace
 
@@ -100,10 +101,20 @@ void LatticeChecks::place_edge(const LatticeIndex& from, const LatticeIndex& to)
 
 void LatticeChecks::find_motion(const LatticeIndex& from, const LatticeIndex& to) {
   Eigen::Map<Eigen::VectorXd> motion(motion_.data(), static_cast<Eigen::Index>(motion_.size()));
+  std::size_t which = 0;  // of the joints, as bits
+  if (from.size() <= tabled_joints) {
+    for (std::size_t j = 0; j < from.size(); ++j) which |= static_cast<std::size_t>(from[j] != to[j]) << j;
+    if (motions_.empty()) motions_.resize(std::size_t{1} << from.size());
+    if (motions_[which].size() > 0) {
+      motion = motions_[which];
+      return;
+    }
+  }
   motion.setZero();
   for (std::size_t j = 0; j < from.size(); ++j) {
     if (from[j] != to[j]) motion += step_motion_.col(static_cast<Eigen::Index>(j));
   }
+  if (from.size() <= tabled_joints) motions_[which] = motion;
 }
 
 /// A lower bound from balls, fields and bounding balls alone.

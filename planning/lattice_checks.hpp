@@ -63,15 +63,16 @@ class LatticeChecks {
   LatticeIndex node_;                   ///< whose poses are known
   LinkPoses map_from_link_;
   std::vector<char> placed_;
-  std::unique_ptr<EdgePoses> edge_;  ///< under test
-  Eigen::MatrixXd step_motion_;      ///< of each member (row) by one step of each joint (column), metres
-  Eigen::VectorXd whole_motion_;     ///< by one step of all joints
-  std::vector<double> slack_;        ///< what an edge's quick proof may lose, metres
-  std::vector<double> edge_margin_;  ///< at least what a proof of an edge asks of its ends, with padding
-  std::vector<double> motion_;       ///< of each member over the step under test
-  std::vector<std::size_t> order_;   ///< of the members, the one that was blocked last first
-  std::vector<RecentCubes> recent_;  ///< of each body
-  std::vector<int> open_;            ///< members that an edge has to prove
+  std::unique_ptr<EdgePoses> edge_;       ///< under test
+  Eigen::MatrixXd step_motion_;           ///< of each member (row) by one step of each joint (column), metres
+  Eigen::VectorXd whole_motion_;          ///< by one step of all joints
+  std::vector<double> slack_;             ///< what an edge's quick proof may lose, metres
+  std::vector<double> edge_margin_;       ///< at least what a proof of an edge asks of its ends, with padding
+  std::vector<double> motion_;            ///< of each member over the step under test
+  std::vector<Eigen::VectorXd> motions_;  ///< the same by the joints that move, empty till it is asked for
+  std::vector<std::size_t> order_;        ///< of the members, the one that was blocked last first
+  std::vector<RecentCubes> recent_;       ///< of each body
+  std::vector<int> open_;                 ///< members that an edge has to prove
 };
 
 }  // namespace clearway

@@ -109,11 +109,11 @@ void NeighbourQueue::sort_entries() {
 
 /// False when the band holds so many that memory would not be O(k) any more.
 bool NeighbourQueue::enumerate_band() {
+  slots_.assign(std::bit_ceil(2 * entries_.size() + 64), none);  // as large as the last one needed
   entries_.clear();
   nodes_.clear();
   ways_.clear();
   next_ = 0;
-  std::fill(slots_.begin(), slots_.end(), none);
   for (group_ = 0; group_ < group_count_; ++group_) {
     enumerate(0, 0.0, 0, groups_[group_].all());
     if (ways_.size() > most_ways_) return false;

@@ -15,6 +15,8 @@ TEST(ClosedNodes, BlockedFirstJointsCloseAllNodesThatBeginSoAndVisitedOnesAreClo
   EXPECT_FALSE(closed.is_closed({1, -1, 9, 9}));
   EXPECT_TRUE(closed.is_closed({0, 0, 0, 1}));
   EXPECT_FALSE(closed.is_closed({0, 0, 0, 2}));
+  EXPECT_TRUE(closed.is_blocked({1, -2, 0, 5}));
+  EXPECT_FALSE(closed.is_blocked({0, 0, 0, 1}));
 }
 
 TEST(ClosedNodes, BeyondItsBoundItForgetsWhatIsBlockedAndKeepsWhatWasVisited) {

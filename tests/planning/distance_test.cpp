@@ -2,6 +2,7 @@
 
 #include "planning/segment_distance.hpp"
 #include "planning/shape.hpp"
+#include "planning/sweep_beyond.hpp"
 #include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
 
@@ -205,6 +206,24 @@ TEST(Distance, OfASweptBodyIsThatOfTheHullOfItsCornersAtBothPoses) {
   }
   EXPECT_GT(apart, 500);
   EXPECT_LT(apart, 1900);
+}
+
+TEST(Distance, WhetherASweepIsBeyondAMarginIsWhatItsDistanceTells) {
+  Random random(11);
+  int beyond = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Shape shape = random_shape(random, false);
+    const Eigen::Isometry3d begin = random.pose(0.5), end = random.pose(0.5);
+    const Eigen::Vector3d cube = random.point(0.8);
+    const double lower = swept_distance_to_cube(shape, begin, end, cube, 0.05).lower;
+    const double margin = i % 2 == 0 ? random.between(0.0, 0.3) : lower * random.between(0.99, 1.01);
+    if (std::abs(lower - margin) < 1e-8) continue;  // a proof may stop a hair short
+    const Eigen::Vector3d towards = i % 4 < 2 ? cube - begin.translation() : random.point(1.0);
+    ASSERT_EQ(is_sweep_beyond(shape, begin, end, cube, 0.05, towards, margin), lower > margin) << i;
+    beyond += lower > margin;
+  }
+  EXPECT_GT(beyond, 500);
+  EXPECT_LT(beyond, 3500);
 }
 
 TEST(Distance, OfASweptBodyIsNeverAboveThatOfAnyMixOfItsPoints) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <thread>
+
 #include "tests/planning/random_world.hpp"
 #include "voxel_scene.hpp"
 
@@ -142,6 +145,35 @@ TEST(RecentCubes, KeepTheLatestFirstAndEachOnce) {
   EXPECT_EQ(recent[3].x(), 16.0);
   recent.clear();
   EXPECT_EQ(recent.size(), 0u);
+}
+
+/// What is kept from look to look, per thread, is of another body or pose each time here, and of none in a
+/// new thread.
+TEST(GuardedBody, LooksOfOtherBodiesAndPosesBeforeChangeNothing) {
+  Random random(25);
+  int clear = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Cubes cubes = random_cubes(random, 0.03);
+    const Body body = body_of(shapes()[static_cast<std::size_t>(i) % 5]);
+    const auto guarded =
+        std::make_unique<GuardedBody>(body, cubes.space, everywhere);  // where one was before
+    const GuardedBody copy = *guarded;
+    const Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // as before, too
+    const double margin = random.between(0.0, 0.05);
+    const bool is_quickly_clear = guarded->is_quickly_clear(pose, margin);
+    const bool is_clear = copy.is_clear(pose, margin);
+    const double coarse = guarded->coarse_clearance(pose);
+    clear += is_clear;
+    std::thread anew([&] {
+      EXPECT_EQ(guarded->coarse_clearance(pose), coarse);
+      EXPECT_EQ(guarded->is_clear(pose, margin), is_clear);
+    });
+    anew.join();
+    std::thread quickly([&] { EXPECT_EQ(guarded->is_quickly_clear(pose, margin), is_quickly_clear); });
+    quickly.join();
+  }
+  EXPECT_GT(clear, 20);
+  EXPECT_LT(clear, 180);
 }
 
 }  // namespace
