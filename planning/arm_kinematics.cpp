@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planning/four_lanes.hpp"
+
 namespace clearway {
 
 /// Rodrigues: I + sin K + (1 - cos) K^2 about the joint's axis.
 ArmKinematics::ArmKinematics(const Robot& robot)
     : joints_(static_cast<int>(robot.dof())),
       map_from_base_(robot.map_from_base),
-      poses_(robot.links.size(), Eigen::Isometry3d::Identity()),
-      axes_(robot.links.size(), Eigen::Vector3d::Zero()),
-      moments_(axes_) {
+      poses_(robot.links.size(), Eigen::Isometry3d::Identity()) {
+  int columns = 0;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const Link& link = robot.links[i];
     Mover mover;
@@ -39,9 +40,14 @@ ArmKinematics::ArmKinematics(const Robot& robot)
       }
     }
     movers_.push_back(mover);
-    chains_.push_back(link.parent < 0 ? std::vector<int>{} : chains_[static_cast<std::size_t>(link.parent)]);
-    if (link.joint >= 0) chains_.back().push_back(static_cast<int>(i));
+    chains_.push_back(link.parent < 0 ? std::vector<Moved>{}
+                                      : chains_[static_cast<std::size_t>(link.parent)]);
+    column_of_.push_back(link.joint >= 0 ? columns++ : -1);
+    if (link.joint >= 0) chains_.back().push_back({column_of_.back(), link.joint});
   }
+  columns_ = lanes::padded(columns);
+  screws_.resize(6 * static_cast<std::size_t>(columns_));
+  rates_.resize(static_cast<std::size_t>(columns_));
 }
 
 void ArmKinematics::place(const Configuration& q) {
@@ -49,26 +55,28 @@ void ArmKinematics::place(const Configuration& q) {
     const Mover& mover = movers_[i];
     const Eigen::Isometry3d& parent =
         mover.parent < 0 ? map_from_base_ : poses_[static_cast<std::size_t>(mover.parent)];
-    const auto turned = parent.linear();
+    const Eigen::Matrix3d turned = parent.linear();
     Eigen::Isometry3d& pose = poses_[i];
     Eigen::Vector3d translation = mover.translation;
-    if (mover.joint < 0) {
-      pose.linear().noalias() = turned * mover.still;
-    } else {
-      axes_[i].noalias() = turned * mover.axis;
-      if (mover.turns) {
-        const double value = mover.multiplier * q[mover.joint] + mover.offset;
-        const Eigen::Matrix3d linear =
-            mover.still + std::sin(value) * mover.sine + std::cos(value) * mover.cosine;
-        pose.linear().noalias() = turned * linear;
-      } else {  // the axis holds the multiplier, the translation the offset
-        translation += q[mover.joint] * mover.axis;
-        pose.linear().noalias() = turned * mover.still;
-      }
+    if (mover.turns) {
+      const double value = mover.multiplier * q[mover.joint] + mover.offset;
+      const Eigen::Matrix3d linear =
+          mover.still + std::sin(value) * mover.sine + std::cos(value) * mover.cosine;
+      pose.linear() = turned.lazyProduct(linear);
+    } else {  // the axis holds the multiplier, the translation the offset
+      if (mover.joint >= 0) translation += q[mover.joint] * mover.axis;
+      pose.linear() = turned.lazyProduct(mover.still);
     }
-    pose.translation().noalias() = turned * translation;
-    pose.translation() += parent.translation();
-    if (mover.turns) moments_[i] = pose.translation().cross(axes_[i]);
+    pose.translation() = turned.lazyProduct(translation) + parent.translation();
+    if (mover.joint < 0) continue;
+    const Eigen::Vector3d axis = turned.lazyProduct(mover.axis);
+    const Eigen::Vector3d turn = mover.turns ? axis : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d moment = mover.turns ? pose.translation().cross(axis) : axis;
+    for (int k = 0; k < 3; ++k) {
+      double* const numbers = screws_.data() + k * columns_ + column_of_[i];
+      numbers[0] = turn[k];
+      numbers[3 * columns_] = moment[k];
+    }
   }
 }
 
@@ -76,12 +84,14 @@ void ArmKinematics::rate(int link, const Eigen::Vector3d& point, const Eigen::Ve
                          std::span<double> gradient) const {
   std::fill(gradient.begin(), gradient.end(), 0.0);
   const Eigen::Vector3d turn = point.cross(normal);
-  for (const int i : chains_[static_cast<std::size_t>(link)]) {
-    const auto place = static_cast<std::size_t>(i);
-    gradient[static_cast<std::size_t>(movers_[place].joint)] +=
-        movers_[place].turns ? axes_[place].dot(turn) + moments_[place].dot(normal)
-                             : axes_[place].dot(normal);
+  for (int column = 0; column < columns_; column += lanes::width) {
+    const auto row = [&](int k) { return lanes::load(screws_.data() + k * columns_ + column); };
+    const lanes::Numbers turning = turn.x() * row(0) + turn.y() * row(1) + turn.z() * row(2);
+    const lanes::Numbers moving = normal.x() * row(3) + normal.y() * row(4) + normal.z() * row(5);
+    lanes::store(rates_.data() + column, turning + moving);
   }
+  for (const Moved& moved : chains_[static_cast<std::size_t>(link)])
+    gradient[static_cast<std::size_t>(moved.joint)] += rates_[static_cast<std::size_t>(moved.column)];
 }
 
 }  // namespace clearway

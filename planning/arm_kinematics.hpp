@@ -36,8 +36,14 @@ class ArmKinematics {
   Eigen::Isometry3d map_from_base_;
   std::vector<Mover> movers_;  ///< of each link
   LinkPoses poses_;
-  std::vector<Eigen::Vector3d> axes_, moments_;  ///< of each link's joint, map frame: Pluecker coordinates
-  std::vector<std::vector<int>> chains_;         ///< of each link: itself and its parents that a joint moves
+  struct Moved {
+    int column, joint;
+  };
+  int columns_ = 0;                         ///< links that a joint moves, padded to whole lanes
+  std::vector<int> column_of_;              ///< of each link; -1: no joint moves it
+  std::vector<double> screws_;              ///< rows: turn x, y, z, moment x, y, z (Pluecker, map frame)
+  std::vector<std::vector<Moved>> chains_;  ///< of each link: itself and its parents that a joint moves
+  mutable std::vector<double> rates_;       ///< of each column
 };
 
 }  // namespace clearway

@@ -1,14 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "planning/arm_kinematics.hpp"
+#include "planning/ball_cubes.hpp"
 #include "planning/configuration_space.hpp"
-#include "planning/nearest_cubes.hpp"
-#include "planning/self_contact.hpp"
+#include "planning/local_step.hpp"
+#include "planning/near_pairs.hpp"
 
 namespace clearway {
 
@@ -36,6 +36,9 @@ class ControlRows {
  public:
   /// Metres: rows are wanted below `influence_distance`. @param space must live as long.
   ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance);
+  /// For a control step with these dampers: pairs of bodies that no step of at most max_step a joint can
+  /// bring to their damper have no row. `close_distance` is halfway between d_s and d_i.
+  ControlRows(const ConfigurationSpace& space, const DamperOptions& damper);
   ~ControlRows();
 
   /// Kinematics and rows at q. @pre q is finite, of the robot's size
@@ -51,50 +54,21 @@ class ControlRows {
   std::span<const double> gradient(std::size_t i) const {
     return std::span(gradients_).subspan(i * robot_->dof(), robot_->dof());
   }
-  std::size_t balls() const { return balls_.size(); }
+  std::size_t balls() const;
 
  private:
-  struct NearBody {
-    int index = 0, link = 0;
-    const Body* body = nullptr;
-    Eigen::AlignedBox3d reach;  ///< voxels beyond it do not count
-    Sphere bound;               ///< link frame
-    std::size_t first_ball = 0, last_ball = 0;
-  };
-  struct Group {  ///< bodies with the same requirement
-    NearestCubes cubes;
+  ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance,
+              const std::function<double(const BodyPair&)>& pair_reach);
+  struct GuardedBodies {  ///< with the same requirement
     const BlockedSpace* space;
-    std::vector<NearBody> bodies;
+    NearBalls balls;
+    BallCubes cubes;
+    std::vector<int> bodies;  ///< indices in Robot::bodies
   };
-  struct Pair {
-    int first, second, first_link, second_link;
-    Sphere first_bound, second_bound;
-  };
-  struct NearBall {
-    std::size_t body, ball;
-    Eigen::Vector3d center;  ///< map frame
-    bool is_close = false;
-    std::size_t first_voxel = 0;  ///< of voxels_: its own, and six more when it is close
-  };
-  struct Candidate {
-    std::uint64_t key;
-    Eigen::Vector3i voxel;
-    Eigen::Vector3d towards;
-    double behind;
-  };
-  void find_near_balls(const Group& group);
-  void look_up(const BlockedSpace& space, std::size_t count, bool closely);
-  void keep_near(const Group& group, bool closely);
-  void find_cubes(Group& group);
-  void gather(const Group& group, const NearBall& ball);
-  void gather_within_reach(const Group& group, const NearBall& ball, double within);
-  Eigen::Vector3d center(const Eigen::Vector3i& voxel) const {
-    return (voxel.cast<double>().array() + 0.5) * resolution_;
-  }
-  void add_candidate(const Eigen::Vector3i& voxel, const Eigen::Vector3d& towards, double behind);
-  void close_body(const NearBody& body);
+  void add_body(int index, const BlockedSpace* space);
+  void cube_rows(int body, std::span<const BodyCube> cubes);
   void pair_rows();
-  void append(const ControlRow& row, int link, int other_link);
+  void append(const ControlRow& row, int link, const NearPair* pair);
   const Eigen::Isometry3d& pose(int link) const {
     return kinematics_.map_from_link()[static_cast<std::size_t>(link)];
   }
@@ -102,17 +76,11 @@ class ControlRows {
   const Robot* robot_;
   double padding_, reach_, close_, resolution_;  ///< reach and close: from a body's surface, padding included
   ArmKinematics kinematics_;
-  std::vector<Group> groups_;
-  std::vector<Pair> pairs_;
-  std::vector<Sphere> balls_;                  ///< link frames
-  std::vector<NearBall> near_;                 ///< of the group under way
-  std::vector<double> x_, y_, z_, clearance_;  ///< of the points that are looked up
-  std::vector<Eigen::Vector3i> voxels_;
-  std::vector<NearestCubes::Offset> offsets_;  ///< of the voxels
-  std::vector<Eigen::Vector3d> visited_;
-  std::vector<Candidate> candidates_;  ///< of the body under way
+  std::vector<GuardedBodies> guarded_;
+  NearPairs pairs_;
   std::vector<ControlRow> rows_;
-  std::vector<double> gradients_, second_gradient_;
+  std::vector<double> gradients_;  ///< of the rows, and one more under way
+  std::vector<double> second_gradient_;
 };
 
 }  // namespace clearway

@@ -35,11 +35,10 @@ double row_bound(const DamperOptions& options, const ControlRow& row) {
 }  // namespace
 
 ControlStep::ControlStep(const ConfigurationSpace& space, DamperOptions options)
-    : options_(checked(std::move(options), space.robot().dof())),
-      rows_(space, options_.influence_distance,
-            0.5 * (options_.influence_distance + options_.security_distance)) {
+    : options_(checked(std::move(options), space.robot().dof())), rows_(space, options_) {
   const auto n = static_cast<Eigen::Index>(space.robot().dof());
   for (Eigen::VectorXd* vector : {&lower_, &upper_, &row_, &step_}) vector->setZero(n);
+  per_weight_ = options_.weight.cwiseInverse();
 }
 
 void ControlStep::look(const Configuration& q) {
@@ -62,7 +61,7 @@ void ControlStep::load(const Configuration& q) {
 
 void ControlStep::add(std::span<const double> gradient, double bound) {
   for (Eigen::Index j = 0; j < row_.size(); ++j)
-    row_[j] = gradient[static_cast<std::size_t>(j)] / options_.weight[j];
+    row_[j] = gradient[static_cast<std::size_t>(j)] * per_weight_[j];
   solver_.add_row(numbers(row_), bound);
 }
 

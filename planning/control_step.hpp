@@ -37,7 +37,8 @@ class ControlStep {
   ControlRows& rows() { return rows_; }
   /// Of the last solve: its multipliers (rows of look, rows of add, upper, lower limits) and shares.
   const QuadraticSolver& solver() const { return solver_; }
-  /// Smallest distance of all rows; the influence distance when there is none.
+  /// Smallest distance of all rows; the influence distance when there is none. Pairs of bodies that no step
+  /// can bring to their damper have none.
   double separation() const;
 
   /// The second half of `look`, for who measures it.
@@ -47,7 +48,7 @@ class ControlStep {
   DamperOptions options_;
   ControlRows rows_;
   QuadraticSolver solver_;
-  Eigen::VectorXd lower_, upper_, row_, step_;
+  Eigen::VectorXd per_weight_, lower_, upper_, row_, step_;
 };
 
 }  // namespace clearway

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to QuadraticSolver: four numbers side by side, the same operations in the same order, and so the
+// Private to the control step: four numbers side by side, the same operations in the same order, and so the
 // same bits, on every machine.
 
 #include <cstdint>

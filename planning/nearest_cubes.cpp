@@ -9,13 +9,7 @@ namespace {
 constexpr std::size_t remembered = 16384;  // a power of two
 constexpr int deepest = 3;                 ///< neighbours of neighbours that are asked
 
-std::uint64_t key_of(const Eigen::Vector3i& voxel) {
-  constexpr std::uint64_t mask = (1U << 21U) - 1U;
-  const auto part = [](int i) { return static_cast<std::uint64_t>(i + (1 << 20)) & mask; };
-  return (part(voxel.x()) << 43U | part(voxel.y()) << 22U | part(voxel.z()) << 1U) | 1U;
-}
-
-std::size_t place_of(std::uint64_t key) {
+std::size_t place_of(VoxelKey key) {
   return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15U) >> 40U) & (remembered - 1);
 }
 
@@ -41,33 +35,33 @@ int offset_of(int fall) {
 NearestCubes::NearestCubes(const BlockedSpace& space)
     : space_(space), resolution_(space.resolution()), places_(remembered) {}
 
-void NearestCubes::look_up(std::span<const Eigen::Vector3i> voxels, std::span<Offset> out) {
+void NearestCubes::look_up(std::span<const VoxelKey> voxels, std::span<VoxelKey> out) {
   missing_.clear();
   for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const std::uint64_t key = key_of(voxels[i]);
-    const Place& place = places_[place_of(key)];
-    if (place.key == key) {
-      out[i] = place.offset;
-    } else {
-      missing_.push_back(i);
-    }
+    const Place& place = places_[place_of(voxels[i])];
+    out[i] = place.cube;
+    if (place.voxel != voxels[i]) missing_.push_back(i);
   }
-  if (missing_.empty()) return;
+  if (!missing_.empty()) find_missing(voxels, out);
+}
+
+void NearestCubes::find_missing(std::span<const VoxelKey> voxels, std::span<VoxelKey> out) {
   looked_up_ += missing_.size();
   const std::size_t points = around * (missing_.size() + 1);  // one more for neighbours
   if (x_.size() < points) {
     for (std::vector<double>* vector : {&x_, &y_, &z_, &clearance_}) vector->resize(2 * points);
   }
-  for (std::size_t k = 0; k < missing_.size(); ++k) place_points(around * (k + 1), voxels[missing_[k]]);
+  for (std::size_t k = 0; k < missing_.size(); ++k)
+    place_points(around * (k + 1), voxel_of(voxels[missing_[k]]));
   const auto part = [&](std::vector<double>& all) {
     return std::span(all).subspan(around, around * missing_.size());
   };
   space_.coarse_clearances({part(x_), part(y_), part(z_)}, part(clearance_));
   for (std::size_t k = 0; k < missing_.size(); ++k) {
     const std::size_t i = missing_[k];
-    out[i] = told_by_field(voxels[i], &clearance_[around * (k + 1)], 0);
-    const std::uint64_t key = key_of(voxels[i]);
-    places_[place_of(key)] = {key, out[i]};
+    const Offset offset = told_by_field(voxel_of(voxels[i]), &clearance_[around * (k + 1)], 0);
+    out[i] = offset[0] == nothing ? no_voxel : voxels[i] + voxel_step(offset[0], offset[1], offset[2]);
+    places_[place_of(voxels[i])] = {voxels[i], out[i]};
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mapping/blocked_space.hpp"
+#include "planning/voxel_key.hpp"
 
 namespace clearway {
 
@@ -21,12 +22,8 @@ class NearestCubes {
   /// @param space must live as long.
   explicit NearestCubes(const BlockedSpace& space);
 
-  /// Voxels from one to its nearest cube; `nothing` in x: none within the field's max_distance.
-  using Offset = std::array<std::int8_t, 4>;
-  static constexpr std::int8_t nothing = 127;
-
-  /// out[i] is that of voxels[i] = floor(point / resolution), within 2^20 of the origin.
-  void look_up(std::span<const Eigen::Vector3i> voxels, std::span<Offset> out);
+  /// out[i] is that of voxels[i], floor(point / resolution); no_voxel: none within the field's max_distance.
+  void look_up(std::span<const VoxelKey> voxels, std::span<VoxelKey> out);
 
   std::size_t looked_up() const { return looked_up_; }  ///< that were not remembered
   std::size_t searched() const { return searched_; }    ///< of these, by BlockedSpace::nearest
@@ -34,10 +31,13 @@ class NearestCubes {
  private:
   static constexpr std::size_t around = 8;  ///< points for a voxel: itself and six; the last fills registers
   struct Place {
-    std::uint64_t key = 0;  ///< 0: none
-    Offset offset{};
+    VoxelKey voxel = no_voxel, cube = no_voxel;
   };
+  /// Voxels from one to its nearest cube; `nothing` in x: none that is told.
+  using Offset = std::array<std::int8_t, 4>;
+  static constexpr std::int8_t nothing = 127;
   using Squares = std::array<int, 7>;
+  void find_missing(std::span<const VoxelKey> voxels, std::span<VoxelKey> out);
   void place_points(std::size_t first, const Eigen::Vector3i& voxel);
   Offset told_by_field(const Eigen::Vector3i& voxel, const double* clearance, int depth);
   bool by_differences(const Eigen::Vector3i& voxel, const Squares& squared, Offset& offset) const;

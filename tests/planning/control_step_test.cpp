@@ -138,6 +138,50 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   EXPECT_GT(near, 300);
 }
 
+TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveNoRow) {
+  std::size_t left_out = 0, pairs = 0;
+  for (const char* name : {"puma560", "panda", "arm5"}) {
+    const Robot robot = load_robot(name);
+    Random random(12);
+    const ConfigurationSpace space(robot, VoxelScene{}.snapshot(), {.critical_by_default = false});
+    DamperOptions options = damper(robot.dof());
+    options.max_step = 0.03;
+    ControlStep control(space, options);
+    ControlRows all(space, options.influence_distance, options.influence_distance);
+    QuadraticSolver solver;
+    for (int trial = 0; trial < 2000; ++trial) {
+      const Configuration q = random.configuration(robot);
+      const auto n = q.size();
+      const Eigen::VectorXd wanted =
+          Eigen::VectorXd::NullaryExpr(n, [&] { return options.max_step * random.between(-1.0, 1.0); });
+      control.look(q);
+      const Eigen::VectorXd step = control.solve(wanted);
+      all.look(q);
+      solver.begin(static_cast<int>(n));
+      const auto numbers = [](const Eigen::VectorXd& vector) {
+        return std::span(vector.data(), static_cast<std::size_t>(vector.size()));
+      };
+      Eigen::VectorXd lower(n), upper(n);
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
+        lower[j] = std::clamp(joint.lower - q[j], -options.max_step, 0.0);
+        upper[j] = std::clamp(joint.upper - q[j], 0.0, options.max_step);
+      }
+      solver.set_limits(numbers(lower), numbers(upper));
+      for (std::size_t i = 0; i < all.rows().size(); ++i)
+        solver.add_row(all.gradient(i), damper_bound(options, all.rows()[i].distance));
+      solver.set_target(numbers(wanted));
+      ASSERT_TRUE(solver.solve_relaxed());
+      const Eigen::VectorXd expected = Eigen::Map<const Eigen::VectorXd>(solver.x().data(), n);
+      EXPECT_LT((step - expected).norm(), 1e-9) << name << ' ' << trial;
+      pairs += all.rows().size();
+      left_out += all.rows().size() - control.rows().rows().size();
+    }
+  }
+  EXPECT_GT(left_out, 1000U);
+  EXPECT_GT(pairs - left_out, 1000U);
+}
+
 TEST(ControlStep, GivesTheSameBitsWhateverItSawBefore) {
   const Robot robot = load_robot("puma560");
   Random random(9);

@@ -18,7 +18,7 @@ TEST(CubeGap, IsWhatGjkProvesAndNeverMore) {
     for (int trial = 0; trial < 3000; ++trial) {
       const Eigen::Isometry3d pose = random.pose(0.2);
       const Eigen::Vector3d cube = random.point(0.3);
-      const CubeGap gap = cube_gap(shape, pose, cube, 0.05, pose.translation(), 1.0);
+      const CubeGap gap = CubeGaps(shape, pose, 0.05).to(cube, pose.translation(), 1.0);
       const DistanceBounds bounds = distance_to_cube(shape, pose, cube, 0.05);
       EXPECT_LE(gap.distance, bounds.upper + 1e-12);
       const bool has_faces = shape.kind() == Shape::Kind::cylinder || shape.kind() == Shape::Kind::box;
@@ -38,8 +38,8 @@ TEST(CubeGap, IsWhatGjkProvesAndNeverMore) {
 
 TEST(CubeGap, OfWhatOverlapsIsZero) {
   const Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  const CubeGap gap =
-      cube_gap(Shape::capsule(0.05, 0.3), pose, {0.02, 0.0, 0.1}, 0.05, pose.translation(), 1.0);
+  const Shape shape = Shape::capsule(0.05, 0.3);
+  const CubeGap gap = CubeGaps(shape, pose, 0.05).to({0.02, 0.0, 0.1}, pose.translation(), 1.0);
   EXPECT_EQ(gap.distance, 0.0);
   EXPECT_EQ(gap.normal, Eigen::Vector3d(0.0, 0.0, 0.0));
 }

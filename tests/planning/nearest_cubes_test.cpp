@@ -13,6 +13,8 @@ double distance_to(const Eigen::Vector3d& cube, const Eigen::Vector3d& point) {
   return ((point - cube).cwiseAbs().array() - edge / 2).max(0.0).matrix().norm();
 }
 
+Eigen::Vector3d middle_of(VoxelKey voxel) { return (voxel_of(voxel).cast<double>().array() + 0.5) * edge; }
+
 TEST(NearestCubes, AreBlockedAndAsNearAsTheSearchFinds) {
   for (const Policy policy : {Policy::not_occupied, Policy::known_free}) {
     Random random(5);
@@ -24,21 +26,19 @@ TEST(NearestCubes, AreBlockedAndAsNearAsTheSearchFinds) {
     NearestCubes cubes(*space);
     int near = 0;
     for (int i = 0; i < 20000; ++i) {
-      std::array<Eigen::Vector3i, 3> voxels;
-      for (Eigen::Vector3i& voxel : voxels)
-        voxel = (random.point(0.9) / edge).array().floor().matrix().cast<int>();
-      std::array<NearestCubes::Offset, 3> offsets, again;
-      cubes.look_up(voxels, offsets);
+      std::array<VoxelKey, 3> voxels, found, again;
+      for (VoxelKey& voxel : voxels)
+        voxel = voxel_key((random.point(0.9) / edge).array().floor().matrix().cast<int>());
+      cubes.look_up(voxels, found);
       cubes.look_up(voxels, again);
-      EXPECT_EQ(offsets, again);
-      const Eigen::Vector3d middle = (voxels[1].cast<double>().array() + 0.5) * edge;
+      EXPECT_EQ(found, again);
+      const Eigen::Vector3d middle = middle_of(voxels[1]);
       const NearestBlocked truth = space->nearest(middle, space->max_distance());
-      const bool is_near = offsets[1][0] != NearestCubes::nothing;
+      const bool is_near = found[1] != no_voxel;
       ASSERT_TRUE(is_near || !truth.found || truth.distance > space->max_distance() - 1e-6);
       if (!is_near) continue;
       ++near;
-      const Eigen::Vector3d cube =
-          middle + edge * Eigen::Vector3d(offsets[1][0], offsets[1][1], offsets[1][2]);
+      const Eigen::Vector3d cube = middle_of(found[1]);
       EXPECT_TRUE(space->is_blocked(cube));
       if (!truth.found) continue;
       EXPECT_NEAR(distance_to(cube, middle), truth.distance, 1e-6);

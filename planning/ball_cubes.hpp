@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <span>
+#include <vector>
+
+#include "planning/near_balls.hpp"
+#include "planning/nearest_cubes.hpp"
+
+namespace clearway {
+
+/// A blocked cube that may be near a body.
+struct BodyCube {
+  Eigen::Vector3d center;   ///< map frame
+  Eigen::Vector3d towards;  ///< middle of the ball that sees it
+  double behind = 0.0;      ///< how much farther it is than the cube nearest to that ball
+};
+
+/// The cubes that the balls of a body see: the one nearest to a ball's voxel; of a ball that is close those
+/// nearest to the eight voxels about its middle and to the six that lie three away along the map's axes, too.
+/// Cubes that the body cannot reach do not count; where these, or the field's end, hide what may be near,
+/// cubes are visited one by one.
+class BallCubes {
+ public:
+  /// @param reach metres from a ball's surface. @param space must live as long.
+  BallCubes(const BlockedSpace& space, double reach);
+
+  /// A body whose numbers of balls are given; voxels beyond `reach_box` do not count for it.
+  void add(const Eigen::AlignedBox3d& reach_box, std::size_t balls);
+
+  /// Looks all balls up at once.
+  void look(std::span<const NearBall> balls);
+
+  /// The cubes of balls first to last, which belong to one body: each once, as the ball has it that it is
+  /// least behind of. Valid until the next call. @pre the balls are those of the last look.
+  std::span<const BodyCube> gather(std::span<const NearBall> balls, std::size_t first, std::size_t last);
+
+ private:
+  struct Reach {
+    Eigen::AlignedBox3d box;
+    Eigen::Vector3i low, high;  ///< voxels whose cubes meet it
+    bool holds(const Eigen::Vector3i& voxel) const {
+      bool inside = true;
+      for (int axis = 0; axis < 3; ++axis) inside &= voxel[axis] >= low[axis] && voxel[axis] <= high[axis];
+      return inside;
+    }
+  };
+  void gather(const NearBall& ball, std::span<const VoxelKey> cubes);
+  void visit(const NearBall& ball, double within);
+  void add_cube(VoxelKey key, const Eigen::Vector3d& cube, const NearBall& ball, double behind);
+  Eigen::Vector3d center_of(const Eigen::Vector3i& voxel) const {
+    return (voxel.cast<double>().array() + 0.5) * resolution_;
+  }
+
+  const BlockedSpace& space_;
+  NearestCubes nearest_;
+  double reach_, resolution_;
+  std::vector<Reach> reaches_;            ///< of each body
+  std::vector<VoxelKey> voxels_, cubes_;  ///< that are looked up
+  std::vector<std::size_t> first_;        ///< of the voxels of each ball, and the end
+  std::vector<Eigen::Vector3d> visited_;
+  std::vector<BodyCube> gathered_;
+  std::vector<VoxelKey> known_;  ///< of these
+  std::size_t most_balls_ = 0;
+};
+
+}  // namespace clearway

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "mapping/blocked_space.hpp"
+#include "mapping/sphere.hpp"
+#include "planning/kinematics.hpp"
+
+namespace clearway {
+
+/// A ball of a body's cover that is near blocked space.
+struct NearBall {
+  int body = 0;           ///< as they were added
+  bool is_close = false;  ///< nearer than `close`
+  double radius = 0.0;
+  Eigen::Vector3d center;  ///< map frame
+};
+
+/// Which cover balls of some bodies may be within reach of blocked space, for loops: bodies as a whole from
+/// one cell of the distance field, then their balls from one cell each, then closely. It allocates nothing
+/// after the last `add`.
+class NearBalls {
+ public:
+  /// Metres from a body's surface. @param space must live as long.
+  NearBalls(const BlockedSpace& space, double reach, double close);
+
+  /// @param bound holds the body, its cover holds the body; link frame.
+  void add(int link, const Sphere& bound, std::span<const Sphere> cover);
+
+  /// In the order in which bodies and balls were added; valid until the next call.
+  std::span<const NearBall> look(const LinkPoses& map_from_link);
+
+  std::size_t size() const { return balls_.size(); }  ///< of all balls
+
+ private:
+  struct Cover {
+    int link;
+    Sphere bound;
+    int first, last;  ///< of balls_
+  };
+  struct Ball {
+    Sphere sphere;
+    int body;
+  };
+  void put(std::size_t at, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point);
+  void look_up(std::size_t count, bool closely);
+  std::size_t keep_near(std::size_t count);
+
+  const BlockedSpace& space_;
+  double reach_, close_;
+  std::vector<Cover> covers_;
+  std::vector<Ball> balls_;
+  std::vector<int> ball_of_;                   ///< of the points that are looked up
+  std::vector<double> x_, y_, z_, clearance_;  ///< of these, filled up to whole registers
+  std::vector<NearBall> near_;
+};
+
+}  // namespace clearway
