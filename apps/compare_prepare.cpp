@@ -46,8 +46,7 @@ void require_plots(const Suite& suite, const SuiteExperiment& experiment) {
   }
 }
 
-/// Every robot of every team that is written out can be made and led; every part that a policy names exists;
-/// and the world can be sensed anew.
+/// Every robot of every team that is written out can be made and led; every part that a policy names exists.
 void require_teams(const Suite& suite, const SuiteExperiment& experiment,
                    const std::vector<TeamOptions>& leaders) {
   const Snapshot nothing = empty_map();
@@ -64,12 +63,6 @@ void require_teams(const Suite& suite, const SuiteExperiment& experiment,
   for (const auto& [part, policy] : experiment.policies)
     if (!experiment.generate && !parts.contains(part))
       refuse(suite, experiment, "field 'policies': no robot of its teams has a part '" + part + "'");
-  for (const SuiteWorld& world : suite.worlds)
-    if (experiment.teams->sensing && world.name == experiment.world &&
-        (!world.map.empty() || !world.volumes.empty()))
-      refuse(suite, experiment,
-             "field 'sensing': expected a world made of solids alone, '" + world.name +
-                 "' is loaded or painted");
 }
 
 bool is_chosen(const SuitePlanner& planner, const std::vector<std::string>& only) {

@@ -53,7 +53,15 @@ class TeamRunner {
         world_(world_of(suite, experiment.setup)),
         map_(map_of(world_)),
         digest_(map_sha256(map_)),
-        labels_(names_as_files(experiment.planners)) {}
+        labels_(names_as_files(experiment.planners)) {
+    const auto& sensing = experiment.setup.teams ? experiment.setup.teams->sensing : std::nullopt;
+    try {
+      if (sensing) check_sensors(*sensing, map_);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("suite '" + suite.name + "', experiment '" + experiment.setup.name + "', " +
+                                  error.what());
+    }
+  }
 
   void run(CompareExperiment& result, const std::function<void(double)>& progress) {
     const std::size_t count = experiment_.setup.generate
@@ -105,7 +113,7 @@ class TeamRunner {
     const auto& sensing = experiment_.setup.teams->sensing;
     std::optional<SensedSpaces> spaces;
     if (sensing) {
-      spaces.emplace(team, given.moving, *sensing, world_, experiment_.setup.policies);
+      spaces.emplace(team, given.moving, *sensing, world_, map_, experiment_.setup.policies);
       team.sensed = [&spaces](std::size_t robot, double time) { return spaces->at(robot, time); };
     }
     TeamCircumstances circumstances{.unseen_motion = unseen_motion(team, sensing),

@@ -73,6 +73,29 @@ Points all_around(double range, double spacing) {
   return points_on(BoxShape{Eigen::Vector3d::Constant(2.0 * range)}, spacing);
 }
 
+/// Some ray from `from` meets this voxel first: to its middle or, of one that is seen at a slant, near a
+/// corner.
+bool sees(const BlockedSpace& occupied, const Eigen::Vector3d& from, const Eigen::Vector3d& voxel,
+          double resolution) {
+  const auto meets = [&](const Eigen::Vector3d& point) {
+    const RayHit first = occupied.cast_ray(from, point - from, 0.0);
+    return first.hit && (first.voxel - voxel).norm() < 0.5 * resolution;
+  };
+  if (meets(voxel)) return true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d sides(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
+    if (meets(voxel + 0.45 * resolution * sides)) return true;
+  }
+  return false;
+}
+
+Scan empty_scan(const Eigen::Vector3d& from) {
+  Scan scan;
+  scan.sensor = "range";
+  scan.map_from_sensor.translation() = from;
+  return scan;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> surface_points(const SceneShape& solid, double spacing) {
@@ -86,9 +109,7 @@ Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& f
   std::vector<Surface> surfaces(solids.begin(), solids.end());
   std::vector<const Surface*> targets;
   for (const Surface& surface : surfaces) targets.push_back(&surface);
-  Scan scan;
-  scan.sensor = "range";
-  scan.map_from_sensor.translation() = from;
+  Scan scan = empty_scan(from);
   for (const SceneShape& solid : solids) {
     for (const Eigen::Vector3d& point : surface_points(solid, resolution / 2)) {
       const Eigen::Vector3d way = (point - from).normalized();
@@ -100,6 +121,46 @@ Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& f
     const Eigen::Vector3d way = point.normalized();
     const double along = std::min(cast_ray(targets, from, way).hit.along, 1.5 * range);
     scan.points.push_back((along * way).cast<float>());
+  }
+  return scan;
+}
+
+Scan scan_voxels(const BlockedSpace& occupied, const Eigen::Vector3d& from, double range, double resolution) {
+  Scan scan = empty_scan(from);
+  const Eigen::AlignedBox3d near(from.array() - range, from.array() + range);
+  occupied.visit_surface(near, [&](const Eigen::Vector3d& voxel) {
+    if ((voxel - from).norm() <= range && sees(occupied, from, voxel, resolution))
+      scan.points.push_back((voxel - from).cast<float>());
+    return true;
+  });
+  for (const Eigen::Vector3d& point : all_around(range, resolution)) {
+    const RayHit first = occupied.cast_ray(from, point, 0.0);
+    if (first.hit && first.distance < range + resolution) continue;
+    scan.points.push_back((1.5 * range * point.normalized()).cast<float>());
+  }
+  return scan;
+}
+
+Scan scan_solids_before(const Scan& still, const std::vector<SceneShape>& solids,
+                        const BlockedSpace& occupied, double range, double resolution) {
+  const Eigen::Vector3d from = still.map_from_sensor.translation();
+  const std::vector<Surface> surfaces(solids.begin(), solids.end());
+  std::vector<const Surface*> targets;
+  for (const Surface& surface : surfaces) targets.push_back(&surface);
+  Scan scan = still;
+  for (Eigen::Vector3f& point : scan.points) {
+    const Eigen::Vector3d way = point.cast<double>().normalized();
+    const double along = cast_ray(targets, from, way).hit.along;
+    if (along < point.norm()) point = (along * way).cast<float>();
+  }
+  for (const SceneShape& solid : solids) {
+    for (const Eigen::Vector3d& point : surface_points(solid, resolution / 2)) {
+      const Eigen::Vector3d way = (point - from).normalized();
+      const double along = cast_ray(targets, from, way).hit.along;
+      if (along > range) continue;
+      const RayHit wall = occupied.cast_ray(from, way, 0.0);
+      if (!wall.hit || wall.distance > along) scan.points.push_back((along * way).cast<float>());
+    }
   }
   return scan;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "datasets/scene.hpp"
+#include "mapping/blocked_space.hpp"
 #include "mapping/scan.hpp"
 
 namespace clearway {
@@ -19,5 +20,16 @@ std::vector<Eigen::Vector3d> surface_points(const SceneShape& solid, double spac
 /// @param from,range,resolution metres, map frame
 Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& from, double range,
                  double resolution);
+
+/// What the same sensor sees of a map whose world nothing else tells: the middle of each occupied voxel that
+/// others do not hide as a whole, and rays all around that meet nothing within the range. The sensor stands
+/// in none of them.
+/// @param occupied voxels of `resolution`, the `not_occupied` requirement
+Scan scan_voxels(const BlockedSpace& occupied, const Eigen::Vector3d& from, double range, double resolution);
+
+/// `still` (see scan_voxels, same arguments) with solids before those voxels: rays that meet a solid end
+/// there, and there are rays to points of the solids' surfaces half a voxel apart.
+Scan scan_solids_before(const Scan& still, const std::vector<SceneShape>& solids,
+                        const BlockedSpace& occupied, double range, double resolution);
 
 }  // namespace clearway

@@ -14,15 +14,17 @@ double length_of(const std::vector<Configuration>& path) {
 }
 
 /// Where an obstacle outran a robot, distances from obstacles do not count, and robots that it drove together
-/// need only not touch. A run that the clock ended kept its distances so far, which is not called safe.
+/// need only not touch. Contact is never safe, however far a step may come below d_s. A run that the clock
+/// ended kept its distances so far, which is not called safe.
 std::string check_word(const TeamRun& run, const TeamVerdict& verdict,
                        const TeamCircumstances& circumstances) {
   const double least = run.figures.security_distance - run.step_bound();
   const bool keeps =
       verdict.least_separation >= least - circumstances.unseen_motion && verdict.between_robots >= least;
+  const bool touches = !verdict.is_apart || verdict.least_separation <= 0.0 || verdict.between_robots <= 0.0;
   if (verdict.greatest_speed_share > 1.0 + 1e-6 || !verdict.robots_are_apart) return "refused";
   if (!run.outrun.empty()) return "outrun";
-  if (!verdict.is_apart || !keeps) return "refused";
+  if (touches || !keeps) return "refused";
   return circumstances.is_cut_short ? "unfinished" : "valid";
 }
 

@@ -66,6 +66,33 @@ TEST(TeamResult, GrantsWhatSensedThingsMoveUnseenToObstaclesAloneNotToRobots) {
   EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
 }
 
+TEST(TeamResult, ContactIsNeverSafeHoweverLongAStepAndHoweverSmallTheSecurityDistance) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 1.0;  // d_s is 5 cm
+  ASSERT_GT(resting.run.step_bound(), resting.run.figures.security_distance);
+  const TeamCircumstances sensed{.unseen_motion = 1.0};
+  EXPECT_EQ(resting.check(1e-3, sensed), "valid");
+  for (const double separation : {0.0, -0.01}) {
+    TeamVerdict verdict = apart(0.06);
+    verdict.least_separation = separation;  // from an obstacle
+    EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+    verdict.between_robots = separation;
+    EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+  }
+}
+
+TEST(TeamResult, DiscsThatPassThroughEachOtherBetweenTwoStepsAreRefused) {
+  Resting resting;
+  resting.team.robots[1].name = "other";
+  resting.run.traces[0].positions = {Eigen::Vector2d(-2.0, 0.0), Eigen::Vector2d(2.0, 0.0)};
+  resting.run.traces[1].positions = {Eigen::Vector2d(2.0, 0.0), Eigen::Vector2d(-2.0, 0.0)};
+  for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 4.0;
+  resting.run.period = 10.0;
+  const TeamVerdict verdict = check_team(resting.team, resting.run, 5.0, 1.0);
+  EXPECT_EQ(verdict.least_separation, 0.0);
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+}
+
 TEST(TeamResult, CallsOutrunWhatIsNotRefusedForOtherReasons) {
   Resting resting;
   resting.run.outrun = "At 1 s robot 'disc' could not …";

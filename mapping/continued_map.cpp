@@ -1,0 +1,71 @@
+#include "mapping/continued_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "mapping/fused_tree.hpp"
+#include "mapping/scan_rays.hpp"
+
+namespace clearway {
+namespace {
+
+void check_probability(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;  // false for NaN
+  throw std::invalid_argument(std::string("map option ") + name + " is " + std::to_string(value) +
+                              ", expected a value in [" + std::to_string(low) + ", " + std::to_string(high) +
+                              "]");
+}
+
+}  // namespace
+
+struct ContinuedMap::State {
+  State(const Snapshot& start, const MapOptions& options) : tree(start.tree()), latest(start) {
+    tree.setProbHit(options.hit_probability);
+    tree.setProbMiss(options.miss_probability);
+    insertion.discretize = options.discretize;
+    insertion.threads = options.threads;
+    insertion.integration = options.integration;
+    insertion.margins = options.margins;
+  }
+  FusedTree tree;
+  ScanInsertion insertion;
+  ScanWorkspace workspace;
+  Snapshot latest;
+  bool is_changed = false;  ///< since `latest`
+};
+
+ContinuedMap::ContinuedMap(const Snapshot& start, const MapOptions& options) {
+  check_probability("hit_probability", options.hit_probability, 0.5, 0.999999);
+  check_probability("miss_probability", options.miss_probability, 1e-6, 0.5);
+  state_ = std::make_unique<State>(start, options);
+}
+ContinuedMap::~ContinuedMap() = default;
+ContinuedMap::ContinuedMap(ContinuedMap&&) noexcept = default;
+ContinuedMap& ContinuedMap::operator=(ContinuedMap&&) noexcept = default;
+
+ScanCounts ContinuedMap::insert(const Scan& scan, const ScanFilter& filter) {
+  state_->is_changed = true;
+  return insert_scan(state_->tree, scan, filter, state_->insertion, state_->workspace);
+}
+
+const Snapshot& ContinuedMap::snapshot() {
+  if (state_->is_changed) {
+    const std::vector<PaintedVolume> volumes = state_->latest.volumes();
+    state_->latest = Snapshot(std::make_shared<const FusedTree>(state_->tree), volumes, state_->latest);
+    state_->is_changed = false;
+  }
+  return state_->latest;
+}
+
+double telling_hit_probability(const Snapshot& map, double least) {
+  double lowest = map.tree().getClampingThresMinLog();
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.observed) lowest = std::min(lowest, leaf.log_odds);
+  });
+  const double threshold = map.tree().getOccupancyThresLog();
+  const double needed = threshold - lowest + 0.01;  // log-odds; floats round
+  return std::clamp(1.0 / (1.0 + std::exp(-needed)), least, 0.999999);
+}
+
+}  // namespace clearway

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+
+#include "mapping/free_space_map.hpp"
+
+namespace clearway {
+
+/// A map that was loaded or painted before, and that scans go on to change: its paint and its evidence stay,
+/// and a scan does to its voxels what it does in a FreeSpaceMap. A hit in a painted voxel is a conflict,
+/// blocked under every policy, until misses take it back: then the voxel is painted again. Written by one
+/// thread; read through snapshots. The snapshot that it began with does not change.
+class ContinuedMap {
+ public:
+  /// @param options how scans are inserted. Resolution, occupancy threshold and clamping are those of `start`
+  /// @throws std::invalid_argument for a hit probability not in [0.5, 0.999999] or a miss probability not in
+  ///         [1e-6, 0.5]
+  ContinuedMap(const Snapshot& start, const MapOptions& options);
+  ~ContinuedMap();
+  ContinuedMap(ContinuedMap&&) noexcept;
+  ContinuedMap& operator=(ContinuedMap&&) noexcept;
+
+  /// Integrates a scan by ray carving, as FreeSpaceMap::insert.
+  ScanCounts insert(const Scan& scan, const ScanFilter& filter = {});
+
+  /// The present state. Takes over the blocked spaces of the snapshot before, and updates them when they are
+  /// asked for again.
+  const Snapshot& snapshot();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A hit probability with which the first hit makes any voxel of `map` occupied, however often it was seen
+/// free: at least `least`.
+double telling_hit_probability(const Snapshot& map, double least);
+
+}  // namespace clearway

@@ -1,0 +1,99 @@
+#include "mapping/continued_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "mapping/map_digest.hpp"
+#include "tests/mapping/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+
+/// One ray from a neighbouring place to a voxel, which it hits; or one that passes it.
+Scan ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  Scan scan;
+  scan.map_from_sensor.translation() = from;
+  scan.points = {(to - from).cast<float>()};
+  return scan;
+}
+
+TEST(ContinuedMap, ScansChangeItAsTheyChangeTheMapThatItBeganWith) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    FreeSpaceMap map = testing::random_map(seed);
+    const Snapshot before = map.snapshot();
+    const std::string digest = map_sha256(before);
+    ContinuedMap continued(before, map.options());
+    Dice dice(seed + 100);
+    for (int i = 0; i < 5; ++i) {
+      const Scan scan = testing::random_scan(dice, 200);
+      EXPECT_EQ(map.insert(scan).inserted, continued.insert(scan).inserted);
+      EXPECT_EQ(map_sha256(map.snapshot()), map_sha256(continued.snapshot()));
+    }
+    EXPECT_NE(map_sha256(continued.snapshot()), digest);
+    EXPECT_EQ(map_sha256(before), digest);
+  }
+}
+
+TEST(ContinuedMap, FieldsThatAreBroughtUpToDateAreThoseMadeAnew) {
+  FreeSpaceMap map = testing::random_map(7);
+  ContinuedMap continued(map.snapshot(), map.options());
+  const Eigen::AlignedBox3d region(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0));
+  Dice dice(8);
+  for (int i = 0; i < 4; ++i) {
+    continued.insert(testing::random_scan(dice, 100));
+    const Snapshot now = continued.snapshot();
+    const Snapshot anew(std::shared_ptr<const FusedTree>(std::shared_ptr<const FusedTree>(), &now.tree()),
+                        now.volumes());
+    for (const Policy policy : {Policy::painted, Policy::known_free, Policy::not_occupied}) {
+      const auto updated = now.blocked_space({policy}, region, 0.3);
+      const auto made = anew.blocked_space({policy}, region, 0.3);
+      for (int k = 0; k < 500; ++k) {
+        const Eigen::Vector3d point = dice.point(1.0);
+        EXPECT_EQ(updated->clearance(point), made->clearance(point));
+      }
+    }
+  }
+}
+
+TEST(ContinuedMap, AHitInPaintIsAConflictUntilMissesTakeItBack) {
+  FreeSpaceMap map({.resolution = 0.1});
+  map.paint(map.add_volume("free", {}), {Eigen::Vector3d(0.05, 0.05, 0.05), 0.5});
+  const Eigen::Vector3d voxel(0.25, 0.05, 0.05), sensor(-1.95, 0.05, 0.05), beyond(3.05, 0.05, 0.05);
+  ContinuedMap continued(map.snapshot(), {.hit_probability = 0.9});
+  EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::painted);
+  continued.insert(ray(sensor, voxel));
+  EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::conflict);
+  for (int i = 0; i < 6; ++i) continued.insert(ray(sensor, beyond));
+  EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::painted);
+}
+
+TEST(ContinuedMap, TheFirstHitTellsWhereTheMapWasSeenFreeForLong) {
+  for (const double least_free : {0.3, 0.1192, 0.01}) {
+    FreeSpaceMap map({.resolution = 0.1, .min_probability = least_free});
+    const Eigen::Vector3d voxel(0.25, 0.05, 0.05), sensor(-1.95, 0.05, 0.05), beyond(3.05, 0.05, 0.05);
+    for (int i = 0; i < 40; ++i) map.insert(ray(sensor, beyond));
+    const double hit = telling_hit_probability(map.snapshot(), 0.7);
+    EXPECT_GE(hit, 0.7);
+    ContinuedMap continued(map.snapshot(), {.hit_probability = hit});
+    EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::seen_free);
+    continued.insert(ray(sensor, voxel));
+    EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::occupied) << least_free;
+  }
+}
+
+TEST(ContinuedMap, ProbabilitiesOutOfRangeAreRefusedByName) {
+  try {
+    ContinuedMap(Snapshot(), {.hit_probability = 0.4});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "map option hit_probability is 0.400000, expected a value in [0.500000, 0.999999]");
+  }
+  EXPECT_THROW(ContinuedMap(Snapshot(), {.miss_probability = 0.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway
