@@ -47,71 +47,103 @@ void BallCubes::add(const Eigen::AlignedBox3d& reach_box, std::size_t balls) {
   for (std::vector<VoxelKey>* vector : {&voxels_, &cubes_}) vector->reserve(looks * most_balls_);
   first_.reserve(most_balls_ + 1);
   gathered_.reserve(looks * most_balls_);
-  known_.reserve(looks * most_balls_);
+  make_room(looks * balls);
 }
 
 void BallCubes::look(std::span<const NearBall> balls) {
-  voxels_.clear();
+  voxels_.resize(looks * balls.size());
   first_.clear();
+  std::size_t count = 0;
   for (const NearBall& ball : balls) {
-    first_.push_back(voxels_.size());
+    first_.push_back(count);
     const Eigen::Vector3d at = ball.center / resolution_;
     const VoxelKey own = voxel_key({whole_below(at.x()), whole_below(at.y()), whole_below(at.z())});
     if (!ball.is_close) {
-      voxels_.push_back(own);
+      voxels_[count++] = own;
       continue;
     }
     const VoxelKey low =
         voxel_key({whole_below(at.x() - 0.5), whole_below(at.y() - 0.5), whole_below(at.z() - 0.5)});
-    for (const VoxelKey corner : corners) voxels_.push_back(low + corner);
-    for (const VoxelKey way : ways) voxels_.push_back(own + way);
+    for (const VoxelKey corner : corners) voxels_[count++] = low + corner;
+    for (const VoxelKey way : ways) voxels_[count++] = own + way;
   }
-  first_.push_back(voxels_.size());
-  cubes_.resize(voxels_.size());
+  first_.push_back(count);
+  voxels_.resize(count);
+  cubes_.resize(count);
   nearest_.look_up(voxels_, cubes_);
 }
 
 std::span<const BodyCube> BallCubes::gather(std::span<const NearBall> balls, std::size_t first,
                                             std::size_t last) {
   gathered_.clear();
-  known_.clear();
-  for (std::size_t i = first; i < last; ++i)
-    gather(balls[i], std::span(cubes_).subspan(first_[i], first_[i + 1] - first_[i]));
+  known_count_ = 0;
+  if (++turn_ == 0) {  // it has gone round
+    std::fill(known_.begin(), known_.end(), Known{});
+    turn_ = 1;
+  }
+  for (std::size_t i = first; i < last; ++i) {
+    gather(balls[i], static_cast<int>(i - first),
+           std::span(cubes_).subspan(first_[i], first_[i + 1] - first_[i]));
+  }
   return gathered_;
 }
 
-void BallCubes::gather(const NearBall& ball, std::span<const VoxelKey> cubes) {
+void BallCubes::gather(const NearBall& ball, int which, std::span<const VoxelKey> cubes) {
   const double within = ball.radius + reach_, half = 0.5 * resolution_;
   if (within + look_round * resolution_ > space_.max_distance()) return visit(ball, within);
-  struct Seen {
-    VoxelKey key;
-    Eigen::Vector3d center;
-    double apart;
-  };
+  make_room(looks);
+  std::array<Known*, looks> seen;
+  std::size_t seen_count = 0;
+  for (const VoxelKey key : cubes) {
+    if (key == no_voxel) continue;
+    Known& cube = known(key);
+    seen[seen_count] = &cube;  // each but once, without a branch that none foresees
+    seen_count += cube.ball != which ? 1 : 0;
+    cube.ball = which;
+  }
   const Reach& reach = reaches_[static_cast<std::size_t>(ball.body)];
-  std::array<VoxelKey, looks> known;
-  std::array<Seen, looks> seen;
-  std::size_t known_count = 0, count = 0;
+  std::array<Eigen::Vector3d, looks> centers;
+  std::array<double, looks> apart;
   double nearest = within;
   bool hides_some = false;
-  for (const VoxelKey key : cubes) {
-    const auto end = known.begin() + static_cast<std::ptrdiff_t>(known_count);
-    if (key == no_voxel || std::find(known.begin(), end, key) != end) continue;
-    known[known_count++] = key;
-    const Eigen::Vector3i voxel = voxel_of(key);
-    const Eigen::Vector3d cube = center_of(voxel);
-    const double apart = distance_to(cube, half, ball.center);
-    if (apart >= within) continue;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < seen_count; ++i) {
+    const Eigen::Vector3i voxel = voxel_of(seen[i]->key);
+    centers[count] = center_of(voxel);
+    apart[count] = distance_to(centers[count], half, ball.center);
+    if (apart[count] >= within) continue;
     if (!reach.holds(voxel)) {
       hides_some = true;
       continue;
     }
-    seen[count++] = {key, cube, apart};
-    nearest = std::min(nearest, apart);
+    nearest = std::min(nearest, apart[count]);
+    seen[count++] = seen[i];
   }
   if (hides_some) return visit(ball, count > 0 ? std::min(within, nearest + 2.0 * resolution_) : within);
-  for (std::size_t i = 0; i < count; ++i)
-    add_cube(seen[i].key, seen[i].center, ball, seen[i].apart - nearest);
+  for (std::size_t i = 0; i < count; ++i) add_cube(*seen[i], centers[i], ball, apart[i] - nearest);
+}
+
+BallCubes::Known& BallCubes::known(VoxelKey key) {
+  const std::size_t mask = known_.size() - 1;
+  for (std::size_t i = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15U) >> 44U);; ++i) {
+    Known& place = known_[i & mask];
+    if (place.turn == turn_ && place.key == key) return place;
+    if (place.turn == turn_) continue;
+    ++known_count_;
+    return place = {key, turn_, -1, -1};
+  }
+}
+
+/// So that no more than half of the table is in use. Places move.
+void BallCubes::make_room(std::size_t more) {
+  if (2 * (known_count_ + more) <= known_.size()) return;
+  std::vector<Known> before(64);
+  while (before.size() < 2 * (known_count_ + more)) before.resize(2 * before.size());
+  before.swap(known_);
+  known_count_ = 0;
+  for (const Known& cube : before) {
+    if (cube.turn == turn_ && cube.key != no_voxel) known(cube.key) = cube;
+  }
 }
 
 /// The same, cube by cube, where the field does not tell: beyond its max_distance, or when what is nearest
@@ -133,25 +165,25 @@ void BallCubes::visit(const NearBall& ball, double within) {
     visit.nearest = std::min(visit.nearest, distance);
     return true;
   });
+  make_room(visited_.size());
   for (const Eigen::Vector3d& cube : visited_) {
     const Eigen::Vector3d at = cube / resolution_;
     const Eigen::Vector3i voxel(whole_below(at.x()), whole_below(at.y()), whole_below(at.z()));
-    add_cube(voxel_key(voxel), center_of(voxel), ball,
+    add_cube(known(voxel_key(voxel)), center_of(voxel), ball,
              distance_to(cube, visit.half, ball.center) - visit.nearest);
   }
 }
 
-void BallCubes::add_cube(VoxelKey key, const Eigen::Vector3d& cube, const NearBall& ball, double behind) {
-  const auto place = std::find(known_.begin(), known_.end(), key) - known_.begin();
-  if (place == static_cast<std::ptrdiff_t>(known_.size())) {
-    known_.push_back(key);
+void BallCubes::add_cube(Known& known, const Eigen::Vector3d& cube, const NearBall& ball, double behind) {
+  if (known.place < 0) {
+    known.place = static_cast<std::int32_t>(gathered_.size());
     gathered_.push_back({cube, ball.center, behind});
     return;
   }
-  BodyCube& known = gathered_[static_cast<std::size_t>(place)];
-  if (behind >= known.behind) return;
-  known.towards = ball.center;
-  known.behind = behind;
+  BodyCube& gathered = gathered_[static_cast<std::size_t>(known.place)];
+  if (behind >= gathered.behind) return;
+  gathered.towards = ball.center;
+  gathered.behind = behind;
 }
 
 }  // namespace clearway

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -46,9 +47,18 @@ class BallCubes {
       return inside;
     }
   };
-  void gather(const NearBall& ball, std::span<const VoxelKey> cubes);
+  /// What is known of a cube while a body's are gathered.
+  struct Known {
+    VoxelKey key = no_voxel;
+    std::uint32_t turn = 0;   ///< of gathering: of an older one, it is free
+    std::int32_t ball = 0;    ///< that saw it last
+    std::int32_t place = -1;  ///< in gathered_
+  };
+  void gather(const NearBall& ball, int which, std::span<const VoxelKey> cubes);
   void visit(const NearBall& ball, double within);
-  void add_cube(VoxelKey key, const Eigen::Vector3d& cube, const NearBall& ball, double behind);
+  Known& known(VoxelKey key);
+  void make_room(std::size_t more);
+  void add_cube(Known& known, const Eigen::Vector3d& cube, const NearBall& ball, double behind);
   Eigen::Vector3d center_of(const Eigen::Vector3i& voxel) const {
     return (voxel.cast<double>().array() + 0.5) * resolution_;
   }
@@ -61,7 +71,9 @@ class BallCubes {
   std::vector<std::size_t> first_;        ///< of the voxels of each ball, and the end
   std::vector<Eigen::Vector3d> visited_;
   std::vector<BodyCube> gathered_;
-  std::vector<VoxelKey> known_;  ///< of these
+  std::vector<Known> known_;  ///< by a hash of the key; a power of two, no more than half of it in use
+  std::uint32_t turn_ = 0;
+  std::size_t known_count_ = 0;
   std::size_t most_balls_ = 0;
 };
 
