@@ -1,6 +1,7 @@
 #include "planning/painted_parts.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "planning/painted_route.hpp"
@@ -51,17 +52,22 @@ std::string parted_volume_sentence(const PlanProblem& problem) {
   const Robot& robot = problem.space.robot();
   const LinkPoses start = forward_kinematics(robot, problem.start);
   const LinkPoses goal = forward_kinematics(robot, problem.goal);
+  std::optional<PaintedGraph> graph;  // of the last body
+  std::uint16_t volumes_of_graph = 0;
   for (const Body& body : robot.bodies) {
     if (problem.space.policies().at(body.part) != Policy::painted) continue;
     if (body.shape.kind() == Shape::Kind::convex) continue;  // where it may not
-    const PaintedGraph graph(problem.space.map(), volumes_that_count(problem.space.map(), body.part), 0.0);
-    const std::vector<int> from = pieces_at(graph, middle_of(body, start));
-    const std::vector<int> to = pieces_at(graph, middle_of(body, goal));
+    const std::uint16_t volumes = volumes_that_count(problem.space.map(), body.part);
+    if (!graph || volumes != volumes_of_graph)
+      graph.emplace(problem.space.map(), volumes, 0.0, problem.out_of_time);
+    volumes_of_graph = volumes;
+    const std::vector<int> from = pieces_at(*graph, middle_of(body, start));
+    const std::vector<int> to = pieces_at(*graph, middle_of(body, goal));
     if (from.empty() || to.empty()) continue;  // moved by no joint, or paint that came without its balls
     const bool share_one = std::find_first_of(from.begin(), from.end(), to.begin(), to.end()) != from.end();
     if (share_one) continue;
     return "the painted volume of the part '" + body.part + "' lies in " +
-           std::to_string(graph.piece_count()) +
+           std::to_string(graph->piece_count()) +
            " pieces that do not overlap, and start and goal are in different ones: paint a way between them";
   }
   return {};

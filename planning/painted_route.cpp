@@ -1,11 +1,10 @@
 #include "planning/painted_route.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <queue>
-#include <unordered_map>
+#include <span>
 #include <utility>
 
 namespace clearway {
@@ -33,72 +32,50 @@ Eigen::Vector3d meeting_point(const Sphere& a, const Sphere& b) {
   return a.center + std::clamp(0.5 * (d + a.radius - b.radius) / d, 0.0, 1.0) * way;
 }
 
-/// Cells as large as the largest ball is wide: neighbours lie in cells that touch.
-class BallGrid {
- public:
-  explicit BallGrid(const std::vector<Sphere>& balls) {
-    for (const Sphere& ball : balls) edge_ = std::max(edge_, 2.0 * ball.radius);
-    for (std::size_t i = 0; i < balls.size(); ++i) {
-      cells_[key(cell(balls[i].center))].push_back(static_cast<int>(i));
-    }
-  }
-  template <typename Visit>
-  void visit_near(const Eigen::Vector3d& point, Visit visit) const {
-    const auto at = cell(point);
-    for (std::int64_t x = -1; x <= 1; ++x) {
-      for (std::int64_t y = -1; y <= 1; ++y) {
-        for (std::int64_t z = -1; z <= 1; ++z) {
-          const auto found = cells_.find(key({at[0] + x, at[1] + y, at[2] + z}));
-          if (found == cells_.end()) continue;
-          for (const int i : found->second) visit(i);
-        }
-      }
-    }
-  }
-
- private:
-  using Cell = std::array<std::int64_t, 3>;
-  Cell cell(const Eigen::Vector3d& p) const {
-    return {static_cast<std::int64_t>(std::floor(p.x() / edge_)),
-            static_cast<std::int64_t>(std::floor(p.y() / edge_)),
-            static_cast<std::int64_t>(std::floor(p.z() / edge_))};
-  }
-  static std::uint64_t key(const Cell& c) {  // 21 bits an axis: balls lie in a map of 2^16 voxels
-    const auto bits = [](std::int64_t v) { return static_cast<std::uint64_t>(v + (1 << 20)) & 0x1fffffu; };
-    return bits(c[0]) << 42u | bits(c[1]) << 21u | bits(c[2]);
-  }
-  double edge_ = 1e-6;
-  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
-};
-
-}  // namespace
-
-PaintedGraph::PaintedGraph(const Snapshot& map, std::uint16_t volumes, double passage) {
+std::vector<Sphere> balls_of(const Snapshot& map, std::uint16_t volumes) {
+  std::vector<Sphere> all;
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     if ((volumes >> v & 1u) == 0) continue;
     const std::vector<Sphere>& balls = map.volumes()[v].balls;
-    balls_.insert(balls_.end(), balls.begin(), balls.end());
+    all.insert(all.end(), balls.begin(), balls.end());
   }
-  connect(passage);
+  return all;
+}
+
+/// Whether some ball of one and some ball of the other meet in a circle that wide.
+bool are_neighbours(std::span<const Sphere> a, std::span<const Sphere> b, double passage) {
+  return std::any_of(a.begin(), a.end(), [&](const Sphere& one) {
+    return std::any_of(b.begin(), b.end(),
+                       [&](const Sphere& other) { return passage_squared(one, other) >= passage * passage; });
+  });
+}
+
+}  // namespace
+
+PaintedGraph::PaintedGraph(const Snapshot& map, std::uint16_t volumes, double passage,
+                           const std::function<bool()>& is_stopped)
+    : clusters_(balls_of(map, volumes), most_balls, is_stopped) {
+  connect(passage, is_stopped);
   number_pieces();
 }
 
-void PaintedGraph::connect(double passage) {
-  neighbours_.resize(balls_.size());
-  const BallGrid grid(balls_);
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
-    grid.visit_near(balls_[i].center, [&](int j) {
-      if (static_cast<std::size_t>(j) == i) return;
-      const double squared = passage_squared(balls_[i], balls_[static_cast<std::size_t>(j)]);
-      if (squared >= passage * passage) neighbours_[i].push_back(j);
-    });
-    std::sort(neighbours_[i].begin(), neighbours_[i].end());
-  }
+void PaintedGraph::connect(double passage, const std::function<bool()>& is_stopped) {
+  neighbours_.resize(clusters_.size());
+  clusters_.visit_near_pairs(
+      [&](std::size_t i, std::size_t j) {
+        // Of most pairs the largest balls decide.
+        if (passage_squared(ball(i), ball(j)) >= passage * passage ||
+            are_neighbours(clusters_.balls(i), clusters_.balls(j), passage))
+          neighbours_[i].push_back(static_cast<int>(j));
+      },
+      is_stopped);
+  if (is_stopped && is_stopped()) neighbours_.clear();
+  for (std::vector<int>& neighbours : neighbours_) std::sort(neighbours.begin(), neighbours.end());
 }
 
 void PaintedGraph::number_pieces() {
-  pieces_.assign(balls_.size(), -1);
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  pieces_.assign(size(), -1);
+  for (std::size_t i = 0; i < size(); ++i) {
     if (pieces_[i] >= 0) continue;
     std::vector<int> open{static_cast<int>(i)};
     pieces_[i] = piece_count_;
@@ -118,8 +95,10 @@ void PaintedGraph::number_pieces() {
 
 std::vector<int> PaintedGraph::holding(const Eigen::Vector3d& point) const {
   std::vector<std::pair<double, int>> found;
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
-    const double depth = balls_[i].radius - (point - balls_[i].center).norm();
+  for (std::size_t i = 0; i < size(); ++i) {
+    double depth = -1.0;
+    for (const Sphere& held : clusters_.balls(i))
+      depth = std::max(depth, held.radius - (point - held.center).norm());
     if (depth >= 0.0) found.emplace_back(-depth, static_cast<int>(i));
   }
   std::sort(found.begin(), found.end());
@@ -130,9 +109,9 @@ std::vector<int> PaintedGraph::holding(const Eigen::Vector3d& point) const {
 
 HandRoute PaintedGraph::route(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                               const RoutePrice& price) const {
-  std::vector<double> length(balls_.size(), std::numeric_limits<double>::infinity());
-  std::vector<int> before(balls_.size(), -1);
-  std::vector<double> last_leg(balls_.size(), -1.0);  // to the goal, for balls that hold it
+  std::vector<double> length(size(), std::numeric_limits<double>::infinity());
+  std::vector<int> before(size(), -1);
+  std::vector<double> last_leg(size(), -1.0);  // to the goal, for balls that hold it
   for (const int i : holding(to)) {
     last_leg[static_cast<std::size_t>(i)] = (ball(static_cast<std::size_t>(i)).center - to).norm();
   }
@@ -153,7 +132,7 @@ HandRoute PaintedGraph::route(const Eigen::Vector3d& from, const Eigen::Vector3d
     for (const int next : neighbours_[i]) {
       const auto n = static_cast<std::size_t>(next);
       const double longer =
-          so_far + (balls_[n].center - balls_[i].center).norm() * price(meeting_point(balls_[i], balls_[n]));
+          so_far + (ball(n).center - ball(i).center).norm() * price(meeting_point(ball(i), ball(n)));
       if (longer >= length[n]) continue;
       length[n] = longer;
       before[n] = number;
@@ -164,8 +143,8 @@ HandRoute PaintedGraph::route(const Eigen::Vector3d& from, const Eigen::Vector3d
   if (end < 0) return route;
   route.points.push_back(to);
   for (int i = end; i >= 0; i = before[static_cast<std::size_t>(i)]) {
-    route.points.push_back(balls_[static_cast<std::size_t>(i)].center);
-    route.radii.push_back(balls_[static_cast<std::size_t>(i)].radius);
+    route.points.push_back(ball(static_cast<std::size_t>(i)).center);
+    route.radii.push_back(ball(static_cast<std::size_t>(i)).radius);
   }
   route.radii.insert(route.radii.begin(), route.radii.front());
   route.points.push_back(from);

@@ -43,7 +43,8 @@ HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand, const st
     return (1.0 + 30.0 * narrow) * (is_avoided ? 20.0 : 1.0);
   };
   if (hand.requirement.policy == Policy::painted) {
-    HandRoute route = PaintedGraph(space.map(), hand.requirement.volumes, 0.0).route(from, to, price);
+    const PaintedGraph graph(space.map(), hand.requirement.volumes, 0.0, problem.out_of_time);
+    HandRoute route = graph.route(from, to, price);
     if (!route.points.empty()) return route;
   }
   const double voxel = space.map().resolution();

@@ -139,5 +139,62 @@ TEST(PaintedGraph, ADearPlaceIsGoneRound) {
   EXPECT_GT(round.points[round.points.size() / 2].y(), 0.4);
 }
 
+/// Pieces of balls that overlap, by joining sets.
+std::vector<std::size_t> pieces_by_brute_force(const std::vector<Sphere>& balls) {
+  std::vector<std::size_t> leader(balls.size());
+  for (std::size_t i = 0; i < leader.size(); ++i) leader[i] = i;
+  const auto find = [&](std::size_t i) {
+    while (leader[i] != i) i = leader[i] = leader[leader[i]];
+    return i;
+  };
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if ((balls[i].center - balls[j].center).norm() < balls[i].radius + balls[j].radius)
+        leader[find(i)] = find(j);
+    }
+  }
+  for (std::size_t i = 0; i < leader.size(); ++i) leader[i] = find(i);
+  return leader;
+}
+
+TEST(PaintedGraph, OfThousandsOfBallsItKnowsThePiecesAndAWayWithinEach) {
+  Random random(7);
+  std::vector<Sphere> balls;  // six strokes that may or may not touch, as a hand at 60 Hz leaves them
+  for (int stroke = 0; stroke < 6; ++stroke) {
+    Eigen::Vector3d at = random.point(0.6), way = Eigen::Vector3d::UnitX();
+    for (int i = 0; i < 700; ++i) {
+      way = (way + 0.15 * random.point(1.0)).normalized();
+      balls.push_back({at += 0.002 * way, random.between(0.04, 0.06)});
+    }
+  }
+  const PaintedGraph graph(painted(balls), 0xffff, 0.0);
+  EXPECT_LE(graph.size(), PaintedGraph::most_balls);
+  const std::vector<std::size_t> leader = pieces_by_brute_force(balls);
+  std::vector<std::size_t> leaders = leader;
+  std::sort(leaders.begin(), leaders.end());
+  leaders.erase(std::unique(leaders.begin(), leaders.end()), leaders.end());
+  EXPECT_EQ(graph.piece_count(), static_cast<int>(leaders.size()));
+  EXPECT_GT(graph.piece_count(), 1);
+  int apart = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto a = static_cast<std::size_t>(random.below(static_cast<int>(balls.size())));
+    const auto b = static_cast<std::size_t>(random.below(static_cast<int>(balls.size())));
+    const HandRoute route = graph.route(balls[a].center, balls[b].center, free_of_charge);
+    EXPECT_EQ(route.points.empty(), leader[a] != leader[b]);
+    apart += leader[a] != leader[b];
+    for (std::size_t k = 1; k < route.points.size(); ++k)  // from ball to ball of clusters that touch
+      EXPECT_LT((route.points[k] - route.points[k - 1]).norm(), 0.2);
+  }
+  EXPECT_GT(apart, 5);
+  EXPECT_LT(apart, 55);
+}
+
+TEST(PaintedGraph, OnceStoppedItIsEmpty) {
+  Random random(8);
+  const PaintedGraph graph(painted(random_balls(random, 50)), 0xffff, 0.0, [] { return true; });
+  EXPECT_EQ(graph.size(), 0U);
+  EXPECT_TRUE(graph.holding(Eigen::Vector3d::Zero()).empty());
+}
+
 }  // namespace
 }  // namespace clearway
