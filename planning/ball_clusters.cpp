@@ -107,7 +107,7 @@ void BallClusters::visit_near_pairs(const std::function<void(std::size_t, std::s
     grid.cells[cell_of(largest_[i].center, grid.edge, 0)].push_back(i);
   }
   for (std::size_t i = 0; i < size(); ++i) {
-    if (is_stopped && i % 64 == 0 && is_stopped()) return;
+    if (is_stopped && is_stopped()) return;
     const int own = size_of(reach_[i]);
     for (const auto& [size, grid] : grids) {
       if (size > own) break;  // found from there

@@ -90,6 +90,7 @@ void NearestHeads::take_sources() {
   sources_.clear();
   queue_.restart(band_);
   for (const int head : paths_.beam()) {
+    if (sources_.size() % 256 == 255 && problem_.out_of_time()) break;  // a wide beam's heads take a while
     const auto place = static_cast<std::size_t>(head - first_kept_);
     const LatticeIndex& node = paths_.head(head).node;
     queue_.add_head(static_cast<int>(sources_.size()), node);

@@ -42,11 +42,25 @@ std::vector<Sphere> balls_of(const Snapshot& map, std::uint16_t volumes) {
   return all;
 }
 
-/// Whether some ball of one and some ball of the other meet in a circle that wide.
-bool are_neighbours(std::span<const Sphere> a, std::span<const Sphere> b, double passage) {
-  return std::any_of(a.begin(), a.end(), [&](const Sphere& one) {
-    return std::any_of(b.begin(), b.end(),
-                       [&](const Sphere& other) { return passage_squared(one, other) >= passage * passage; });
+/// The balls that may overlap one of a cluster with that middle and reach.
+std::vector<Sphere> within(std::span<const Sphere> balls, const Eigen::Vector3d& middle, double reach) {
+  std::vector<Sphere> near;
+  for (const Sphere& ball : balls) {
+    if ((ball.center - middle).norm() < ball.radius + reach) near.push_back(ball);
+  }
+  return near;
+}
+
+/// Whether some ball of one cluster and some ball of the other meet in a circle that wide.
+bool are_neighbours(const BallClusters& clusters, std::size_t a, std::size_t b, double passage) {
+  const double squared = passage * passage;
+  if (passage_squared(clusters.ball(a), clusters.ball(b)) >= squared) return true;  // as a rule
+  if (clusters.balls(a).size() == 1 && clusters.balls(b).size() == 1) return false;
+  const std::vector<Sphere> near_b = within(clusters.balls(a), clusters.ball(b).center, clusters.reach(b));
+  const std::vector<Sphere> near_a = within(clusters.balls(b), clusters.ball(a).center, clusters.reach(a));
+  return std::any_of(near_b.begin(), near_b.end(), [&](const Sphere& one) {
+    return std::any_of(near_a.begin(), near_a.end(),
+                       [&](const Sphere& other) { return passage_squared(one, other) >= squared; });
   });
 }
 
@@ -63,10 +77,7 @@ void PaintedGraph::connect(double passage, const std::function<bool()>& is_stopp
   neighbours_.resize(clusters_.size());
   clusters_.visit_near_pairs(
       [&](std::size_t i, std::size_t j) {
-        // Of most pairs the largest balls decide.
-        if (passage_squared(ball(i), ball(j)) >= passage * passage ||
-            are_neighbours(clusters_.balls(i), clusters_.balls(j), passage))
-          neighbours_[i].push_back(static_cast<int>(j));
+        if (are_neighbours(clusters_, i, j, passage)) neighbours_[i].push_back(static_cast<int>(j));
       },
       is_stopped);
   if (is_stopped && is_stopped()) neighbours_.clear();
