@@ -22,18 +22,6 @@ void expect_valid(const BeamWorld& world, const PlanResult& result, const Config
   }
 }
 
-/// Same status, path, cost and steps, bit for bit.
-void expect_equal(const PlanResult& a, const PlanResult& b, const std::string& what) {
-  EXPECT_EQ(a.status, b.status) << what;
-  EXPECT_EQ(a.waypoints, b.waypoints) << what;
-  EXPECT_EQ(a.explored, b.explored) << what;
-  EXPECT_EQ(a.cost, b.cost) << what;
-  EXPECT_EQ(a.last_segment_cost, b.last_segment_cost) << what;
-  EXPECT_EQ(a.search_steps, b.search_steps) << what;
-  EXPECT_EQ(a.explanation, b.explanation) << what;
-  EXPECT_EQ(a.statistics.at("heads"), b.statistics.at("heads")) << what;
-}
-
 /// Occupied blocks of random size and place around the robot; through the plane z = 0 when it is `flat`.
 VoxelScene random_scene(std::mt19937_64& random, double size, double resolution, int blocks, bool flat) {
   std::uniform_real_distribution<double> place(-size, size), extent(0.02 * size, 0.15 * size);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <initializer_list>
 #include <string>
@@ -32,6 +34,18 @@ inline Configuration vector_of(std::initializer_list<double> values) {
   Configuration q(static_cast<Eigen::Index>(values.size()));
   std::copy(values.begin(), values.end(), q.begin());
   return q;
+}
+
+/// Same status, path, cost and steps, bit for bit.
+inline void expect_equal(const PlanResult& a, const PlanResult& b, const std::string& what) {
+  EXPECT_EQ(a.status, b.status) << what;
+  EXPECT_EQ(a.waypoints, b.waypoints) << what;
+  EXPECT_EQ(a.explored, b.explored) << what;
+  EXPECT_EQ(a.cost, b.cost) << what;
+  EXPECT_EQ(a.last_segment_cost, b.last_segment_cost) << what;
+  EXPECT_EQ(a.search_steps, b.search_steps) << what;
+  EXPECT_EQ(a.explanation, b.explanation) << what;
+  EXPECT_EQ(a.statistics.at("heads"), b.statistics.at("heads")) << what;
 }
 
 }  // namespace clearway
