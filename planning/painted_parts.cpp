@@ -31,9 +31,12 @@ std::vector<int> pieces_at(const PaintedGraph& graph, const Eigen::Vector3d& poi
   return pieces;
 }
 
-/// The origin of the body's own frame, which lies inside of it.
+/// A point inside of the body: the origin of its own frame, of a hull the middle of its corners.
 Eigen::Vector3d middle_of(const Body& body, const LinkPoses& poses) {
-  return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape.translation();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  const std::vector<Eigen::Vector3d>& corners = body.shape.vertices();
+  for (const Eigen::Vector3d& corner : corners) middle += corner / static_cast<double>(corners.size());
+  return poses[static_cast<std::size_t>(body.link)] * (body.link_from_shape * middle);
 }
 
 }  // namespace
@@ -56,7 +59,6 @@ std::string parted_volume_sentence(const PlanProblem& problem) {
   std::uint16_t volumes_of_graph = 0;
   for (const Body& body : robot.bodies) {
     if (problem.space.policies().at(body.part) != Policy::painted) continue;
-    if (body.shape.kind() == Shape::Kind::convex) continue;  // where it may not
     const std::uint16_t volumes = volumes_that_count(problem.space.map(), body.part);
     if (!graph || volumes != volumes_of_graph)
       graph.emplace(problem.space.map(), volumes, 0.0, problem.out_of_time);

@@ -51,6 +51,32 @@ TEST(PaintedParts, StartAndGoalInDifferentPiecesOfTheVolumeIsTold) {
   }
 }
 
+TEST(PaintedParts, ThePieceOfAMeshThatDoesNotHoldItsOwnOriginIsFoundByItsMiddle) {
+  Robot robot = painted_point();
+  std::vector<Eigen::Vector3d> corners;  // of a cube beside the origin
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back(i & 1 ? 0.06 : 0.16, i & 2 ? 0.05 : -0.05, i & 4 ? 0.05 : -0.05);
+  robot.bodies.front().shape = Shape::convex(corners);
+  robot.bodies.front().cover = robot.bodies.front().shape.ball_cover();
+  const PathCost cost(robot);
+  for (const double gap : {0.0, 0.2}) {
+    const ConfigurationSpace space(robot, stroke(robot, gap).snapshot());
+    const PlanProblem problem{space, cost, at(0.0, 0.0), at(2.0, 0.0)};
+    ASSERT_TRUE(space.is_free(problem.start) && space.is_free(problem.goal));
+    EXPECT_EQ(parted_volume_sentence(problem).empty(), gap == 0.0);
+  }
+}
+
+TEST(PaintedParts, OutOfTimeItSaysNothing) {
+  const Robot robot = painted_point();
+  const PathCost cost(robot);
+  const ConfigurationSpace space(robot, stroke(robot, 0.2).snapshot());
+  PlanProblem problem{space, cost, at(0.0, 0.0), at(2.0, 0.0)};
+  EXPECT_NE(parted_volume_sentence(problem), "");
+  problem.out_of_time = [] { return true; };
+  EXPECT_EQ(parted_volume_sentence(problem), "");
+}
+
 TEST(PaintedParts, AVolumeWithoutABallIsToldInPlaceOfTheFirstBlockedVoxel) {
   const Robot robot = painted_point();
   const PathCost cost(robot);
