@@ -67,11 +67,12 @@ void ControlStep::add(std::span<const double> gradient, double bound) {
 
 const Eigen::VectorXd& ControlStep::solve(const Eigen::VectorXd& wanted) {
   solver_.set_target(numbers(wanted));
-  if (solver_.solve_relaxed()) {
-    std::copy(solver_.x().begin(), solver_.x().end(), step_.data());
-  } else {
-    step_.setZero();  // rounding only: standing still keeps every row
-  }
+  step_.setZero();  // where rounding leaves no step: standing still keeps every row that demands nothing
+  if (!solver_.solve_relaxed()) return step_;
+  const Eigen::Map<const Eigen::VectorXd> found(solver_.x().data(), step_.size());
+  const double rounding = 1e-6 * options_.max_step;
+  if ((found.array() > lower_.array() - rounding).all() && (found.array() < upper_.array() + rounding).all())
+    step_ = found.cwiseMax(lower_).cwiseMin(upper_);
   return step_;
 }
 

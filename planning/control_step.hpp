@@ -29,7 +29,8 @@ class ControlStep {
   void add(std::span<const double> gradient, double bound);
 
   /// Eq. 9: the step nearest to `wanted` (weighted units) that keeps all rows; rows that contradict each
-  /// other as in QuadraticSolver::solve_relaxed. Valid until the next call.
+  /// other as in QuadraticSolver::solve_relaxed. Never beyond the joint limits and max_step a joint. Valid
+  /// until the next call.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted);
 
   const DamperOptions& options() const { return options_; }

@@ -133,8 +133,14 @@ bool QuadraticSolver::run() {
   multipliers_.assign(constraints, 0.0);
   // Every pass raises the dual value, so no active set returns; the cap only guards against rounding.
   const int cap = iterations_ + 100 + 20 * rows_.constraints();
+  // x is the point nearest to the target that the active constraints allow, so no feasible one is nearer.
+  const double out_of_reach = 4.0 * target_size_ + 2.0 * rows_.farthest_within_limits();
   for (bool is_polished = true;;) {
     const double size = target_size_ + std::sqrt(lanes::dot(x_.data(), x_.data(), length));
+    if (size > out_of_reach) {
+      tell_proof_by_limits();
+      return false;
+    }
     const Violation worst = rows_.most_violated(x_.data(), size, is_out_);
     if (worst.constraint < 0) {
       if (is_polished) break;
@@ -166,6 +172,21 @@ void QuadraticSolver::tell_proof(int last) {
         std::max(0.0, -normals_.weights()[i]) / rows_.length(active_[i]);
   }
   multipliers_[static_cast<std::size_t>(last)] = 1.0 / rows_.length(last);
+}
+
+/// The active constraints, y a x <= y b with y the multipliers, ask for more along their sum, target - x,
+/// than the limits leave: those and the limits that cancel that sum.
+void QuadraticSolver::tell_proof_by_limits() {
+  if (conflicting_ < 0) conflicting_ = active_.back();
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    multipliers_[static_cast<std::size_t>(active_[i])] = active_multipliers_[i] / rows_.length(active_[i]);
+  }
+  for (int j = 0; j < variables(); ++j) {
+    const auto place = static_cast<std::size_t>(j);
+    const double sum = target_[place] - x_[place];
+    const int limit = rows_.rows() + (sum > 0.0 ? variables() : 0) + j;
+    multipliers_[static_cast<std::size_t>(limit)] += std::abs(sum);
+  }
 }
 
 bool QuadraticSolver::solve() {

@@ -62,6 +62,7 @@ class QuadraticSolver {
   void polish();
   void drop(int which);
   void tell_proof(int last);
+  void tell_proof_by_limits();
   bool lower_shares();
 
   UnitRows rows_;

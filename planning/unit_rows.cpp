@@ -172,6 +172,15 @@ Violation UnitRows::one_by_one(const double* x, double tolerance,
   return worst;
 }
 
+double UnitRows::farthest_within_limits() const {
+  double squared = 0.0;
+  for (int j = 0; j < n_; ++j) {
+    const double most = std::max(std::abs(lower_[place(j)]), std::abs(upper_[place(j)]));
+    squared += most * most;
+  }
+  return std::sqrt(squared);
+}
+
 double UnitRows::bound(int constraint) const {
   if (constraint < m_) return bounds_[place(constraint)];
   if (constraint < m_ + n_) return upper_[place(constraint - m_)];

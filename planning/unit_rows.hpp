@@ -32,6 +32,9 @@ class UnitRows {
   /// @param size of the numbers whose difference x is. @param is_out those that do not count.
   Violation most_violated(const double* x, double size, const std::vector<unsigned char>& is_out) const;
 
+  /// Length of the farthest x within the limits; infinite without limits.
+  double farthest_within_limits() const;
+
   double bound(int constraint) const;
   double value(int constraint, const double* x) const;  ///< a x
   double length(int constraint) const;                  ///< what the row was divided by; 1 for limits

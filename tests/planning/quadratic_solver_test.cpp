@@ -150,6 +150,23 @@ TEST(QuadraticSolver, AHundredContradictionsAreEachEndedByTheirOwnShare) {
   for (std::size_t j = 0; j < pairs; ++j) EXPECT_NEAR(solver.shares()[2 * j], 0.5, 1e-12);
 }
 
+TEST(QuadraticSolver, NearlyParallelDemandsThatMeetFarOutsideTheLimitsContradictEachOther) {
+  for (double tilt = 1e-12; tilt < 0.2; tilt *= 3.0) {
+    QuadraticSolver solver;
+    solver.begin(3);
+    const std::array<double, 3> upper{0.01, 0.01, 0.01}, lower{-0.01, -0.01, -0.01},
+        target{0.005, 0.0, 0.001};
+    solver.set_limits(lower, upper);
+    solver.set_target(target);
+    solver.add_row(std::array{1.0, 0.0, 0.0}, -0.004);
+    solver.add_row(std::array{-1.0, tilt, 0.0}, -0.004);
+    EXPECT_FALSE(solver.solve()) << tilt;
+    ASSERT_TRUE(solver.solve_relaxed()) << tilt;
+    for (const double x : solver.x()) EXPECT_LE(std::abs(x), 0.01 + 1e-7) << tilt;
+    EXPECT_NEAR(solver.smallest_share(), tilt * 0.01 / 0.008, 1e-9) << tilt;
+  }
+}
+
 TEST(QuadraticSolver, RowsOutOfAllReachAreNoConstraintOrAContradiction) {
   QuadraticSolver solver;
   const double tiny[] = {1e-140, 0.0}, one[] = {1.0, 0.0};
