@@ -322,8 +322,10 @@ TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_le
   expect_refused({"replay", "/usr/share/mrpt/datasets/localization_demo.rawlog", "--setup", setup, "--out",
                   folder.file("out")},
                  "no camera image");
-  expect_refused({"replay", folder_->file("recording.rawlog"), "--out", "/proc/nowhere", "--no-plan"},
-                 "/proc/nowhere");
+  const std::string bare = folder.write("bare.yaml", "map: {resolution: 0.005}\n");  // sooner fused
+  expect_refused(
+      {"replay", folder_->file("recording.rawlog"), "--setup", bare, "--out", "/proc/nowhere", "--no-plan"},
+      "/proc/nowhere");
   expect_refused(
       {"replay", folder_->file("recording.rawlog"), "--out", folder.file("out"), "--planner", "beem"},
       "beam");
