@@ -146,6 +146,7 @@ BeamGuided::BeamGuided(const PlannerOptions& options) {
 PlanResult BeamGuided::plan(const PlanProblem& problem) const {
   PlanResult result = check_ends(problem);
   if (result.status != PlanStatus::solved) return result;
+  result.statistics["deadline_hit"] = 0.0;
   const Eigen::VectorXd weight = joint_weights(problem.space, prismatic_scale_);
   const std::vector<double> steps = strides(problem.space.robot(), stride_);
   Path path;
@@ -190,7 +191,9 @@ std::vector<Configuration> BeamGuided::guided(const PlanProblem& problem, const 
   trees.max_samples = max_samples_;
   if (path.empty() && !problem.out_of_time()) path = search.through_trees(trees, guided_share_);
   if (!path.empty() && is_certified(problem.space, path, result.edges_checked)) return path;
-  result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
+  const bool out_of_time = problem.out_of_time();
+  result.status = out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
+  result.statistics["deadline_hit"] = out_of_time ? 1.0 : 0.0;
   if (result.explored.empty()) result.explored = {problem.start};
   result.final_distance = (problem.goal - result.explored.back()).norm();
   result.explanation = path.empty() ? search.failure() : "The path found could not be certified free.";

@@ -39,7 +39,13 @@ class OptionReader {
 
  private:
   const std::string* text(const std::string& name) const;
-  double parse(const std::string& name, std::string_view text, double least, double most) const;
+  /// @throws std::invalid_argument: what the option is and what it should be.
+  [[noreturn]] void refuse(const std::string& name, std::string_view text, const std::string& expected) const;
+  double parse(const std::string& name, std::string_view text, double least, double most,
+               const std::string& expected) const;
+  /// `otherwise`: what may stand in place of the number.
+  int parse_whole(const std::string& name, const std::string& text, int least, int most,
+                  const std::string& otherwise) const;
 
   std::string owner_;
   std::map<std::string, std::string> given_, in_force_;

@@ -1,5 +1,7 @@
 #include "planning/planner.hpp"
 
+#include <algorithm>
+#include <numbers>
 #include <stdexcept>
 
 #include "planning/beam.hpp"
@@ -11,6 +13,7 @@
 #include "planning/constraint.hpp"
 #include "planning/nearest_name.hpp"
 #include "planning/ompl_planners.hpp"
+#include "planning/option_reader.hpp"
 #include "planning/painted_parts.hpp"
 #include "planning/rrtconnect.hpp"
 #include "planning/rrtconnect_fcl.hpp"
@@ -28,6 +31,25 @@ std::unique_ptr<Planner> make_of_ompl(const PlannerOptions& options) {
   return std::make_unique<OmplPlanner>(algorithm, options);
 }
 
+/// A joint's value with the unit of its kind: "2.793 rad (160 degrees)", "0.5 m".
+std::string with_unit(const Joint& joint, double value) {
+  if (joint.kind == JointKind::prismatic) return short_text(value) + " m";
+  return short_text(value) + " rad (" + short_text(value * 180.0 / std::numbers::pi) + " degrees)";
+}
+
+/// "joint joint1 is at 6.981 rad (400 degrees), 4.189 rad (240 degrees) above its upper limit, 2.793 rad ..."
+std::string limit_sentence(const Robot& robot, const std::string& name, const Configuration& q) {
+  const auto found = std::find_if(robot.joints.begin(), robot.joints.end(),
+                                  [&](const Joint& joint) { return joint.name == name; });
+  const Joint& joint = *found;
+  const double value = q[found - robot.joints.begin()];
+  const bool is_above = value > joint.upper;
+  const double limit = is_above ? joint.upper : joint.lower;
+  return "joint " + name + " is at " + with_unit(joint, value) + ", " +
+         with_unit(joint, is_above ? value - limit : limit - value) +
+         (is_above ? " above its upper limit, " : " below its lower limit, ") + with_unit(joint, limit);
+}
+
 /// Why `q` cannot be an end of a path; empty when it can.
 std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
   const auto dof = static_cast<Eigen::Index>(space.robot().dof());
@@ -36,7 +58,9 @@ std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
            space.robot().name;
   }
   const Verdict verdict = space.check(q);
-  return verdict.is_free() ? std::string() : verdict.sentence();
+  if (verdict.is_free()) return {};
+  const bool is_past_limit = verdict.obstruction == Obstruction::joint_limit;
+  return is_past_limit ? limit_sentence(space.robot(), verdict.other, q) : verdict.sentence();
 }
 
 }  // namespace

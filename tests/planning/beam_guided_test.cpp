@@ -58,6 +58,24 @@ TEST(BeamGuided, OnceOutOfTimeItSaysSo) {
       make_planner("beam_guided")->plan({space, cost, tunnel.start, tunnel.goal, 1, [] { return true; }});
   EXPECT_EQ(result.status, PlanStatus::timed_out);
   EXPECT_FALSE(result.explanation.empty());
+  EXPECT_EQ(result.statistics.at("deadline_hit"), 1.0);
+}
+
+TEST(BeamGuided, SaysWhetherTheDeadlineWasHitWhenThereIsNoPathEither) {
+  const Robot robot = load_robot("point");
+  FreeSpaceMap map({.resolution = 0.05});
+  const int volume = map.add_volume("paint", robot.critical_parts);
+  map.begin_stroke("two rooms without a way between them");
+  for (const double x : {0.0, 3.0}) map.paint(volume, {Eigen::Vector3d(x, 0, 0), 0.5});
+  map.end_stroke();
+  Policies policies;
+  policies.other = Policy::painted;
+  const ConfigurationSpace space(robot, map.snapshot(), policies);
+  const PathCost cost(robot);
+  const PlanResult result =
+      make_planner("beam_guided")->plan({space, cost, Eigen::Vector2d(0, 0), Eigen::Vector2d(3, 0)});
+  EXPECT_EQ(result.status, PlanStatus::no_path) << result.explanation;
+  EXPECT_EQ(result.statistics.at("deadline_hit"), 0.0);
 }
 
 TEST(BeamGuided, FindsItsWayRoundAWallWhereNothingIsPainted) {

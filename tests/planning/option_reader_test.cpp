@@ -49,7 +49,7 @@ TEST(OptionReader, NamesOptionValueAndRange) {
       "beam",
       {{"width", "0"}, {"ratio", "0.5x"}, {"flag", "maybe"}, {"side", "left"}, {"k", "2.5"}, {"n", "nan"}});
   EXPECT_EQ(message_of([&] { reader.integer("width", 10, 1, 100); }),
-            "beam: option 'width' is '0': expected a number from 1 to 100");
+            "beam: option 'width' is '0': expected a whole number from 1 to 100");
   EXPECT_EQ(message_of([&] { reader.number("ratio", 0.3, 0.0, 1.0); }),
             "beam: option 'ratio' is '0.5x': expected a number from 0 to 1");
   EXPECT_EQ(message_of([&] { reader.flag("flag", true); }),
@@ -59,8 +59,28 @@ TEST(OptionReader, NamesOptionValueAndRange) {
             }),
             "beam: option 'side' is 'left': expected upper or lower");
   EXPECT_EQ(message_of([&] { reader.integer("k", 1, 1, 9); }),
-            "beam: option 'k' is '2.5': expected a whole number");
+            "beam: option 'k' is '2.5': expected a whole number from 1 to 9");
   EXPECT_NE(message_of([&] { reader.number("n", 1, 0, 9); }), "nothing thrown");
+}
+
+TEST(OptionReader, TellsLargeBoundsDigitByDigit) {
+  OptionReader reader("beam", {{"width", "0"}, {"max_steps", "1.5"}, {"scale", "-1"}, {"step", "0.1,99"}});
+  EXPECT_EQ(message_of([&] { reader.integer("width", 10, 1, 100000); }),
+            "beam: option 'width' is '0': expected a whole number from 1 to 100000");
+  EXPECT_EQ(message_of([&] { reader.integer_or_auto("max_steps", 1, 100000000); }),
+            "beam: option 'max_steps' is '1.5': expected auto or a whole number from 1 to 100000000");
+  EXPECT_EQ(message_of([&] { reader.number_or_auto("scale", 0.0, 1e6); }),
+            "beam: option 'scale' is '-1': expected auto or a number from 0 (automatic, too) to 1000000");
+  EXPECT_EQ(message_of([&] { reader.numbers_or_auto("step", 1e-6, 10.0); }),
+            "beam: option 'step' is '99': expected auto or numbers from 1e-06 to 10, separated by commas");
+  EXPECT_EQ(reader.integer("max_samples", 100000, 1, 100000000), 100000);
+  EXPECT_EQ(reader.in_force().at("max_samples"), "100000");
+}
+
+TEST(OptionReader, NoughtIsAutomaticWhereAutoIsAndPrintedSo) {
+  OptionReader reader("beam", {{"prismatic_scale", "0"}});
+  EXPECT_EQ(reader.number_or_auto("prismatic_scale", 0.0, 1e6), 0.0);
+  EXPECT_EQ(reader.in_force().at("prismatic_scale"), "auto");
 }
 
 TEST(OptionReader, UnknownOptionNamesTheNearest) {

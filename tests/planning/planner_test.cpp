@@ -105,6 +105,53 @@ TEST_P(EveryPlanner, StopsWhenOutOfTime) {
 INSTANTIATE_TEST_SUITE_P(Table, EveryPlanner, testing::ValuesIn(planner_names()),
                          [](const auto& planner) { return planner.param; });
 
+TEST(Planner, AnEndPastALimitIsToldWithValueLimitAndTheUnitOfItsJoint) {
+  Robot robot = load_robot("planar2");  // the second joint slides along the first link
+  robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;
+  robot.joints[1].kind = JointKind::prismatic;
+  robot.joints[1].axis = Eigen::Vector3d::UnitX();
+  robot.joints[1].lower = -0.5, robot.joints[1].upper = 0.5;
+  Policies policies;
+  policies.critical_by_default = false;
+  const ConfigurationSpace space(robot, VoxelScene{}.snapshot(), policies);
+  const PathCost cost(robot);
+  const Eigen::Vector2d inside(0.0, 0.0), turned(2.0, 0.0), slid(0.0, -0.75);
+  const std::string turn = robot.joints[0].name, slide = robot.joints[1].name;
+  EXPECT_EQ(check_ends({space, cost, turned, inside}).explanation,
+            "The start is not free: joint " + turn +
+                " is at 2 rad (114.6 degrees), 1 rad (57.3 degrees) above its upper limit, 1 rad "
+                "(57.3 degrees).");
+  EXPECT_EQ(check_ends({space, cost, inside, slid}).explanation,
+            "The goal is not free: joint " + slide + " is at -0.75 m, 0.25 m below its lower limit, -0.5 m.");
+}
+
+TEST(Planner, AbsurdLimitsOfASlidingJointAskForAScaleAgainstTheJointsThatTurn) {
+  Robot robot = load_robot("planar2");
+  robot.joints[1].kind = JointKind::prismatic;
+  robot.joints[1].axis = Eigen::Vector3d::UnitX();
+  robot.joints[1].lower = -1e9, robot.joints[1].upper = 1e9;
+  Policies policies;
+  policies.critical_by_default = false;
+  VoxelScene scene{0.05, {box_of(2.0, 2.0, -0.1, 2.2, 2.2, 0.1)}, {}, {}};
+  const ConfigurationSpace space(robot, scene.snapshot(), policies);
+  const PathCost cost(robot);
+  const PlanProblem problem{space, cost, Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.1, 0.1)};
+  for (const char* planner : {"beam", "beam_guided", "boundary", "rrtconnect"}) {
+    try {
+      make_planner(planner)->plan(problem);
+      ADD_FAILURE() << planner << " planned";
+    } catch (const std::invalid_argument& error) {
+      const std::string sentence = error.what();
+      EXPECT_NE(sentence.find("joint '" + robot.joints[1].name + "' slides from -1e+09 to 1e+09 m"),
+                std::string::npos)
+          << sentence;
+      EXPECT_NE(sentence.find("expected option 'prismatic_scale'"), std::string::npos) << sentence;
+    }
+  }
+  const PlannerOptions given = {{"prismatic_scale", "1"}, {"step", "0.05"}, {"node_only", "true"}};
+  EXPECT_EQ(make_planner("beam", given)->plan(problem).status, PlanStatus::solved);
+}
+
 TEST(Planner, UnknownNamesAreAnsweredWithTheNearest) {
   try {
     make_planner("bundary");
