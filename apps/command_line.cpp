@@ -57,7 +57,7 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const std::string& 
                   "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + default_note)
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(number("finite numbers", -1e9, 1e9))
+      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
       ->type_name("POSE");
   command
       .add_option(
@@ -67,7 +67,7 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const std::string& 
       ->allow_extra_args(false)
       ->take_all();
   command.add_option("--padding", choice.padding, "distance that every part keeps, metres")
-      ->check(number("a length not below 0", 0.0, 1e9))
+      ->check(number("a length from 0 to 100 (metres)", 0.0, 100.0))
       ->type_name("M");
 }
 
@@ -144,7 +144,7 @@ Command add_plan(CLI::App& app, Console& console) {
   command->add_flag("--print-options", options->print_options,
                     "show the planner's options in force and stop");
   command->add_option("--payload", options->cost.payload, "mass at the tip for the path cost, full size, kg")
-      ->check(number("a mass not below 0", 0.0, 1e9))
+      ->check(number("a mass from 0 to 1000000000 (kg)", 0.0, 1e9))
       ->type_name("KG");
   command
       ->add_option("--gravity", options->cost.gravity,
@@ -152,7 +152,7 @@ Command add_plan(CLI::App& app, Console& console) {
       ->delimiter(',')
       ->expected(3)
       ->allow_extra_args(false)
-      ->check(number("finite numbers", -1e9, 1e9))
+      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
       ->type_name("G");
   command->add_option("--seed", options->seed, "of the planner")->type_name("N")->check(whole_number);
   command->add_option("--time-limit", options->time_limit, "seconds for each leg")

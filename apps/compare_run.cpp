@@ -1,6 +1,7 @@
 #include "apps/compare_run.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <mutex>
 #include <stdexcept>
 
@@ -47,6 +48,15 @@ std::optional<CompareMotion> motion_of(const Robot& robot, const std::vector<Con
   return std::nullopt;
 }
 
+/// rad per metre that the planner was given; 0, automatic, where it was given none.
+double given_prismatic_scale(const Plan& plan) {
+  const auto found = plan.options.find("prismatic_scale");
+  double scale = 0.0;
+  if (found != plan.options.end())
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), scale);
+  return scale;
+}
+
 /// @param cost what the planner reckoned with
 CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathCost& cost) {
   CompareRun run;
@@ -56,7 +66,8 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
   run.check = verdict_of(plan);
   run.contact = plan.validation.first_contact;
   run.length = length_of(plan.waypoints());
-  run.cost = sampled_cost(cost, plan.waypoints(), joint_weights(space, 0.0), cost_step);
+  run.cost =
+      sampled_cost(cost, plan.waypoints(), joint_weights(space, given_prismatic_scale(plan)), cost_step);
   run.waypoints = plan.waypoints().size();
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;

@@ -16,13 +16,15 @@ Check number(const std::string& expected, double low, double high) {
   };
 }
 
-Check positive() { return number("a positive number", std::numeric_limits<double>::min(), 1e9); }
+Check positive() {
+  return number("a positive number up to 1000000000", std::numeric_limits<double>::min(), 1e9);
+}
 
 std::string whole_number(const std::string& text) {
   std::uint64_t value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool good = error == std::errc() && stop == text.data() + text.size();
-  return good ? "" : "expected a whole number from 0 to 2^64 - 1, got '" + text + "'";
+  return good ? "" : "expected a whole number from 0 to 18446744073709551615, got '" + text + "'";
 }
 
 std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }

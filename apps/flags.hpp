@@ -22,8 +22,8 @@ using Check = std::function<std::string(const std::string&)>;
 
 /// A number in [low, high], called `expected` when it is not.
 Check number(const std::string& expected, double low, double high);
-Check positive();
-std::string whole_number(const std::string& text);
+Check positive();                                   ///< at most 1e9
+std::string whole_number(const std::string& text);  ///< at most 2^64 - 1
 std::string file_name(const std::string& text);
 
 /// A command with the flags that all have: --quiet, --json.

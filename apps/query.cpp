@@ -23,6 +23,18 @@ Robot choose_robot(const RobotChoice& choice) {
   return robot;
 }
 
+namespace {
+
+Policy policy_of(const std::string& flag, const std::string& text) {
+  try {
+    return parse_policy(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--policy " + flag + ": " + error.what());
+  }
+}
+
+}  // namespace
+
 Policies choose_policies(const std::vector<std::string>& texts, const Robot& robot) {
   std::set<std::string> parts;
   for (const Body& body : robot.bodies) parts.insert(body.part);
@@ -30,7 +42,7 @@ Policies choose_policies(const std::vector<std::string>& texts, const Robot& rob
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
-      policies.other = parse_policy(text);
+      policies.other = policy_of(text, text);
       policies.critical_by_default = false;
       continue;
     }
@@ -41,7 +53,7 @@ Policies choose_policies(const std::vector<std::string>& texts, const Robot& rob
       throw std::invalid_argument("--policy: robot '" + robot.name + "' has no part '" + part + "' (it has " +
                                   names + ")");
     }
-    policies.parts[part] = parse_policy(text.substr(equals + 1));
+    policies.parts[part] = policy_of(text, text.substr(equals + 1));
   }
   return policies;
 }
@@ -67,7 +79,15 @@ PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
     if (equals == std::string::npos || equals == 0) {
       throw std::invalid_argument("--set: expected key=value, got '" + text + "'");
     }
-    options[text.substr(0, equals)] = text.substr(equals + 1);
+    const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
+    if (value.empty()) {
+      throw std::invalid_argument("--set " + text + ": no value is given, expected " + key + "=value");
+    }
+    const auto [known, is_new] = options.emplace(key, value);
+    if (!is_new) {
+      throw std::invalid_argument("--set: option '" + key + "' is given twice, as '" + known->second +
+                                  "' and as '" + value + "', expected it once");
+    }
   }
   return options;
 }
@@ -100,6 +120,16 @@ Plan empty_plan(const Query& query) {
   return plan;
 }
 
+/// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
+/// than the way nothing has to move.
+void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
+  if (leg.status != PlanStatus::solved || leg.search_steps > 0 || !in_force.contains("step")) return;
+  if (leg.final_distance == 0.0) return;  // the start is the goal
+  leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
+                     significant(leg.final_distance, 3) + ": " +
+                     (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
+}
+
 }  // namespace
 
 PathCost path_cost(const Query& query) {
@@ -120,6 +150,7 @@ Plan solve(const Query& query, const Planner& planner) {
     const auto leg_begin = Clock::now();
     plan.legs.push_back(planner.plan({query.space, cost, from, goal, query.seed,
                                       [&] { return seconds_since(leg_begin) > query.time_limit; }}));
+    tell_step_beyond_way(plan.options, plan.legs.back());
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();
   }

@@ -99,15 +99,18 @@ SuiteStage stage_of(const SuiteWorld& world, const Robot& robot) {
 }
 
 void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
-  const auto check = [&](const SuiteProblem& problem, const std::vector<double>& q, const char* field) {
+  const auto check = [&](const SuiteProblem& problem, const std::vector<double>& q,
+                         const std::string& field) {
     if (q.size() == robot.dof()) return;
     refuse(suite, experiment,
            "problem '" + problem.name + "', field '" + field + "': got " + std::to_string(q.size()) +
-               " values, expected " + std::to_string(robot.dof()) + " (robot '" + robot.name + "')");
+               " values, expected " + std::to_string(robot.dof()) + ", one for each joint of robot '" +
+               robot.name + "'");
   };
   for (const SuiteProblem& problem : experiment.problems) {
     check(problem, problem.start, "start");
-    for (const auto& goal : problem.goals) check(problem, goal, "goals");
+    for (std::size_t i = 0; i < problem.goals.size(); ++i)
+      check(problem, problem.goals[i], "goals[" + std::to_string(i) + "]");
   }
 }
 

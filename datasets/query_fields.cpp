@@ -4,14 +4,15 @@
 
 namespace clearway {
 
-std::map<std::string, std::string> read_words(const YamlFields& fields) {
-  std::map<std::string, std::string> words;
-  for (const auto& key : fields.keys()) words[key] = fields.text(key);
-  return words;
+std::map<std::string, std::string> read_options(const YamlFields& fields) {
+  std::map<std::string, std::string> options;
+  for (const auto& key : fields.keys()) options[key] = fields.text_or_numbers(key);
+  return options;
 }
 
 std::map<std::string, std::string> read_policies(const YamlFields& fields) {
-  auto policies = read_words(fields);
+  std::map<std::string, std::string> policies;
+  for (const auto& key : fields.keys()) policies[key] = fields.text(key);
   for (const auto& [part, policy] : policies)
     if (policy != "painted" && policy != "known_free" && policy != "not_occupied")
       fields.fail(part, "expected painted, known_free or not_occupied, got '" + policy + "'");
@@ -24,9 +25,6 @@ void read_legs(const YamlFields& fields, std::vector<double>& start,
   goals = fields.lists_of_angles("goals");
   if (start.empty()) fields.fail("start", "expected a number for each joint");
   if (goals.empty()) fields.fail("goals", "expected at least one goal");
-  for (const auto& goal : goals)
-    if (goal.size() != start.size())
-      fields.fail("goals", "expected as many numbers in each goal as in the start");
 }
 
 void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,

@@ -11,8 +11,9 @@ class YamlFields;
 
 // What the queries of a setup and the problems of a suite have in common.
 
-/// All keys with their values as texts.
-std::map<std::string, std::string> read_words(const YamlFields& fields);
+/// A planner's options: all keys with their values as texts. A list of numbers is the text "0.1, 0.2".
+/// @throws std::invalid_argument
+std::map<std::string, std::string> read_options(const YamlFields& fields);
 
 /// Part or "default" -> painted | known_free | not_occupied. @throws std::invalid_argument for another word.
 std::map<std::string, std::string> read_policies(const YamlFields& fields);
@@ -22,7 +23,8 @@ std::map<std::string, std::string> read_policies(const YamlFields& fields);
 void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
                const std::string& key);
 
-/// start(_deg) and goals(_deg), all of one size. @throws std::invalid_argument
+/// start(_deg) and goals(_deg). Whether there are as many numbers as the robot has joints is for those to say
+/// who know the robot. @throws std::invalid_argument
 void read_legs(const YamlFields& fields, std::vector<double>& start, std::vector<std::vector<double>>& goals);
 
 }  // namespace clearway

@@ -158,7 +158,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));
   for (const auto& entry : fields.list_of_maps("include"))
     scene.includes.push_back(read_include(entry, folder));
-  scene.seed = static_cast<uint64_t>(fields.integer("seed", {0, 2147483647}, 1));
+  scene.seed = fields.seed("seed", 1);
   scene.start_time = fields.number("start_time", {0, 1e10}, default_start_time);
   scene.background = fields.number("background", grey_levels, scene.background);
   check_parts_fit(fields, scene);

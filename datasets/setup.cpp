@@ -174,10 +174,17 @@ QuerySetup read_query(const YamlFields& fields) {
   QuerySetup query;
   query.name = fields.text("name");
   read_legs(fields, query.start, query.goals);
+  for (std::size_t i = 0; i < query.goals.size(); ++i) {
+    const std::size_t size = query.goals[i].size();
+    if (size == query.start.size()) continue;
+    fields.fail("", "the start has " + std::to_string(query.start.size()) + " numbers and goals[" +
+                        std::to_string(i) + "] has " + std::to_string(size) +
+                        ", expected as many numbers in both, one for each joint of the robot");
+  }
   query.planners = fields.texts("planners");
   if (fields.has("policies")) query.policies = read_policies(fields.map("policies"));
-  if (fields.has("options")) query.options = read_words(fields.map("options"));
-  query.padding = fields.number("padding", not_negative, 0);
+  if (fields.has("options")) query.options = read_options(fields.map("options"));
+  query.padding = fields.number("padding", paddings, 0);
   fields.finish();
   return query;
 }

@@ -12,7 +12,6 @@
 namespace clearway {
 namespace {
 
-constexpr Bounds seeds{0, 2147483647};
 constexpr Bounds resolutions{1e-4, 100};
 
 SuiteVolume read_volume(const YamlFields& fields) {
@@ -67,8 +66,6 @@ std::vector<SuiteProblem> read_problems(const YamlFields& fields) {
     problem.name = entry.text("name");
     take_name(names, problem.name, entry, "name");
     read_legs(entry, problem.start, problem.goals);
-    if (problem.start.size() != problems.front().start.size())
-      entry.fail("start", "expected as many numbers as in the problems before");
     entry.finish();
   }
   if (problems.empty()) fields.fail("problems", "expected at least one problem");
@@ -79,7 +76,7 @@ SuiteGenerator read_generator(const YamlFields& fields) {
   SuiteGenerator generator;
   generator.kind = fields.text("kind");
   generator.count = fields.integer("count", {1, 100000});
-  generator.seed = static_cast<std::uint64_t>(fields.integer("seed", seeds, 1));
+  generator.seed = fields.seed("seed", 1);
   generator.resolution = fields.number("resolution", resolutions, generator.resolution);
   fields.finish();
   return generator;
@@ -93,10 +90,20 @@ std::vector<SuitePlanner> read_planners(const YamlFields& fields) {
     planner.planner = entry.text("planner");
     planner.label = entry.text("label", planner.planner);
     take_name(labels, planner.label, entry, entry.has("label") ? "label" : "planner");
-    if (entry.has("options")) planner.options = read_words(entry.map("options"));
+    if (entry.has("options")) planner.options = read_options(entry.map("options"));
     entry.finish();
   }
   return planners;
+}
+
+void require_world(const YamlFields& fields, const Suite& suite, const std::string& name) {
+  std::string names;
+  for (const SuiteWorld& world : suite.worlds) {
+    if (world.name == name) return;
+    names += (names.empty() ? "" : ", ") + world.name;
+  }
+  if (names.empty()) fields.fail("world", "got '" + name + "', but the suite has no 'worlds'");
+  fields.fail("world", "expected the name of one of the suite's worlds (" + names + "), got '" + name + "'");
 }
 
 /// The world and the problems in it, or the generator of both.
@@ -110,9 +117,7 @@ void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& e
   if (!is_team) experiment.robot = fields.text("robot");
   if (experiment.generate || (is_team && !fields.has("world"))) return;
   experiment.world = fields.text("world");
-  if (std::none_of(suite.worlds.begin(), suite.worlds.end(),
-                   [&](const SuiteWorld& world) { return world.name == experiment.world; }))
-    fields.fail("world", "expected the name of one of the worlds, got '" + experiment.world + "'");
+  require_world(fields, suite, experiment.world);
   if (!is_team) experiment.problems = read_problems(fields);
 }
 
@@ -130,7 +135,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   for (const char* key : {"scale", "payload"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
   if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
-  experiment.padding = fields.number("padding", not_negative, experiment.padding);
+  experiment.padding = fields.number("padding", paddings, experiment.padding);
   experiment.planners = fields.has("planners") ? read_planners(fields) : usual;
   if (experiment.planners.empty()) fields.fail("planners", "expected at least one planner");
   experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);
@@ -150,7 +155,7 @@ Suite parse_suite(const std::string& text, const std::string& name) {
   Suite suite;
   suite.name = fields.text("name", file.stem().string());
   suite.title = fields.text("title", suite.name);
-  suite.seed = static_cast<std::uint64_t>(fields.integer("seed", seeds, 1));
+  suite.seed = fields.seed("seed", 1);
   suite.time_limit = fields.number("time_limit", positive, suite.time_limit);
   std::set<std::string> worlds, experiments;
   for (const auto& entry : fields.list_of_maps("worlds")) {

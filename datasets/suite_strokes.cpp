@@ -82,8 +82,7 @@ std::vector<SuiteBall> read_suite_stroke(const YamlFields& fields) {
     const auto radii = fields.numbers("radii", positive, 2);
     if (radii[1] < radii[0]) fields.fail("radii", "expected the smallest and then the largest radius");
     balls = balls_about(read_points(fields), fields.number("around", not_negative), radii[0], radii[1],
-                        fields.integer("count", {1, 100000}),
-                        static_cast<std::uint64_t>(fields.integer("seed", {0, 2147483647}, 1)));
+                        fields.integer("count", {1, 100000}), fields.seed("seed", 1));
   } else {
     const auto points = read_points(fields);
     const double radius = fields.number("radius", positive);

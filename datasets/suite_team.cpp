@@ -20,7 +20,6 @@ SuiteTeamRobot read_robot(const YamlFields& fields) {
   robot.start = fields.angles("start");
   if (!fields.has_angles("goal")) fields.fail("goal", "expected where robot '" + robot.name + "' shall go");
   robot.goal = fields.angles("goal");
-  if (robot.goal.size() != robot.start.size()) fields.fail("goal", "expected as many numbers as in start");
   fields.finish();
   return robot;
 }

@@ -5,15 +5,18 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
 namespace clearway {
 namespace {
 
+/// Whole numbers are told digit by digit, never as 1e+06.
 std::string shown(double value) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
+  if (value == std::round(value) && std::abs(value) < 1e15) out << std::fixed << std::setprecision(0);
   out << value;
   return out.str();
 }
@@ -23,10 +26,22 @@ std::string shown(const YAML::Node& node) {
   return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
-std::string expectation(Bounds bounds) {
-  if (std::isinf(bounds.low) && std::isinf(bounds.high)) return "a finite number";
-  if (bounds.low == tiny && bounds.high == positive.high) return "a positive number";
-  return "a number from " + shown(bounds.low == tiny ? 0 : bounds.low) + " to " + shown(bounds.high);
+std::string expectation(Bounds bounds, const std::string& kind = "number") {
+  if (std::isinf(bounds.low) && std::isinf(bounds.high)) return "a finite " + kind;
+  const std::string high = shown(bounds.high);
+  if (bounds.low == tiny) return "a positive " + kind + " up to " + high;
+  return "a " + kind + " from " + shown(bounds.low) + " to " + high;
+}
+
+/// A finite number that is the whole text of a scalar.
+std::optional<double> parsed_number(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  const std::string& text = node.Scalar();
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  double value = 0;
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+  const bool good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+  return good ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -107,17 +122,10 @@ bool YamlFields::has(const std::string& key) const {
 }
 
 double YamlFields::number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const {
-  double value = 0;
-  bool good = node.IsScalar();
-  if (good) {
-    const std::string& text = node.Scalar();
-    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
-    good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
-  }
-  if (!good || value < bounds.low || value > bounds.high)
+  const std::optional<double> value = parsed_number(node);
+  if (!value || *value < bounds.low || *value > bounds.high)
     fail(key, "expected " + expectation(bounds) + ", got " + shown(node));
-  return value;
+  return *value;
 }
 
 double YamlFields::number(const std::string& key, Bounds bounds) const {
@@ -134,13 +142,26 @@ std::optional<double> YamlFields::optional_number(const std::string& key, Bounds
 }
 
 int YamlFields::integer(const std::string& key, Bounds bounds) const {
-  const double value = number(key, bounds);
-  if (value != std::round(value)) fail(key, "expected a whole number, got '" + shown(value) + "'");
-  return static_cast<int>(value);
+  const YAML::Node node = required(key);
+  const std::optional<double> value = parsed_number(node);
+  if (!value || *value != std::round(*value) || *value < bounds.low || *value > bounds.high)
+    fail(key, "expected " + expectation(bounds, "whole number") + ", got " + shown(node));
+  return static_cast<int>(*value);
 }
 
 int YamlFields::integer(const std::string& key, Bounds bounds, int otherwise) const {
   return has(key) ? integer(key, bounds) : otherwise;
+}
+
+std::uint64_t YamlFields::seed(const std::string& key, std::uint64_t otherwise) const {
+  if (!has(key)) return otherwise;
+  const YAML::Node node = find(key);
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size())
+    fail(key, "expected a whole number from 0 to 18446744073709551615, got " + shown(node));
+  return value;
 }
 
 bool YamlFields::boolean(const std::string& key) const {
@@ -158,6 +179,18 @@ std::string YamlFields::text(const std::string& key) const {
 
 std::string YamlFields::text(const std::string& key, const std::string& otherwise) const {
   return has(key) ? text(key) : otherwise;
+}
+
+std::string YamlFields::text_or_numbers(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence()) return text(key);
+  std::string result;
+  for (const auto& item : node) {
+    number_of(item, key, {});
+    result += (result.empty() ? "" : ", ") + item.Scalar();
+  }
+  if (result.empty()) fail(key, "expected a word, a number or a list of numbers, got an empty list");
+  return result;
 }
 
 std::vector<std::string> YamlFields::texts(const std::string& key) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@ constexpr double tiny = 1e-9;  ///< the smallest length that counts as positive
 constexpr Bounds positive{tiny, 1e6};
 constexpr Bounds not_negative{0, 1e6};
 constexpr Bounds within_reach{-1e6, 1e6};
+constexpr Bounds paddings{0, 100};  ///< metres
 
 /// A YAML map that is being read. Each function asks for one key; whatever is wrong with its value becomes a
 /// std::invalid_argument in one sentence naming file, line and key. `finish` then refuses the keys that
@@ -39,9 +41,11 @@ class YamlFields {
   std::optional<double> optional_number(const std::string& key, Bounds bounds) const;
   int integer(const std::string& key, Bounds bounds) const;
   int integer(const std::string& key, Bounds bounds, int otherwise) const;
+  std::uint64_t seed(const std::string& key, std::uint64_t otherwise) const;  ///< any of 64 bits
   bool boolean(const std::string& key) const;
   std::string text(const std::string& key) const;
   std::string text(const std::string& key, const std::string& otherwise) const;
+  std::string text_or_numbers(const std::string& key) const;          ///< of a list of numbers: "0.1, 0.2"
   std::vector<std::string> texts(const std::string& key) const;       ///< a list, empty when absent
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
   std::vector<double> numbers(const std::string& key, Bounds, size_t size) const;

@@ -283,6 +283,14 @@ TEST_F(CommandLine, a_number_out_of_range_or_not_a_number_is_refused_in_one_shor
     expect_refused(run, exit_bad_input, {name, "expected"});
     EXPECT_LT(run.log.size(), 200u) << run.log;
   }
+  for (const auto& [flag, expected] :
+       {std::pair{"--time-limit=1e300", "expected a positive number up to 1000000000, got '1e300'"},
+        std::pair{"--padding=1e9", "expected a length from 0 to 100 (metres), got '1e9'"},
+        std::pair{"--seed=-1", "expected a whole number from 0 to 18446744073709551615, got '-1'"},
+        std::pair{"--base=1e300,0,0", "expected numbers from -1000000000 to 1000000000, got '1e300'"}}) {
+    const std::string name(flag, std::string_view(flag).find('='));
+    expect_refused(plan("-1,0", "-1,1", {flag}), exit_bad_input, {name, expected});
+  }
   expect_refused(plan("-1,0", "-1,1", {"--out", ""}), exit_bad_input, {"--out", "expected a file name"});
   expect_refused(run_command({"inspect", map_, "--at", "1e300,0,0"}), exit_bad_input, {"--at", "beyond"});
 }

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numbers>
+#include <stdexcept>
 
 #include "mapping/free_space_map.hpp"
 
@@ -19,6 +21,52 @@ Eigen::VectorXd forces(const Eigen::Matrix3d& map_from_base, const Eigen::Vector
   query.gravity = gravity;
   query.payload = payload;
   return path_cost(query).generalized_forces(q);
+}
+
+std::string complaint(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(Query, AnOptionIsGivenOnceAndWithAValue) {
+  EXPECT_EQ(choose_planner_options({"width=5", "step=0.1,0.2"}),
+            (PlannerOptions{{"width", "5"}, {"step", "0.1,0.2"}}));
+  EXPECT_EQ(complaint([] { choose_planner_options({"width="}); }),
+            "--set width=: no value is given, expected width=value");
+  EXPECT_EQ(complaint([] {
+              choose_planner_options({"width=5", "step=1", "width=6"});
+            }),
+            "--set: option 'width' is given twice, as '5' and as '6', expected it once");
+}
+
+TEST(Query, AWrongPolicyIsToldWithItsFlagItsPartAndThoseThatThereAre) {
+  const Robot robot = load_robot("point");
+  EXPECT_EQ(complaint([&] { choose_policies({"base=free"}, robot); }),
+            "--policy base=free: unknown policy 'free': expected painted, known_free or not_occupied");
+  EXPECT_EQ(complaint([&] { choose_policies({"free"}, robot); }),
+            "--policy free: unknown policy 'free': expected painted, known_free or not_occupied");
+}
+
+TEST(Query, AStepLargerThanTheWayIsTold) {
+  Policies policies;
+  policies.critical_by_default = false;
+  const Robot robot = load_robot("planar2");
+  const ConfigurationSpace space(robot, FreeSpaceMap({.resolution = 0.1}).snapshot(), policies);
+  const Eigen::Vector2d start(0.0, 0.0), goal(0.6, 0.3);
+  const auto explained = [&](const Eigen::Vector2d& to, const PlannerOptions& options) {
+    return solve({space, "planar2", {}, {}, start, {to}, "beam", options}).explanation();
+  };
+  const std::string told = "The step (option 'step' or 'step_deg') is larger than the way, 0.671: ";
+  EXPECT_EQ(explained(goal, {{"step_deg", "180"}}),
+            "Reached the goal box in 0 steps. " + told + "all of it is the last segment.");
+  EXPECT_EQ(explained(goal, {{"step_deg", "180"}, {"last_segment", "false"}}),
+            "Reached the goal box in 0 steps. " + told + "the path ends where it starts.");
+  EXPECT_EQ(explained(goal, {{"step_deg", "5"}}).find("larger than the way"), std::string::npos);
+  EXPECT_EQ(explained(start, {{"step_deg", "180"}}), "Reached the goal box in 0 steps.");
 }
 
 const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();

@@ -81,9 +81,13 @@ TEST(SuiteStages, WhatDoesNotFitTheRobotIsRefused) {
   EXPECT_EQ(refusal(good, "puma560"), "accepted");
   EXPECT_EQ(refusal(replaced(good, "link3", "panda_hand"), "puma560"),
             "suite 's', experiment 'explicit', field 'policies': robot 'puma560' has no part 'panda_hand'");
+  EXPECT_EQ(
+      refusal(replaced(good, "[0, 1, 0, 0, 0, 0]", "[0, 1, 0, 0, 0]"), "puma560"),
+      "suite 's', experiment 'explicit', problem 'a', field 'goals[1]': got 5 values, expected 6, one for "
+      "each joint of robot 'puma560'");
   EXPECT_EQ(refusal(replaced(good, ", link3: painted", ""), "planar2"),
-            "suite 's', experiment 'explicit', problem 'a', field 'start': got 6 values, expected 2 (robot "
-            "'planar2')");
+            "suite 's', experiment 'explicit', problem 'a', field 'start': got 6 values, expected 2, one for "
+            "each joint of robot 'planar2'");
 }
 
 const std::string drawn = R"(

@@ -156,13 +156,16 @@ TEST(Suite, NamesThatWouldShareAFolderAreRefused) {
 TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
   const std::vector<std::array<std::string, 3>> mistakes = {
       {"runs: 3", "run: 3", "line 40, experiments[0].run: unknown key; did you mean 'runs'?"},
-      {"world: made", "world: mad", "expected the name of one of the worlds, got 'mad'"},
+      {"world: made", "world: mad",
+       "expected the name of one of the suite's worlds (loaded, made), got 'mad'"},
       {"{kind: tunnels,", "{kind: tunnels, depth: 3,", "experiments[1].generate.depth: unknown key"},
       {"generate: {", "world: made, generate: {", "experiments[1].world: unknown key"},
-      {"count: 12", "count: 0", "expected a number from 1 to 100000, got '0'"},
+      {"count: 12", "count: 0", "expected a whole number from 1 to 100000, got '0'"},
+      {"count: 12", "count: 2.5", "expected a whole number from 1 to 100000, got '2.5'"},
+      {"seed: 7", "seed: -4", "seed: expected a whole number from 0 to 18446744073709551615, got '-4'"},
+      {"seed: 7", "seed: 18446744073709551616", "expected a whole number from 0 to 18446744073709551615"},
+      {"padding: 0.01", "padding: 1e9", "padding: expected a number from 0 to 100, got '1e9'"},
       {"tool: painted", "tool: paint", "expected painted, known_free or not_occupied, got 'paint'"},
-      {"[1, 2], goals", "[1, 2, 3], goals", "expected as many numbers in each goal as in the start"},
-      {"start: [1, 2], goals: [[3, 4]]", "start: [1], goals: [[3]]", "as in the problems before"},
       {"name: back", "name: there", "'there' is given twice"},
       {"{planner: rrtconnect}", "{planner: beam, label: beam k=20}", "'beam k=20' is given twice"},
       {"[[0.5, 0, 0, 0.08]]", "[[0.5, 0, 0]]", "expected 4 numbers in each of its lists, got 3"},
@@ -175,7 +178,8 @@ TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
       {"strokes:\n          - {balls", "strokes:\n          - {ball", "expected either balls, or points"},
       {"payload: 2.5", "payload: -1", "experiments[0].payload: expected a number from 0"},
       {"gravity: [0, 9.81, 0]", "gravity: [0, 9.81]", "experiments[0].gravity: expected 3 numbers"},
-      {"time_limit: 2.5", "time_limit: -1", "line 4, time_limit: expected a positive number"},
+      {"time_limit: 2.5", "time_limit: -1",
+       "line 4, time_limit: expected a positive number up to 1000000, got '-1'"},
   };
   for (const auto& [from, to, expected] : mistakes) {
     const std::string sentence = refusal(from, to);
@@ -183,6 +187,24 @@ TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
     EXPECT_EQ(sentence.rfind("suite 's.yaml', line ", 0), 0u) << sentence;
     EXPECT_EQ(sentence.back(), '.');
   }
+}
+
+TEST(Suite, AWorldThatIsAskedForWhereNoneIsDefinedIsToldSo) {
+  const std::string text =
+      "experiments: [{name: a, robot: arm5, world: w, problems: [{name: p, start: [0], goals: [[1]]}]}]";
+  EXPECT_NE(complaint([&] {
+              parse_suite(text, "s.yaml");
+            }).find("experiments[0].world: got 'w', but the suite has no 'worlds'"),
+            std::string::npos);
+}
+
+TEST(Suite, AListOfNumbersIsAnOptionAsItsTextWouldBeAndASeedMayHave64Bits) {
+  std::string text = full;
+  text.replace(text.find("width: 20"), 9, "width: 20, step: [0.10, +2e-1]");
+  text.replace(text.find("seed: 7"), 7, "seed: 18446744073709551615");
+  const Suite suite = parse_suite(text, "s.yaml");
+  EXPECT_EQ(suite.experiments[1].planners[0].options.at("step"), "0.10, +2e-1");
+  EXPECT_EQ(suite.seed, 18446744073709551615u);
 }
 
 TEST(Suite, AFileIsReadAndAMissingOneNamed) {
