@@ -192,7 +192,8 @@ bool is_storable_name(std::string_view name) {
 }
 
 std::string format_painted(const std::vector<PaintedVolume>& volumes) {
-  std::string text = std::string(column_names) + "\n";
+  std::string text(column_names);
+  text += '\n';
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     const PaintedVolume& volume = volumes[v];
     if (!is_storable_name(volume.label + join_parts(volume.critical_parts))) {
