@@ -74,6 +74,17 @@ void require_files(const PlanOptions& options) {
   }
 }
 
+/// A padding may make the robot's surroundings too large to be looked at: then the flag is named.
+ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
+                                double padding) {
+  try {
+    return ConfigurationSpace(robot, map, policies, {.padding = padding});
+  } catch (const std::invalid_argument& error) {
+    if (padding == 0.0) throw;
+    throw std::invalid_argument("with --padding " + significant(padding) + " (metres): " + error.what());
+  }
+}
+
 std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
                       const Configuration& start) {
   ReportPage page = page_of_map(space.map(), space.robot().name + ", " + plan.planner);
@@ -105,7 +116,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   require_files(options);
   const Snapshot map = load_map(options.map);
 
-  const ConfigurationSpace space(robot, map, policies, {.padding = options.robot.padding});
+  const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding);
   Query query{space,           options.robot.robot,
               options.map,     map_sha256(options.map),
               start,           goals,

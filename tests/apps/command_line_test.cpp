@@ -291,6 +291,8 @@ TEST_F(CommandLine, a_number_out_of_range_or_not_a_number_is_refused_in_one_shor
     const std::string name(flag, std::string_view(flag).find('='));
     expect_refused(plan("-1,0", "-1,1", {flag}), exit_bad_input, {name, expected});
   }
+  expect_refused(plan("-1,0", "-1,1", {"--padding=100"}), exit_bad_input,
+                 {"with --padding 100 (metres): region of", "more than the limit"});
   expect_refused(plan("-1,0", "-1,1", {"--out", ""}), exit_bad_input, {"--out", "expected a file name"});
   expect_refused(run_command({"inspect", map_, "--at", "1e300,0,0"}), exit_bad_input, {"--at", "beyond"});
 }
