@@ -11,7 +11,8 @@ namespace clearway {
 namespace {
 
 /// With OctoMap's 0.7 a voxel that was seen free for long is not occupied before its third hit: an obstacle
-/// would be known three scans late. With this, the first hit tells.
+/// would be known three scans late. With this, the first hit tells, and with more where other sensors may
+/// pass through the same voxel and miss.
 constexpr double hit_probability = 0.9;
 
 /// What robots know before anything is seen.
@@ -53,7 +54,9 @@ SensedSpaces::SensedSpaces(const Team& team, const std::vector<SuiteMoving>& mov
       policies_(policies),
       solids_(world.solids),
       fused_(known_before(world, map, sensing),
-             {.hit_probability = telling_hit_probability(map, hit_probability), .discretize = true}),
+             {.hit_probability =
+                  telling_hit_probability(map, hit_probability, static_cast<int>(sensing.sensors.size()) - 1),
+              .discretize = true}),
       latest_(fused_.snapshot()) {
   check_sensors(sensing, latest_);
   if (!world.map.empty()) occupied_ = occupied_voxels(latest_, sensing);

@@ -21,14 +21,16 @@ std::vector<Eigen::Vector3d> surface_points(const SceneShape& solid, double spac
 Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& from, double range,
                  double resolution);
 
-/// What the same sensor sees of a map whose world nothing else tells: the middle of each occupied voxel that
-/// others do not hide as a whole, and rays all around that meet nothing within the range. The sensor stands
-/// in none of them.
+/// What the same sensor sees of a map whose world nothing else tells: the middle of each occupied voxel
+/// to which no other hides the way, and rays all around that meet nothing within the range. Each ends in the
+/// middle of a voxel, as in a scan that is discretized, so that none carves what stands there. The sensor
+/// stands in none of them; its rays begin within a five-hundredth of a voxel of it.
 /// @param occupied voxels of `resolution`, the `not_occupied` requirement
 Scan scan_voxels(const BlockedSpace& occupied, const Eigen::Vector3d& from, double range, double resolution);
 
 /// `still` (see scan_voxels, same arguments) with solids before those voxels: rays that meet a solid end
-/// there, and there are rays to points of the solids' surfaces half a voxel apart.
+/// there, and there are rays to points of the solids' surfaces half a voxel apart, but for those that would
+/// carve one of the voxels.
 Scan scan_solids_before(const Scan& still, const std::vector<SceneShape>& solids,
                         const BlockedSpace& occupied, double range, double resolution);
 

@@ -58,13 +58,14 @@ const Snapshot& ContinuedMap::snapshot() {
   return state_->latest;
 }
 
-double telling_hit_probability(const Snapshot& map, double least) {
+double telling_hit_probability(const Snapshot& map, double least, int misses, double miss_probability) {
   double lowest = map.tree().getClampingThresMinLog();
   map.visit_leaves([&](const Voxel& leaf) {
     if (leaf.observed) lowest = std::min(lowest, leaf.log_odds);
   });
   const double threshold = map.tree().getOccupancyThresLog();
-  const double needed = threshold - lowest + 0.01;  // log-odds; floats round
+  const double a_miss = std::log((1.0 - miss_probability) / miss_probability);
+  const double needed = threshold - lowest + misses * a_miss + 0.01;  // log-odds; floats round
   return std::clamp(1.0 / (1.0 + std::exp(-needed)), least, 0.999999);
 }
 

@@ -37,10 +37,12 @@ void BallCubes::add(const Eigen::AlignedBox3d& reach_box, std::size_t balls) {
   const double half = 0.5 * resolution_;
   for (int axis = 0; axis < 3; ++axis) {
     const auto middle = [&](int i) { return (i + 0.5) * resolution_; };
-    int& low = reach.low[axis] = whole_below(reach_box.min()[axis] / resolution_) - 2;
-    while (middle(low) + half < reach_box.min()[axis]) ++low;
-    int& high = reach.high[axis] = whole_below(reach_box.max()[axis] / resolution_) + 2;
-    while (middle(high) - half > reach_box.max()[axis]) --high;
+    const double least = std::clamp(reach_box.min()[axis], -farthest(), farthest());
+    const double most = std::clamp(reach_box.max()[axis], -farthest(), farthest());
+    int& low = reach.low[axis] = whole_below(least / resolution_) - 2;
+    while (middle(low) + half < least) ++low;
+    int& high = reach.high[axis] = whole_below(most / resolution_) + 2;
+    while (middle(high) - half > most) --high;
   }
   reaches_.push_back(reach);
   most_balls_ += balls;
@@ -56,7 +58,8 @@ void BallCubes::look(std::span<const NearBall> balls) {
   std::size_t count = 0;
   for (const NearBall& ball : balls) {
     first_.push_back(count);
-    const Eigen::Vector3d at = ball.center / resolution_;
+    const double most = farthest() / resolution_;  // beyond lies no voxel of a map
+    const Eigen::Vector3d at = (ball.center / resolution_).cwiseMax(-most).cwiseMin(most);
     const VoxelKey own = voxel_key({whole_below(at.x()), whole_below(at.y()), whole_below(at.z())});
     if (!ball.is_close) {
       voxels_[count++] = own;

@@ -63,6 +63,9 @@ class BallCubes {
     return (voxel.cast<double>().array() + 0.5) * resolution_;
   }
 
+  /// No voxel of a map has larger coordinates, and keys hold them.
+  double farthest() const { return (voxel_key_bias - 8) * resolution_; }
+
   const BlockedSpace& space_;
   NearestCubes nearest_;
   double reach_, resolution_;

@@ -15,7 +15,10 @@ namespace clearway {
 /// at its minimum distance; a voxel map is one object, and the voxel that is nearest changes all the time,
 /// its direction with it. So the nearest voxel of each ball has the paper's bound, and those that may soon be
 /// the nearest have it, too, at a distance longer by how far they are behind: they give way the sooner the
-/// less they matter, and take over without a jump. No bound lets one step cross the security distance.
+/// less they matter, and take over without a jump. No bound lets one step cross the security distance of what
+/// has a row; what lies beyond d_i, or is farther from a distant ball than its nearest cube, has none, so
+/// that steps which move a point by more than (d_i - d_s)/2 can come nearer than d_s. Certified edges remain
+/// the proof.
 class ControlStep {
  public:
   /// @param space must live as long. @throws std::invalid_argument unless 0 <= d_s < d_i and
@@ -29,8 +32,9 @@ class ControlStep {
   void add(std::span<const double> gradient, double bound);
 
   /// Eq. 9: the step nearest to `wanted` (weighted units) that keeps all rows; rows that contradict each
-  /// other as in QuadraticSolver::solve_relaxed. Never beyond the joint limits and max_step a joint. Valid
-  /// until the next call.
+  /// other as in QuadraticSolver::solve_relaxed. Never beyond the joint limits and max_step a joint: where
+  /// rounding leaves no such step it is zero, and solver() tells of the step that was refused. Valid until
+  /// the next call.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted);
 
   const DamperOptions& options() const { return options_; }

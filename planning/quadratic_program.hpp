@@ -21,7 +21,7 @@ struct QuadraticSolution {
   /// Feasible: Lagrange multipliers >= 0, x = target - sum multiplier_i a_i.
   /// Infeasible: a Farkas certificate: sum y_i a_i = 0, y >= 0, sum y_i b_i < 0; or all zero: none found.
   Eigen::VectorXd multipliers;
-  int conflicting = -1;  ///< infeasible: the constraint that cannot join those with y_i > 0
+  int conflicting = -1;  ///< infeasible: a constraint of the contradiction, at which it was found
   int iterations = 0;
   double demand = 1.0;     ///< smallest share of a negative bound that was kept; see solve_relaxed
   Eigen::VectorXd shares;  ///< of each row's bound what was kept; 1 for rows that did not give way

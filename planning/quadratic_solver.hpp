@@ -46,7 +46,8 @@ class QuadraticSolver {
   /// Feasible: Lagrange multipliers >= 0, x = target - sum multiplier_i a_i.
   /// Infeasible: a Farkas certificate: sum y_i a_i = 0, y >= 0, sum y_i b_i < 0; or all zero: none found.
   std::span<const double> multipliers() const { return multipliers_; }
-  /// A constraint that could not join those with y_i > 0 (in solve_relaxed: at first); -1 when feasible.
+  /// A constraint of the contradiction, at which it was found (in solve_relaxed: the first one); -1 when
+  /// feasible.
   int conflicting() const { return conflicting_; }
   int iterations() const { return iterations_; }
   /// Of each row's bound what solve_relaxed kept; 1 for rows that did not give way.

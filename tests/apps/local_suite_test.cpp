@@ -61,7 +61,7 @@ experiments:
   ASSERT_EQ(run_command({"compare", suite, "--out", folder.file("out")}).status, 0);
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(folder.file("out/results.sqlite").c_str(), &database), SQLITE_OK);
-  const std::string sql = read_file(std::string(CLEARWAY_SOURCE_DIR) + "/datasets/suites/local.sql");
+  const std::string sql = read_file(CLEARWAY_SOURCE_DIR "/datasets/suites/local.sql");
   Rows rows;
   EXPECT_EQ(sqlite3_exec(database, sql.c_str(), add_row, &rows, nullptr), SQLITE_OK)
       << sqlite3_errmsg(database);
