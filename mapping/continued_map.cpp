@@ -2,22 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/map_option.hpp"
 #include "mapping/scan_rays.hpp"
 
 namespace clearway {
-namespace {
-
-void check_probability(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;  // false for NaN
-  throw std::invalid_argument(std::string("map option ") + name + " is " + std::to_string(value) +
-                              ", expected a value in [" + std::to_string(low) + ", " + std::to_string(high) +
-                              "]");
-}
-
-}  // namespace
 
 struct ContinuedMap::State {
   State(const Snapshot& start, const MapOptions& options) : tree(start.tree()), latest(start) {
@@ -36,8 +26,8 @@ struct ContinuedMap::State {
 };
 
 ContinuedMap::ContinuedMap(const Snapshot& start, const MapOptions& options) {
-  check_probability("hit_probability", options.hit_probability, 0.5, 0.999999);
-  check_probability("miss_probability", options.miss_probability, 1e-6, 0.5);
+  check_map_option("hit_probability", options.hit_probability, 0.5, 0.999999);
+  check_map_option("miss_probability", options.miss_probability, 1e-6, 0.5);
   state_ = std::make_unique<State>(start, options);
 }
 ContinuedMap::~ContinuedMap() = default;

@@ -6,33 +6,27 @@
 #include <stdexcept>
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/map_option.hpp"
 #include "mapping/painted_csv.hpp"
 #include "mapping/scan_rays.hpp"
 
 namespace clearway {
 namespace {
 
-void check_range(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;  // false for NaN
-  throw std::invalid_argument(std::string("map option ") + name + " is " + std::to_string(value) +
-                              ", expected a value in [" + std::to_string(low) + ", " + std::to_string(high) +
-                              "]");
-}
-
 void check_options(const MapOptions& options) {
-  check_range("resolution", options.resolution, 1e-4, 100.0);
-  check_range("hit_probability", options.hit_probability, 0.5, 0.999999);
-  check_range("miss_probability", options.miss_probability, 1e-6, 0.5);
-  check_range("min_probability", options.min_probability, 1e-6, 0.49);
-  check_range("max_probability", options.max_probability, 0.51, 0.999999);
-  check_range("threads", options.threads, 1, 64);
-  check_range("margins.band", options.margins.band, 0.0, 100.0);
-  check_range("margins.sigmas", options.margins.sigmas, 0.0, 100.0);
-  check_range("margins.noise_constant", options.margins.noise_constant, 0.0, 100.0);
-  check_range("margins.noise_quadratic", options.margins.noise_quadratic, 0.0, 100.0);
-  check_range("margins.noise_limit", options.margins.noise_limit, 0.0, 100.0);
-  check_range("occupied_probability", options.occupied_probability, options.min_probability,
-              options.max_probability);
+  check_map_option("resolution", options.resolution, 1e-4, 100.0);
+  check_map_option("hit_probability", options.hit_probability, 0.5, 0.999999);
+  check_map_option("miss_probability", options.miss_probability, 1e-6, 0.5);
+  check_map_option("min_probability", options.min_probability, 1e-6, 0.49);
+  check_map_option("max_probability", options.max_probability, 0.51, 0.999999);
+  check_map_option("threads", options.threads, 1, 64);
+  check_map_option("margins.band", options.margins.band, 0.0, 100.0);
+  check_map_option("margins.sigmas", options.margins.sigmas, 0.0, 100.0);
+  check_map_option("margins.noise_constant", options.margins.noise_constant, 0.0, 100.0);
+  check_map_option("margins.noise_quadratic", options.margins.noise_quadratic, 0.0, 100.0);
+  check_map_option("margins.noise_limit", options.margins.noise_limit, 0.0, 100.0);
+  check_map_option("occupied_probability", options.occupied_probability, options.min_probability,
+                   options.max_probability);
 }
 
 }  // namespace

@@ -14,10 +14,6 @@ void ClosedNodes::block(const int* node, std::size_t first_joints, std::size_t m
   if (blocked_[first_joints].insert(node)) ++size_;
 }
 
-bool ClosedNodes::is_closed(const LatticeIndex& node) const {
-  return visited_.contains(node) || is_blocked(node);
-}
-
 bool ClosedNodes::is_blocked(const LatticeIndex& node) const {
   std::uint64_t hash = 0;
   for (std::size_t first = 0; first <= joints(); ++first) {

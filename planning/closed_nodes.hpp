@@ -21,7 +21,6 @@ class ClosedNodes {
     return (blocked.size() > 0 && blocked.find(node, hash) != NodeSet::none) ||
            (first_joints == joints() && visited_.find(node, hash) != NodeSet::none);
   }
-  bool is_closed(const LatticeIndex& node) const;
   /// Whether any first joints of it, known not to have been visited, are blocked.
   bool is_blocked(const LatticeIndex& node) const;
 

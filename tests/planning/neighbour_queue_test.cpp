@@ -141,7 +141,7 @@ TEST(NeighbourQueue, GivesANodeOnceWithAllItsHeadsAndLeavesOffWhatIsClosed) {
       while (!queue.empty()) {
         queue.pop(neighbour);
         EXPECT_TRUE(seen.insert(neighbour.node).second);
-        EXPECT_FALSE(closed.is_closed(neighbour.node));
+        EXPECT_FALSE(visited.contains(neighbour.node) || closed.is_blocked(neighbour.node));
         for (const int head : neighbour.heads)
           popped.emplace_back(neighbour.squared_distance, head, neighbour.node);
       }
