@@ -25,8 +25,8 @@ enum class ProgramKind {
   vertex,         ///< more rows than variables through one point, which keeps the limits: always feasible
   damper          ///< of an arm: short rows, demands below the security distance, a small box
 };
-constexpr std::array program_kinds{"plain",    "walls",  "near_parallel", "scales",
-                                   "squeezed", "vertex", "damper"};
+inline constexpr std::array program_kinds{"plain",    "walls",  "near_parallel", "scales",
+                                          "squeezed", "vertex", "damper"};
 
 class ProgramDice {
  public:

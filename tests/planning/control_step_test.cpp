@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/bench/random_programs.hpp"
 #include "tests/planning/random_world.hpp"
 #include "tests/planning/voxel_scene.hpp"
 
@@ -110,7 +111,7 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   const ConfigurationSpace space(robot, scene.snapshot(), {.critical_by_default = false});
   const DamperOptions options = damper(6);
   ControlStep control(space, options);
-  int near = 0;
+  int near = 0, moved = 0;
   for (int trial = 0; trial < 2000; ++trial) {
     Configuration q = random.configuration(robot);
     if (trial % 3 == 0) q[1] = robot.joints[1].upper - 0.001;
@@ -119,6 +120,7 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
     control.look(q);
     if (control.separation() < options.security_distance) continue;  // rows may have to give way
     const Eigen::VectorXd step = control.solve(wanted);
+    moved += step.norm() > 0.5 * wanted.norm();
     for (std::size_t i = 0; i < control.rows().rows().size(); ++i) {
       const ControlRow& row = control.rows().rows()[i];
       double approach = 0.0;
@@ -136,10 +138,12 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
     EXPECT_LE(step.cwiseAbs().maxCoeff(), options.max_step + 1e-12);
   }
   EXPECT_GT(near, 300);
+  EXPECT_GT(moved, 300);
 }
 
 TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveNoRow) {
   std::size_t left_out = 0, pairs = 0;
+  int compared = 0, contradictions = 0;
   for (const char* name : {"puma560", "panda", "arm5"}) {
     const Robot robot = load_robot(name);
     Random random(12);
@@ -172,7 +176,10 @@ TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveN
         solver.add_row(all.gradient(i), damper_bound(options, all.rows()[i].distance));
       solver.set_target(numbers(wanted));
       ASSERT_TRUE(solver.solve_relaxed());
-      if (solver.smallest_share() < 1.0) continue;  // of contradictions, rounding decides
+      // The smallest share is the largest possible one; which steps come of it is decided by rounding.
+      EXPECT_NEAR(control.solver().smallest_share(), solver.smallest_share(), 1e-9) << name << ' ' << trial;
+      ++(solver.smallest_share() < 1.0 ? contradictions : compared);
+      if (solver.smallest_share() < 1.0) continue;
       const Eigen::VectorXd expected = Eigen::Map<const Eigen::VectorXd>(solver.x().data(), n);
       EXPECT_LT((step - expected).norm(), 1e-9) << name << ' ' << trial;
       pairs += all.rows().size();
@@ -181,9 +188,37 @@ TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveN
   }
   EXPECT_GT(left_out, 1000U);
   EXPECT_GT(pairs - left_out, 1000U);
+  EXPECT_GT(compared, 5000);
+  EXPECT_GT(contradictions, 500);
 }
 
-TEST(ControlStep, KeepsItsLimitsWhereBodiesOverlapAndRowsContradictEachOther) {
+/// The program that a step solved, with what its demands kept.
+QuadraticProgram relaxed_program(const ControlStep& control, const Configuration& q,
+                                 const Eigen::VectorXd& wanted) {
+  const DamperOptions& options = control.options();
+  const std::vector<Joint>& joints = control.rows().robot().joints;
+  const auto count = static_cast<Eigen::Index>(control.rows().rows().size());
+  QuadraticProgram program{wanted, Eigen::MatrixXd(count, q.size()), Eigen::VectorXd(count),
+                           Eigen::VectorXd(q.size()), Eigen::VectorXd(q.size())};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const ControlRow& row = control.rows().rows()[at];
+    const double alone = damper_bound(options, row.distance);
+    const double behind =
+        std::min(damper_bound(options, row.distance + row.behind), row.distance - options.security_distance);
+    const double bound = row.behind > 0.0 ? std::max(alone, behind) : alone;
+    program.rows.row(i) = Eigen::Map<const Eigen::RowVectorXd>(control.rows().gradient(at).data(), q.size());
+    program.bounds[i] = bound * control.solver().shares()[at];
+  }
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    const Joint& joint = joints[static_cast<std::size_t>(j)];
+    program.lower[j] = std::clamp(joint.lower - q[j], -options.max_step, 0.0);
+    program.upper[j] = std::clamp(joint.upper - q[j], 0.0, options.max_step);
+  }
+  return program;
+}
+
+TEST(ControlStep, IsTheNearestOneWithinItsLimitsWhereBodiesOverlapAndRowsContradictEachOther) {
   const Robot robot = load_robot("panda");
   Random random(13);
   FreeSpaceMap map({.resolution = edge});
@@ -191,15 +226,33 @@ TEST(ControlStep, KeepsItsLimitsWhereBodiesOverlapAndRowsContradictEachOther) {
   const ConfigurationSpace space(robot, map.snapshot(), {.critical_by_default = false});
   const DamperOptions options = damper(7);
   ControlStep control(space, options);
-  int contradictions = 0;
+  int contradictions = 0, moved = 0, refused = 0;
   for (int trial = 0; trial < 1500; ++trial) {
-    control.look(random.configuration(robot));
+    const Configuration q = random.configuration(robot);
+    control.look(q);
     const Eigen::VectorXd wanted =
         Eigen::VectorXd::NullaryExpr(7, [&] { return options.max_step * random.between(-1.0, 1.0); });
-    ASSERT_LE(control.solve(wanted).cwiseAbs().maxCoeff(), options.max_step) << trial;
-    contradictions += control.solver().smallest_share() < 1.0 ? 1 : 0;
+    const Eigen::VectorXd step = control.solve(wanted);
+    ASSERT_LE(step.cwiseAbs().maxCoeff(), options.max_step) << trial;
+    if (control.solver().smallest_share() == 1.0) continue;
+    ++contradictions;
+    moved += step.norm() > 0.1 * wanted.norm();
+    QuadraticSolution found;
+    found.feasible = true;
+    found.x = Eigen::Map<const Eigen::VectorXd>(control.solver().x().data(), 7);
+    found.multipliers =
+        Eigen::Map<const Eigen::VectorXd>(control.solver().multipliers().data(),
+                                          static_cast<Eigen::Index>(control.solver().multipliers().size()));
+    if (step.isZero(0.0)) {  // rounding left no such step
+      ++refused;
+      continue;
+    }
+    EXPECT_LT((found.x - step).norm(), 1e-6 * options.max_step) << trial;
+    EXPECT_LE(bench::judge(relaxed_program(control, q, wanted), found).relative, 1e-9) << trial;
   }
   EXPECT_GT(contradictions, 500);
+  EXPECT_GT(moved, contradictions / 2);
+  EXPECT_LE(refused, contradictions / 100);
 }
 
 TEST(ControlStep, GivesTheSameBitsWhateverItSawBefore) {
