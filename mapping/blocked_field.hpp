@@ -69,6 +69,7 @@ class BlockedField final : public BlockedSpace {
   void clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const;
   void coarse_clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const;
 
+  std::array<int, 7> squared_around(const Eigen::Vector3i& voxel) const override;
   NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const override;
   RayHit cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                   double max_range) const override;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <functional>
 #include <memory>
 #include <span>
@@ -64,6 +65,13 @@ class BlockedSpace {
   /// @throws std::invalid_argument when the arrays and `out` differ in length.
   virtual void clearances(const PointArrays& points, std::span<double> out) const = 0;
   virtual void coarse_clearances(const PointArrays& points, std::span<double> out) const = 0;
+
+  /// The squared distance from the middle of a voxel to the nearest blocked cube, in half voxels: exact, a
+  /// whole number, 0 in a blocked voxel; beyond max_distance() some number that is no smaller than it. After
+  /// the voxel's own come those of the six that share a face with it, before and behind it along x, y and z.
+  /// -1 for a voxel that lies outside the region where that counts as free.
+  /// @param voxel floor(point / resolution)
+  virtual std::array<int, 7> squared_around(const Eigen::Vector3i& voxel) const = 0;
 
   /// The exact nearest blocked cube no farther than `limit` (taken as at most max_distance()).
   /// @throws std::invalid_argument for a non-finite point or a limit that is not >= 0.

@@ -3,6 +3,7 @@
 #include "mapping/field_look_up.hpp"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <vector>
 
@@ -116,6 +117,24 @@ double BlockedField::coarse_clearance(const Eigen::Vector3d& point) const {
   if (outside_blocked_) bound = std::min(bound, border);
   return std::clamp(bound - (rounding_of_voxel * cells_.resolution + rounding_of_coordinate * largest), 0.0,
                     cells_.max_distance);
+}
+
+std::array<int, 7> BlockedField::squared_around(const Eigen::Vector3i& voxel) const {
+  const auto [x, y, z] =
+      std::array{voxel.x() - cells_.first.x(), voxel.y() - cells_.first.y(), voxel.z() - cells_.first.z()};
+  const int last_x = cells_.size.x() - 1, last_y = cells_.size.y() - 1, last_z = cells_.size.z() - 1;
+  const bool is_far_inside = x > 0 && y > 0 && z > 0 && x < last_x && y < last_y && z < last_z;
+  const auto one = [&](int i, int j, int k) {
+    const bool is_inside =
+        is_far_inside || (i >= 0 && j >= 0 && k >= 0 && i <= last_x && j <= last_y && k <= last_z);
+    if (!is_inside) return outside_blocked_ ? 0 : -1;
+    const int squared = layers_.squared(i, j, k);
+    if (!outside_blocked_) return squared;
+    const int border = 2 * std::min({i, j, k, last_x - i, last_y - j, last_z - k}) + 1;
+    return std::min(squared, border * border);
+  };
+  return {one(x, y, z),     one(x - 1, y, z), one(x + 1, y, z), one(x, y - 1, z),
+          one(x, y + 1, z), one(x, y, z - 1), one(x, y, z + 1)};
 }
 
 void BlockedField::clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const {

@@ -48,6 +48,11 @@ ArmKinematics::ArmKinematics(const Robot& robot)
   columns_ = lanes::padded(columns);
   screws_.resize(6 * static_cast<std::size_t>(columns_));
   rates_.resize(static_cast<std::size_t>(columns_));
+  turns_.resize(static_cast<std::size_t>(columns_));
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    if (column_of_[i] >= 0 && movers_[i].turns)
+      turns_[static_cast<std::size_t>(column_of_[i])] = (1.0 + 1e-12) * std::abs(movers_[i].multiplier);
+  }
 }
 
 void ArmKinematics::place(const Configuration& q) {
@@ -92,6 +97,23 @@ void ArmKinematics::rate(int link, const Eigen::Vector3d& point, const Eigen::Ve
   }
   for (const Moved& moved : chains_[static_cast<std::size_t>(link)])
     gradient[static_cast<std::size_t>(moved.joint)] += rates_[static_cast<std::size_t>(moved.column)];
+}
+
+double ArmKinematics::farthest_move(int link, const Sphere& ball, std::span<const double> steps) const {
+  const Eigen::Vector3d& at = ball.center;
+  for (int column = 0; column < columns_; column += lanes::width) {
+    const auto row = [&](int k) { return lanes::load(screws_.data() + k * columns_ + column); };
+    const lanes::Numbers turn_x = row(0), turn_y = row(1), turn_z = row(2);
+    const lanes::Numbers x = row(3) + at.z() * turn_y - at.y() * turn_z;
+    const lanes::Numbers y = row(4) + at.x() * turn_z - at.z() * turn_x;
+    const lanes::Numbers z = row(5) + at.y() * turn_x - at.x() * turn_y;
+    const lanes::Numbers middle = lanes::root(x * x + y * y + z * z);
+    lanes::store(rates_.data() + column, middle + ball.radius * lanes::load(turns_.data() + column));
+  }
+  double sum = 0.0;
+  for (const Moved& moved : chains_[static_cast<std::size_t>(link)])
+    sum += rates_[static_cast<std::size_t>(moved.column)] * steps[static_cast<std::size_t>(moved.joint)];
+  return sum;
 }
 
 }  // namespace clearway

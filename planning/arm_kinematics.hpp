@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mapping/sphere.hpp"
 #include "planning/kinematics.hpp"
 
 namespace clearway {
@@ -22,6 +23,10 @@ class ArmKinematics {
   /// gradient = n^T J, the rate at which a point (map frame) that moves with `link` advances along n.
   void rate(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
             std::span<double> gradient) const;
+
+  /// How far any point of a ball (map frame) that moves with `link` advances at most at the present rates,
+  /// when joint j moves by at most steps[j]: an upper bound of sum_j |n^T J_j| steps[j] for unit n.
+  double farthest_move(int link, const Sphere& ball, std::span<const double> steps) const;
 
  private:
   struct Mover {
@@ -42,6 +47,7 @@ class ArmKinematics {
   int columns_ = 0;                         ///< links that a joint moves, padded to whole lanes
   std::vector<int> column_of_;              ///< of each link; -1: no joint moves it
   std::vector<double> screws_;              ///< rows: turn x, y, z, moment x, y, z (Pluecker, map frame)
+  std::vector<double> turns_;               ///< of each column: how fast it turns
   std::vector<std::vector<Moved>> chains_;  ///< of each link: itself and its parents that a joint moves
   mutable std::vector<double> rates_;       ///< of each column
 };

@@ -29,8 +29,8 @@ double distance_to(const Eigen::Vector3d& cube, double half, const Eigen::Vector
 
 }  // namespace
 
-BallCubes::BallCubes(const BlockedSpace& space, double reach)
-    : space_(space), nearest_(space), reach_(reach), resolution_(space.resolution()) {}
+BallCubes::BallCubes(const BlockedSpace& space)
+    : space_(space), nearest_(space), resolution_(space.resolution()) {}
 
 void BallCubes::add(const Eigen::AlignedBox3d& reach_box, std::size_t balls) {
   Reach reach{reach_box, {}, {}};
@@ -92,48 +92,53 @@ std::span<const BodyCube> BallCubes::gather(std::span<const NearBall> balls, std
 }
 
 void BallCubes::gather(const NearBall& ball, int which, std::span<const VoxelKey> cubes) {
-  const double within = ball.radius + reach_, half = 0.5 * resolution_;
+  const double within = ball.radius + ball.reach, half = 0.5 * resolution_;
   if (within + look_round * resolution_ > space_.max_distance()) return visit(ball, within);
   make_room(looks);
+  const Reach& reach = reaches_[static_cast<std::size_t>(ball.body)];
+  // Neighbours mostly see the same cube: each run of equal ones counts once. Branches that none foresees cost
+  // more than what they spare.
+  std::array<VoxelKey, looks> runs;
+  std::size_t run_count = 0;
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    runs[run_count] = cubes[i];
+    run_count += i + 1 == cubes.size() || cubes[i + 1] != cubes[i] ? 1 : 0;
+  }
   std::array<Known*, looks> seen;
   std::size_t seen_count = 0;
-  for (const VoxelKey key : cubes) {
-    if (key == no_voxel) continue;
-    Known& cube = known(key);
-    seen[seen_count] = &cube;  // each but once, without a branch that none foresees
+  for (std::size_t i = 0; i < run_count; ++i) {
+    if (runs[i] == no_voxel) continue;
+    Known& cube = known(runs[i], reach);
+    seen[seen_count] = &cube;
     seen_count += cube.ball != which ? 1 : 0;
     cube.ball = which;
   }
-  const Reach& reach = reaches_[static_cast<std::size_t>(ball.body)];
-  std::array<Eigen::Vector3d, looks> centers;
   std::array<double, looks> apart;
   double nearest = within;
   bool hides_some = false;
   std::size_t count = 0;
   for (std::size_t i = 0; i < seen_count; ++i) {
-    const Eigen::Vector3i voxel = voxel_of(seen[i]->key);
-    centers[count] = center_of(voxel);
-    apart[count] = distance_to(centers[count], half, ball.center);
-    if (apart[count] >= within) continue;
-    if (!reach.holds(voxel)) {
-      hides_some = true;
-      continue;
-    }
-    nearest = std::min(nearest, apart[count]);
-    seen[count++] = seen[i];
+    const double distance = distance_to(seen[i]->center, half, ball.center);
+    const bool is_near = distance < within, counts = is_near && seen[i]->is_in_reach;
+    hides_some |= is_near && !counts;
+    nearest = counts ? std::min(nearest, distance) : nearest;
+    apart[count] = distance;
+    seen[count] = seen[i];
+    count += counts ? 1 : 0;
   }
   if (hides_some) return visit(ball, count > 0 ? std::min(within, nearest + 2.0 * resolution_) : within);
-  for (std::size_t i = 0; i < count; ++i) add_cube(*seen[i], centers[i], ball, apart[i] - nearest);
+  for (std::size_t i = 0; i < count; ++i) add_cube(*seen[i], ball, apart[i] - nearest);
 }
 
-BallCubes::Known& BallCubes::known(VoxelKey key) {
+BallCubes::Known& BallCubes::known(VoxelKey key, const Reach& reach) {
   const std::size_t mask = known_.size() - 1;
   for (std::size_t i = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15U) >> 44U);; ++i) {
     Known& place = known_[i & mask];
     if (place.turn == turn_ && place.key == key) return place;
     if (place.turn == turn_) continue;
     ++known_count_;
-    return place = {key, turn_, -1, -1};
+    const Eigen::Vector3i voxel = voxel_of(key);
+    return place = {key, turn_, -1, -1, reach.holds(voxel), center_of(voxel)};
   }
 }
 
@@ -145,7 +150,11 @@ void BallCubes::make_room(std::size_t more) {
   before.swap(known_);
   known_count_ = 0;
   for (const Known& cube : before) {
-    if (cube.turn == turn_ && cube.key != no_voxel) known(cube.key) = cube;
+    if (cube.turn != turn_ || cube.key == no_voxel) continue;
+    std::size_t i = static_cast<std::size_t>((cube.key * 0x9e3779b97f4a7c15U) >> 44U);
+    while (known_[i & (known_.size() - 1)].turn == turn_) ++i;
+    known_[i & (known_.size() - 1)] = cube;
+    ++known_count_;
   }
 }
 
@@ -172,15 +181,15 @@ void BallCubes::visit(const NearBall& ball, double within) {
   for (const Eigen::Vector3d& cube : visited_) {
     const Eigen::Vector3d at = cube / resolution_;
     const Eigen::Vector3i voxel(whole_below(at.x()), whole_below(at.y()), whole_below(at.z()));
-    add_cube(known(voxel_key(voxel)), center_of(voxel), ball,
+    add_cube(known(voxel_key(voxel), reaches_[static_cast<std::size_t>(ball.body)]), ball,
              distance_to(cube, visit.half, ball.center) - visit.nearest);
   }
 }
 
-void BallCubes::add_cube(Known& known, const Eigen::Vector3d& cube, const NearBall& ball, double behind) {
+void BallCubes::add_cube(Known& known, const NearBall& ball, double behind) {
   if (known.place < 0) {
     known.place = static_cast<std::int32_t>(gathered_.size());
-    gathered_.push_back({cube, ball.center, behind});
+    gathered_.push_back({known.center, ball.center, behind});
     return;
   }
   BodyCube& gathered = gathered_[static_cast<std::size_t>(known.place)];

@@ -6,17 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "planning/cube_gap.hpp"
 #include "planning/near_balls.hpp"
 #include "planning/nearest_cubes.hpp"
 
 namespace clearway {
-
-/// A blocked cube that may be near a body.
-struct BodyCube {
-  Eigen::Vector3d center;   ///< map frame
-  Eigen::Vector3d towards;  ///< middle of the ball that sees it
-  double behind = 0.0;      ///< how much farther it is than the cube nearest to that ball
-};
 
 /// The cubes that the balls of a body see: the one nearest to a ball's voxel; of a ball that is close those
 /// nearest to the eight voxels about its middle and to the six that lie three away along the map's axes, too.
@@ -24,10 +18,10 @@ struct BodyCube {
 /// cubes are visited one by one.
 class BallCubes {
  public:
-  /// @param reach metres from a ball's surface. @param space must live as long.
-  BallCubes(const BlockedSpace& space, double reach);
+  /// @param space must live as long.
+  explicit BallCubes(const BlockedSpace& space);
 
-  /// A body whose numbers of balls are given; voxels beyond `reach_box` do not count for it.
+  /// A body whose number of balls is given; voxels beyond `reach_box` do not count for it.
   void add(const Eigen::AlignedBox3d& reach_box, std::size_t balls);
 
   /// Looks all balls up at once.
@@ -53,12 +47,14 @@ class BallCubes {
     std::uint32_t turn = 0;   ///< of gathering: of an older one, it is free
     std::int32_t ball = 0;    ///< that saw it last
     std::int32_t place = -1;  ///< in gathered_
+    bool is_in_reach = false;
+    Eigen::Vector3d center;  ///< map frame
   };
   void gather(const NearBall& ball, int which, std::span<const VoxelKey> cubes);
   void visit(const NearBall& ball, double within);
-  Known& known(VoxelKey key);
+  Known& known(VoxelKey key, const Reach& reach);
   void make_room(std::size_t more);
-  void add_cube(Known& known, const Eigen::Vector3d& cube, const NearBall& ball, double behind);
+  void add_cube(Known& known, const NearBall& ball, double behind);
   Eigen::Vector3d center_of(const Eigen::Vector3i& voxel) const {
     return (voxel.cast<double>().array() + 0.5) * resolution_;
   }
@@ -68,7 +64,7 @@ class BallCubes {
 
   const BlockedSpace& space_;
   NearestCubes nearest_;
-  double reach_, resolution_;
+  double resolution_;
   std::vector<Reach> reaches_;            ///< of each body
   std::vector<VoxelKey> voxels_, cubes_;  ///< that are looked up
   std::vector<std::size_t> first_;        ///< of the voxels of each ball, and the end

@@ -13,34 +13,28 @@ namespace {
 /// Rows of a ball at most, as a rule.
 constexpr std::size_t rows_of_ball = 14;
 
-/// A pair that is farther apart cannot come to the bound of its damper in one step.
-double binding_distance(const DamperOptions& damper, const BodyPair& pair) {
-  const double most = damper.max_step * pair.approach.cwiseQuotient(damper.weight).sum();
-  const double margin = damper.influence_distance - damper.security_distance;
-  return std::min(damper.influence_distance,
-                  damper.security_distance + (1.0 + 1e-9) * most * margin / damper.xi);
-}
+/// What can approach so fast and is farther apart cannot come to the bound of its damper in one step.
 
 }  // namespace
 
 ControlRows::ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance)
-    : ControlRows(space, influence_distance, close_distance,
-                  [&](const BodyPair&) { return influence_distance; }) {}
+    : ControlRows(space, std::min(close_distance, influence_distance),
+                  {influence_distance, influence_distance, 0.0, std::vector<double>(space.robot().dof())}) {}
 
 ControlRows::ControlRows(const ConfigurationSpace& space, const DamperOptions& damper)
-    : ControlRows(space, damper.influence_distance,
-                  0.5 * (damper.influence_distance + damper.security_distance),
-                  [&](const BodyPair& pair) { return binding_distance(damper, pair); }) {}
+    : ControlRows(space, 0.5 * (damper.influence_distance + damper.security_distance), binding_of(damper)) {}
 
-ControlRows::ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance,
-                         const std::function<double(const BodyPair&)>& pair_reach)
+ControlRows::ControlRows(const ConfigurationSpace& space, double close_distance, Binding binding)
     : robot_(&space.robot()),
       padding_(space.options().padding),
-      reach_(influence_distance + padding_),
-      close_(std::min(close_distance, influence_distance) + padding_),
+      close_(close_distance + padding_),
       resolution_(space.map().resolution()),
+      binding_(std::move(binding)),
       kinematics_(space.robot()),
-      pairs_(space.robot(), pair_reach) {
+      pairs_(space.robot(), [&](const BodyPair& pair) {
+        return binding_.distance(
+            std::inner_product(binding_.steps.begin(), binding_.steps.end(), pair.approach.data(), 0.0));
+      }) {
   for (int i = 0; i < static_cast<int>(robot_->bodies.size()); ++i) {
     if (space.blocked_space(i) != nullptr) add_body(i, space.blocked_space(i));
   }
@@ -48,7 +42,16 @@ ControlRows::ControlRows(const ConfigurationSpace& space, double influence_dista
   // What a look may find at most, as a rule: a loop must not wait for memory.
   const std::size_t most = rows_of_ball * balls() + pairs_.size();
   rows_.reserve(most);
+  gaps_.resize(most);
   gradients_.resize(robot_->dof() * (most + 1));
+}
+
+/// What cannot come to the bound of its damper in one step does not count.
+ControlRows::Binding ControlRows::binding_of(const DamperOptions& damper) {
+  const double margin = damper.influence_distance - damper.security_distance;
+  Binding binding{damper.influence_distance, damper.security_distance, (1.0 + 1e-9) * margin / damper.xi, {}};
+  for (const double weight : damper.weight) binding.steps.push_back(damper.max_step / weight);
+  return binding;
 }
 
 ControlRows::~ControlRows() = default;
@@ -57,14 +60,16 @@ void ControlRows::add_body(int index, const BlockedSpace* space) {
   auto group = std::find_if(guarded_.begin(), guarded_.end(),
                             [&](const GuardedBodies& known) { return known.space == space; });
   if (group == guarded_.end()) {
-    guarded_.push_back({space, NearBalls(*space, reach_, close_), BallCubes(*space, reach_), {}});
+    guarded_.push_back({space, NearBalls(*space, close_), BallCubes(*space), {}, {}, {}});
     group = guarded_.end() - 1;
   }
   const Body& body = robot_->bodies[static_cast<std::size_t>(index)];
-  const Eigen::AlignedBox3d reach = reach_box(*robot_, body);
+  const Eigen::AlignedBox3d box = reach_box(*robot_, body);
   group->balls.add(body.link, ball_around(body), body.cover);
-  group->cubes.add({reach.min().array() - padding_, reach.max().array() + padding_}, body.cover.size());
+  group->cubes.add({box.min().array() - padding_, box.max().array() + padding_}, body.cover.size());
   group->bodies.push_back(index);
+  group->bounds.push_back(ball_around(body));
+  group->reach.push_back(binding_.influence + padding_);
 }
 
 std::size_t ControlRows::balls() const {
@@ -81,26 +86,43 @@ void ControlRows::look(const Configuration& q) {
 void ControlRows::find_rows() {
   rows_.clear();
   for (GuardedBodies& group : guarded_) {
-    const std::span<const NearBall> balls = group.balls.look(kinematics_.map_from_link());
+    set_reach(group);
+    const std::span<const NearBall> balls = group.balls.look(kinematics_.map_from_link(), group.reach);
     if (balls.empty()) continue;
     group.cubes.look(balls);
     for (std::size_t first = 0, last = 0; first < balls.size(); first = last) {
       while (last < balls.size() && balls[last].body == balls[first].body) ++last;
-      cube_rows(group.bodies[static_cast<std::size_t>(balls[first].body)],
-                group.cubes.gather(balls, first, last));
+      cube_rows(group, balls[first].body, group.cubes.gather(balls, first, last));
     }
   }
   pair_rows();
 }
 
+void ControlRows::set_reach(GuardedBodies& group) const {
+  if (binding_.per_move == 0.0) return;
+  for (std::size_t i = 0; i < group.bodies.size(); ++i) {
+    const int link = robot_->bodies[static_cast<std::size_t>(group.bodies[i])].link;
+    const Sphere& bound = group.bounds[i];
+    const Eigen::Vector3d middle = pose(link).linear().lazyProduct(bound.center) + pose(link).translation();
+    const double move = kinematics_.farthest_move(link, {middle, bound.radius}, binding_.steps);
+    group.reach[i] = binding_.distance(move) + padding_;
+  }
+}
+
 /// A row for each cube that is near the body's exact shape.
-void ControlRows::cube_rows(int index, std::span<const BodyCube> cubes) {
+void ControlRows::cube_rows(const GuardedBodies& group, int which, std::span<const BodyCube> cubes) {
   if (cubes.empty()) return;
+  const int index = group.bodies[static_cast<std::size_t>(which)];
+  const double reach = group.reach[static_cast<std::size_t>(which)];
   const Body& body = robot_->bodies[static_cast<std::size_t>(index)];
   const CubeGaps gaps(body.shape, pose(body.link) * body.link_from_shape, resolution_);
-  for (const BodyCube& cube : cubes) {
-    CubeGap gap = gaps.to(cube.center, cube.towards, reach_);
-    if (gap.distance >= reach_) continue;
+  if (gaps_.size() < cubes.size()) gaps_.resize(2 * cubes.size());
+  const auto found = std::span(gaps_).first(cubes.size());
+  gaps.to(cubes, reach, found);
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    const BodyCube& cube = cubes[i];
+    CubeGap& gap = found[i];
+    if (gap.distance >= reach) continue;
     if (gap.normal.squaredNorm() < 0.5) {  // they overlap
       gap.normal = (cube.center - cube.towards).stableNormalized();
       gap.point = cube.center;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -36,8 +37,9 @@ class ControlRows {
  public:
   /// Metres: rows are wanted below `influence_distance`. @param space must live as long.
   ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance);
-  /// For a control step with these dampers: pairs of bodies that no step of at most max_step a joint can
-  /// bring to their damper have no row. `close_distance` is halfway between d_s and d_i.
+  /// For a control step with these dampers: what no step of at most max_step a joint can bring to its damper
+  /// has no row, be it a voxel or a pair of bodies; and only balls that near look for voxels.
+  /// `close_distance` is halfway between d_s and d_i.
   ControlRows(const ConfigurationSpace& space, const DamperOptions& damper);
   ~ControlRows();
 
@@ -57,16 +59,26 @@ class ControlRows {
   std::size_t balls() const;
 
  private:
-  ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance,
-              const std::function<double(const BodyPair&)>& pair_reach);
+  /// What is farther does not count.
+  struct Binding {
+    double influence, security;  ///< metres: the farthest of all, and of what no step can bring nearer
+    double per_move;             ///< for each metre that a step may bring it nearer
+    std::vector<double> steps;   ///< of each joint at most
+    double distance(double move) const { return std::min(influence, security + per_move * move); }
+  };
+  static Binding binding_of(const DamperOptions& damper);
+  ControlRows(const ConfigurationSpace& space, double close_distance, Binding binding);
   struct GuardedBodies {  ///< with the same requirement
     const BlockedSpace* space;
     NearBalls balls;
     BallCubes cubes;
-    std::vector<int> bodies;  ///< indices in Robot::bodies
+    std::vector<int> bodies;     ///< indices in Robot::bodies
+    std::vector<Sphere> bounds;  ///< that hold them; link frame
+    std::vector<double> reach;   ///< of each, metres from its surface, padding included
   };
   void add_body(int index, const BlockedSpace* space);
-  void cube_rows(int body, std::span<const BodyCube> cubes);
+  void set_reach(GuardedBodies& group) const;
+  void cube_rows(const GuardedBodies& group, int which, std::span<const BodyCube> cubes);
   void pair_rows();
   void append(const ControlRow& row, int link, const NearPair* pair);
   const Eigen::Isometry3d& pose(int link) const {
@@ -74,10 +86,12 @@ class ControlRows {
   }
 
   const Robot* robot_;
-  double padding_, reach_, close_, resolution_;  ///< reach and close: from a body's surface, padding included
+  double padding_, close_, resolution_;  ///< close: from a ball's surface, padding included
+  Binding binding_;
   ArmKinematics kinematics_;
   std::vector<GuardedBodies> guarded_;
   NearPairs pairs_;
+  std::vector<CubeGap> gaps_;  ///< of the body under way
   std::vector<ControlRow> rows_;
   std::vector<double> gradients_;  ///< of the rows, and one more under way
   std::vector<double> second_gradient_;

@@ -42,8 +42,8 @@ class ControlStep {
   ControlRows& rows() { return rows_; }
   /// Of the last solve: its multipliers (rows of look, rows of add, upper, lower limits) and shares.
   const QuadraticSolver& solver() const { return solver_; }
-  /// Smallest distance of all rows; the influence distance when there is none. Pairs of bodies that no step
-  /// can bring to their damper have none.
+  /// Smallest distance of all rows; the influence distance when there is none. What no step can bring to its
+  /// damper has none.
   double separation() const;
 
   /// The second half of `look`, for who measures it.

@@ -1,11 +1,104 @@
 #include "planning/cube_gap.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "planning/segment_distance.hpp"
+#include "planning/four_lanes.hpp"
 
 namespace clearway {
+namespace {
+
+using lanes::Numbers;
+using lanes::Places;
+
+/// Four points side by side.
+struct Points {
+  Numbers x, y, z;
+};
+
+Points operator+(const Points& a, const Points& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Points operator-(const Points& a, const Points& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Points operator*(const Numbers& a, const Points& b) { return {a * b.x, a * b.y, a * b.z}; }
+Numbers dot(const Points& a, const Points& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Points everywhere(const Eigen::Vector3d& point) {
+  return {lanes::all(point.x()), lanes::all(point.y()), lanes::all(point.z())};
+}
+Points within(const Points& a, const Points& most) {
+  return {lanes::within(a.x, -most.x, most.x), lanes::within(a.y, -most.y, most.y),
+          lanes::within(a.z, -most.z, most.z)};
+}
+Points select(const Places& truth, const Points& a, const Points& b) {
+  return {lanes::select(truth, a.x, b.x), lanes::select(truth, a.y, b.y), lanes::select(truth, a.z, b.z)};
+}
+Numbers sum_of_sizes(const Points& a) {
+  return lanes::absolute(a.x) + lanes::absolute(a.y) + lanes::absolute(a.z);
+}
+Numbers largest_size(const Points& a) {
+  return lanes::larger(lanes::larger(lanes::absolute(a.x), lanes::absolute(a.y)), lanes::absolute(a.z));
+}
+
+/// The points of the four cubes from `first`; the last one fills up.
+template <class Which>
+Points points_of(std::span<const BodyCube> cubes, std::size_t first, const Which& which) {
+  std::array<std::array<double, lanes::width>, 3> numbers;
+  for (std::size_t lane = 0; lane < lanes::width; ++lane) {
+    const Eigen::Vector3d& point = which(cubes[std::min(first + lane, cubes.size() - 1)]);
+    for (std::size_t axis = 0; axis < 3; ++axis) numbers[axis][lane] = point[static_cast<Eigen::Index>(axis)];
+  }
+  return {lanes::load(numbers[0].data()), lanes::load(numbers[1].data()), lanes::load(numbers[2].data())};
+}
+
+Points centers(std::span<const BodyCube> cubes, std::size_t first) {
+  return points_of(
+      cubes, first, [](const BodyCube& cube) -> const auto& { return cube.center; });
+}
+
+/// Four gaps side by side.
+struct Gaps {
+  Numbers distance;
+  Points point, normal;
+
+  void store(std::size_t first, std::span<CubeGap> out) const {
+    for (std::size_t i = first; i < std::min(first + lanes::width, out.size()); ++i) {
+      const int lane = static_cast<int>(i - first);
+      out[i] = {distance[lane],
+                {point.x[lane], point.y[lane], point.z[lane]},
+                {normal.x[lane], normal.y[lane], normal.z[lane]}};
+    }
+  }
+};
+
+/// From the nearest points of a cylinder to points outside.
+struct CylinderBody {
+  Points middle, axis;
+  double radius, half_length;
+
+  Points offset_to(const Points& point) const {
+    const Points from_middle = point - middle;
+    const Numbers along = dot(from_middle, axis);
+    const Points aside = from_middle - along * axis;
+    const Numbers squared = dot(aside, aside), half = lanes::all(half_length);
+    const Numbers beyond = along - lanes::within(along, -half, half);
+    const Numbers outer = lanes::all(1.0) - lanes::all(radius) / lanes::root(squared);
+    return beyond * axis +
+           lanes::select(lanes::all(radius * radius) < squared, outer, lanes::all(0.0)) * aside;
+  }
+};
+
+/// The same of a box.
+struct BoxBody {
+  Points middle, x, y, z, half;
+
+  Points offset_to(const Points& point) const {
+    const Points from_middle = point - middle;
+    const Points local{dot(from_middle, x), dot(from_middle, y), dot(from_middle, z)};
+    const Points past = local - within(local, half);
+    return past.x * x + past.y * y + past.z * z;
+  }
+};
+
+}  // namespace
 
 CubeGaps::CubeGaps(const Shape& shape, const Eigen::Isometry3d& map_from_shape, double edge)
     : shape_(shape),
@@ -18,18 +111,25 @@ CubeGaps::CubeGaps(const Shape& shape, const Eigen::Isometry3d& map_from_shape, 
     half_length_ = 0.5 * shape.length();
 }
 
-CubeGap CubeGaps::to(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double enough) const {
+void CubeGaps::to(std::span<const BodyCube> cubes, double enough, std::span<CubeGap> out) const {
   switch (shape_.kind()) {
     case Shape::Kind::sphere:
     case Shape::Kind::capsule:
-      return round_gap(cube);
+      return round_gaps(cubes, out);
     case Shape::Kind::cylinder:
-    case Shape::Kind::box:
-      return projected_gap(cube, towards, enough);
+      return projected_gaps(
+          CylinderBody{everywhere(middle_), everywhere(axis_), shape_.radius(), half_length_}, cubes, enough,
+          out);
+    case Shape::Kind::box: {
+      const auto turned = map_from_shape_.linear();
+      return projected_gaps(BoxBody{everywhere(middle_), everywhere(turned.col(0)), everywhere(turned.col(1)),
+                                    everywhere(turned.col(2)), everywhere(shape_.edges() / 2)},
+                            cubes, enough, out);
+    }
     case Shape::Kind::convex:
       break;
   }
-  return proved_gap(cube, enough);
+  for (std::size_t i = 0; i < cubes.size(); ++i) out[i] = proved_gap(cubes[i].center, enough);
 }
 
 CubeGap CubeGaps::proved_gap(const Eigen::Vector3d& cube, double enough) const {
@@ -38,56 +138,95 @@ CubeGap CubeGaps::proved_gap(const Eigen::Vector3d& cube, double enough) const {
   return {bounds.lower, bounds.point_a, bounds.direction};
 }
 
-/// By the plane square to the line between the nearest points of cube and axis.
-CubeGap CubeGaps::round_gap(const Eigen::Vector3d& cube) const {
-  const Eigen::Vector3d middle = middle_ - cube, along = half_length_ * axis_;
-  const double size = size_ + middle.cwiseAbs().sum();
-  const NearestPair pair = segment_to_box(middle - along, middle + along, Eigen::Vector3d::Constant(half_));
-  if (pair.distance <= shape_.radius() + 1e-13 * size) return {};
-  const Eigen::Vector3d normal = (pair.b - pair.a) / pair.distance;
-  const double of_axis = normal.dot(middle) + std::abs(normal.dot(along));
-  const double apart = -half_ * normal.cwiseAbs().sum() - of_axis - shape_.radius();
-  return {std::max(0.0, apart - 1e-13 * size), cube + pair.a + shape_.radius() * normal, normal};
-}
-
-/// From the body's nearest point to a point outside.
-Eigen::Vector3d CubeGaps::offset_to(const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d from_middle = point - middle_;
-  if (shape_.kind() != Shape::Kind::cylinder) {
-    const auto turned = map_from_shape_.linear();
-    return turned * shape_.offset_to(turned.transpose() * from_middle);
+/// By the plane square to the line between the nearest points of cube and axis. The squared distance of the
+/// axis' point at t, from 0 to 1, is a parabola between each two planes of the cube's faces, and convex;
+/// where it is least is found from the sign of its slope at each plane.
+void CubeGaps::round_gaps(std::span<const BodyCube> cubes, std::span<CubeGap> out) const {
+  const Numbers zero = lanes::all(0.0), one = lanes::all(1.0), radius = lanes::all(shape_.radius());
+  const Eigen::Vector3d along = half_length_ * axis_, whole = 2.0 * along;
+  const Points half = everywhere(Eigen::Vector3d::Constant(half_));
+  for (std::size_t first = 0; first < cubes.size(); first += lanes::width) {
+    const Points cube = centers(cubes, first), middle = everywhere(middle_) - cube,
+                 begin = middle - everywhere(along);
+    const auto beyond = [&](const Points& point) { return point - within(point, half); };
+    const auto slope = [&](const Numbers& t) {
+      return dot(everywhere(whole), beyond(begin + t * everywhere(whole)));
+    };
+    Numbers low = zero, high = one, slope_low = slope(zero), slope_high = slope(one);
+    const Places is_at_low = zero <= slope_low, is_at_high = slope_high <= zero;
+    const std::array<const Numbers*, 3> begins{&begin.x, &begin.y, &begin.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double speed = whole[static_cast<Eigen::Index>(axis)];
+      if (speed == 0.0) continue;
+      for (const double plane : {-half_, half_}) {
+        const Numbers crossing = (lanes::all(plane) - *begins[axis]) / lanes::all(speed);
+        const Places is_between = (low < crossing) & (crossing < high);
+        const Numbers value = slope(crossing);
+        const Places is_low = is_between & (value < zero), is_high = is_between & (zero <= value);
+        low = lanes::select(is_low, crossing, low);
+        slope_low = lanes::select(is_low, value, slope_low);
+        high = lanes::select(is_high, crossing, high);
+        slope_high = lanes::select(is_high, value, slope_high);
+      }
+    }
+    Numbers t = low + (high - low) * (slope_low / (slope_low - slope_high));
+    t = lanes::select(is_at_low, zero, lanes::select(is_at_high, one, t));
+    const Points on_axis = begin + t * everywhere(whole), offset = within(on_axis, half) - on_axis;
+    const Numbers apart = lanes::root(dot(offset, offset));
+    const Numbers rounding = 1e-13 * (lanes::all(size_) + sum_of_sizes(middle));
+    const Places is_apart = radius + rounding < apart;
+    const Points normal = select(is_apart, (one / apart) * offset, Points{});
+    const Numbers of_axis = dot(normal, middle) + lanes::absolute(dot(normal, everywhere(along)));
+    const Numbers distance = -(half_ * sum_of_sizes(normal)) - of_axis - radius - rounding;
+    Gaps{lanes::select(is_apart, lanes::larger(distance, zero), zero),
+         select(is_apart, cube + on_axis + radius * normal, Points{}), normal}
+        .store(first, out);
   }
-  const double along = from_middle.dot(axis_);
-  const Eigen::Vector3d aside = from_middle - along * axis_;
-  const double squared = aside.squaredNorm(), radius = shape_.radius();
-  const double beyond = along - std::clamp(along, -half_length_, half_length_);
-  if (squared <= radius * radius) return beyond * axis_;
-  return beyond * axis_ + (1.0 - radius / std::sqrt(squared)) * aside;
 }
 
-CubeGap CubeGaps::projected_gap(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards,
-                                double enough) const {
+template <class Body>
+void CubeGaps::projected_gaps(const Body& body, std::span<const BodyCube> cubes, double enough,
+                              std::span<CubeGap> out) const {
   constexpr int closely = 4, most = 12;  // looks
-  const double rounding = 1e-13 * (1.0 + cube.cwiseAbs().maxCoeff()), edge = 2.0 * half_;
-  const auto nearest_of_cube = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
-    return cube + (point - cube).cwiseMax(-half_).cwiseMin(half_);
-  };
-  CubeGap gap;
-  Eigen::Vector3d on_cube = nearest_of_cube(towards);
-  for (int look = 0; look < most; ++look) {
-    const Eigen::Vector3d offset = offset_to(on_cube);
-    const double distance = offset.norm();
-    if (distance <= rounding) return look == 0 || gap.distance <= rounding ? CubeGap{} : gap;
-    const Eigen::Vector3d on_body = on_cube - offset;
-    // The plane through the body's point, square to the way to the cube's, has the body on one side.
-    const double apart = (offset.dot(cube - on_body) - half_ * offset.cwiseAbs().sum()) / distance - rounding;
-    gap = {std::max(gap.distance, apart), on_body, offset / distance};
-    const double within = (look < closely ? 1e-6 : 1e-2) * edge + 2.0 * rounding;
-    if (distance - gap.distance <= within || gap.distance > enough) return gap;
-    on_cube = nearest_of_cube(on_body);
+  const double edge = 2.0 * half_;
+  const Points half = everywhere(Eigen::Vector3d::Constant(half_));
+  for (std::size_t first = 0; first < cubes.size(); first += lanes::width) {
+    const Points cube = centers(cubes, first);
+    const Points towards = points_of(
+        cubes, first, [](const BodyCube& seen) -> const auto& { return seen.towards; });
+    const Numbers rounding = 1e-13 * (lanes::all(1.0) + largest_size(cube));
+    Points on_cube = cube + within(towards - cube, half);
+    Gaps gaps;
+    Places is_open{~lanes::PlacePair{}, ~lanes::PlacePair{}};
+    for (int look = 0; look < most && lanes::any(is_open); ++look) {
+      const Points offset = body.offset_to(on_cube);
+      const Numbers distance = lanes::root(dot(offset, offset));
+      const Places touches = is_open & (distance <= rounding);
+      const Places overlaps = touches & (gaps.distance <= rounding);
+      gaps.point = select(overlaps, Points{}, gaps.point);
+      gaps.normal = select(overlaps, Points{}, gaps.normal);
+      is_open = is_open & ~touches;
+      const Points on_body = on_cube - offset;
+      // The plane through the body's point, square to the way to the cube's, has the body on one side.
+      const Numbers apart =
+          (dot(offset, cube - on_body) - half_ * sum_of_sizes(offset)) / distance - rounding;
+      const Numbers best = lanes::larger(apart, gaps.distance);
+      gaps.distance = lanes::select(is_open, best, gaps.distance);
+      gaps.point = select(is_open, on_body, gaps.point);
+      gaps.normal = select(is_open, (lanes::all(1.0) / distance) * offset, gaps.normal);
+      const Numbers gain = lanes::all((look < closely ? 1e-6 : 1e-2) * edge) + 2.0 * rounding;
+      is_open = is_open & (gain < distance - best) & (best <= lanes::all(enough));
+      on_cube = cube + within(on_body - cube, half);
+    }
+    gaps.store(first, out);
+    for (std::size_t i = first; i < std::min(first + lanes::width, cubes.size()); ++i) {
+      const int lane = static_cast<int>(i - first);
+      if (is_open[lane] != 0) {
+        const CubeGap proved = proved_gap(cubes[i].center, enough);
+        if (proved.distance > out[i].distance) out[i] = proved;
+      }
+    }
   }
-  const CubeGap proved = proved_gap(cube, enough);
-  return proved.distance > gap.distance ? proved : gap;
 }
 
 }  // namespace clearway

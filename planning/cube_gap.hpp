@@ -2,35 +2,46 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <span>
 
 #include "planning/shape.hpp"
 
 namespace clearway {
 
+/// A blocked cube that may be near a body.
+struct BodyCube {
+  Eigen::Vector3d center;   ///< map frame
+  Eigen::Vector3d towards;  ///< middle of the ball that sees it
+  double behind = 0.0;      ///< how much farther it is than the cube nearest to that ball
+};
+
 /// The gap between a body and a voxel cube.
 struct CubeGap {
   double distance = 0.0;  ///< between two planes with body and cube on either side: never too large
   Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< of the body, nearest to the cube
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, from the body to the cube; zero: they overlap
+  /// Unit, from the body to the cube; zero where they overlap so much that none is known.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
-/// The gaps between one placed body and the cubes of voxels about it: of spheres and capsules in closed form,
-/// of hulls by distance_to_cube. Of cylinders and boxes by projecting to and fro between the two from the
-/// cube's point nearest to `towards` (near the body) until little is gained, or they are proved to be farther
-/// apart than `enough`: in the worst case, faces that are nearly parallel, the distance is up to 1 % of the
-/// cube's edge too short.
+/// The gaps between one placed body and the cubes of voxels about it, four side by side: of spheres and
+/// capsules in closed form, of hulls by distance_to_cube (one by one). Of cylinders and boxes by projecting
+/// to and fro between the two from the cube's point nearest to `towards` (near the body) until little is
+/// gained, or they are proved to be farther apart than `enough`: in the worst case, faces that are nearly
+/// parallel, the distance is up to 1 % of the cube's edge too short.
 class CubeGaps {
  public:
   /// @param shape must live as long. @param edge of the cubes.
   CubeGaps(const Shape& shape, const Eigen::Isometry3d& map_from_shape, double edge);
 
-  CubeGap to(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double enough) const;
+  /// out[i] is the gap to cubes[i], whichever others there are. @pre as many of each
+  void to(std::span<const BodyCube> cubes, double enough, std::span<CubeGap> out) const;
 
  private:
-  CubeGap round_gap(const Eigen::Vector3d& cube) const;
-  CubeGap projected_gap(const Eigen::Vector3d& cube, const Eigen::Vector3d& towards, double enough) const;
+  void round_gaps(std::span<const BodyCube> cubes, std::span<CubeGap> out) const;
+  template <class Body>
+  void projected_gaps(const Body& body, std::span<const BodyCube> cubes, double enough,
+                      std::span<CubeGap> out) const;
   CubeGap proved_gap(const Eigen::Vector3d& cube, double enough) const;
-  Eigen::Vector3d offset_to(const Eigen::Vector3d& point) const;
 
   const Shape& shape_;
   Eigen::Isometry3d map_from_shape_;

@@ -3,8 +3,13 @@
 // Private to the control step: four numbers side by side, the same operations in the same order, and so the
 // same bits, on every machine.
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace clearway::lanes {
 
@@ -25,10 +30,40 @@ inline Numbers operator+(const Numbers& a, const Numbers& b) { return {a.low + b
 inline Numbers operator-(const Numbers& a, const Numbers& b) { return {a.low - b.low, a.high - b.high}; }
 inline Numbers operator*(const Numbers& a, const Numbers& b) { return {a.low * b.low, a.high * b.high}; }
 inline Numbers operator*(double a, const Numbers& b) { return {a * b.low, a * b.high}; }
+inline Numbers operator/(const Numbers& a, const Numbers& b) { return {a.low / b.low, a.high / b.high}; }
+inline Numbers operator-(const Numbers& a) { return {-a.low, -a.high}; }
 inline Numbers all(double value) { return {Pair{value, value}, Pair{value, value}}; }
 inline Numbers absolute(const Numbers& a) {
   return {a.low < 0.0 ? -a.low : a.low, a.high < 0.0 ? -a.high : a.high};
 }
+
+/// Truths of the lanes: all bits or none.
+inline Places operator&(const Places& a, const Places& b) { return {a.low & b.low, a.high & b.high}; }
+inline Places operator|(const Places& a, const Places& b) { return {a.low | b.low, a.high | b.high}; }
+inline Places operator~(const Places& a) { return {~a.low, ~a.high}; }
+inline Places operator<(const Numbers& a, const Numbers& b) { return {a.low < b.low, a.high < b.high}; }
+inline Places operator<=(const Numbers& a, const Numbers& b) { return {a.low <= b.low, a.high <= b.high}; }
+inline Numbers select(const Places& truth, const Numbers& a, const Numbers& b) {
+  return {truth.low ? a.low : b.low, truth.high ? a.high : b.high};
+}
+inline bool any(const Places& truth) {
+  const PlacePair both = truth.low | truth.high;
+  return (both[0] | both[1]) != 0;
+}
+inline Numbers smaller(const Numbers& a, const Numbers& b) { return select(a < b, a, b); }
+inline Numbers larger(const Numbers& a, const Numbers& b) { return select(b < a, a, b); }
+/// @pre least <= most
+inline Numbers within(const Numbers& a, const Numbers& least, const Numbers& most) {
+  return smaller(larger(a, least), most);
+}
+inline Pair root(const Pair& a) {
+#ifdef __SSE2__
+  return _mm_sqrt_pd(a);
+#else
+  return {std::sqrt(a[0]), std::sqrt(a[1])};
+#endif
+}
+inline Numbers root(const Numbers& a) { return {root(a.low), root(a.high)}; }
 
 /// n rounded up to whole lanes: vectors are padded with zeros to this length.
 constexpr int padded(int n) { return (n + width - 1) / width * width; }

@@ -10,8 +10,7 @@ constexpr std::size_t registers = 8;
 
 }  // namespace
 
-NearBalls::NearBalls(const BlockedSpace& space, double reach, double close)
-    : space_(space), reach_(reach), close_(close) {}
+NearBalls::NearBalls(const BlockedSpace& space, double close) : space_(space), close_(close) {}
 
 void NearBalls::add(int link, const Sphere& bound, std::span<const Sphere> cover) {
   const auto first = static_cast<int>(balls_.size()), count = static_cast<int>(cover.size());
@@ -47,7 +46,7 @@ void NearBalls::look_up(std::size_t count, bool closely) {
   }
 }
 
-std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link) {
+std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link, std::span<const double> reach) {
   near_.clear();
   if (covers_.empty()) return near_;
   const auto pose = [&](const Cover& cover) -> const Eigen::Isometry3d& {
@@ -59,7 +58,7 @@ std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link) {
   for (std::size_t i = 0; i < covers_.size(); ++i) {
     const Cover& cover = covers_[i];
     // Beyond its max_distance the field says nothing.
-    const double within = cover.bound.radius + reach_;
+    const double within = cover.bound.radius + reach[i];
     if (within <= space_.max_distance() && clearance_[i] >= within) continue;
     for (int ball = cover.first; ball < cover.last; ++ball) {
       put(count, pose(cover), balls_[static_cast<std::size_t>(ball)].sphere.center);
@@ -69,27 +68,31 @@ std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link) {
   for (const bool closely : {false, true}) {
     if (count == 0) return near_;
     look_up(count, closely);
-    count = keep_near(count);
+    count = keep_near(count, reach);
   }
   for (std::size_t i = 0; i < count; ++i) {
     const Ball& ball = balls_[static_cast<std::size_t>(ball_of_[i])];
-    near_.push_back(
-        {ball.body, clearance_[i] - ball.sphere.radius < close_, ball.sphere.radius, {x_[i], y_[i], z_[i]}});
+    near_.push_back({ball.body,
+                     clearance_[i] - ball.sphere.radius < close_,
+                     ball.sphere.radius,
+                     reach[static_cast<std::size_t>(ball.body)],
+                     {x_[i], y_[i], z_[i]}});
   }
   return near_;
 }
 
 /// Leaves off the points whose balls are out of reach.
-std::size_t NearBalls::keep_near(std::size_t count) {
+std::size_t NearBalls::keep_near(std::size_t count, std::span<const double> reach) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const double apart = clearance_[i] - balls_[static_cast<std::size_t>(ball_of_[i])].sphere.radius;
+    const Ball& ball = balls_[static_cast<std::size_t>(ball_of_[i])];
+    const double within = ball.sphere.radius + reach[static_cast<std::size_t>(ball.body)];
     ball_of_[kept] = ball_of_[i];
     x_[kept] = x_[i];
     y_[kept] = y_[i];
     z_[kept] = z_[i];
     clearance_[kept] = clearance_[i];
-    kept += apart < reach_ ? 1 : 0;
+    kept += clearance_[i] < within ? 1 : 0;
   }
   return kept;
 }

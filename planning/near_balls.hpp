@@ -15,6 +15,7 @@ struct NearBall {
   int body = 0;           ///< as they were added
   bool is_close = false;  ///< nearer than `close`
   double radius = 0.0;
+  double reach = 0.0;      ///< of its body: metres from its surface
   Eigen::Vector3d center;  ///< map frame
 };
 
@@ -23,14 +24,15 @@ struct NearBall {
 /// after the last `add`.
 class NearBalls {
  public:
-  /// Metres from a body's surface. @param space must live as long.
-  NearBalls(const BlockedSpace& space, double reach, double close);
+  /// @param close metres from a ball's surface. @param space must live as long.
+  NearBalls(const BlockedSpace& space, double close);
 
   /// @param bound holds the body, its cover holds the body; link frame.
   void add(int link, const Sphere& bound, std::span<const Sphere> cover);
 
-  /// In the order in which bodies and balls were added; valid until the next call.
-  std::span<const NearBall> look(const LinkPoses& map_from_link);
+  /// @param reach metres from the surface of each body, as they were added
+  /// @return in the order in which bodies and balls were added; valid until the next call
+  std::span<const NearBall> look(const LinkPoses& map_from_link, std::span<const double> reach);
 
   std::size_t size() const { return balls_.size(); }  ///< of all balls
 
@@ -46,10 +48,10 @@ class NearBalls {
   };
   void put(std::size_t at, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point);
   void look_up(std::size_t count, bool closely);
-  std::size_t keep_near(std::size_t count);
+  std::size_t keep_near(std::size_t count, std::span<const double> reach);
 
   const BlockedSpace& space_;
-  double reach_, close_;
+  double close_;
   std::vector<Cover> covers_;
   std::vector<Ball> balls_;
   std::vector<int> ball_of_;                   ///< of the points that are looked up

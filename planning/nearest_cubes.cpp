@@ -33,7 +33,10 @@ int offset_of(int fall) {
 }  // namespace
 
 NearestCubes::NearestCubes(const BlockedSpace& space)
-    : space_(space), resolution_(space.resolution()), places_(remembered) {}
+    : space_(space), resolution_(space.resolution()), places_(remembered) {
+  const double half_voxels = 2.0 * (1.0 - 1e-9) * space.max_distance() / resolution_;
+  beyond_ = static_cast<int>(std::ceil(half_voxels * half_voxels));
+}
 
 void NearestCubes::look_up(std::span<const VoxelKey> voxels, std::span<VoxelKey> out) {
   missing_.clear();
@@ -42,52 +45,27 @@ void NearestCubes::look_up(std::span<const VoxelKey> voxels, std::span<VoxelKey>
     out[i] = place.cube;
     if (place.voxel != voxels[i]) missing_.push_back(i);
   }
-  if (!missing_.empty()) find_missing(voxels, out);
-}
-
-void NearestCubes::find_missing(std::span<const VoxelKey> voxels, std::span<VoxelKey> out) {
-  looked_up_ += missing_.size();
-  const std::size_t points = around * (missing_.size() + 1);  // one more for neighbours
-  if (x_.size() < points) {
-    for (std::vector<double>* vector : {&x_, &y_, &z_, &clearance_}) vector->resize(2 * points);
-  }
+  // First the field is read for all, so that the processor waits for many places in memory at once.
+  squares_.resize(missing_.size());
   for (std::size_t k = 0; k < missing_.size(); ++k)
-    place_points(around * (k + 1), voxel_of(voxels[missing_[k]]));
-  const auto part = [&](std::vector<double>& all) {
-    return std::span(all).subspan(around, around * missing_.size());
-  };
-  space_.coarse_clearances({part(x_), part(y_), part(z_)}, part(clearance_));
+    squares_[k] = space_.squared_around(voxel_of(voxels[missing_[k]]));
   for (std::size_t k = 0; k < missing_.size(); ++k) {
-    const std::size_t i = missing_[k];
-    const Offset offset = told_by_field(voxel_of(voxels[i]), &clearance_[around * (k + 1)], 0);
-    out[i] = offset[0] == nothing ? no_voxel : voxels[i] + voxel_step(offset[0], offset[1], offset[2]);
-    places_[place_of(voxels[i])] = {voxels[i], out[i]};
+    const VoxelKey voxel = voxels[missing_[k]];
+    const Offset offset = told_by_field(voxel_of(voxel), squares_[k], 0);
+    out[missing_[k]] = offset[0] == nothing ? no_voxel : voxel + voxel_step(offset[0], offset[1], offset[2]);
+    places_[place_of(voxel)] = {voxel, out[missing_[k]]};
   }
+  looked_up_ += missing_.size();
 }
 
-/// The voxel's middle, then those before and behind it along x, y, z.
-void NearestCubes::place_points(std::size_t first, const Eigen::Vector3i& voxel) {
-  const Eigen::Vector3d middle = (voxel.cast<double>().array() + 0.5) * resolution_;
-  std::fill_n(x_.begin() + static_cast<std::ptrdiff_t>(first), around, middle.x());
-  std::fill_n(y_.begin() + static_cast<std::ptrdiff_t>(first), around, middle.y());
-  std::fill_n(z_.begin() + static_cast<std::ptrdiff_t>(first), around, middle.z());
-  x_[first + 1] -= resolution_, x_[first + 2] += resolution_;
-  y_[first + 3] -= resolution_, y_[first + 4] += resolution_;
-  z_[first + 5] -= resolution_, z_[first + 6] += resolution_;
-}
-
-NearestCubes::Offset NearestCubes::told_by_field(const Eigen::Vector3i& voxel, const double* clearance,
+NearestCubes::Offset NearestCubes::told_by_field(const Eigen::Vector3i& voxel, const Squares& squared,
                                                  int depth) {
-  if (clearance[0] <= 0.0) return {0, 0, 0, 0};
-  if (clearance[0] >= space_.max_distance()) return {nothing, 0, 0, 0};
-  Squares squared;  // half voxels
-  for (std::size_t i = 0; i < squared.size(); ++i) {
-    const double half_voxels = 2.0 * clearance[i] / resolution_;
-    squared[i] = static_cast<int>(half_voxels * half_voxels + 0.5);
-  }
+  if (squared[0] == 0) return {0, 0, 0, 0};
+  if (squared[0] >= beyond_) return {nothing, 0, 0, 0};
   Offset offset{nothing, 0, 0, 0};
-  if (by_differences(voxel, squared, offset) || by_neighbours(voxel, squared, depth, offset) || depth > 0)
-    return offset;
+  const bool is_told = squared[0] > 0 && (by_differences(voxel, squared, offset) ||
+                                          by_neighbours(voxel, squared, depth, offset));
+  if (is_told || depth > 0) return offset;
   ++searched_;
   const NearestBlocked nearest =
       space_.nearest((voxel.cast<double>().array() + 0.5) * resolution_, space_.max_distance());
@@ -103,8 +81,8 @@ bool NearestCubes::by_differences(const Eigen::Vector3i& voxel, const Squares& s
   int candidates[3][2];
   int count[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int behind = offset_of(squared[0] - squared[2 * axis + 2]);
-    const int before = offset_of(squared[0] - squared[2 * axis + 1]);
+    const auto told_by = [&](int next) { return next < 0 ? no_offset : offset_of(squared[0] - next); };
+    const int behind = told_by(squared[2 * axis + 2]), before = told_by(squared[2 * axis + 1]);
     int& number = count[axis] = 0;
     if (behind != no_offset) candidates[axis][number++] = behind;
     if (before != no_offset && -before != behind) candidates[axis][number++] = -before;
@@ -133,14 +111,11 @@ bool NearestCubes::by_neighbours(const Eigen::Vector3i& voxel, const Squares& sq
     return std::pair(squared[a], a) < std::pair(squared[b], b);
   });
   for (const std::size_t i : order) {
+    if (squared[i] < 0) continue;
     if (squared[i] >= squared[0]) break;
     Eigen::Vector3i next = voxel;
     next[static_cast<Eigen::Index>(i - 1) / 2] += i % 2 == 1 ? -1 : 1;
-    place_points(0, next);
-    std::array<double, around> clearance;
-    const auto part = [](const std::vector<double>& all) { return std::span(all).first(around); };
-    space_.coarse_clearances({part(x_), part(y_), part(z_)}, clearance);
-    const Offset found = told_by_field(next, clearance.data(), depth + 1);
+    const Offset found = told_by_field(next, space_.squared_around(next), depth + 1);
     if (found[0] == nothing) continue;
     const Eigen::Vector3i away = next - voxel + Eigen::Vector3i(found[0], found[1], found[2]);
     if (squared_gap(away) != squared[0]) continue;

@@ -12,7 +12,7 @@
 namespace clearway {
 
 /// The blocked cubes nearest to the middles of voxels, for loops that ask again close by: what was found is
-/// remembered by voxel (16384 of them), and new ones are told by the distance field alone, all at once. On
+/// remembered by voxel (16384 of them), and new ones are told by the distance field alone. On
 /// either side of a voxel whose nearest cube lies k voxels away along an axis, the squared distance is one
 /// that tells k; the candidates so found are proved by being blocked and exactly as far as the field says.
 /// Where none passes (between obstacles), those that the neighbours see are tried; at last
@@ -29,7 +29,6 @@ class NearestCubes {
   std::size_t searched() const { return searched_; }    ///< of these, by BlockedSpace::nearest
 
  private:
-  static constexpr std::size_t around = 8;  ///< points for a voxel: itself and six; the last fills registers
   struct Place {
     VoxelKey voxel = no_voxel, cube = no_voxel;
   };
@@ -37,17 +36,16 @@ class NearestCubes {
   using Offset = std::array<std::int8_t, 4>;
   static constexpr std::int8_t nothing = 127;
   using Squares = std::array<int, 7>;
-  void find_missing(std::span<const VoxelKey> voxels, std::span<VoxelKey> out);
-  void place_points(std::size_t first, const Eigen::Vector3i& voxel);
-  Offset told_by_field(const Eigen::Vector3i& voxel, const double* clearance, int depth);
+  Offset told_by_field(const Eigen::Vector3i& voxel, const Squares& squared, int depth);
   bool by_differences(const Eigen::Vector3i& voxel, const Squares& squared, Offset& offset) const;
   bool by_neighbours(const Eigen::Vector3i& voxel, const Squares& squared, int depth, Offset& offset);
 
   const BlockedSpace& space_;
   double resolution_;
+  int beyond_;  ///< squared distances that are no smaller are beyond the field's max_distance
   std::vector<Place> places_;
   std::vector<std::size_t> missing_;  ///< of the voxels under way
-  std::vector<double> x_, y_, z_, clearance_;
+  std::vector<Squares> squares_;      ///< about these
   std::size_t looked_up_ = 0, searched_ = 0;
 };
 

@@ -72,6 +72,53 @@ void expect_bits_of_one_by_one(const BlockedField& field, const Points& points) 
   }
 }
 
+/// Half voxels, squared, from the middle of a voxel to the nearest of some cubes; `most` where it is farther.
+int squared_to_nearest(const std::vector<Eigen::Vector3i>& cubes, const Eigen::Vector3i& voxel, int most) {
+  for (const Eigen::Vector3i& cube : cubes) {
+    int sum = 0;
+    for (const int away : (cube - voxel).cwiseAbs()) sum += away == 0 ? 0 : (2 * away - 1) * (2 * away - 1);
+    most = std::min(most, sum);
+  }
+  return most;
+}
+
+TEST(FieldLookUp, SquaredDistancesOfAVoxelAndItsNeighboursAreThoseToAllBlockedCubes) {
+  constexpr double edge = 0.05;
+  const Snapshot map = testing::random_map(5, edge, 2, 20).snapshot();
+  Dice dice(8);
+  for (const Requirement& requirement : requirements) {
+    const BlockedField field(map.tree(), requirement, field_region(box_around(0.8), edge, 0.3));
+    const bool is_closed = !allows(requirement, VoxelState::unknown, 0);
+    const int last = field.cells().first.x() + field.cells().size.x() - 1, first = field.cells().first.x();
+    std::vector<Eigen::Vector3i> cubes;  // with a shell about the region where what is beyond it is blocked
+    for (int x = first - 1; x <= last + 1; ++x) {
+      for (int y = first - 1; y <= last + 1; ++y) {
+        for (int z = first - 1; z <= last + 1; ++z) {
+          const Eigen::Vector3i cell(x, y, z);
+          if (field.is_blocked((cell.cast<double>().array() + 0.5) * edge)) cubes.push_back(cell);
+        }
+      }
+    }
+    const int beyond = static_cast<int>(std::ceil(4.0 * 0.3 * 0.3 / (edge * edge) * (1.0 - 1e-9)));
+    int compared = 0;
+    for (int trial = 0; trial < 500; ++trial) {
+      const Eigen::Vector3i voxel = (dice.point(0.85) / edge).array().floor().matrix().cast<int>();
+      const std::array<int, 7> found = field.squared_around(voxel);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        Eigen::Vector3i cell = voxel;
+        if (i > 0) cell[static_cast<Eigen::Index>(i - 1) / 2] += i % 2 == 1 ? -1 : 1;
+        if ((cell.array() < first).any() || (cell.array() > last).any()) {
+          EXPECT_EQ(found[i], is_closed ? 0 : -1);
+          continue;
+        }
+        ++compared;
+        EXPECT_EQ(std::min(found[i], beyond), squared_to_nearest(cubes, cell, beyond)) << cell.transpose();
+      }
+    }
+    EXPECT_GT(compared, 2500);
+  }
+}
+
 TEST(FieldLookUp, ManyPointsGetTheBitsThatEachGetsAlone) {
   const Snapshot map = testing::random_map(5, 0.05, 2, 20).snapshot();
   Dice dice(6);

@@ -45,5 +45,32 @@ TEST(ArmKinematics, PlacesLinksAndMovesPointsAsTheGeneralFunctionsDo) {
   }
 }
 
+TEST(ArmKinematics, NoPointOfABallMovesFartherThanItsBoundAndSomeMoveNearlySoFar) {
+  for (const char* name : {"puma560", "arm5", "panda", "planar2", "point"}) {
+    Robot robot = load_robot(name);
+    robot.links.back().multiplier = -0.7;
+    ArmKinematics kinematics(robot);
+    Random random(2);
+    std::vector<double> gradient(robot.dof()), steps(robot.dof());
+    double closest = 0.0;
+    for (int trial = 0; trial < 400; ++trial) {
+      kinematics.place(random.configuration(robot));
+      for (double& step : steps) step = random.between(0.0, 0.1);
+      const Sphere ball{random.point(1.0), 0.05};
+      const int link = trial % static_cast<int>(robot.links.size());
+      const double most = kinematics.farthest_move(link, ball, steps);
+      for (int i = 0; i < 50; ++i) {
+        const Eigen::Vector3d at = ball.center + ball.radius * random.point(1.0).normalized();
+        kinematics.rate(link, at, random.point(1.0).normalized(), gradient);
+        double move = 0.0;
+        for (std::size_t j = 0; j < steps.size(); ++j) move += std::abs(gradient[j]) * steps[j];
+        EXPECT_LE(move, most * (1.0 + 1e-12)) << name;
+        if (most > 0.0) closest = std::max(closest, move / most);
+      }
+    }
+    EXPECT_GT(closest, 0.8) << name;
+  }
+}
+
 }  // namespace
 }  // namespace clearway

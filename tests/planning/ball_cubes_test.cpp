@@ -29,7 +29,7 @@ struct TwoBodies {
   TwoBodies(Random& random, const BlockedSpace& space) {
     for (int i = 0; i < 4; ++i) {
       const Eigen::Vector3d center = random.point(0.6);
-      balls.push_back({i / 2, space.clearance(center) - radius < 0.08, radius, center});
+      balls.push_back({i / 2, space.clearance(center) - radius < 0.08, radius, reach, center});
     }
   }
 };
@@ -40,7 +40,7 @@ const Eigen::AlignedBox3d upper_half(Eigen::Vector3d(-2.0, -2.0, 0.001), Eigen::
 TEST(BallCubes, AreBlockedOnceEachWithinReachAndTheNearestIsAmongThem) {
   Random random(6);
   const auto space = rubble(random, 0.4);
-  BallCubes cubes(*space, reach);
+  BallCubes cubes(*space);
   cubes.add(anywhere, 2);
   cubes.add(upper_half, 2);
   int near = 0, farther = 0;
@@ -84,11 +84,11 @@ TEST(BallCubes, AreBlockedOnceEachWithinReachAndTheNearestIsAmongThem) {
 TEST(BallCubes, AreAllThatTheBallReachesWhereTheFieldEndsTooSoon) {
   Random random(7);
   const auto space = rubble(random, 0.1);
-  BallCubes cubes(*space, reach);
+  BallCubes cubes(*space);
   cubes.add(anywhere, 1);
   std::size_t total = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const NearBall ball{0, false, radius, random.point(0.5)};
+    const NearBall ball{0, false, radius, reach, random.point(0.5)};
     cubes.look({&ball, 1});
     const std::span<const BodyCube> found = cubes.gather({&ball, 1}, 0, 1);
     std::size_t expected = 0;

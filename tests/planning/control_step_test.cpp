@@ -111,7 +111,11 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   const ConfigurationSpace space(robot, scene.snapshot(), {.critical_by_default = false});
   const DamperOptions options = damper(6);
   ControlStep control(space, options);
+  // Those that no step can bring to their damper, too.
+  ControlRows all(space, options.influence_distance,
+                  0.5 * (options.influence_distance + options.security_distance));
   int near = 0, moved = 0;
+  std::size_t left_out = 0;
   for (int trial = 0; trial < 2000; ++trial) {
     Configuration q = random.configuration(robot);
     if (trial % 3 == 0) q[1] = robot.joints[1].upper - 0.001;
@@ -121,11 +125,13 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
     if (control.separation() < options.security_distance) continue;  // rows may have to give way
     const Eigen::VectorXd step = control.solve(wanted);
     moved += step.norm() > 0.5 * wanted.norm();
-    for (std::size_t i = 0; i < control.rows().rows().size(); ++i) {
-      const ControlRow& row = control.rows().rows()[i];
+    all.look(q);
+    left_out += all.rows().size() - control.rows().rows().size();
+    for (std::size_t i = 0; i < all.rows().size(); ++i) {
+      const ControlRow& row = all.rows()[i];
       double approach = 0.0;
       for (std::size_t j = 0; j < 6; ++j)
-        approach += control.rows().gradient(i)[j] * step[static_cast<Eigen::Index>(j)];
+        approach += all.gradient(i)[j] * step[static_cast<Eigen::Index>(j)];
       EXPECT_LE(approach, row.distance - options.security_distance + 1e-9);
       if (row.behind > 0.0) continue;
       ++near;
@@ -139,6 +145,7 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   }
   EXPECT_GT(near, 300);
   EXPECT_GT(moved, 300);
+  EXPECT_GT(left_out, 500U);
 }
 
 TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveNoRow) {

@@ -19,12 +19,13 @@ TEST(NearBalls, AreAllThatAreWithinReachAndNoneThatTheFieldProvesToBeFar) {
     const auto space = map.snapshot().blocked_space(
         {Policy::not_occupied}, {Eigen::Vector3d::Constant(-1.5), Eigen::Vector3d::Constant(1.5)},
         field_ends);
-    NearBalls balls(*space, reach, close_to);
+    NearBalls balls(*space, close_to);
+    const std::vector<double> reaches(robot.bodies.size(), reach);
     for (const Body& body : robot.bodies) balls.add(body.link, ball_around(body), body.cover);
     int near = 0, far = 0;
     for (int trial = 0; trial < 200; ++trial) {
       const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
-      const std::span<const NearBall> found = balls.look(poses);
+      const std::span<const NearBall> found = balls.look(poses, reaches);
       std::size_t next = 0;
       for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
         const Body& body = robot.bodies[b];
