@@ -143,6 +143,7 @@ bool QuadraticSolver::run() {
     }
     const Violation worst = rows_.most_violated(x_.data(), size, is_out_);
     if (worst.constraint < 0) {
+      if (is_polished && worst.is_lost) return false;
       if (is_polished) break;
       polish();
       is_polished = true;

@@ -14,6 +14,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A row of unit length is violated beyond this, relative to the size of its terms.
 constexpr double kViolated = 1e-12;
+/// A point that violates a constraint beyond this is no solution, relative to the size of its terms.
+constexpr double kLost = 1e-7;
 /// Bounds of unit rows beyond this are out of reach.
 constexpr double kOutOfReach = 1e100;
 
@@ -156,8 +158,11 @@ Violation UnitRows::most_violated(const double* x, double size,
     }
   }
   if (worst < 0) return {};
-  if (is_out[place(worst)] != 0) return one_by_one(x, tolerance, is_out);
-  return {worst, kViolated * std::abs(bound(worst)) - lowest};
+  const Violation of_all{worst, kViolated * std::abs(bound(worst)) - lowest};
+  if (is_out[place(worst)] == 0) return of_all;
+  Violation counted = one_by_one(x, tolerance, is_out);
+  counted.is_lost = !(of_all.depth <= kLost * (size + std::abs(bound(worst))));
+  return counted;
 }
 
 /// The same where one that is out seems to be violated by rounding.

@@ -7,8 +7,9 @@ namespace clearway {
 
 /// A constraint that a point breaks: by `depth`, in units of its unit normal.
 struct Violation {
-  int constraint = -1;  ///< -1: none
+  int constraint = -1;  ///< -1: none but those that do not count
   double depth = 0.0;
+  bool is_lost = false;  ///< some constraint, counted or not, is broken by far more than rounding explains
 };
 
 /// Private to QuadraticSolver: the rows a x <= b of a problem and the limits of x, with unit normals.

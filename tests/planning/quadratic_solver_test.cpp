@@ -167,6 +167,30 @@ TEST(QuadraticSolver, NearlyParallelDemandsThatMeetFarOutsideTheLimitsContradict
   }
 }
 
+TEST(QuadraticSolver, NeverCallsSolvedWhatRoundingLost) {
+  // Rows that are parallel but for the last digits: points where they meet lie as far out as rounding likes.
+  ProgramDice dice(1);
+  int feasible = 0, proved = 0, given_up = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    QuadraticProgram p = bench::random_program(dice, ProgramKind::squeezed, 40);
+    for (double& number : p.rows.reshaped()) {
+      const int twist = dice.below(6);
+      if (twist == 0) number = 0.0;
+      if (twist == 1) number = 1e-13 * dice.between(-1.0, 1.0);
+    }
+    const QuadraticSolution s = solve(p);
+    ASSERT_TRUE(s.x.allFinite() && s.multipliers.allFinite()) << trial;
+    const bool is_told = s.feasible || !s.multipliers.isZero(0.0);
+    if (is_told) {
+      EXPECT_LE(bench::judge(p, s).relative, 1e-9) << trial;
+    }
+    ++(s.feasible ? feasible : is_told ? proved : given_up);
+  }
+  EXPECT_GT(feasible, 3000);
+  EXPECT_GT(proved, 3000);
+  EXPECT_LT(given_up, 10);
+}
+
 TEST(QuadraticSolver, RowsOutOfAllReachAreNoConstraintOrAContradiction) {
   QuadraticSolver solver;
   const double tiny[] = {1e-140, 0.0}, one[] = {1.0, 0.0};
