@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <span>
 
+#include "mapping/distance_axes.hpp"
 #include "planning/shape.hpp"
 
 namespace clearway {
@@ -18,12 +19,12 @@ struct BodyCube {
 /// The gap between a body and a voxel cube.
 struct CubeGap {
   double distance = 0.0;  ///< between two planes with body and cube on either side: never too large
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< of the body, nearest to the cube
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< of the body, nearest to the cube
   /// Unit, from the body to the cube; zero where they overlap so much that none is known.
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
-/// The gaps between one placed body and the cubes of voxels about it, four side by side: of spheres and
+/// The gaps between one placed body and the cubes of voxels about it, eight side by side: of spheres and
 /// capsules in closed form, of hulls by distance_to_cube (one by one). Of cylinders and boxes by projecting
 /// to and fro between the two from the cube's point nearest to `towards` (near the body) until little is
 /// gained, or they are proved to be farther apart than `enough`: in the worst case, faces that are nearly
@@ -35,19 +36,15 @@ class CubeGaps {
 
   /// out[i] is the gap to cubes[i], whichever others there are. @pre as many of each
   void to(std::span<const BodyCube> cubes, double enough, std::span<CubeGap> out) const;
+  /// The same, bit for bit, with registers of one's choice, which the machine must have.
+  void to(std::span<const BodyCube> cubes, double enough, std::span<CubeGap> out, Vectors vectors) const;
 
  private:
-  void round_gaps(std::span<const BodyCube> cubes, std::span<CubeGap> out) const;
-  template <class Body>
-  void projected_gaps(const Body& body, std::span<const BodyCube> cubes, double enough,
-                      std::span<CubeGap> out) const;
   CubeGap proved_gap(const Eigen::Vector3d& cube, double enough) const;
 
   const Shape& shape_;
   Eigen::Isometry3d map_from_shape_;
-  double half_;                      ///< edge
-  Eigen::Vector3d middle_, axis_;    ///< of the body, and its z; map frame
-  double half_length_ = 0.0, size_;  ///< of its axis, and of the coordinates, for rounding
+  double edge_;
 };
 
 }  // namespace clearway

@@ -39,22 +39,16 @@ inline Numbers absolute(const Numbers& a) {
 
 /// Truths of the lanes: all bits or none.
 inline Places operator&(const Places& a, const Places& b) { return {a.low & b.low, a.high & b.high}; }
-inline Places operator|(const Places& a, const Places& b) { return {a.low | b.low, a.high | b.high}; }
 inline Places operator~(const Places& a) { return {~a.low, ~a.high}; }
 inline Places operator<(const Numbers& a, const Numbers& b) { return {a.low < b.low, a.high < b.high}; }
 inline Places operator<=(const Numbers& a, const Numbers& b) { return {a.low <= b.low, a.high <= b.high}; }
+inline Places operator==(const Numbers& a, const Numbers& b) { return {a.low == b.low, a.high == b.high}; }
 inline Numbers select(const Places& truth, const Numbers& a, const Numbers& b) {
   return {truth.low ? a.low : b.low, truth.high ? a.high : b.high};
 }
 inline bool any(const Places& truth) {
   const PlacePair both = truth.low | truth.high;
   return (both[0] | both[1]) != 0;
-}
-inline Numbers smaller(const Numbers& a, const Numbers& b) { return select(a < b, a, b); }
-inline Numbers larger(const Numbers& a, const Numbers& b) { return select(b < a, a, b); }
-/// @pre least <= most
-inline Numbers within(const Numbers& a, const Numbers& least, const Numbers& most) {
-  return smaller(larger(a, least), most);
 }
 inline Pair root(const Pair& a) {
 #ifdef __SSE2__

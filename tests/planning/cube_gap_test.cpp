@@ -13,6 +13,13 @@ std::vector<Shape> every_kind() {
           Shape::convex({{0, 0, 0}, {0.2, 0, 0}, {0, 0.1, 0}, {0.05, 0.05, 0.2}})};
 }
 
+std::vector<Vectors> vectors_here() {
+  std::vector<Vectors> all{Vectors::portable};
+  if (widest_vectors() >= Vectors::avx2) all.push_back(Vectors::avx2);
+  if (widest_vectors() >= Vectors::avx512) all.push_back(Vectors::avx512);
+  return all;
+}
+
 CubeGap gap_to(const CubeGaps& gaps, const BodyCube& cube, double enough) {
   CubeGap gap;
   gaps.to(std::span(&cube, 1), enough, std::span(&gap, 1));
@@ -46,7 +53,7 @@ TEST(CubeGap, IsWhatGjkProvesAndNeverMore) {
 }
 
 /// Each among others, at every place of a row of them, has the bits that it has alone.
-TEST(CubeGap, IsTheSameWhateverOtherCubesThereAre) {
+TEST(CubeGap, IsTheSameWhateverOtherCubesAndRegistersThereAre) {
   Random random(4);
   for (const Shape& shape : every_kind()) {
     for (int trial = 0; trial < 300; ++trial) {
@@ -55,6 +62,15 @@ TEST(CubeGap, IsTheSameWhateverOtherCubesThereAre) {
       for (BodyCube& cube : cubes) cube = {random.point(0.3), random.point(0.2)};
       std::vector<CubeGap> together(cubes.size());
       gaps.to(cubes, 0.1, together);
+      for (const Vectors vectors : vectors_here()) {
+        std::vector<CubeGap> same(cubes.size());
+        gaps.to(cubes, 0.1, same, vectors);
+        for (std::size_t i = 0; i < cubes.size(); ++i) {
+          EXPECT_EQ(same[i].distance, together[i].distance);
+          EXPECT_EQ(same[i].point, together[i].point);
+          EXPECT_EQ(same[i].normal, together[i].normal);
+        }
+      }
       for (std::size_t i = 0; i < cubes.size(); ++i) {
         const CubeGap alone = gap_to(gaps, cubes[i], 0.1);
         EXPECT_EQ(alone.distance, together[i].distance);
