@@ -10,6 +10,9 @@
 namespace clearway {
 namespace {
 
+constexpr double fastest = 1000.0;  ///< m/s, of things that move
+constexpr double briefest = 1e-3;   ///< s, between two of their poses
+
 SuiteTeamRobot read_robot(const YamlFields& fields) {
   SuiteTeamRobot robot;
   robot.name = fields.text("name");
@@ -31,14 +34,21 @@ SuiteMoving::Pose read_timed_pose(const YamlFields& fields) {
   return pose;
 }
 
+/// From one pose of a way to the next.
+void check_leg(const SuiteMoving::Pose& from, const SuiteMoving::Pose& to, const YamlFields& fields) {
+  const double time = to.time - from.time;
+  if (!(time > 0.0)) fields.fail("time", "expected a time later than the one before");
+  if (time < briefest * (1.0 - 1e-9)) fields.fail("time", "expected at least 1 ms after the one before");
+  const double way = (to.map_from_shape.translation() - from.map_from_shape.translation()).norm();
+  if (way > fastest * time) fields.fail("pose", "expected no more than 1000 m/s from the one before");
+}
+
 SuiteMoving read_moving(const YamlFields& fields) {
   SuiteMoving moving;
   moving.shape = read_scene_shape(fields.map("shape"));
   for (const auto& entry : fields.list_of_maps("path")) {
     moving.path.push_back(read_timed_pose(entry));
-    const std::size_t count = moving.path.size();
-    if (count > 1 && !(moving.path[count - 1].time > moving.path[count - 2].time))
-      entry.fail("time", "expected a time later than the one before");
+    if (moving.path.size() > 1) check_leg(moving.path[moving.path.size() - 2], moving.path.back(), entry);
   }
   if (moving.path.empty()) fields.fail("path", "expected at least one {time, pose}");
   if (fields.map("shape").has_angles("pose"))

@@ -45,7 +45,7 @@ class TeamChecker {
  public:
   TeamChecker(const Team& team, const TeamRun& run, double cap)
       : team_(team), run_(run), robot_(robot_of(team)), arm_(robot_), fcl_(robot_) {
-    of_robots_.distance = from_obstacles_.distance = cap;
+    of_robots_.distance = from_obstacles_.distance = std::max(cap, 10.0 * tolerance);
     for (std::size_t k = 0; k <= run.steps(); ++k) {
       std::vector<Configuration> all;
       for (const TeamTrace& trace : run.traces) all.push_back(trace.positions[k]);
@@ -131,19 +131,28 @@ class TeamChecker {
   /// Distance where the bodies are placed; notes it when it is the least so far.
   double measure(const Pair& pair, std::size_t step, double share) {
     const double apart = fcl_.distance(pair.first, poses_[pair.first], pair.second, poses_[pair.second]);
-    if (apart < least_of(pair).distance)
-      least_of(pair) = {apart, time_at(step, share),
-                        robot_.bodies[pair.first].part + " and " + robot_.bodies[pair.second].part};
+    note(pair, apart, step, share);
     return apart;
   }
 
-  /// Proves the pair `least - tolerance` apart between two shares of a step, looking at the middle.
+  void note(const Pair& pair, double apart, std::size_t step, double share) {
+    if (apart >= least_of(pair).distance) return;
+    least_of(pair) = {apart, time_at(step, share),
+                      robot_.bodies[pair.first].part + " and " + robot_.bodies[pair.second].part};
+  }
+
+  /// Proves the pair `least - tolerance` apart between two shares of a step, looking at the middle. What the
+  /// finest share leaves unproved counts as the least that it can be.
   void prove(const Pair& pair, std::size_t step, double from, double to, double approach) {
     const double middle = 0.5 * (from + to);
     place(step, middle);
     const double apart = measure(pair, step, middle);
     if (apart - 0.5 * (to - from) * approach >= least_of(pair).distance - tolerance) return;
-    if (to - from <= finest || least_of(pair).distance <= 0.0) return;
+    if (least_of(pair).distance <= 0.0) return;
+    if (to - from <= finest) {
+      note(pair, apart - 0.5 * (to - from) * approach, step, middle);
+      return;
+    }
     prove(pair, step, from, middle, approach);
     prove(pair, step, middle, to, approach);
   }

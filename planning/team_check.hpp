@@ -24,7 +24,7 @@ struct TeamVerdict {
 /// Re-checks a run in code that the robots do not share: KDL kinematics, certified FCL distances
 /// (path_check), conservative advancement over time; joints and obstacles move evenly between samples. Each
 /// robot by itself is checked against the map that it started with, and against itself, by check_path.
-/// @param cap distances beyond it are not looked for, m
+/// @param cap distances beyond it are not looked for, m; at least 1 mm
 TeamVerdict check_team(const Team& team, const TeamRun& run, double max_acceleration, double cap);
 
 }  // namespace clearway

@@ -84,6 +84,14 @@ TEST(SuiteTeam, BadTeamsAreToldInASentence) {
   expect_refused(suite_with(robots + "      moving: [{shape: {name: b, sphere: 1}, path: [{time: 1, pose: "
                                      "[0, 0, 0, 0, 0, 0]}, {time: 1, pose: [0, 0, 0, 0, 0, 0]}]}]\n"),
                  "a time later than the one before");
+  const auto moves = [](const std::string& later) {
+    return suite_with(
+        robots + "      moving: [{shape: {name: b, sphere: 1}, path: [{time: 1, pose: [0, 0, 0, 0, 0, 0]}, " +
+        later + "]}]\n");
+  };
+  expect_refused(moves("{time: 1.0009, pose: [0, 0, 0, 0, 0, 0]}"), "at least 1 ms after the one before");
+  expect_refused(moves("{time: 1.5, pose: [501, 0, 0, 0, 0, 0]}"), "no more than 1000 m/s");
+  EXPECT_EQ(refusal(moves("{time: 1.001, pose: [0.9, 0, 0, 0, 0, 0]}")), "");
   expect_refused(suite_with(robots + "      moving: [{shape: {name: b, sphere: 1}, path: []}]\n"),
                  "at least one {time, pose}");
   expect_refused(

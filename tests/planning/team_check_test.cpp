@@ -74,6 +74,29 @@ TEST(TeamCheck, MovingObstaclesAreSeenAtAnyTime) {
   EXPECT_NEAR(verdict.time, 3.0, 0.3);
 }
 
+TEST(TeamCheck, WhatJumpsThroughARobotInNoTimeIsNotApart) {
+  Team team{{disc("a")}, {}};
+  Eigen::Isometry3d from = Eigen::Isometry3d::Identity(), to = from;
+  from.translation() = Eigen::Vector3d(0.0, -3.0, 0.0);
+  to.translation() = Eigen::Vector3d(0.0, 3.0, 0.0);
+  team.obstacles.push_back(
+      {"ball", Shape::sphere(0.1), RigidMotion({{0.0, from}, {0.7, from}, {0.7 + 1e-12, to}})});
+  const TeamVerdict verdict = check_team(team, along({{{0.0, 0.0}, {0.0, 0.0}}}, 1, 1.0), 5.0, 1.0);
+  EXPECT_FALSE(verdict.is_apart);
+  EXPECT_TRUE(verdict.robots_are_apart);
+}
+
+TEST(TeamCheck, RobotsThatAreFartherApartThanWhatIsLookedForAreApart) {
+  const Team team{{disc("a"), disc("b")}, {}};
+  const TeamRun run = along({{{0.0, 0.0}, {0.0, 0.0}}, {{1.0, 0.0}, {1.0, 0.0}}}, 1, 1.0);
+  for (const double cap : {1e-12, 1e-5, 1e-3, 0.1}) {
+    const TeamVerdict verdict = check_team(team, run, 5.0, cap);
+    EXPECT_TRUE(verdict.is_apart) << cap;
+    EXPECT_GE(verdict.least_separation, std::min(cap, 9e-4) - 1e-9) << cap;
+    EXPECT_EQ(verdict.between, "") << cap;
+  }
+}
+
 TEST(TeamCheck, TheMapAndTheLimitsOfSpeedAndAccelerationCount) {
   const VoxelScene wall{0.05, {box_of(0.4, -0.5, -0.05, 0.5, 0.5, 0.05)}, {}, {}};
   const Team team{{disc("a", wall)}, {}};
