@@ -18,16 +18,16 @@ constexpr std::size_t rows_of_ball = 14;
 }  // namespace
 
 ControlRows::ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance)
-    : ControlRows(space, std::min(close_distance, influence_distance),
-                  {influence_distance, influence_distance, 0.0, std::vector<double>(space.robot().dof())}) {}
+    : ControlRows(space, Binding{influence_distance, influence_distance, 0.0,
+                                 std::vector<double>(space.robot().dof()),
+                                 std::min(close_distance, influence_distance)}) {}
 
 ControlRows::ControlRows(const ConfigurationSpace& space, const DamperOptions& damper)
-    : ControlRows(space, 0.5 * (damper.influence_distance + damper.security_distance), binding_of(damper)) {}
+    : ControlRows(space, binding_of(damper)) {}
 
-ControlRows::ControlRows(const ConfigurationSpace& space, double close_distance, Binding binding)
+ControlRows::ControlRows(const ConfigurationSpace& space, Binding binding)
     : robot_(&space.robot()),
       padding_(space.options().padding),
-      close_(close_distance + padding_),
       resolution_(space.map().resolution()),
       binding_(std::move(binding)),
       kinematics_(space.robot()),
@@ -49,7 +49,11 @@ ControlRows::ControlRows(const ConfigurationSpace& space, double close_distance,
 /// What cannot come to the bound of its damper in one step does not count.
 ControlRows::Binding ControlRows::binding_of(const DamperOptions& damper) {
   const double margin = damper.influence_distance - damper.security_distance;
-  Binding binding{damper.influence_distance, damper.security_distance, (1.0 + 1e-9) * margin / damper.xi, {}};
+  Binding binding{damper.influence_distance,
+                  damper.security_distance,
+                  (1.0 + 1e-9) * margin / damper.xi,
+                  {},
+                  0.5 * (damper.influence_distance + damper.security_distance)};
   for (const double weight : damper.weight) binding.steps.push_back(damper.max_step / weight);
   return binding;
 }
@@ -60,7 +64,7 @@ void ControlRows::add_body(int index, const BlockedSpace* space) {
   auto group = std::find_if(guarded_.begin(), guarded_.end(),
                             [&](const GuardedBodies& known) { return known.space == space; });
   if (group == guarded_.end()) {
-    guarded_.push_back({space, NearBalls(*space, close_), BallCubes(*space), {}, {}, {}});
+    guarded_.push_back({space, NearBalls(*space), BallCubes(*space), {}, {}, {}});
     group = guarded_.end() - 1;
   }
   const Body& body = robot_->bodies[static_cast<std::size_t>(index)];
@@ -69,7 +73,7 @@ void ControlRows::add_body(int index, const BlockedSpace* space) {
   group->cubes.add({box.min().array() - padding_, box.max().array() + padding_}, body.cover.size());
   group->bodies.push_back(index);
   group->bounds.push_back(ball_around(body));
-  group->reach.push_back(binding_.influence + padding_);
+  group->reach.push_back({binding_.influence + padding_, binding_.close + padding_});
 }
 
 std::size_t ControlRows::balls() const {
@@ -105,7 +109,7 @@ void ControlRows::set_reach(GuardedBodies& group) const {
     const Sphere& bound = group.bounds[i];
     const Eigen::Vector3d middle = pose(link).linear().lazyProduct(bound.center) + pose(link).translation();
     const double move = kinematics_.farthest_move(link, {middle, bound.radius}, binding_.steps);
-    group.reach[i] = binding_.distance(move) + padding_;
+    group.reach[i] = {binding_.distance(move) + padding_, binding_.close_distance(move) + padding_};
   }
 }
 
@@ -113,7 +117,7 @@ void ControlRows::set_reach(GuardedBodies& group) const {
 void ControlRows::cube_rows(const GuardedBodies& group, int which, std::span<const BodyCube> cubes) {
   if (cubes.empty()) return;
   const int index = group.bodies[static_cast<std::size_t>(which)];
-  const double reach = group.reach[static_cast<std::size_t>(which)];
+  const double reach = group.reach[static_cast<std::size_t>(which)].near;
   const Body& body = robot_->bodies[static_cast<std::size_t>(index)];
   const CubeGaps gaps(body.shape, pose(body.link) * body.link_from_shape, resolution_);
   if (gaps_.size() < cubes.size()) gaps_.resize(2 * cubes.size());

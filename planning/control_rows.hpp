@@ -39,7 +39,8 @@ class ControlRows {
   ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance);
   /// For a control step with these dampers: what no step of at most max_step a joint can bring to its damper
   /// has no row, be it a voxel or a pair of bodies; and only balls that near look for voxels.
-  /// `close_distance` is halfway between d_s and d_i.
+  /// `close_distance` is halfway between d_s and where a damper can bind, but no less than what one step can
+  /// bring to d_s, and no more than halfway to d_i.
   ControlRows(const ConfigurationSpace& space, const DamperOptions& damper);
   ~ControlRows();
 
@@ -64,17 +65,21 @@ class ControlRows {
     double influence, security;  ///< metres: the farthest of all, and of what no step can bring nearer
     double per_move;             ///< for each metre that a step may bring it nearer
     std::vector<double> steps;   ///< of each joint at most
+    double close;                ///< metres at most, where a ball looks round
     double distance(double move) const { return std::min(influence, security + per_move * move); }
+    double close_distance(double move) const {
+      return std::min(close, security + std::max(1.0, 0.5 * per_move) * move);
+    }
   };
   static Binding binding_of(const DamperOptions& damper);
-  ControlRows(const ConfigurationSpace& space, double close_distance, Binding binding);
+  ControlRows(const ConfigurationSpace& space, Binding binding);
   struct GuardedBodies {  ///< with the same requirement
     const BlockedSpace* space;
     NearBalls balls;
     BallCubes cubes;
-    std::vector<int> bodies;     ///< indices in Robot::bodies
-    std::vector<Sphere> bounds;  ///< that hold them; link frame
-    std::vector<double> reach;   ///< of each, metres from its surface, padding included
+    std::vector<int> bodies;       ///< indices in Robot::bodies
+    std::vector<Sphere> bounds;    ///< that hold them; link frame
+    std::vector<BallReach> reach;  ///< of each, padding included
   };
   void add_body(int index, const BlockedSpace* space);
   void set_reach(GuardedBodies& group) const;
@@ -86,7 +91,7 @@ class ControlRows {
   }
 
   const Robot* robot_;
-  double padding_, close_, resolution_;  ///< close: from a ball's surface, padding included
+  double padding_, resolution_;
   Binding binding_;
   ArmKinematics kinematics_;
   std::vector<GuardedBodies> guarded_;

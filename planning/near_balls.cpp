@@ -10,8 +10,6 @@ constexpr std::size_t registers = 8;
 
 }  // namespace
 
-NearBalls::NearBalls(const BlockedSpace& space, double close) : space_(space), close_(close) {}
-
 void NearBalls::add(int link, const Sphere& bound, std::span<const Sphere> cover) {
   const auto first = static_cast<int>(balls_.size()), count = static_cast<int>(cover.size());
   for (const Sphere& ball : cover) balls_.push_back({ball, static_cast<int>(covers_.size())});
@@ -46,7 +44,7 @@ void NearBalls::look_up(std::size_t count, bool closely) {
   }
 }
 
-std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link, std::span<const double> reach) {
+std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link, std::span<const BallReach> reach) {
   near_.clear();
   if (covers_.empty()) return near_;
   const auto pose = [&](const Cover& cover) -> const Eigen::Isometry3d& {
@@ -58,7 +56,7 @@ std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link, std::s
   for (std::size_t i = 0; i < covers_.size(); ++i) {
     const Cover& cover = covers_[i];
     // Beyond its max_distance the field says nothing.
-    const double within = cover.bound.radius + reach[i];
+    const double within = cover.bound.radius + reach[i].near;
     if (within <= space_.max_distance() && clearance_[i] >= within) continue;
     for (int ball = cover.first; ball < cover.last; ++ball) {
       put(count, pose(cover), balls_[static_cast<std::size_t>(ball)].sphere.center);
@@ -72,21 +70,22 @@ std::span<const NearBall> NearBalls::look(const LinkPoses& map_from_link, std::s
   }
   for (std::size_t i = 0; i < count; ++i) {
     const Ball& ball = balls_[static_cast<std::size_t>(ball_of_[i])];
+    const auto& [near, close] = reach[static_cast<std::size_t>(ball.body)];
     near_.push_back({ball.body,
-                     clearance_[i] - ball.sphere.radius < close_,
+                     clearance_[i] - ball.sphere.radius < close,
                      ball.sphere.radius,
-                     reach[static_cast<std::size_t>(ball.body)],
+                     near,
                      {x_[i], y_[i], z_[i]}});
   }
   return near_;
 }
 
 /// Leaves off the points whose balls are out of reach.
-std::size_t NearBalls::keep_near(std::size_t count, std::span<const double> reach) {
+std::size_t NearBalls::keep_near(std::size_t count, std::span<const BallReach> reach) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Ball& ball = balls_[static_cast<std::size_t>(ball_of_[i])];
-    const double within = ball.sphere.radius + reach[static_cast<std::size_t>(ball.body)];
+    const double within = ball.sphere.radius + reach[static_cast<std::size_t>(ball.body)].near;
     ball_of_[kept] = ball_of_[i];
     x_[kept] = x_[i];
     y_[kept] = y_[i];

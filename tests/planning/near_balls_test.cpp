@@ -19,8 +19,8 @@ TEST(NearBalls, AreAllThatAreWithinReachAndNoneThatTheFieldProvesToBeFar) {
     const auto space = map.snapshot().blocked_space(
         {Policy::not_occupied}, {Eigen::Vector3d::Constant(-1.5), Eigen::Vector3d::Constant(1.5)},
         field_ends);
-    NearBalls balls(*space, close_to);
-    const std::vector<double> reaches(robot.bodies.size(), reach);
+    NearBalls balls(*space);
+    const std::vector<BallReach> reaches(robot.bodies.size(), {reach, close_to});
     for (const Body& body : robot.bodies) balls.add(body.link, ball_around(body), body.cover);
     int near = 0, far = 0;
     for (int trial = 0; trial < 200; ++trial) {
