@@ -12,7 +12,9 @@ namespace clearway {
 namespace {
 
 constexpr double creeping = 1e-3;  ///< share of the longest step: the damper creeps towards a stop for ever
-constexpr double patience = 2.0;   ///< s of that, in a scene that does not move, are a deadlock
+constexpr double patience = 2.0;   ///< s of that, in a scene that does not move any more, are a deadlock
+constexpr double patience_with_sensors = 10.0;  ///< s: what is gone stays in the map for a while
+constexpr double hovering = 1e-2;  ///< share of the way that it could have gone: a robot at voxels trembles
 
 class TeamMotion {
  public:
@@ -43,8 +45,7 @@ class TeamMotion {
       still = moved > creeping ? 0 : still + 1;
       const bool is_quiet = static_cast<double>(k) * options_.period >= last_motion();
       if (has_arrived() && moved == 0.0 && is_quiet) return arrived(k);
-      if (static_cast<double>(still) * options_.period > patience && team_.obstacles.empty() && !team_.sensed)
-        return stuck(k);
+      if (is_over(k, still)) return stuck(k);
     }
     if (has_arrived()) return arrived(steps - 1);
     run_.status = PlanStatus::timed_out;
@@ -94,12 +95,9 @@ class TeamMotion {
     return "";
   }
 
-  /// Only what moves can outrun a robot: a demand of another robot, of the map or of itself that gives way is
-  /// no excuse.
-  bool is_outrun(const OutrunBy& by) const {
-    const bool by_map = by.kind == OutrunBy::map || by.kind == OutrunBy::overlap;
-    return by.kind == OutrunBy::obstacle || by.kind == OutrunBy::fixed || (by_map && team_.sensed);
-  }
+  /// Only what moves can outrun a robot: a demand of another robot, of the map that it began with or of
+  /// itself that gives way is no excuse.
+  static bool is_outrun(const OutrunBy& by) { return by.kind >= OutrunBy::sensed; }
 
   void tell_outrun(std::size_t i, const OutrunBy& by, double time) {
     const std::string what = by.kind == OutrunBy::obstacle  ? "'" + known_obstacle(by.index) + "'"
@@ -116,6 +114,19 @@ class TeamMotion {
     for (const MovingObstacle& obstacle : team_.obstacles)
       if (!obstacle.motion.repeats()) last = std::max(last, obstacle.motion.poses().back().time);
     return last;
+  }
+
+  /// Robots came nowhere in the last `still` steps or, with sensors, in their patience, and nothing else will
+  /// move.
+  bool is_over(std::size_t k, std::size_t still) const {
+    for (const MovingObstacle& obstacle : team_.obstacles)
+      if (obstacle.motion.repeats()) return false;
+    const double longest = team_.sensed ? patience_with_sensors : patience;
+    if (static_cast<double>(k) * options_.period <= last_motion() + longest) return false;
+    if (!team_.sensed) return static_cast<double>(still) * options_.period > longest;
+    const auto steps = static_cast<std::size_t>(longest / options_.period);
+    return std::all_of(members_.begin(), members_.end(),
+                       [&](const auto& member) { return member->share_gone(steps) <= hovering; });
   }
 
   bool has_arrived() const {

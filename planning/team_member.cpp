@@ -123,7 +123,7 @@ OutrunBy TeamMember::choose() {
   limit_change(choice.step);
   is_overlapped_ = !space_->is_free(position());
   if (local_.demand < 1.0) ++trace_.relaxed;
-  if (is_overlapped_) return {OutrunBy::overlap, -1};
+  if (is_overlapped_anew()) return {OutrunBy::overlap, -1};
   if (unavoidable_ < damper_.security_distance) return {OutrunBy::fixed, -1};
   return local_.demand < 1.0 ? who_gave_way() : OutrunBy{};
 }
@@ -149,15 +149,37 @@ void TeamMember::limit_change(const VectorXd& wanted) {
   step_ = local_step(constraints_, wanted, damper_).step;
 }
 
+/// Something is where it stands that was not there in the map that it began with.
+bool TeamMember::is_overlapped_anew() const { return is_overlapped_ && robot_.space->is_free(position()); }
+
+/// Which rows of the map and of the robot itself the map that it began with has, too: the same cubes give the
+/// same rows.
+std::vector<bool> TeamMember::known_rows() const {
+  std::vector<bool> known(constraints_.pairs.size(), space_ == robot_.space);
+  if (space_ == robot_.space) return known;
+  const StepConstraints before = constraints_at(*robot_.space, position(), own_);
+  for (std::size_t i = 0; i < known.size() && sources_[i].kind == OutrunBy::map; ++i) {
+    const ProximityRow& row = constraints_.pairs[i];
+    known[i] = std::any_of(before.pairs.begin(), before.pairs.end(), [&](const ProximityRow& old) {
+      return old.body == row.body && std::abs(old.distance - row.distance) <= 1e-9 &&
+             old.normal.isApprox(row.normal, 1e-9) && old.gradient.isApprox(row.gradient, 1e-9);
+    });
+  }
+  return known;
+}
+
 /// Whose demand was kept least; of equals an obstacle's.
 OutrunBy TeamMember::who_gave_way() const {
   OutrunBy least{OutrunBy::map, -1};
   double share = 1.0;
+  const std::vector<bool> known = known_rows();
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const double kept = local_.shares[static_cast<Index>(i)];
-    if (kept > share || (kept == share && sources_[i].kind <= least.kind)) continue;
+    OutrunBy source = sources_[i];
+    if (source.kind == OutrunBy::map && !known[i]) source.kind = OutrunBy::sensed;
+    if (kept > share || (kept == share && source.kind <= least.kind)) continue;
     share = kept;
-    least = sources_[i];
+    least = source;
   }
   return least;
 }
@@ -203,6 +225,13 @@ double TeamMember::move() {
     trace_.arrival = options_.period * static_cast<double>(trace_.positions.size() - 1);
   }
   return previous_.norm() / damper_.max_step;
+}
+
+double TeamMember::share_gone(std::size_t steps) const {
+  const std::vector<Configuration>& all = trace_.positions;
+  const Configuration& before = all[all.size() - 1 - std::min(steps, all.size() - 1)];
+  return damper_.weight.cwiseProduct(position() - before).norm() /
+         (static_cast<double>(steps) * damper_.max_step);
 }
 
 std::string TeamMember::where() const {

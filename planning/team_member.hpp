@@ -24,8 +24,10 @@ double braking_step(double room, double change);
 
 /// What demanded a separation that a robot could not keep.
 struct OutrunBy {
-  /// fixed: an obstacle, of what no joint moves away; overlap: the map says that something is where it stands
-  enum Kind { nothing, map, robot, obstacle, fixed, overlap } kind = nothing;
+  /// map: the map that it began with, or the robot itself; sensed: what only a newer map has; fixed: an
+  /// obstacle, of what no joint moves away; overlap: a newer map says that something is where it stands. Of
+  /// equals the later counts.
+  enum Kind { nothing, map, robot, sensed, obstacle, fixed, overlap } kind = nothing;
   int index = -1;  ///< of the obstacle
 };
 
@@ -45,6 +47,9 @@ class TeamMember {
   /// Takes it, as far as the map's certificate goes. Returns what share of the longest step it was.
   double move();
 
+  /// How far it is from where it was so many steps ago, as a share of what it could have gone.
+  double share_gone(std::size_t steps) const;
+
   bool is_at_goal() const { return position() == robot_.goal; }
   const TeamTrace& trace() const { return trace_; }
   /// "'left' is 0.3 from its goal in joint space: its load is 21 mm from ..."
@@ -56,6 +61,8 @@ class TeamMember {
   void append_rows(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
   void limit_change(const Eigen::VectorXd& wanted);
   OutrunBy who_gave_way() const;
+  bool is_overlapped_anew() const;
+  std::vector<bool> known_rows() const;
   Configuration moved(const Eigen::VectorXd& step) const;
 
   const TeamRobot& robot_;

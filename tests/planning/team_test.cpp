@@ -158,6 +158,29 @@ TEST(Team, AMapThatIsSensedAnewStopsTheRobot) {
   EXPECT_EQ(round.status, PlanStatus::solved) << round.explanation;
 }
 
+TEST(Team, WallsThatWereKnownAreNoExcuseWhileSensorsLook) {
+  // A disc of 0.2 m between walls 5 cm away on either side, of which 6 cm are demanded.
+  const Eigen::AlignedBox3d left = box_of(-1.0, 0.25, -0.05, 1.0, 0.35, 0.05),
+                            right = box_of(-1.0, -0.35, -0.05, 1.0, -0.25, 0.05);
+  const VoxelScene one{0.05, {left}, {}, {}}, both{0.05, {left, right}, {}, {}};
+  const Configuration start = Eigen::Vector2d(0.0, 0.0), goal = Eigen::Vector2d(0.5, 0.0);
+  const auto disc_in = [&](const VoxelScene& scene) {
+    return robot_at("disc", "point", 0.0, 0.0, 0.0, start, goal, scene);
+  };
+  TeamOptions chosen = options(false);
+  chosen.boundary.local.influence_distance = 0.2;
+  chosen.boundary.local.security_distance = 0.06;
+  chosen.duration = 2.0;
+  const TeamRobot later = disc_in(both);
+  const SensedSpace sensed = [&](std::size_t, double) { return later.space; };
+  const TeamRun known = run_team({{disc_in(both)}, {}, sensed}, chosen);
+  EXPECT_GT(known.traces[0].relaxed, 0);
+  EXPECT_EQ(known.outrun, "");
+  const TeamRun anew = run_team({{disc_in(one)}, {}, sensed}, chosen);
+  EXPECT_GT(anew.traces[0].relaxed, 0);
+  EXPECT_NE(anew.outrun.find("what sensors saw"), std::string::npos) << anew.outrun;
+}
+
 TEST(Team, InvalidEndsAreToldWithRobotAndBody) {
   Team team = two_arms();
   team.robots[1].start = values({0.0, 0.5, 0.0, 0.0, 0.0});
