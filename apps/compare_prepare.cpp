@@ -5,7 +5,9 @@
 #include <stdexcept>
 
 #include "apps/compare_run.hpp"
+#include "apps/compare_team.hpp"
 #include "apps/query.hpp"
+#include "apps/sensed_spaces.hpp"
 #include "apps/suite_teams.hpp"
 #include "planning/nearest_name.hpp"
 
@@ -57,6 +59,9 @@ void require_teams(const Suite& suite, const SuiteExperiment& experiment,
       for (const TeamOptions& leader : leaders) check_team_inputs(made, leader);
       return made;
     });
+    if (experiment.teams->sensing)
+      told(suite, experiment, "field 'sensing', team '" + given.name + "'",
+           [&] { check_sensors(*experiment.teams->sensing, team); });
     for (const TeamRobot& robot : team.robots)
       for (const Body& body : robot.space->robot().bodies) parts.insert(body.part);
   }
@@ -109,7 +114,13 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
       ready.makers.push_back(std::move(made));
     }
   }
-  if (experiment.teams) require_teams(suite, experiment, ready.leaders);
+  if (!experiment.teams) return ready;
+  require_teams(suite, experiment, ready.leaders);
+  ready.map = told(suite, experiment, "field 'world'", [&] { return team_map(suite, experiment); });
+  if (experiment.teams->sensing) {
+    told(suite, experiment, "field 'sensing'",
+         [&] { check_sensors(*experiment.teams->sensing, *ready.map); });
+  }
   return ready;
 }
 

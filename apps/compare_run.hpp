@@ -23,10 +23,11 @@ struct PreparedExperiment {
   std::vector<ComparePlanner> planners;
   std::vector<std::unique_ptr<Planner>> makers;  ///< of these; none for teams
   std::vector<TeamOptions> leaders;              ///< of these, for teams
+  std::optional<Snapshot> map;                   ///< for teams: of their world
 };
 
 /// Looks up robot, policies, planners, options and plots of an experiment; `only` keeps the planners with
-/// these labels or names (all when empty).
+/// these labels or names (all when empty). Teams have their map loaded or made, and sensors looked for in it.
 /// @throws std::invalid_argument, one sentence naming experiment, field and what was expected.
 PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment,
                            const std::vector<std::string>& only);

@@ -8,6 +8,7 @@
 #include "apps/compare_files.hpp"
 #include "apps/map_page.hpp"
 #include "apps/parse.hpp"
+#include "apps/sensed_page.hpp"
 #include "apps/sensed_spaces.hpp"
 #include "apps/stopwatch.hpp"
 #include "apps/suite_teams.hpp"
@@ -30,11 +31,6 @@ SuiteWorld world_of(const Suite& suite, const SuiteExperiment& experiment) {
   return {};
 }
 
-Snapshot map_of(const SuiteWorld& world) {
-  if (world.name.empty()) return empty_map();
-  return world.map.empty() ? make_map(world, {}) : load_map(world.map);
-}
-
 /// What a thing that is known from scans alone can move from when it is seen until the next scan is known, m.
 double unseen_motion(const Team& team, const std::optional<SuiteSensing>& sensing) {
   double farthest = 0.0;
@@ -51,17 +47,9 @@ class TeamRunner {
       : experiment_(experiment),
         choice_(choice),
         world_(world_of(suite, experiment.setup)),
-        map_(map_of(world_)),
+        map_(*experiment.map),
         digest_(map_sha256(map_)),
-        labels_(names_as_files(experiment.planners)) {
-    const auto& sensing = experiment.setup.teams ? experiment.setup.teams->sensing : std::nullopt;
-    try {
-      if (sensing) check_sensors(*sensing, map_);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("suite '" + suite.name + "', experiment '" + experiment.setup.name + "', " +
-                                  error.what());
-    }
-  }
+        labels_(names_as_files(experiment.planners)) {}
 
   void run(CompareExperiment& result, const std::function<void(double)>& progress) {
     const std::size_t count = experiment_.setup.generate
@@ -96,6 +84,7 @@ class TeamRunner {
     problem.map_sha256 = digest_;
     problem.resolution = map_.resolution();
     ReportPage page = page_of_team(team, map_, experiment_.setup.title + ": " + given.name);
+    look_from(page, map_, team.robots.front().space->robot().map_from_base.translation());
     for (std::size_t p = 0; p < experiment_.planners.size(); ++p)
       problem.runs.push_back(run_once(given, team, p, page));
     if (!page.plans.empty()) {
@@ -136,8 +125,8 @@ class TeamRunner {
     fs::create_directories(choice_.out / file.parent_path());
     save_file(choice_.out / file, team_json(team, run, verdict, who.planner, who.options));
     found.plan_file = file.string();
-    if (spaces) show_map(page, spaces->map());
     page.plans.push_back(page_of_run(team, run, verdict, found, options.max_acceleration, who.label));
+    if (spaces) show_sensed(page.plans.back(), team, run, *spaces);
     return found;
   }
 
@@ -163,6 +152,12 @@ class TeamRunner {
 };
 
 }  // namespace
+
+Snapshot team_map(const Suite& suite, const SuiteExperiment& experiment) {
+  const SuiteWorld world = world_of(suite, experiment);
+  if (world.name.empty()) return empty_map();
+  return world.map.empty() ? make_map(world, {}) : load_map(world.map);
+}
 
 CompareExperiment run_team_experiment(const Suite& suite, const PreparedExperiment& experiment,
                                       const CompareChoice& choice,

@@ -78,13 +78,6 @@ PageShape page_shape(const Shape& s) {
 ReportPage page_of_map(const Snapshot& map, const std::string& title) {
   ReportPage page;
   page.title = title;
-  show_map(page, map);
-  return page;
-}
-
-void show_map(ReportPage& page, const Snapshot& map) {
-  page.volume_labels.clear();
-  page.balls.clear();
   page.resolution = map.resolution();
   std::array<PageVoxels, shown.size()> sets;
   for (std::size_t s = 0; s < shown.size(); ++s) {
@@ -105,6 +98,7 @@ void show_map(ReportPage& page, const Snapshot& map) {
       page.balls.push_back({ball.center, ball.radius, static_cast<int>(v)});
     }
   }
+  return page;
 }
 
 void look_from(ReportPage& page, const Snapshot& map, const Eigen::Vector3d& from) {

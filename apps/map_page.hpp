@@ -12,9 +12,6 @@ namespace clearway {
 /// A page that shows `map`: its voxels by state and its exact balls.
 ReportPage page_of_map(const Snapshot& map, const std::string& title);
 
-/// The page's voxels and balls become those of `map`.
-void show_map(ReportPage& page, const Snapshot& map);
-
 /// The first view of the page stands beside `from`, so that no wall hides what can be seen from there: where
 /// sensors stood, or the robot. Left as it is where `from` is amid the occupied voxels. Metres, map frame.
 void look_from(ReportPage& page, const Snapshot& map, const Eigen::Vector3d& from);

@@ -171,6 +171,11 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
   for (const auto* limits : {&plan.max_speed, &plan.max_acceleration})
     if (limits->size() != (plan.period > 0.0 ? plan.joints.size() : 0))
       refuse(of + "max_speed and max_acceleration", "must have one entry per joint of a plan with time");
+  for (const auto* values : {&plan.map_age, &plan.true_separation})
+    if (values->size() != (plan.seen.empty() ? 0 : waypoints))
+      refuse(of + "map_age and true_separation", "must have one entry per waypoint while the map changes");
+  if (!plan.seen.empty() && !(plan.seen_voxel > 0.0 && plan.period > 0.0))
+    refuse(of + "seen", "must have voxels of some size, and the plan time");
   if (!plan.link_poses.empty() && plan.link_poses.size() != waypoints)
     refuse(of + "link_poses", "must have one entry per waypoint");
   for (const Poses& poses : plan.link_poses)
@@ -187,6 +192,30 @@ json place_joints(PageArrays& arrays, const std::vector<Eigen::VectorXd>& rows, 
     for (const Eigen::VectorXd& row : rows)
       values.push_back(static_cast<float>(row[static_cast<Eigen::Index>(j)]));
   return place(arrays.add(std::span<const float>(values)));
+}
+
+json place_numbers(PageArrays& arrays, const std::vector<double>& values) {
+  const std::vector<float> floats(values.begin(), values.end());
+  return place(arrays.add(std::span<const float>(floats)));
+}
+
+/// Octree coordinates of the voxels of each change, axis by axis.
+json seen_json(PageArrays& arrays, const PagePlan& plan) {
+  std::vector<double> times;
+  std::vector<std::uint32_t> counts;
+  std::vector<std::uint16_t> cells;
+  for (const PageSeen& seen : plan.seen) {
+    times.push_back(seen.time);
+    counts.push_back(static_cast<std::uint32_t>(seen.centers.size()));
+    for (int axis = 0; axis < 3; ++axis)
+      for (const Eigen::Vector3d& center : seen.centers)
+        cells.push_back(
+            static_cast<std::uint16_t>(std::floor(center[axis] / plan.seen_voxel) + kOriginVoxel));
+  }
+  return {{"voxel", plan.seen_voxel},
+          {"times", place_numbers(arrays, times)},
+          {"counts", place(arrays.add(std::span<const std::uint32_t>(counts)))},
+          {"cells", place(arrays.add(std::span<const std::uint16_t>(cells)))}};
 }
 
 /// Of the page's ball colours the orange one, so that balls to paint stand out of those that are painted.
@@ -223,6 +252,9 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"accelerations", place_joints(arrays, plan.accelerations, joints)},
           {"poses", place(arrays.add(std::span<const float>(poses)))},
           {"clearance", place(arrays.add(std::span<const float>(clearance)))},
+          {"trueSeparation", place_numbers(arrays, plan.true_separation)},
+          {"mapAge", place_numbers(arrays, plan.map_age)},
+          {"seen", seen_json(arrays, plan)},
           {"figures", figures_json(plan.figures)},
           {"tip", place_points(arrays, plan.tip_path)},
           {"start", place_poses(arrays, plan.start_poses)},

@@ -27,7 +27,14 @@ struct PageShape {
   int link = 0;           ///< index into the poses of each waypoint
   std::string part;       ///< the robot part it belongs to, as policies name it
   bool critical = false;  ///< drawn in the colour of critical parts
-  int group = 0;          ///< of several robots: which one, by its colour; -1: an obstacle that moves
+  int group = 0;  ///< of several robots: which one, by its colour; -1: an obstacle that moves; -2: one
+                  ///< that robots know from the map alone
+};
+
+/// Voxels that a map has from some time on, and did not have when the page's map was made.
+struct PageSeen {
+  double time = 0.0;  ///< s
+  std::vector<Eigen::Vector3d> centers;
 };
 
 /// One plan, found or not. All per-waypoint arrays have as many entries as `waypoints`, or none.
@@ -50,6 +57,12 @@ struct PagePlan {
   std::vector<Eigen::VectorXd> speeds, accelerations;
   std::vector<double> max_speed, max_acceleration;  ///< limits of each joint, of a plan with time
   double security_distance = 0.0;                   ///< m: what was to be kept; 0: nothing was said
+  /// While a map changes: what is blocked anew from time to time, the edge of these voxels, and at each
+  /// waypoint how old the map was, s, and the true distance from what `clearance` has from the map alone, m.
+  /// Else empty.
+  std::vector<PageSeen> seen;
+  double seen_voxel = 0.0;
+  std::vector<double> map_age, true_separation;
   std::vector<PageFigure> figures;
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame
   std::vector<Sphere> to_paint;           ///< where more paint would connect the ends; map frame

@@ -74,11 +74,6 @@ Points all_around(double range, double spacing) {
   return points_on(BoxShape{Eigen::Vector3d::Constant(2.0 * range)}, spacing);
 }
 
-/// The middle of the voxel where a scan that is discretized ends a ray to the point.
-Eigen::Vector3d ray_end(const Eigen::Vector3d& point, double resolution) {
-  return ((point / resolution).array().floor() + 0.5) * resolution;
-}
-
 /// Whether a ray from `from` to the middle of a voxel passes through no other one that is occupied: else it
 /// would carve what stands there.
 bool is_clear_way(const BlockedSpace& occupied, const Eigen::Vector3d& from, const Eigen::Vector3d& end) {
@@ -103,6 +98,10 @@ Scan empty_scan(const Eigen::Vector3d& from) {
 }
 
 }  // namespace
+
+Eigen::Vector3d voxel_middle(const Eigen::Vector3d& point, double resolution) {
+  return ((point / resolution).array().floor() + 0.5) * resolution;
+}
 
 std::vector<Eigen::Vector3d> surface_points(const SceneShape& solid, double spacing) {
   Points points = std::visit([&](const auto& shape) { return points_on(shape, spacing); }, solid.geometry);
@@ -138,15 +137,27 @@ Scan scan_voxels(const BlockedSpace& occupied, const Eigen::Vector3d& sensor, do
   const Eigen::Vector3d from = sensor + resolution * Eigen::Vector3d(1.3e-3, 0.7e-3, 1.9e-3);
   Scan scan = empty_scan(from);
   const auto add = [&](const Eigen::Vector3d& end) {
-    if (is_clear_way(occupied, from, end)) scan.points.push_back((end - from).cast<float>());
+    const bool is_clear = is_clear_way(occupied, from, end);
+    if (is_clear) scan.points.push_back((end - from).cast<float>());
+    return is_clear;
+  };
+  // A voxel whose middle others hide may show a face: a table top at a flat angle does.
+  const auto add_voxel = [&](const Eigen::Vector3d& voxel) {
+    if (add(voxel)) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double side = from[axis] - voxel[axis];
+      Eigen::Vector3d face = voxel;
+      face[axis] += std::copysign(0.45 * resolution, side);
+      if (std::abs(side) > 0.5 * resolution && add(face)) return;
+    }
   };
   const Eigen::AlignedBox3d near(from.array() - range, from.array() + range);
   occupied.visit_surface(near, [&](const Eigen::Vector3d& voxel) {
-    if ((voxel - from).norm() <= range) add(voxel);
+    if ((voxel - from).norm() <= range) add_voxel(voxel);
     return true;
   });
   for (const Eigen::Vector3d& point : all_around(range, resolution)) {
-    const Eigen::Vector3d end = ray_end(from + 1.5 * range * point.normalized(), resolution);
+    const Eigen::Vector3d end = voxel_middle(from + 1.5 * range * point.normalized(), resolution);
     const RayHit first = occupied.cast_ray(from, end - from, 0.0);
     if (first.hit && first.distance < range + resolution) continue;
     scan.points.push_back((end - from).cast<float>());
@@ -154,24 +165,26 @@ Scan scan_voxels(const BlockedSpace& occupied, const Eigen::Vector3d& sensor, do
   return scan;
 }
 
-Scan scan_solids_before(const Scan& still, const std::vector<SceneShape>& solids,
-                        const BlockedSpace& occupied, double range, double resolution) {
+SolidScan scan_solids_before(const Scan& still, const std::vector<SceneShape>& solids,
+                             const BlockedSpace& occupied, double range, double resolution) {
   const Eigen::Vector3d from = still.map_from_sensor.translation();
   const std::vector<Surface> surfaces(solids.begin(), solids.end());
   std::vector<const Surface*> targets;
   for (const Surface& surface : surfaces) targets.push_back(&surface);
-  Scan scan = empty_scan(from);
+  SolidScan found{empty_scan(from), 0};
+  std::vector<Eigen::Vector3f>& points = found.scan.points;
   const auto add = [&](const Eigen::Vector3d& point) {  // of a solid
-    const Eigen::Vector3d end = ray_end(from + point, resolution);
-    if (is_clear_way(occupied, from, end)) scan.points.push_back((end - from).cast<float>());
+    const Eigen::Vector3d end = voxel_middle(from + point, resolution);
+    if (is_clear_way(occupied, from, end)) points.push_back((end - from).cast<float>());
   };
+  std::vector<Eigen::Vector3f> beside;
   for (const Eigen::Vector3f& point : still.points) {
     const Eigen::Vector3d way = point.cast<double>().normalized();
     const double along = cast_ray(targets, from, way).hit.along;
     if (along < point.norm())
       add(along * way);
     else
-      scan.points.push_back(point);
+      beside.push_back(point);
   }
   for (const SceneShape& solid : solids) {
     for (const Eigen::Vector3d& point : surface_points(solid, resolution / 2)) {
@@ -180,7 +193,14 @@ Scan scan_solids_before(const Scan& still, const std::vector<SceneShape>& solids
       if (along <= range) add(along * way);
     }
   }
-  return scan;
+  const auto is_before = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::sort(points.begin(), points.end(), is_before);  // one ray to each voxel is enough
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  found.on_solids = points.size();
+  points.insert(points.end(), beside.begin(), beside.end());
+  return found;
 }
 
 }  // namespace clearway

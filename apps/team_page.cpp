@@ -93,7 +93,7 @@ ReportPage page_of_team(const Team& team, const Snapshot& map, const std::string
     PageShape& shape = page.robot.emplace_back(page_shape(team.obstacles[o].shape));
     shape.link = static_cast<int>(robot.links.size() + o);
     shape.part = team.obstacles[o].name;
-    shape.group = -1;
+    shape.group = team.obstacles[o].is_sensed ? -2 : -1;
   }
   page.robot_home = poses_of(team, robot, start, 0.0);
   return page;

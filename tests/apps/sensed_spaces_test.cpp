@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "apps/suite_teams.hpp"
@@ -191,6 +192,73 @@ TEST(SensedSpaces, PaintIsAConflictWhereAnObstacleIsSeenAndPaintAgainAfterIt) {
   EXPECT_EQ(scene.map.state(face), VoxelState::painted);  // the world's own map is not touched
 }
 
+/// The box stands against a wall, or on it, and goes away: what of it is left in the map.
+std::size_t left_over(const Approach& scene, double y) {
+  Team team = make_team(scene.given, scene.map, scene.policies);
+  Eigen::Isometry3d near = Eigen::Isometry3d::Identity(), far = near;
+  near.translation() = Eigen::Vector3d(0.3, y, 0.0);
+  far.translation() = Eigen::Vector3d(0.3, 1.1, 0.0);
+  team.obstacles[0].motion = RigidMotion({{0.0, near}, {1.0, near}, {1.1, far}});
+  SensedSpaces spaces(team, scene.given.moving, scene.sensing, scene.world, scene.map, scene.policies);
+  const auto count_near = [&](double time) {
+    spaces.at(0, time);
+    const std::vector<Eigen::Vector3d>& seen = spaces.seen_anew().back().voxels;
+    return std::count_if(seen.begin(), seen.end(), [](const Eigen::Vector3d& at) { return at.y() < 0.8; });
+  };
+  EXPECT_GT(count_near(0.9), 10);
+  return static_cast<std::size_t>(count_near(6.0));
+}
+
+TEST(SensedSpaces, NothingIsLeftOfWhatLayAgainstAWall) {
+  Approach loaded;
+  loaded.load();  // a wall up to y = -0.7
+  EXPECT_EQ(left_over(loaded, -0.64), 0U);
+  Approach made;
+  made.world.solids = {box_at(Eigen::Vector3d(2.0, 0.1, 0.4), Eigen::Vector3d(0.0, -0.76, 0.0))};
+  made.world.sensors = {{0.0, 0.5, 0.02}, {0.0, -1.1, 0.02}};
+  made.map = make_map(made.world, {});
+  made.sensing.sensors = {{-0.5, -0.55, 0.02}};
+  EXPECT_EQ(left_over(made, -0.64), 0U);
+}
+
+TEST(SensedSpaces, WhatIsSeenAnewIsToldChangeByChange) {
+  const Passing scene;
+  SensedSpaces spaces(scene.team, scene.given.moving, scene.sensing, {}, empty_map(), scene.policies);
+  const auto is_seen = [&](const SeenAnew& seen, double x) {
+    return std::any_of(seen.voxels.begin(), seen.voxels.end(), [&](const Eigen::Vector3d& voxel) {
+      return (voxel - Eigen::Vector3d(x, 0.025, 0.025)).cwiseAbs().maxCoeff() < 0.03;
+    });
+  };
+  for (int k = 0; k <= 300; ++k) spaces.at(0, 0.02 * k);
+  const std::vector<SeenAnew>& all = spaces.seen_anew();
+  EXPECT_EQ(all.front().time, 0.0);
+  EXPECT_TRUE(is_seen(all.front(), 0.975));
+  EXPECT_FALSE(is_seen(all.front(), 0.475));
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    EXPECT_GT(all[i].time, all[i - 1].time);
+    EXPECT_NE(all[i].voxels, all[i - 1].voxels);
+    EXPECT_EQ(is_seen(all[i], 0.475), all[i].time > 1.34) << all[i].time;
+  }
+  // Every one of them is blocked in the map of that time, and nothing else is: there was nothing before.
+  std::size_t blocked = 0;
+  spaces.map().visit_leaves([&](const Voxel& leaf) { blocked += leaf.state == VoxelState::occupied; });
+  EXPECT_EQ(all.back().voxels.size(), blocked);
+  for (const Eigen::Vector3d& voxel : all.back().voxels)
+    EXPECT_EQ(spaces.map().state(voxel), VoxelState::occupied);
+}
+
+TEST(SensedSpaces, AMapsAgeIsBetweenTheLatencyAndOneScanMore) {
+  const Passing scene;  // ten scans a second, known after 0.25 s
+  SensedSpaces spaces(scene.team, scene.given.moving, scene.sensing, {}, empty_map(), scene.policies);
+  for (int k = 0; k <= 100; ++k) spaces.at(0, 0.02 * k);
+  ASSERT_EQ(spaces.ages().size(), 101U);
+  for (std::size_t k = 13; k <= 100; ++k) {
+    EXPECT_GE(spaces.ages()[k], 0.25 - 1e-9);
+    EXPECT_LE(spaces.ages()[k], 0.35 + 1e-9);
+  }
+  EXPECT_EQ(spaces.ages()[5], 0.1);  // the scan at time 0 was known at once
+}
+
 TEST(SensedSpaces, WhatALoadedMapHidesIsNotSeen) {
   Approach scene;
   scene.load();
@@ -211,9 +279,25 @@ TEST(SensedSpaces, ASensorInAnOccupiedVoxelIsRefusedByPlace) {
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_EQ(std::string(error.what()),
-              "field 'sensing': sensor 2 at (0.01, -0.71, 0.02) stands in an occupied voxel, expected a "
-              "place from which something is seen");
+              "sensor 2 at (0.01, -0.71, 0.02) stands in an occupied voxel, expected a place from which "
+              "something is seen");
   }
+}
+
+TEST(SensedSpaces, ASensorInTheWayOfWhatItShallSeeIsRefusedWithTheTime) {
+  Approach scene;
+  Team team = make_team(scene.given, empty_map(), {});
+  EXPECT_NO_THROW(check_sensors(scene.sensing, team));
+  scene.sensing.sensors.emplace_back(0.3, 0.6, 0.1);  // the box comes from y = 1.1 at 5 cm a second
+  try {
+    check_sensors(scene.sensing, team);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "sensor 2 at (0.3, 0.6, 0.1) is met by 'box' at 9 s, expected a place beside its way");
+  }
+  team.obstacles[0].is_sensed = false;
+  EXPECT_NO_THROW(check_sensors(scene.sensing, team));
 }
 
 }  // namespace

@@ -55,8 +55,8 @@ TEST(SuiteScans, NoVoxelThatStandsStillIsFreedHoweverOftenItIsLookedAt) {
         SceneShape ball;  // that stands before some of them
         ball.geometry = BallShape{0.08};
         ball.map_from_shape.translation() = Eigen::Vector3d(0.25, -0.1, 0.05);
-        const Scan before = scan_solids_before(still, {ball}, *occupied, range, resolution);
-        ContinuedMap map(start, {.hit_probability = 0.9, .discretize = true});
+        const Scan before = scan_solids_before(still, {ball}, *occupied, range, resolution).scan;
+        ContinuedMap map(start, {.hit_probability = 0.9, .integration = Integration::compatible});
         for (int look = 0; look < 15; ++look)
           map.insert(look % 3 == 2 ? before : still, {.max_range = range});
         int freed = 0;

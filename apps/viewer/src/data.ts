@@ -16,12 +16,15 @@ export interface Shape {
   kind: "sphere" | "capsule" | "cylinder" | "box" | "mesh";
   size: [number, number, number];
   link: number; part: string; critical: boolean;
-  group: number;         // which of several robots; -1: an obstacle that moves
+  group: number;         // which of several robots; -1: an obstacle that moves; -2: one known from the map alone
   pose: Place;
   vertices?: Place; triangles?: Place;
 }
 
 export type Figure = [string, string];
+
+/// Voxels that a changing map has and did not have before: times, how many, then x of all, y of all, z of all.
+export interface Seen { voxel: number; times: Place; counts: Place; cells: Place }
 
 export interface Plan {
   name: string; planner: string; status: string; explanation: string;
@@ -35,6 +38,9 @@ export interface Plan {
   security: number;  // m, to be kept from obstacles; 0: nothing was said
   poses: Place;      // waypoint by waypoint, link by link: x y z qx qy qz qw
   clearance: Place;  // metres, NaN = not known
+  trueSeparation: Place;  // metres, from what is known from the map alone; empty when nothing is
+  mapAge: Place;     // s, at each waypoint; empty when the map does not change
+  seen: Seen;
   figures: Figure[];
   tip: Place; start: Place; goal: Place;
   paint: Place;      // balls to paint for a plan that found no path: x y z radius colour

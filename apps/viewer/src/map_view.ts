@@ -9,18 +9,20 @@ import type { Options } from "./options";
 import { palette } from "./palette";
 import { pick, type Hit } from "./pick";
 import { posesAt, RobotView } from "./robot";
+import { SeenVoxels } from "./seen_voxels";
 import { Stage, viewNames } from "./stage";
 import { cutUniform } from "./surface_material";
 
-interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group }
+interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group; counter?: HTMLElement }
 
 const stateLabels: Record<string, string> = { painted: "painted", occupied: "occupied", conflict: "conflict", seen_free: "seen free" };
-const shownFirst = new Set(["painted", "occupied", "conflict", "robot", "tip", "ghosts", "advice"]);
+const shownFirst = new Set(["painted", "occupied", "conflict", "robot", "tip", "ghosts", "advice", "seen"]);
 
 export class MapView {
   private readonly stage: Stage;
   private readonly rows: LayerRow[] = [];
   private readonly robot: RobotView;
+  private readonly seen: SeenVoxels;
   private readonly tips = new Group();
   private readonly advice = new Group();  // balls to paint, a layer a plan
   private readonly adviceLayers: (Layer | null)[] = [];
@@ -36,6 +38,7 @@ export class MapView {
     this.stage.isoAzimuth = page.isoAzimuth;
     const faces = unpackAll(page, arrays);
     this.robot = new RobotView(page, arrays);
+    this.seen = new SeenVoxels(page, arrays);
     this.addMap(faces);
     this.addRobot();
     this.measure();
@@ -85,6 +88,7 @@ export class MapView {
       this.addRow("ghosts", "start, goal", "", ["start", "goal"], this.robot.ghosts);
       this.robot.showAt(this.page.home.count > 0 ? this.arrays.f32(this.page.home) : null);
     }
+    if (this.page.plans.some((plan) => plan.seen.times.count > 0)) this.addRow("seen", "seen anew", "0", ["sensed"], this.seen.group);
     for (const plan of this.page.plans) {
       const layer = plan.paint.count > 0 ? ballLayer(this.arrays.f32(plan.paint)) : null;
       this.adviceLayers.push(layer);
@@ -137,8 +141,8 @@ export class MapView {
         this.stage.invalidate();
       });
       const swatches = row.swatches.map((name) => el("i", { class: `swatch swatch-${name}` }));
-      byId("layer-rows").append(el("label", { class: "layer" }, box, ...swatches, el("span", { class: "layer-name" }, row.label),
-                                   el("span", { class: "count" }, row.count)));
+      row.counter = el("span", { class: "count" }, row.count);
+      byId("layer-rows").append(el("label", { class: "layer" }, box, ...swatches, el("span", { class: "layer-name" }, row.label), row.counter));
       if (row.name === "painted") this.addOpacity(row.layer!, opacity ?? 0.42);
     }
   }
@@ -189,6 +193,7 @@ export class MapView {
     const end = (place: Place, from: number) => place.count > 0 ? this.arrays.f32(place)
       : size > 0 && plan.waypoints > 0 ? this.poses.subarray(from, from + size) : null;
     this.robot.showEnds(end(plan.start, 0), end(plan.goal, (plan.waypoints - 1) * size));
+    this.seen.show(plan);
     this.drawTip(this.arrays.f32(plan.tip));
     this.adviceLayers.forEach((layer, i) => { if (layer) layer.group.visible = this.page.plans[i] === plan; });
     if (this.poses.length === 0) {
@@ -201,6 +206,8 @@ export class MapView {
   showTime(time: number): void {
     if (this.plan && this.poses.length > 0)
       this.robot.showAt(posesAt(this.poses, this.plan.links, this.plan.waypoints, time));
+    const counter = this.row("seen")?.counter;
+    if (counter) counter.textContent = grouped(this.seen.showTime(time));
     this.stage.invalidate();
   }
 
@@ -224,6 +231,7 @@ export class MapView {
     for (const row of this.rows) row.layer?.recolor();
     for (const layer of this.adviceLayers) layer?.recolor();
     this.robot.recolor();
+    this.seen.recolor();
     this.tipMaterial.color.set(palette().tip);
     this.stage.recolor();
   }

@@ -20,6 +20,8 @@ export class Plots {
   private keys: HTMLElement[] = [];
   private values: Float32Array[] = [];
   private clearances: Float32Array = new Float32Array();
+  private truth: Float32Array = new Float32Array();  // separation from what robots know from the map alone
+  private ages: Float32Array = new Float32Array();   // of that map
   private plan: Plan | null = null;
   private time = 0;
   private degrees = false;
@@ -44,6 +46,9 @@ export class Plots {
     this.hidden.clear();
     this.values = this.jointsOf(plan, plan.values);
     this.clearances = this.arrays.f32(plan.clearance);
+    this.truth = this.arrays.f32(plan.trueSeparation);
+    this.ages = this.arrays.f32(plan.mapAge);
+    byId("map-age").hidden = this.ages.length === 0;
     this.redraw();
   }
 
@@ -117,8 +122,13 @@ export class Plots {
     const colors = palette(), values = this.clearances;
     const known = Array.from(values, (c) => Number.isNaN(c) ? null : c);
     const least = known.reduce<number>((best, c, i) => c !== null && (best < 0 || c < known[best]!) ? i : best, -1);
+    const hasTruth = this.truth.length > 0;
+    const key = (text: string, color: string) => el("span", { style: `color:${color}` }, text);
     byId("clearance-key").hidden = plan.security <= 0;
-    byId("clearance-key").textContent = `┄ d_s ${metres(plan.security)}`;
+    byId("clearance-key").title = hasTruth ? "What robots know, and how far what is sensed really is" : "";
+    byId("clearance-key").replaceChildren(
+      ...(hasTruth ? [key("— known ", colors.clearance), key("— true ", colors.truth)] : []),
+      `┄ d_s ${metres(plan.security)}`);
     const lines = (u: uPlot) => {
       limitLine(u, "m", 0, colors.danger, -1);
       if (plan.security > 0) limitLine(u, "m", plan.security, colors.muted, 0, [5, 4]);
@@ -132,14 +142,15 @@ export class Plots {
       draw.restore();
     };
     this.clearance = new TimePlot(byId("clearance-plot"), kHeight + (plan.period > 0 ? 0 : kLabel), this.scale, {
-      series: [{}, { label: "clearance", scale: "m", stroke: colors.clearance, width: 1.8, pxAlign: 0, points: { show: steps.length < 12 } }],
+      series: [{}, { label: "clearance", scale: "m", stroke: colors.clearance, width: 1.8, pxAlign: 0, points: { show: steps.length < 12 } },
+               ...(hasTruth ? [{ label: "true", scale: "m", stroke: colors.truth, width: 1.4, pxAlign: 0, points: { show: false } }] : [])],
       axes: [this.scale.axis(plan.period > 0 ? undefined : this.scale.label), axis({ scale: "m", label: "m", size: 54 })],
       scales: { x: { time: false }, m: { range: (_u, low, high) => {
         const [from, to] = [Math.min(0, low ?? 0), Math.max(0, high ?? 0)], margin = 0.08 * Math.max(to - from, 1e-3);
         return [from - margin, to + margin];
       } } },
       hooks: { draw: [lines], setCursor: [(u) => this.showClearance(u.cursor.idx ?? null)] },
-    }, [steps, known], (time) => this.onSeek(time));
+    }, [steps, known, ...(hasTruth ? [Array.from(this.truth)] : [])], (time) => this.onSeek(time));
   }
 
   /// The values at the cursor while it is in a plot, else at the playhead.
@@ -164,5 +175,7 @@ export class Plots {
     for (const plot of [this.joints, this.clearance, ...this.rates]) plot?.showTime(time);
     this.showKeys(null);
     this.showClearance(null);
+    const age = this.ages[Math.min(this.ages.length - 1, Math.round(time))];
+    if (age !== undefined) byId("map-age").textContent = `map ${Math.round(1000 * age)} ms old`;
   }
 }

@@ -76,6 +76,7 @@ export class RobotView {
   private readonly plain = new MeshPhongMaterial({ shininess: 40, specular: 0x222222 });
   private readonly critical = new MeshPhongMaterial({ shininess: 40, specular: 0x222222 });
   private readonly obstacle = new MeshPhongMaterial({ shininess: 40, specular: 0x222222 });
+  private readonly unknown = new MeshPhongMaterial({ transparent: true, opacity: 0.45, depthWrite: false });  // but for the map
   private readonly others: MeshPhongMaterial[] = [];  // robots after the first, in a colour each
   private readonly ghostColors: MeshPhongMaterial[] = [];
 
@@ -83,7 +84,7 @@ export class RobotView {
     const geometries = page.robot.map((shape) => geometryOf(shape, arrays));
     const last = Math.max(0, ...page.robot.map((shape) => shape.group));
     while (this.others.length < last) this.others.push(new MeshPhongMaterial({ shininess: 40, specular: 0x222222 }));
-    const material = (shape: Shape) => shape.group < 0 ? this.obstacle : shape.critical ? this.critical
+    const material = (shape: Shape) => shape.group < -1 ? this.unknown : shape.group < 0 ? this.obstacle : shape.critical ? this.critical
       : shape.group > 0 ? this.others[shape.group - 1] : this.plain;
     this.solid = new Body(page.robot, geometries, arrays, [{ material, order: 0 }]);
     this.start = this.ghost(page, geometries, arrays, 20);
@@ -108,6 +109,7 @@ export class RobotView {
     this.plain.color.set(palette().robot);
     this.critical.color.set(palette().critical);
     this.obstacle.color.set(palette().conflict);
+    this.unknown.color.set(palette().conflict);
     this.others.forEach((other, i) => other.color.set(palette().robots[i % palette().robots.length]));
     this.ghostColors[0].color.set(palette().start);
     this.ghostColors[1].color.set(palette().goal);
