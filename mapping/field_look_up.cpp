@@ -120,18 +120,28 @@ double BlockedField::coarse_clearance(const Eigen::Vector3d& point) const {
 }
 
 std::array<int, 7> BlockedField::squared_around(const Eigen::Vector3i& voxel) const {
-  const auto [x, y, z] =
-      std::array{voxel.x() - cells_.first.x(), voxel.y() - cells_.first.y(), voxel.z() - cells_.first.z()};
+  const int x = voxel.x() - cells_.first.x(), y = voxel.y() - cells_.first.y(),
+            z = voxel.z() - cells_.first.z();
   const int last_x = cells_.size.x() - 1, last_y = cells_.size.y() - 1, last_z = cells_.size.z() - 1;
-  const bool is_far_inside = x > 0 && y > 0 && z > 0 && x < last_x && y < last_y && z < last_z;
+  const int border = std::min({x, y, z, last_x - x, last_y - y, last_z - z});
+  // The border is too far to count.
+  if (border > 0 && (!outside_blocked_ || (2 * border - 1) * (2 * border - 1) >= layers_.cap())) {
+    const TiledCells& cells = layers_.distances();
+    const std::uint16_t* const row = cells.line(x >> 5, y, z);
+    const int in_row = x & 31;
+    return {row[in_row],
+            in_row > 0 ? row[in_row - 1] : cells.at(x - 1, y, z),
+            in_row < 31 ? row[in_row + 1] : cells.at(x + 1, y, z),
+            cells.at(x, y - 1, z),
+            cells.at(x, y + 1, z),
+            cells.at(x, y, z - 1),
+            cells.at(x, y, z + 1)};
+  }
   const auto one = [&](int i, int j, int k) {
-    const bool is_inside =
-        is_far_inside || (i >= 0 && j >= 0 && k >= 0 && i <= last_x && j <= last_y && k <= last_z);
-    if (!is_inside) return outside_blocked_ ? 0 : -1;
+    const int within = std::min({i, j, k, last_x - i, last_y - j, last_z - k});
+    if (within < 0) return outside_blocked_ ? 0 : -1;
     const int squared = layers_.squared(i, j, k);
-    if (!outside_blocked_) return squared;
-    const int border = 2 * std::min({i, j, k, last_x - i, last_y - j, last_z - k}) + 1;
-    return std::min(squared, border * border);
+    return outside_blocked_ ? std::min(squared, (2 * within + 1) * (2 * within + 1)) : squared;
   };
   return {one(x, y, z),     one(x - 1, y, z), one(x + 1, y, z), one(x, y - 1, z),
           one(x, y + 1, z), one(x, y, z - 1), one(x, y, z + 1)};

@@ -29,6 +29,16 @@ double squared_gap(const Eigen::Vector3d& a, const Eigen::Vector3d& u, const Eig
   return (w + s * u - t * v).squaredNorm();
 }
 
+/// Whether the plane of a flat end of a cylinder, with axis half + and - about `middle`, is at least `within`
+/// from a body about the segment other_half + and - about `other`.
+bool is_beyond_end(const Eigen::Vector3d& middle, const Eigen::Vector3d& half, const Eigen::Vector3d& other,
+                   const Eigen::Vector3d& other_half, double other_radius, double within) {
+  const double squared = half.squaredNorm(), along = std::abs(half.dot(other - middle));
+  const double apart = along - squared - std::abs(half.dot(other_half));  // times the length of half
+  const double needed = other_radius + within;
+  return apart > 0.0 && apart * apart >= squared * needed * needed * (1.0 + 1e-9);
+}
+
 }  // namespace
 
 Sphere ball_around(const Body& body) {
@@ -95,7 +105,12 @@ bool NearPairs::is_far(const Pair& pair, const LinkPoses& map_from_link) const {
   const auto along = [&](const Placed& placed) -> Eigen::Vector3d {
     return map_from_link[static_cast<std::size_t>(placed.body->link)].linear().lazyProduct(placed.half);
   };
-  return squared_gap(first.middle, along(first), second.middle, along(second)) >= pair.axes_apart;
+  const Eigen::Vector3d first_half = along(first), second_half = along(second);
+  if (squared_gap(first.middle, first_half, second.middle, second_half) >= pair.axes_apart) return true;
+  return (first.is_flat() && is_beyond_end(first.middle, first_half, second.middle, second_half,
+                                           second.body->shape.radius(), pair.within)) ||
+         (second.is_flat() && is_beyond_end(second.middle, second_half, first.middle, first_half,
+                                            first.body->shape.radius(), pair.within));
 }
 
 }  // namespace clearway

@@ -22,7 +22,8 @@ struct NearPair {
 };
 
 /// The pairs of contact_pairs that are nearer than some distance, for loops: most are told apart by balls,
-/// then by the segments in their middles, before `distance` is asked. It allocates nothing after it is made.
+/// then by the segments in their middles, or by the flat ends of cylinders, before `distance` is asked. It
+/// allocates nothing after it is made.
 class NearPairs {
  public:
   /// @param within metres, of each pair; negative: never. @param robot must live as long.
@@ -40,6 +41,7 @@ class NearPairs {
     bool has_axis;                                     ///< boxes and hulls have none
     Eigen::Vector3d half;                              ///< the axis' upper half, link frame
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< of ball and axis, map frame
+    bool is_flat() const { return body->shape.kind() == Shape::Kind::cylinder; }
   };
   struct Pair {
     int first, second;

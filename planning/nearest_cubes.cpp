@@ -1,7 +1,9 @@
 #include "planning/nearest_cubes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace clearway {
 namespace {
@@ -20,14 +22,30 @@ int squared_gap(const Eigen::Vector3i& away) {
   return sum;
 }
 
-constexpr int no_offset = 1000;
+constexpr int no_offset = 127;
+/// Squared distances to cubes at most 89 voxels away change by no more than this from voxel to voxel.
+constexpr int largest_fall = 8 * 90;
 
-/// The k for which one voxel further the squared gap has fallen by `fall`. 0 by none: along a wall.
-int offset_of(int fall) {
+/// The k for which one voxel further the squared gap has fallen by `fall`: 0 by none, along a wall.
+constexpr int offset_told(int fall) {
   if (fall == 1) return 1;
   if (fall == -1 || fall == 0) return 0;
   if (fall % 8 != 0) return no_offset;
   return fall > 0 ? fall / 8 + 1 : fall / 8;
+}
+
+constexpr auto offsets = [] {
+  std::array<std::int8_t, 2 * largest_fall + 1> table{};
+  for (int fall = -largest_fall; fall <= largest_fall; ++fall)
+    table[static_cast<std::size_t>(fall + largest_fall)] = static_cast<std::int8_t>(offset_told(fall));
+  return table;
+}();
+
+/// Of a voxel to one that shares a face with it; a negative distance is none.
+int offset_of(int squared, int next) {
+  const int fall = squared - next;
+  if (next < 0 || fall < -largest_fall || fall > largest_fall) return no_offset;
+  return offsets[static_cast<std::size_t>(fall + largest_fall)];
 }
 
 }  // namespace
@@ -81,8 +99,8 @@ bool NearestCubes::by_differences(const Eigen::Vector3i& voxel, const Squares& s
   int candidates[3][2];
   int count[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto told_by = [&](int next) { return next < 0 ? no_offset : offset_of(squared[0] - next); };
-    const int behind = told_by(squared[2 * axis + 2]), before = told_by(squared[2 * axis + 1]);
+    const int behind = offset_of(squared[0], squared[2 * axis + 2]);
+    const int before = offset_of(squared[0], squared[2 * axis + 1]);
     int& number = count[axis] = 0;
     if (behind != no_offset) candidates[axis][number++] = behind;
     if (before != no_offset && -before != behind) candidates[axis][number++] = -before;
