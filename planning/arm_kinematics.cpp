@@ -44,6 +44,7 @@ ArmKinematics::ArmKinematics(const Robot& robot)
                                       : chains_[static_cast<std::size_t>(link.parent)]);
     column_of_.push_back(link.joint >= 0 ? columns++ : -1);
     if (link.joint >= 0) chains_.back().push_back({column_of_.back(), link.joint});
+    widths_.push_back(chains_.back().empty() ? 0 : lanes::padded(chains_.back().back().column + 1));
   }
   columns_ = lanes::padded(columns);
   screws_.resize(6 * static_cast<std::size_t>(columns_));
@@ -89,7 +90,7 @@ void ArmKinematics::rate(int link, const Eigen::Vector3d& point, const Eigen::Ve
                          std::span<double> gradient) const {
   std::fill(gradient.begin(), gradient.end(), 0.0);
   const Eigen::Vector3d turn = point.cross(normal);
-  for (int column = 0; column < columns_; column += lanes::width) {
+  for (int column = 0; column < widths_[static_cast<std::size_t>(link)]; column += lanes::width) {
     const auto row = [&](int k) { return lanes::load(screws_.data() + k * columns_ + column); };
     const lanes::Numbers turning = turn.x() * row(0) + turn.y() * row(1) + turn.z() * row(2);
     const lanes::Numbers moving = normal.x() * row(3) + normal.y() * row(4) + normal.z() * row(5);
@@ -101,7 +102,7 @@ void ArmKinematics::rate(int link, const Eigen::Vector3d& point, const Eigen::Ve
 
 double ArmKinematics::farthest_move(int link, const Sphere& ball, std::span<const double> steps) const {
   const Eigen::Vector3d& at = ball.center;
-  for (int column = 0; column < columns_; column += lanes::width) {
+  for (int column = 0; column < widths_[static_cast<std::size_t>(link)]; column += lanes::width) {
     const auto row = [&](int k) { return lanes::load(screws_.data() + k * columns_ + column); };
     const lanes::Numbers turn_x = row(0), turn_y = row(1), turn_z = row(2);
     const lanes::Numbers x = row(3) + at.z() * turn_y - at.y() * turn_z;

@@ -47,6 +47,7 @@ class ArmKinematics {
   int columns_ = 0;                         ///< links that a joint moves, padded to whole lanes
   std::vector<int> column_of_;              ///< of each link; -1: no joint moves it
   std::vector<double> screws_;              ///< rows: turn x, y, z, moment x, y, z (Pluecker, map frame)
+  std::vector<int> widths_;                 ///< of each link: columns of its chain, padded
   std::vector<double> turns_;               ///< of each column: how fast it turns
   std::vector<std::vector<Moved>> chains_;  ///< of each link: itself and its parents that a joint moves
   mutable std::vector<double> rates_;       ///< of each column
