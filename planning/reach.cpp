@@ -20,6 +20,9 @@ bool slides(const Robot& robot, const Link& link) {
   return link.joint >= 0 && joint_of(robot, link).kind == JointKind::prismatic;
 }
 
+/// m: no map reaches so far from the origin.
+constexpr double beyond_maps = 1e8;
+
 /// The two ends of a prismatic joint's travel, as it moves this link.
 std::pair<double, double> travel(const Robot& robot, const Link& link) {
   const Joint& joint = joint_of(robot, link);
@@ -88,8 +91,8 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body) {
       const auto [low, high] = travel(robot, link);
       const Eigen::Vector3d axis = joint_of(robot, link).axis;
       Place other = place;
-      place.shift(low * axis);
-      other.shift(high * axis);
+      place.shift(std::max(low, -beyond_maps) * axis);  // without limits: infinite
+      other.shift(std::min(high, beyond_maps) * axis);
       place.box.extend(other.box);
     }
     if (turns(robot, link)) place.turn_about(joint_of(robot, link).axis);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/configuration_space.hpp"
 #include "tests/planning/random_world.hpp"
 
 namespace clearway {
@@ -36,6 +37,23 @@ TEST(Reach, SlidingAndPlanarRobotsStayInTheirPlane) {
   const Robot disc = load_robot("point"), arm = load_robot("planar2");
   EXPECT_NEAR(reach_box(disc, disc.bodies.back()).sizes().z(), 0.01, 1e-12);
   EXPECT_LT(reach_box(arm, arm.bodies.back()).sizes().z(), 0.12);  // capsules of radius 0.05
+}
+
+TEST(Reach, ASlideWithoutLimitsReachesEverythingInAMap) {
+  Robot robot = load_robot("point");
+  FreeSpaceMap map({.resolution = 0.05});
+  occupy(map, {2.025, 0.025, 0.025});
+  const Policies anywhere{.critical_by_default = false};
+  for (Joint& joint : robot.joints) {
+    joint.lower = -std::numeric_limits<double>::infinity();
+    joint.upper = std::numeric_limits<double>::infinity();
+  }
+  const Eigen::AlignedBox3d box = reach_box(robot, robot.bodies[0]);
+  EXPECT_TRUE(box.contains(Eigen::Vector3d(1e6, -1e6, 0.0)) && box.contains(Eigen::Vector3d(-1e6, 1e6, 0.0)));
+  const ConfigurationSpace space(robot, map.snapshot(), anywhere);
+  EXPECT_TRUE(space.is_free(Eigen::Vector2d(0.0, 0.0)));
+  EXPECT_FALSE(space.is_free(Eigen::Vector2d(2.0, 0.0)));
+  EXPECT_FALSE(space.is_edge_free(Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(3.0, 0.0)));
 }
 
 TEST(Reach, ALeverIsAsLongAsTheFarthestPointSeenFromTheJointAxis) {
