@@ -39,8 +39,9 @@ struct TeamOptions {
 };
 
 /// Options of the planners that can lead a team, `constraint` and `boundary`, as they are given to
-/// make_planner; `max_steps` does not count, the duration does.
-/// @throws std::invalid_argument for another planner, naming these two, and as make_planner
+/// make_planner.
+/// @throws std::invalid_argument for another planner, naming these two, and as make_planner; for `max_steps`,
+///         in whose place a team has its duration
 TeamOptions team_options(const std::string& planner, const PlannerOptions& options);
 
 /// Whatever run_team would throw is thrown, without a run.

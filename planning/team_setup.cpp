@@ -117,13 +117,16 @@ TeamFigures choose_figures(const Team& team, const TeamOptions& options) {
   figures.influence_distance = given.influence_distance > 0.0 ? given.influence_distance : longest / 5.0;
   const double d_i = figures.influence_distance;
   const auto automatic = [&](bool own) {
-    return std::clamp(least_at_ends(team, options, d_i, own) / 2.0, 1e-3 * d_i, d_i / 8.0);
+    const double half = least_at_ends(team, options, d_i, own) / 2.0;
+    return std::clamp(half, 1e-3 * std::min(d_i, longest / 5.0), d_i / 8.0);
   };
   const bool is_given = given.security_distance > 0.0;
   figures.security_distance = is_given ? given.security_distance : automatic(false);
   figures.own_security_distance =
       is_given ? given.security_distance : std::min(figures.security_distance, automatic(true));
   const double margin = d_i - figures.security_distance;
+  require(margin > 0.0, "team: security_distance " + to_text(figures.security_distance) +
+                            ", influence_distance " + to_text(d_i) + ": expected security < influence");
   double fastest = 0.0;
   for (std::size_t i = 0; i < team.robots.size(); ++i) {
     const ConfigurationSpace& space = *team.robots[i].space;
@@ -135,10 +138,9 @@ TeamFigures choose_figures(const Team& team, const TeamOptions& options) {
     fastest = std::max(fastest, step * reach[i]);
   }
   figures.xi = given.xi > 0.0 ? given.xi : std::min(2.0 * fastest, margin);
-  require(margin > 0.0 && figures.xi <= margin * (1.0 + 1e-12),
+  require(figures.xi <= margin * (1.0 + 1e-12),
           "team: security_distance " + to_text(figures.security_distance) + ", influence_distance " +
-              to_text(d_i) + ", xi " + to_text(figures.xi) +
-              ": expected security < influence and xi <= influence - security");
+              to_text(d_i) + ", xi " + to_text(figures.xi) + ": expected xi <= influence - security");
   for (const MovingObstacle& obstacle : team.obstacles)
     figures.greatest_obstacle_speed = std::max(figures.greatest_obstacle_speed, obstacle.greatest_speed());
   return figures;
@@ -178,6 +180,9 @@ TeamOptions team_options(const std::string& planner, const PlannerOptions& optio
     all.boundary.local = read_constraint_options(reader);
   }
   reader.refuse_unknown();
+  require(
+      all.boundary.local.max_steps == 0,
+      planner + ": option 'max_steps' does not apply to a team, whose duration ends a run: expected auto");
   return all;
 }
 

@@ -221,6 +221,10 @@ TEST(Team, BadInputIsToldInOneSentence) {
   chosen.boundary.local.influence_distance = 0.02;
   chosen.boundary.local.security_distance = 0.03;
   EXPECT_NE(refusal(two_arms(), chosen).find("expected security < influence"), std::string::npos);
+  chosen.boundary.local.security_distance = 0.01;
+  chosen.boundary.local.xi = 0.011;
+  EXPECT_NE(refusal(two_arms(), chosen).find("xi 0.011: expected xi <= influence - security"),
+            std::string::npos);
   team = two_arms();
   Robot still = team.robots[0].space->robot();
   still.joints[2].max_velocity = 0.0;
@@ -229,7 +233,18 @@ TEST(Team, BadInputIsToldInOneSentence) {
             std::string::npos);
   EXPECT_THROW(team_options("beam", {}), std::invalid_argument);
   EXPECT_THROW(team_options("boundary", {{"side", "left"}}), std::invalid_argument);
+  EXPECT_THROW(team_options("boundary", {{"max_steps", "9"}}), std::invalid_argument);
   EXPECT_FALSE(team_options("constraint", {}).follows_boundaries);
+}
+
+TEST(Team, AHugeInfluenceDistanceDemandsNoMoreThanTheRobotsHaveAtTheirEnds) {
+  TeamOptions chosen = options(false);
+  chosen.boundary.local.influence_distance = 1000.0;
+  chosen.duration = 0.5;
+  const TeamRun run = run_team(two_arms(), chosen);
+  ASSERT_FALSE(run.traces.empty());
+  for (const TeamTrace& trace : run.traces)
+    EXPECT_LT(run.figures.security_distance, trace.separations.front());
 }
 
 TEST(Team, BrakingStepsEndWithinTheRoomAndNoLongerOnesDo) {
