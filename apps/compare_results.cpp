@@ -70,16 +70,16 @@ namespace {
 
 std::vector<std::vector<std::string>> team_table(const CompareExperiment& experiment) {
   std::vector<std::vector<std::string>> rows{{"planner", "arrived / valid / total", "safe", "outrun",
-                                              "refused", "motion s", "below d_s mm", "allowed mm",
-                                              "computed in s", "not arrived"}};
+                                              "refused", "motion s", "separation mm", "below d_s mm",
+                                              "allowed mm", "computed in s", "not arrived"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back(
         {experiment.planners[i].label,
          std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
          std::to_string(sum.safe), std::to_string(sum.outrun), std::to_string(sum.refused),
-         cell(sum.motion_median), cell(1000.0 * sum.worst_shortfall), cell(1000.0 * sum.allowed_shortfall),
-         cell(sum.time_median), unsolved_text(sum)});
+         cell(sum.motion_median), cell(1000.0 * sum.least_separation), cell(1000.0 * sum.worst_shortfall),
+         cell(1000.0 * sum.allowed_shortfall), cell(sum.time_median), unsolved_text(sum)});
   }
   return rows;
 }

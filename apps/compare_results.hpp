@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -104,6 +105,7 @@ struct CompareResults {
 struct CompareSummary {
   std::size_t solved = 0, valid = 0, total = 0;
   std::size_t safe = 0, outrun = 0, refused = 0;  ///< teams: by the check, arrived or not
+  double least_separation = std::numeric_limits<double>::quiet_NaN();  ///< m: of the runs that are not outrun
   double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
   double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
   double motion_median = 0.0;      ///< s, of valid runs

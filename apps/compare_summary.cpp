@@ -33,6 +33,7 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
       sum.outrun += run.check == "outrun";
       sum.refused += run.check == "refused";
       if (run.team && run.check != "outrun" && run.check != "none") {
+        sum.least_separation = std::fmin(sum.least_separation, run.min_clearance);
         const double shortfall = run.team->security_distance - run.min_clearance;
         sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
         sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
@@ -80,6 +81,7 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"motion_time_median_s", number_or_null(sum.motion_median)},
           {"safe", of_teams(sum.safe)},
           {"outrun", of_teams(sum.outrun)},
+          {"least_separation_m", of_teams(number_or_null(sum.least_separation))},
           {"below_security_distance_m", of_teams(sum.worst_shortfall)},
           {"allowed_below_m", of_teams(sum.allowed_shortfall)},
           {"unsolved", sum.unsolved}};

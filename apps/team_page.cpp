@@ -109,6 +109,8 @@ PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& ve
   if (found.check == "refused") plan.status = "refused by the check";
   if (found.check == "outrun") plan.status = "outrun";
   if (found.check == "refused") plan.explanation += " The check: " + found.contact + ".";
+  if (found.check == "outrun" && verdict.least_separation <= 0.0)
+    plan.explanation += " The check: " + verdict.between + " touch at " + significant(verdict.time) + " s.";
   for (const Joint& joint : robot.joints) {
     plan.joints.push_back(joint.name);
     plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);

@@ -91,6 +91,22 @@ TEST_F(ReportPageInChromium, ShowsAPlanInTimeWithSpeedsAndAccelerationsAgainstTh
   EXPECT_EQ(attribute(open(html, "#nowebgl&plan=1"), "plots"), "2") << "a plan without time";
 }
 
+TEST_F(ReportPageInChromium, ShowsWhatWasSeenAnewAtEachTimeAndHowOldTheMapWas) {
+  const std::string html = render_report_page(SamplePage::make_sensed());
+  const auto counted = [](const std::string& dom, const std::string& count) {
+    return dom.find("seen anew</span><span class=\"count\">" + count + "</span>") != std::string::npos;
+  };
+  const std::string half = open(html, "#plan=3&t=0.5");  // 1.46 s, the 30th waypoint
+  EXPECT_EQ(attribute(half, "errors"), "0") << errors(half);
+  EXPECT_TRUE(counted(half, "3"));
+  EXPECT_NE(half.find("map 300 ms old"), std::string::npos);
+  EXPECT_NE(half.find("true, of what is sensed"), std::string::npos);
+  EXPECT_TRUE(counted(open(html, "#plan=3&t=0"), "1"));
+  EXPECT_TRUE(counted(open(html, "#plan=3&t=1"), "0"));
+  const std::string other = open(html, "#plan=1");
+  EXPECT_NE(other.find("<output id=\"map-age\" class=\"map-age\" hidden"), std::string::npos);
+}
+
 /// Frames come from a timer, since a browser that only dumps the document draws none.
 TEST_F(ReportPageInChromium, PlaysAPlanWithTimeAsFastAsTheRobotMoves) {
   std::string html = render_report_page(SamplePage::make_timed());

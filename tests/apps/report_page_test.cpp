@@ -105,6 +105,34 @@ TEST(ReportPage, GivesBackTheBallsToPaintForAPlan) {
   EXPECT_EQ(balls[8], 0.5F);
 }
 
+TEST(ReportPage, GivesBackWhatWasSeenAnewChangeByChangeAndTheMapsAge) {
+  const ReportPage page = SamplePage::make_sensed();
+  const PageReader reader(render_report_page(page));
+  const PagePlan& given = page.plans.back();
+  const json& plan = reader.page["plans"].back();
+  EXPECT_EQ(reader.array<float>(plan["seen"]["times"]), (std::vector<float>{0.0F, 1.0F, 2.0F}));
+  const auto counts = reader.array<std::uint32_t>(plan["seen"]["counts"]);
+  ASSERT_EQ(counts, (std::vector<std::uint32_t>{1, 3, 0}));
+  const auto cells = reader.array<std::uint16_t>(plan["seen"]["cells"]);
+  ASSERT_EQ(cells.size(), 12U);
+  std::size_t start = 0;
+  for (std::size_t change = 0; change < counts.size(); start += 3 * counts[change++]) {
+    for (std::size_t i = 0; i < counts[change]; ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double middle = (cells[start + axis * counts[change] + i] - kOriginVoxel + 0.5) * 0.04;
+        EXPECT_NEAR(middle, given.seen[change].centers[i][static_cast<Eigen::Index>(axis)], 0.0201);
+      }
+    }
+  }
+  const auto ages = reader.array<float>(plan["mapAge"]);
+  const auto truths = reader.array<float>(plan["trueSeparation"]);
+  ASSERT_EQ(ages.size(), given.waypoints.size());
+  ASSERT_EQ(truths.size(), given.waypoints.size());
+  EXPECT_FLOAT_EQ(ages[3], 0.25F);
+  EXPECT_FLOAT_EQ(truths[7], static_cast<float>(given.clearance[7] + 0.01));
+  EXPECT_EQ(reader.page["plans"][0]["seen"]["times"]["count"], 0);
+}
+
 TEST(ReportPage, OffersTheReportByteForByte) {
   ReportPage page = SamplePage::make();
   page.json = "{\"a\": \"</script><!-- \xc3\xa9\"}\n";
@@ -181,6 +209,13 @@ TEST(ReportPage, RefusesSizesAndIndicesThatDisagreeAndNamesTheField) {
   refused([&](ReportPage& p) { timed(p).speeds.pop_back(); }, "speeds");
   refused([&](ReportPage& p) { timed(p).accelerations[4].resize(5); }, "accelerations");
   refused([&](ReportPage& p) { timed(p).max_speed.clear(); }, "max_speed");
+  refused(
+      [](ReportPage& p) {
+        p = SamplePage::make_sensed();
+        p.plans[3].map_age.pop_back();
+      },
+      "map_age");
+  refused([](ReportPage& p) { p.plans[0].seen = {{0.0, {}}}; }, "map_age");
   refused([](ReportPage& p) { p.plans[0].speeds = {Eigen::VectorXd::Zero(6)}; }, "speeds");
   refused([](ReportPage& p) { p.plans[0].is_prismatic.clear(); }, "is_prismatic");
   refused([](ReportPage& p) { p.plans[2].goal_poses.resize(2); }, "goal_poses");

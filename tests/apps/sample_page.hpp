@@ -34,6 +34,21 @@ class SamplePage {
     return page;
   }
 
+  /// That plan while sensors look: at 0 s one voxel is seen anew, at 1 s three, at 2 s none; the map is up to
+  /// 0.3 s old.
+  static ReportPage make_sensed() {
+    ReportPage page = make_timed();
+    PagePlan& plan = page.plans.back();
+    plan.seen_voxel = 0.04;
+    const Eigen::Vector3d first(0.3, 0.1, 0.5);
+    plan.seen = {{0.0, {first}}, {1.0, {first, {0.34, 0.1, 0.5}, {0.34, 0.14, -0.5}}}, {2.0, {}}};
+    for (std::size_t i = 0; i < plan.waypoints.size(); ++i) {
+      plan.map_age.push_back(0.1 + 0.05 * static_cast<double>(i % 5));
+      plan.true_separation.push_back(plan.clearance[i] + 0.01);
+    }
+    return page;
+  }
+
  private:
   static constexpr double kVoxel = 0.02;
 

@@ -123,12 +123,11 @@ export class Plots {
     const known = Array.from(values, (c) => Number.isNaN(c) ? null : c);
     const least = known.reduce<number>((best, c, i) => c !== null && (best < 0 || c < known[best]!) ? i : best, -1);
     const hasTruth = this.truth.length > 0;
-    const key = (text: string, color: string) => el("span", { style: `color:${color}` }, text);
+    const key = (text: string, color: string) => el("span", { class: "key" }, el("i", { style: `background:${color}` }), text);
+    byId("clearance-keys").hidden = !hasTruth;
+    byId("clearance-keys").replaceChildren(key("as robots know it, of all", colors.clearance), key("true, of what is sensed", colors.truth));
     byId("clearance-key").hidden = plan.security <= 0;
-    byId("clearance-key").title = hasTruth ? "What robots know, and how far what is sensed really is" : "";
-    byId("clearance-key").replaceChildren(
-      ...(hasTruth ? [key("— known ", colors.clearance), key("— true ", colors.truth)] : []),
-      `┄ d_s ${metres(plan.security)}`);
+    byId("clearance-key").textContent = `┄ d_s ${metres(plan.security)}`;
     const lines = (u: uPlot) => {
       limitLine(u, "m", 0, colors.danger, -1);
       if (plan.security > 0) limitLine(u, "m", plan.security, colors.muted, 0, [5, 4]);
