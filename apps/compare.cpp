@@ -115,6 +115,22 @@ void save_results(const CompareResults& results, const fs::path& out) {
   save_file(out / files[3], to_html(results));
 }
 
+/// Problems and teams that cannot begin or end where they shall, and why; each once, whoever was to plan it.
+std::vector<std::string> invalid_ends(const CompareResults& results) {
+  std::vector<std::string> sentences;
+  for (const CompareExperiment& experiment : results.experiments) {
+    for (const CompareProblem& problem : experiment.problems) {
+      const auto run = std::find_if(problem.runs.begin(), problem.runs.end(), [](const CompareRun& any) {
+        return any.status == PlanStatus::start_invalid || any.status == PlanStatus::goal_invalid;
+      });
+      if (run == problem.runs.end()) continue;
+      sentences.push_back("experiment '" + experiment.setup.name + "', problem '" + problem.name +
+                          "': " + run->explanation);
+    }
+  }
+  return sentences;
+}
+
 /// Experiment after experiment; what is found is saved after each.
 void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
              const CompareOptions& options, CompareResults& results, Console& console) {
@@ -146,6 +162,7 @@ int run_compare(const CompareOptions& options, Console& console) {
   CompareResults results = stamped(suite, options);
   run_all(suite, prepared, options, results, console);
 
+  for (const std::string& sentence : invalid_ends(results)) console.warn("clearway: " + sentence);
   const std::vector<std::string> broken = broken_promises(results);
   for (const std::string& sentence : broken) console.warn("clearway: " + sentence);
   if (console.json) {

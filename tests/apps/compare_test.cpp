@@ -88,6 +88,8 @@ TEST_F(CompareJob, EndsWithStatus0AndATableAnExperiment) {
   EXPECT_NE(run_.out.find("coarse       4 / 0 / 6"), std::string::npos) << run_.out;
   EXPECT_NE(run_.out.find("rrtconnect   4 / 4 / 6"), std::string::npos) << run_.out;
   EXPECT_NE(run_.out.find("start_invalid 2"), std::string::npos) << run_.out;
+  EXPECT_NE(run_.log.find("clearway: experiment 'round', problem 'blocked': "), std::string::npos)
+      << run_.log;
   EXPECT_NE(run_.out.find("report.html"), std::string::npos);
 }
 
