@@ -76,7 +76,7 @@ std::vector<ProjectedRow> project(const StepConstraints& constraints, const Bypa
   };
   for (Index i = 0; i < m; ++i) {
     const auto a = constraints.rows.row(i);
-    add({a.dot(plane.u1), a.dot(plane.u2)}, constraints.bounds[i], a.norm(), i, true);  // eq. 16-19
+    add({a.dot(plane.u1), a.dot(plane.u2)}, constraints.bounds[i], a.norm(), i, true);  // eq. 14-20
   }
   for (Index j = 0; j < n; ++j) add({plane.u1[j], plane.u2[j]}, constraints.upper[j], 1.0, m + j, false);
   for (Index j = 0; j < n; ++j)

@@ -14,6 +14,7 @@ struct BypassPlane {
   Eigen::VectorXd u1, u2;  ///< orthonormal; u1 points to the goal, u2 towards q_lim
 
   Eigen::Vector2d coordinates(const Eigen::VectorXd& y) const { return {u1.dot(y - lock), u2.dot(y - lock)}; }
+  /// Eq. 13.
   Eigen::VectorXd lift(const Eigen::Vector2d& du) const { return du[0] * u1 + du[1] * u2; }
 };
 
@@ -41,7 +42,8 @@ std::vector<ProjectedRow> project(const StepConstraints& constraints, const Bypa
 /// active row, of all rows that can be followed. -1 when there is none.
 int first_followed(const std::vector<ProjectedRow>& rows, const Eigen::VectorXd& multipliers);
 
-/// The row whose direction has the largest scalar product with the last A_lock; of equals the nearer one.
+/// The row whose direction has the largest scalar product with the last A_lock (eq. 23); of equals the nearer
+/// one.
 int tracked(const std::vector<ProjectedRow>& rows, const Eigen::Vector2d& last);
 
 /// The vertex of Fig. 9: the point on row `followed`'s line that is farthest along S = [-A_2, A_1] (eq. 22),

@@ -37,14 +37,14 @@ double automatic_influence(const Robot& robot, const VectorXd& reach, double res
 
 }  // namespace
 
-double damper_bound(const DamperOptions& options, double distance) {
+double damper_bound(const DamperOptions& options, double distance) {  // eq. 4
   return options.xi * (distance - options.security_distance) /
          (options.influence_distance - options.security_distance);
 }
 
 VectorXd step_to_goal(const DamperOptions& options, const Configuration& q, const Configuration& goal) {
   const VectorXd way = options.weight.cwiseProduct(goal - q);
-  const double length = way.norm();
+  const double length = way.norm();  // eq. 1, else 2
   return length > options.max_step ? VectorXd(way * (options.max_step / length)) : way;
 }
 
@@ -59,7 +59,7 @@ StepConstraints constraints_at(const ConfigurationSpace& space, const Configurat
   constraints.separation = options.influence_distance;
   for (Index i = 0; i < count; ++i) {
     const ProximityRow& pair = constraints.pairs[static_cast<std::size_t>(i)];
-    constraints.rows.row(i) = pair.gradient.cwiseQuotient(options.weight).transpose();
+    constraints.rows.row(i) = pair.gradient.cwiseQuotient(options.weight).transpose();  // eq. 6, 7
     constraints.bounds[i] = damper_bound(options, pair.distance);
     constraints.separation = std::min(constraints.separation, pair.distance);
   }
