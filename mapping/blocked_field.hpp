@@ -60,6 +60,7 @@ class BlockedField final : public BlockedSpace {
   std::size_t blocked_count() const override { return blocked_count_; }
 
   bool is_blocked(const Eigen::Vector3d& point) const override;
+  bool is_voxel_blocked(const Eigen::Vector3i& voxel) const override;
   double clearance(const Eigen::Vector3d& point) const override;
   double coarse_clearance(const Eigen::Vector3d& point) const override;
   void clearances(const PointArrays& points, std::span<double> out) const override;

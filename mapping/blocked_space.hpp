@@ -50,6 +50,8 @@ class BlockedSpace {
   virtual std::size_t blocked_count() const = 0;  ///< blocked voxels inside the region
 
   virtual bool is_blocked(const Eigen::Vector3d& point) const = 0;
+  /// The same of a whole voxel, floor(point / resolution).
+  virtual bool is_voxel_blocked(const Eigen::Vector3i& voxel) const = 0;
 
   /// Conservative lower bound of the distance from `point` to the nearest blocked voxel cube, never larger
   /// than the true distance; 0 inside a blocked voxel and for a non-finite point; at most max_distance().

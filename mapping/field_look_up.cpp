@@ -119,6 +119,14 @@ double BlockedField::coarse_clearance(const Eigen::Vector3d& point) const {
                     cells_.max_distance);
 }
 
+bool BlockedField::is_voxel_blocked(const Eigen::Vector3i& voxel) const {
+  const int x = voxel.x() - cells_.first.x(), y = voxel.y() - cells_.first.y(),
+            z = voxel.z() - cells_.first.z();
+  const bool is_inside =
+      x >= 0 && y >= 0 && z >= 0 && x < cells_.size.x() && y < cells_.size.y() && z < cells_.size.z();
+  return is_inside ? layers_.blocked().at(x, y, z) : outside_blocked_;
+}
+
 std::array<int, 7> BlockedField::squared_around(const Eigen::Vector3i& voxel) const {
   const int x = voxel.x() - cells_.first.x(), y = voxel.y() - cells_.first.y(),
             z = voxel.z() - cells_.first.z();

@@ -112,7 +112,7 @@ bool NearestCubes::by_differences(const Eigen::Vector3i& voxel, const Squares& s
       for (int k = 0; k < count[2]; ++k) {
         const Eigen::Vector3i away(candidates[0][i], candidates[1][j], candidates[2][k]);
         if (squared_gap(away) != squared[0]) continue;
-        if (!space_.is_blocked(((voxel + away).cast<double>().array() + 0.5) * resolution_)) continue;
+        if (!space_.is_voxel_blocked(voxel + away)) continue;
         for (int axis = 0; axis < 3; ++axis)
           offset[static_cast<std::size_t>(axis)] = static_cast<std::int8_t>(away[axis]);
         return true;

@@ -95,7 +95,9 @@ TEST(FieldLookUp, SquaredDistancesOfAVoxelAndItsNeighboursAreThoseToAllBlockedCu
       for (int y = first - 1; y <= last + 1; ++y) {
         for (int z = first - 1; z <= last + 1; ++z) {
           const Eigen::Vector3i cell(x, y, z);
-          if (field.is_blocked((cell.cast<double>().array() + 0.5) * edge)) cubes.push_back(cell);
+          const bool is_blocked = field.is_blocked((cell.cast<double>().array() + 0.5) * edge);
+          EXPECT_EQ(field.is_voxel_blocked(cell), is_blocked);
+          if (is_blocked) cubes.push_back(cell);
         }
       }
     }
