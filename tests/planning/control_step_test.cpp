@@ -130,8 +130,7 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
     for (std::size_t i = 0; i < all.rows().size(); ++i) {
       const ControlRow& row = all.rows()[i];
       double approach = 0.0;
-      for (std::size_t j = 0; j < 6; ++j)
-        approach += all.gradient(i)[j] * step[static_cast<Eigen::Index>(j)];
+      for (std::size_t j = 0; j < 6; ++j) approach += all.gradient(i)[j] * step[static_cast<Eigen::Index>(j)];
       EXPECT_LE(approach, row.distance - options.security_distance + 1e-9);
       if (row.behind > 0.0) continue;
       ++near;
