@@ -30,7 +30,7 @@ LineChange line_change(const std::uint16_t* before, const std::uint16_t* after);
 /// The least of 32 steps before and after, among those that differ.
 std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after);
 
-/// Which vector registers the hot loops use. Integers only, so all give the same result.
+/// Which vector registers the hot loops use. All give the same result, bit for bit.
 enum class Vectors { portable, avx2, avx512 };
 
 /// The widest that this machine has.

@@ -13,8 +13,6 @@ namespace {
 /// Rows of a ball at most, as a rule.
 constexpr std::size_t rows_of_ball = 14;
 
-/// What can approach so fast and is farther apart cannot come to the bound of its damper in one step.
-
 }  // namespace
 
 ControlRows::ControlRows(const ConfigurationSpace& space, double influence_distance, double close_distance)
