@@ -48,6 +48,16 @@ TEST(PoseStream, OutsideOfItsTimeAndAcrossGapsItSaysNothing) {
   EXPECT_NEAR(*stream.last_time(), 6.0, 1e-6);
 }
 
+TEST(PoseStream, InAGapThatIsTooLongItSaysNothingHoweverNearAReadingIs) {
+  PoseStream stream(0.25);
+  for (const double time : {5.0, 5.24, 5.5, 6.5}) stream.add(time, screw(time));
+  for (double time = 5.005; time < 6.5; time += 0.01)  // never a reading's own
+    EXPECT_EQ(stream.at(time).has_value(), time < 5.24) << time;
+  EXPECT_TRUE(stream.at(5.5) && stream.at(6.5));
+  for (const double time : {5.2401, 5.2501, 5.4999, 5.5001, 5.6, 6.4, 6.4999})
+    EXPECT_FALSE(stream.at(time)) << time;
+}
+
 TEST(PoseStream, ReadsTheTumFormat) {
   const PoseStream stream = parse_tum_poses(
       "# time x y z qx qy qz qw\n1.0 1 2 3 0 0 0 1\n\n1.2 1 2 5 0 0 0.70710678 0.70710678  # turned\n", "t",

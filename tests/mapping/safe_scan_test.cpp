@@ -86,6 +86,9 @@ TEST(SafeScan, TrimsByTheNoiseOfTheRangeUpToItsLimit) {
   EXPECT_DOUBLE_EQ(margins.trim(100.0), 2 * 0.05);
 }
 
+/// As its options say: 2 sigma of a structured-light camera at this range, capped.
+double noise_before_the_end(double range) { return 2.0 * std::min(0.0012 + 0.0019 * range * range, 0.05); }
+
 FreeSpaceMap map_with(double resolution, Integration integration, int threads = 1) {
   MapOptions options;
   options.resolution = resolution;
@@ -149,6 +152,31 @@ TEST(SafeScan, NoVoxelOfASlantedPlaneIsFreeWhenNoRayIsFartherFromTheNextThanTheB
     EXPECT_GT(ours.counts().seen_free, 10000U);
   }
   EXPECT_GT(eroded, 100U);
+}
+
+TEST(SafeScan, ARayFreesItsWayUpToTheNoiseOfItsRangeBeforeItsEndAndNoFarther) {
+  constexpr double resolution = 0.01, band = 0.02;
+  for (const bool discretize : {false, true}) {
+    for (const double range : {0.505, 1.005, 2.005, 3.005, 4.005, 6.005}) {
+      FreeSpaceMap map(
+          {.resolution = resolution, .discretize = discretize, .integration = Integration::safe});
+      Scan scan;
+      scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.005);
+      scan.points = {{static_cast<float>(range - 0.005), 0.0F, 0.0F}};
+      map.insert(scan);
+      const Snapshot seen = map.snapshot();
+      double farthest = 0.0;  // the far face of the last voxel that is free
+      for (double x = 0.005; x < range + 0.1; x += resolution) {
+        const VoxelState state = seen.state({x, 0.005, 0.005});
+        if (state == VoxelState::seen_free) farthest = x + resolution / 2;
+      }
+      const double noise = noise_before_the_end(range - 0.005);
+      const double end = std::min(range - noise, range - resolution / 2 - band);
+      EXPECT_LE(farthest, end + resolution + 1e-6) << range;  // the voxel in which the trimmed ray ends, too
+      EXPECT_GE(farthest, end - resolution - 1e-6) << range;
+      EXPECT_EQ(seen.state({range, 0.005, 0.005}), VoxelState::occupied) << range;
+    }
+  }
 }
 
 /// A wall 2 m ahead, and before it a plate 1 m ahead when there is one.

@@ -119,6 +119,53 @@ TEST_P(ControlRowsOf, EachRowIsTheRateOfApproachToAVoxelThatIsBlockedAndNotNeare
   EXPECT_GT(seen, 100);
 }
 
+TEST_P(ControlRowsOf, OfDampersHoldEveryVoxelThatAStepCanBringToItsBoundWithThePadding) {
+  const Robot robot = load_robot(GetParam());
+  Random random(9);
+  const double padding = 0.06;
+  const ConfigurationSpace space(robot, cluttered(robot, random), {.critical_by_default = false},
+                                 {.padding = padding});
+  const auto joints = static_cast<Eigen::Index>(robot.dof());
+  const DamperOptions damper{0.01, 0.12, 0.02, 0.05, Eigen::VectorXd::Ones(joints)};
+  ControlRows rows(space, damper);
+  int can_bind = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Configuration q = random.configuration(robot);
+    const LinkPoses poses = forward_kinematics(robot, q);
+    rows.look(q);
+    for (int index = 0; index < static_cast<int>(robot.bodies.size()); ++index) {
+      if (space.blocked_space(index) == nullptr) continue;
+      const Body& body = robot.bodies[static_cast<std::size_t>(index)];
+      const Eigen::Isometry3d pose = poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+      Eigen::AlignedBox3d box = body.shape.bounds(pose);
+      box.min().array() -= influence + padding;
+      box.max().array() += influence + padding;
+      DistanceBounds nearest;
+      nearest.upper = 1.0;
+      space.blocked_space(index)->visit_blocked(box, [&](const Eigen::Vector3d& cube) {
+        const DistanceBounds bounds = distance_to_cube(body.shape, pose, cube, edge);
+        if (bounds.upper < nearest.upper) nearest = bounds;
+        return true;
+      });
+      if (nearest.upper >= 1.0 || nearest.lower <= 0.0) continue;
+      // Half a voxel more, since the row may be of a neighbour; and still its damper binds in one step.
+      const double distance = nearest.upper - padding + 0.5 * edge;
+      const Eigen::VectorXd rates =
+          jacobian(robot, poses, body.link, nearest.point_a).topRows<3>().transpose() * nearest.direction;
+      const double approach = damper.max_step * rates.cwiseAbs().sum();
+      if (distance >= damper.influence_distance || approach <= std::max(1e-6, damper_bound(damper, distance)))
+        continue;
+      ++can_bind;
+      double ours = 1.0;
+      for (const ControlRow& row : rows.rows()) {
+        if (row.body == index && row.other < 0) ours = std::min(ours, row.distance);
+      }
+      EXPECT_LE(ours, distance) << GetParam() << " body " << index;
+    }
+  }
+  EXPECT_GT(can_bind, 50);
+}
+
 INSTANTIATE_TEST_SUITE_P(Arms, ControlRowsOf, testing::Values("puma560", "panda", "arm5"));
 
 TEST(ControlRows, BodiesThatOverlapHaveARowAlongTheLineBetweenTheirMiddles) {

@@ -5,6 +5,7 @@
 #include "planning/path_check_model.hpp"
 #include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
+#include "tests/planning/urdf_robots.hpp"
 
 namespace clearway {
 namespace {
@@ -217,6 +218,152 @@ TEST(PathCheck, ItsDistancesAreProvedAndAsLargeAsOurs) {
   }
   EXPECT_LT(over, 1e-9);
   EXPECT_LT(under, 1e-4);
+}
+
+TEST(PathCheck, EveryEdgeOfAPathTooWideForOneBlockOfVoxelsIsChecked) {
+  const Robot disc = load_robot("point");  // of radius 0.2, it slides up to 100 m
+  std::vector<Configuration> path;         // round a square, in edges that are cut apart in several ways
+  for (const auto& [x, y] :
+       {std::pair(-50, -50), {0, -50}, {50, -50}, {50, 50}, {0, 50}, {-50, 50}, {-50, -40}})
+    path.push_back(Eigen::Vector2d(x, y));
+  std::vector<Eigen::Vector3d> beside;  // 0.1 m from the disc at each waypoint, outside the square
+  for (const Configuration& q : path)
+    beside.push_back(cell_of({q.x(), q.y() + (q.y() > 0 ? 0.301 : -0.349), 0.0}));
+  beside.back() = cell_of({-50.349, -40.0, 0.0});
+  const auto checked = [&](std::vector<Eigen::Vector3d> cubes) {
+    return check_path(disc, map_of(cubes), {}, 0.0, path);
+  };
+  const PathVerdict free = checked(beside);
+  ASSERT_TRUE(free.valid) << free.first_contact;
+  ASSERT_EQ(free.clearance.size(), path.size());
+  for (const double clearance : free.clearance) EXPECT_NEAR(clearance, 0.1, 1e-6);
+  for (int blocked = 0; blocked + 1 < static_cast<int>(path.size()); ++blocked) {
+    const auto at = static_cast<std::size_t>(blocked);
+    const Eigen::Vector2d on = 0.37 * path[at] + 0.63 * path[at + 1];
+    const PathVerdict verdict = checked({cell_of({on.x(), on.y(), 0.0})});
+    EXPECT_FALSE(verdict.valid) << "edge " << blocked;
+    EXPECT_EQ(verdict.edge, blocked) << verdict.first_contact;
+  }
+}
+
+TEST(PathCheck, EveryStateOfAVoxelIsBlockedUnderThePoliciesThatDoNotAllowIt) {
+  const Robot disc = load_robot("point");  // its only part: base
+  FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
+  const int ours = builder.add_volume("ours", {"base"}), others = builder.add_volume("others", {"hand"});
+  const auto place = [](int i) { return Eigen::Vector3d(2.0 * i + 0.025, 0.025, 0.025); };
+  constexpr double ball = 0.6;              // holds the disc and the voxels that it touches
+  const auto look_all_round = [&](int i) {  // rays that free what a ball of this size holds
+    Scan scan;
+    scan.map_from_sensor.translation() = place(i);
+    Random random(11);
+    for (int k = 0; k < 20'000; ++k)
+      scan.points.push_back((ball * random.point(1.0).normalized()).cast<float>());
+    builder.insert(scan);
+  };
+  struct Case {
+    VoxelState state;
+    bool not_occupied, known_free, painted;  ///< whether the disc may be there
+  };
+  const Case cases[] = {{VoxelState::unknown, true, false, false},
+                        {VoxelState::seen_free, true, true, false},
+                        {VoxelState::painted, true, true, true},
+                        {VoxelState::occupied, false, false, false},
+                        {VoxelState::conflict, false, false, false},
+                        {VoxelState::painted, true, true, false}};  // for another part
+  look_all_round(1);
+  builder.paint(ours, {place(2), ball});
+  look_all_round(3);
+  occupy(builder, place(3));
+  occupy(builder, place(3));
+  occupy(builder, place(3));
+  builder.paint(ours, {place(4), ball});
+  occupy(builder, place(4));
+  builder.paint(others, {place(5), ball});
+  const Snapshot map = builder.snapshot();
+  for (int i = 0; i < 6; ++i) {
+    ASSERT_EQ(map.state(place(i)), cases[i].state) << i;
+    const Eigen::Vector2d at(place(i).x(), place(i).y()), on(at.x() + 0.05, at.y());
+    const auto is_valid = [&](Policy policy) {
+      const bool valid = check_path(disc, map, {{"base", policy}}, 0.0, {at, on}).valid;
+      const ConfigurationSpace space(disc, map, {.parts = {{"base", policy}}});
+      EXPECT_EQ(space.is_edge_free(at, on), valid) << i;  // whoever plans agrees
+      return valid;
+    };
+    EXPECT_EQ(is_valid(Policy::not_occupied), cases[i].not_occupied) << i;
+    EXPECT_EQ(is_valid(Policy::known_free), cases[i].known_free) << i;
+    EXPECT_EQ(is_valid(Policy::painted), cases[i].painted) << i;
+  }
+}
+
+/// Random edges, long ones too, in a world of their own: none may be valid that touches when sampled densely.
+void expect_agreement_with_dense_samples(const Robot& robot, std::uint64_t seed, int obstacles, int edges) {
+  Random random(seed);
+  const std::vector<Eigen::Vector3d> cubes = random_cubes(robot, random, obstacles);
+  const Snapshot map = map_of(cubes);
+  const FclTruth truth(robot, cubes, edge);
+  int valid = 0, refused = 0, wrongly_refused = 0;
+  for (int i = 0; i < edges; ++i) {
+    const Configuration from = random.configuration(robot);
+    const Configuration to = from + random.unit() * (random.configuration(robot) - from);
+    const PathVerdict verdict = check_path(robot, map, {}, 0.0, {from, to});
+    (verdict.valid ? valid : refused)++;
+    bool touched = false;
+    double least = 0.2;
+    for (int k = 0; k <= 300 && !touched; ++k) {
+      const LinkPoses poses = forward_kinematics(robot, from + (to - from) * k / 300);
+      touched = truth.touches_itself(poses) || truth.touches_cube(poses);
+      if (verdict.valid && k % 10 == 0) least = std::min(least, truth.cube_distance(poses, 0.2));
+    }
+    EXPECT_FALSE(verdict.valid && touched) << robot.name << " seed " << seed << " edge " << i;
+    EXPECT_LE(verdict.valid ? verdict.min_clearance : 0.0, least + 1e-9) << robot.name << " edge " << i;
+    wrongly_refused += !verdict.valid && !touched;
+  }
+  EXPECT_GT(valid, edges / 20) << robot.name;
+  EXPECT_GT(refused, edges / 20) << robot.name;
+  EXPECT_LT(wrongly_refused, edges / 20 + 2) << robot.name;
+}
+
+TEST(PathCheck, NoEdgeOfMimicJointsSlidesOrTwoArmsIsValidThatTouchesOnItsWay) {
+  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope(),
+                           scissors = testing::scissors();
+  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
+    expect_agreement_with_dense_samples(robot, 21, 0, 150);
+    expect_agreement_with_dense_samples(robot, 22, 2, 150);
+  }
+}
+
+TEST(PathCheck, NoBodyMovesFartherAndNoPairComesNearerThanItsBoundsForEveryKindOfJoint) {
+  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope(),
+                           scissors = testing::scissors();
+  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot(), load_robot("panda")}) {
+    const check::KdlArm arm(robot);
+    const check::FclBodies fcl(robot);
+    Random random(6);
+    double tightest_motion = 0.0, tightest_approach = 0.0;
+    for (int i = 0; i < 1'000; ++i) {
+      const Configuration from = random.configuration(robot);
+      const Configuration to = from + 0.01 * (random.configuration(robot) - from);
+      const Eigen::VectorXd moved = (to - from).cwiseAbs();
+      check::BodyPoses before, after;
+      arm.place(from, before);
+      arm.place(to, after);
+      for (std::size_t b = 0; b < before.size(); ++b) {
+        const Eigen::Vector3d point = robot.bodies[b].shape.support(random.point(1.0));
+        const double way = (after[b] * point - before[b] * point).norm(), bound = arm.motion(b, moved);
+        ASSERT_LE(way, bound * (1 + 1e-9) + 1e-12) << robot.name << " " << robot.bodies[b].part;
+        if (bound > 1e-3) tightest_motion = std::max(tightest_motion, way / bound);
+        for (std::size_t a = 0; a < b; ++a) {
+          const double nearer =
+              std::abs(fcl.distance(a, before[a], b, before[b]) - fcl.distance(a, after[a], b, after[b]));
+          const double most = arm.approach(a, b, moved);
+          ASSERT_LE(nearer, most + 1e-6) << robot.name;
+          if (most > 1e-3) tightest_approach = std::max(tightest_approach, nearer / most);
+        }
+      }
+    }
+    EXPECT_GT(tightest_motion, 0.5) << robot.name;
+    EXPECT_GT(tightest_approach, 0.4) << robot.name;
+  }
 }
 
 }  // namespace

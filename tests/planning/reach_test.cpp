@@ -4,6 +4,7 @@
 
 #include "planning/configuration_space.hpp"
 #include "tests/planning/random_world.hpp"
+#include "tests/planning/urdf_robots.hpp"
 
 namespace clearway {
 namespace {
@@ -61,6 +62,29 @@ TEST(Reach, ALeverIsAsLongAsTheFarthestPointSeenFromTheJointAxis) {
   EXPECT_NEAR(lever(arm, 1, arm.bodies[0]), 1.05, 1e-2);  // about the shoulder
   EXPECT_NEAR(lever(arm, 1, arm.bodies[1]), 2.05, 1e-2);
   EXPECT_NEAR(lever(arm, 2, arm.bodies[1]), 1.05, 1e-2);  // about the elbow
+}
+
+TEST(Reach, ALeverHoldsForSlidesThatGoFarthestAtTheirLowerLimitAndForJointsThatFollowThem) {
+  const testing::UrdfRobot telescope = testing::telescope();
+  const Robot& robot = telescope.robot();
+  Random random(8);
+  for (const Body& body : robot.bodies) {
+    for (int mover = body.link; mover >= 0; mover = robot.links[static_cast<std::size_t>(mover)].parent) {
+      const Link& link = robot.links[static_cast<std::size_t>(mover)];
+      if (link.joint < 0 || robot.joints[static_cast<std::size_t>(link.joint)].kind != JointKind::revolute)
+        continue;
+      double farthest = 0.0;  // of the body's points from the joint's axis, which is z of its link
+      for (int i = 0; i < 2'000; ++i) {
+        const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+        const Eigen::Vector3d point = poses[static_cast<std::size_t>(mover)].inverse() *
+                                      poses[static_cast<std::size_t>(body.link)] * body.link_from_shape *
+                                      body.shape.support(random.point(1.0));
+        farthest = std::max(farthest, point.head<2>().norm());
+      }
+      EXPECT_GE(lever(robot, mover, body), farthest) << body.part;
+      EXPECT_LT(lever(robot, mover, body), 2.0 * farthest + 0.1) << body.part;
+    }
+  }
 }
 
 }  // namespace

@@ -159,6 +159,24 @@ TEST(Probe, a_jump_stays_refused_until_time_makes_it_slow_and_the_ball_rests) {
   EXPECT_TRUE(probe.sample(stage.seen(), 10.1).accepted);
 }
 
+TEST(Probe, an_outlier_between_two_good_images_leaves_its_speed_to_the_image_after_it) {
+  Stage stage;
+  Probe probe = stage.made();
+  const auto at = [&](double x, double time) {  // metres along the image from where it began
+    Stage moved = stage;
+    moved.camera_from_probe.translation().x() -= x;
+    return probe.sample(moved.seen(), time);
+  };
+  EXPECT_TRUE(at(0.0, 0.0).accepted);
+  expect_refused(at(0.15, 0.1), Refusal::too_fast);  // 1.5 m/s, at most 0.5
+  // 0.1 m/s from the last accepted, but 1.3 m/s from where it was measured 0.1 s ago: which of the two is
+  // wrong nobody knows.
+  const PaintingSample back = at(0.02, 0.2);
+  expect_refused(back, Refusal::too_fast);
+  EXPECT_NEAR(back.speed, 1.3, 0.1);
+  EXPECT_TRUE(at(0.02, 0.3).accepted);  // it rests: slow from both
+}
+
 TEST(Probe, with_a_fixed_camera_averages_the_base_and_refuses_while_it_is_elsewhere) {
   Stage stage;
   stage.acceptance.fixed_camera = true;
