@@ -45,32 +45,6 @@ std::string nearest(const std::string& word, const std::vector<std::string>& can
   return best;
 }
 
-void add_robot_flags(CLI::App& command, RobotChoice& choice, const std::string& default_note) {
-  command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
-      ->required()
-      ->type_name("ROBOT");
-  command.add_option("--scale", choice.scale, "size against the full-size robot" + default_note)
-      ->check(positive())
-      ->type_name("S");
-  command
-      .add_option("--base", choice.base,
-                  "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + default_note)
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
-      ->type_name("POSE");
-  command
-      .add_option(
-          "--policy", choice.policies,
-          "painted, known_free or not_occupied for all parts, or PART=P for one; repeatable" + default_note)
-      ->type_name("[PART=]P")
-      ->allow_extra_args(false)
-      ->take_all();
-  command.add_option("--padding", choice.padding, "distance that every part keeps, metres")
-      ->check(number("a length from 0 to 100 (metres)", 0.0, 100.0))
-      ->type_name("M");
-}
-
 Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
@@ -126,7 +100,7 @@ Command add_plan(CLI::App& app, Console& console) {
   CLI::App* command = add_command(app, "plan", "one query on a map, in one or several legs", console);
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->type_name("MAP");
-  add_robot_flags(*command, options->robot, "");
+  add_robot_flags(*command, options->robot);
   command->get_option("--robot")->required(false);
   command->add_option("--start", options->start, "comma-separated joint values, rad or m")->type_name("Q");
   command->add_option("--goal", options->goals, "the same; several goals are legs of one path")
@@ -183,18 +157,6 @@ Command add_plan(CLI::App& app, Console& console) {
     }
     return run_plan(*options, c);
   };
-}
-
-Command add_check(CLI::App& app, Console& console) {
-  auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = add_command(
-      app, "check", "independent continuous check of a plan (KDL kinematics, FCL geometry)", console);
-  command->add_option("plan", options->plan, "plan.json")->required()->type_name("PLAN.json");
-  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
-      ->required()
-      ->type_name("MAP");
-  add_robot_flags(*command, options->robot, " (default: the plan's)");
-  return [options](Console& c) { return run_check(*options, c); };
 }
 
 Command add_simulate(CLI::App& app, Console& console) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,11 +20,11 @@ namespace clearway {
 
 /// Flags that `plan` and `check` share about the robot and what it must keep.
 struct RobotChoice {
-  std::string robot;                  ///< name in datasets/robots, .yaml or .urdf
-  std::optional<double> scale;        ///< replaces the robot's own
-  std::vector<double> base;           ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
-  std::vector<std::string> policies;  ///< "P" (all parts) or "PART=P"
-  double padding = 0.0;               ///< metres
+  std::string robot;                   ///< name in datasets/robots, .yaml or .urdf
+  std::optional<double> scale;         ///< replaces the robot's own
+  std::vector<double> base;            ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
+  std::vector<std::string> policies;   ///< "P" (all parts) or "PART=P"
+  std::optional<double> padding = {};  ///< metres
 };
 
 /// Flags of `plan` about what a path costs.
@@ -65,9 +66,16 @@ struct PlanOptions {
 };
 int run_plan(const PlanOptions& options, Console& console);
 
+/// What a plan may loosen when the user names it (--accept-…).
+enum class AcceptedTerm { robot, scale, base, policy, padding, map, goals };
+
 struct CheckOptions {
   std::filesystem::path map;
-  RobotChoice robot;  ///< base, scale, policies and padding default to the plan's
+  RobotChoice robot;
+  std::string start;
+  std::vector<std::string> goals;
+  bool degrees = false;
+  std::set<AcceptedTerm> accepted;
   std::filesystem::path plan;
 };
 int run_check(const CheckOptions& options, Console& console);

@@ -38,4 +38,30 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
+void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
+  command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
+      ->required()
+      ->type_name("ROBOT");
+  command.add_option("--scale", choice.scale, "size against the full-size robot" + notes.scale)
+      ->check(positive())
+      ->type_name("S");
+  command
+      .add_option("--base", choice.base,
+                  "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + notes.base)
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
+      ->type_name("POSE");
+  command
+      .add_option(
+          "--policy", choice.policies,
+          "painted, known_free or not_occupied for all parts, or PART=P for one; repeatable" + notes.policy)
+      ->type_name("[PART=]P")
+      ->allow_extra_args(false)
+      ->take_all();
+  command.add_option("--padding", choice.padding, "distance that every part keeps, metres" + notes.padding)
+      ->check(number("a length from 0 to 100 (metres)", 0.0, 100.0))
+      ->type_name("M");
+}
+
 }  // namespace clearway

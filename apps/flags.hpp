@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "apps/console.hpp"
+#include "apps/commands.hpp"
 
 namespace CLI {
 class App;
@@ -30,6 +30,15 @@ std::string file_name(const std::string& text);
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       Console& console);
 
+/// What a flag's help says of its default.
+struct RobotFlagNotes {
+  std::string scale = {}, base = {}, policy = {}, padding = {};
+};
+
+/// --robot, --scale, --base, --policy, --padding, as `plan` and `check` share them.
+void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
+
+Command add_check(CLI::App& app, Console& console);
 Command add_inspect(CLI::App& app, Console& console);
 Command add_compare(CLI::App& app, Console& console);
 

@@ -70,6 +70,19 @@ std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose) {
   return {t.x(), t.y(), t.z(), std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
 }
 
+std::string to_text(const Eigen::VectorXd& values) {
+  std::string text;
+  for (const double value : values)
+    text += (text.empty() ? "" : ", ") + significant(value + 0.0, 6);  // no "-0"
+  return "(" + text + ")";
+}
+
+std::string to_text(const Eigen::Isometry3d& pose) {
+  const std::vector<double> numbers = numbers_from_pose(pose);
+  return to_text(
+      Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size())));
+}
+
 std::string grouped(std::size_t number) {
   std::string digits = std::to_string(number);
   for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)

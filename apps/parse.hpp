@@ -22,6 +22,10 @@ Eigen::Isometry3d pose_from_numbers(const std::vector<double>& numbers, const st
 /// The six numbers of a pose, for messages and files.
 std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose);
 
+/// A configuration or a pose for messages: "(0.1, -2, 0.3)".
+std::string to_text(const Eigen::VectorXd& values);
+std::string to_text(const Eigen::Isometry3d& pose);
+
 /// "1234567" as "1,234,567".
 std::string grouped(std::size_t number);
 

@@ -116,7 +116,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   require_files(options);
   const Snapshot map = load_map(options.map);
 
-  const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding);
+  const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding.value_or(0.0));
   Query query{space,           options.robot.robot,
               options.map,     map_sha256(options.map),
               start,           goals,

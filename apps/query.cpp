@@ -116,6 +116,8 @@ Plan empty_plan(const Query& query) {
   plan.padding = query.space.options().padding;
   plan.payload = query.payload;
   plan.gravity = query.gravity;
+  plan.query = query.name;
+  plan.start = query.start;
   plan.goals = query.goals;
   return plan;
 }

@@ -41,6 +41,7 @@ struct Query {
   double time_limit = 60.0;                  ///< seconds for each leg
   double payload = 0.0;                      ///< kg at the tip, full size, for the path cost
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
+  std::string name = {};                     ///< in the map folder's record of its queries; empty: none
 };
 
 /// The path cost of the query's robot: gravity is turned into the frame of its base.

@@ -13,6 +13,7 @@
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/save_file.hpp"
+#include "planning/query_record.hpp"
 
 namespace clearway {
 
@@ -44,6 +45,12 @@ Configuration configuration(const std::vector<double>& values) {
   return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+std::vector<Configuration> configurations(const std::vector<std::vector<double>>& list) {
+  std::vector<Configuration> result;
+  for (const auto& values : list) result.push_back(configuration(values));
+  return result;
+}
+
 std::vector<std::string> policy_texts(const QuerySetup& query) {
   std::vector<std::string> texts;
   for (const auto& [part, policy] : query.policies)
@@ -71,7 +78,7 @@ void require_file_name(const std::string& name) {
 
 /// What an earlier replay left in this folder was made from another map: it goes before the new map comes.
 void remove_stale(const std::filesystem::path& out) {
-  for (const char* name : {"report.json", "report.html", "provenance.bin"})
+  for (const char* name : {"report.json", "report.html", "provenance.bin", "queries.json"})
     std::filesystem::remove(out / name);
   std::vector<std::filesystem::path> plans;
   for (const auto& entry : std::filesystem::directory_iterator(out / "plans")) {
@@ -99,24 +106,30 @@ class QueryRunner {
     }
   }
 
-  /// Plans on the map that was saved in the output folder.
+  /// Plans on the map that was saved in the output folder, and records there what was asked.
   std::vector<ReplayPlan> run(Console& console) {
     const std::string digest = map_sha256(options_.out);
     std::vector<ReplayPlan> plans;
+    QueryRecord record{digest, {}};
     for (const QuerySetup& query : setup_.queries) {
       spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_,
                                                              choose_policies(policy_texts(query), robot_),
                                                              SpaceOptions{.padding = query.padding}));
+      record.queries.push_back(terms_of(query, *spaces_.back()));
+    }
+    save_file(options_.out / "queries.json", to_json(record));
+    for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
+      const QuerySetup& query = setup_.queries[i];
       const Configuration start = configuration(query.start);
-      std::vector<Configuration> goals;
-      for (const auto& goal : query.goals) goals.push_back(configuration(goal));
+      const std::vector<Configuration> goals = configurations(query.goals);
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
-        Query asked{*spaces_.back(), setup_.robot->name,
-                    "map.ot",        digest,
-                    start,           goals,
-                    planner,         planner_options(query, planner),
-                    options_.seed,   options_.time_limit};
+        Query asked{*spaces_[i],   setup_.robot->name,
+                    "map.ot",      digest,
+                    start,         goals,
+                    planner,       planner_options(query, planner),
+                    options_.seed, options_.time_limit};
+        asked.name = query.name;
         asked.payload = setup_.robot->payload;
         asked.gravity = setup_.robot->gravity;
         Plan plan = solve(asked);
@@ -124,13 +137,24 @@ class QueryRunner {
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
         save_file(options_.out / file, to_json(plan));
-        plans.push_back({query.name, std::move(plan), start, file, spaces_.back().get()});
+        plans.push_back({query.name, std::move(plan), start, file, spaces_[i].get()});
       }
     }
     return plans;
   }
 
  private:
+  QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space) const {
+    return {.name = query.name,
+            .robot = setup_.robot->name,
+            .scale = robot_.scale,
+            .map_from_base = robot_.map_from_base,
+            .policies = space.policies(),
+            .padding = space.options().padding,
+            .start = configuration(query.start),
+            .goals = configurations(query.goals)};
+  }
+
   std::vector<std::string> planners(const QuerySetup& query) const {
     if (!options_.planners.empty()) return options_.planners;
     return query.planners.empty() ? std::vector<std::string>{"beam", "boundary"} : query.planners;

@@ -4,24 +4,13 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "planning/json_field.hpp"
 #include "planning/option_reader.hpp"
 
 namespace clearway {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json array_of(const Eigen::VectorXd& values) {
-  Json array = Json::array();
-  for (const double value : values) array.push_back(value);
-  return array;
-}
-
-Json array_of(const std::vector<Configuration>& path) {
-  Json array = Json::array();
-  for (const Configuration& q : path) array.push_back(array_of(q));
-  return array;
-}
 
 double length_of(const std::vector<Configuration>& path) {
   double length = 0.0;
@@ -53,7 +42,7 @@ Json leg_json(const PlanResult& leg, std::size_t first) {
   Json json = {{"status", to_string(leg.status)}, {"explanation", leg.explanation}};
   if (leg.waypoints.empty()) {
     json["waypoints"] = nullptr;
-    json["explored"] = array_of(leg.explored);
+    json["explored"] = json_of(leg.explored);
   } else {
     json["waypoints"] = {first, first + leg.waypoints.size() - 1};
   }
@@ -79,24 +68,11 @@ Json legs_json(const std::vector<PlanResult>& legs) {
   return json;
 }
 
-/// A homogeneous 4x4 matrix, row by row: reads back bit for bit, as a quaternion would not.
-Json base_json(const Eigen::Isometry3d& map_from_base) {
-  Json rows = Json::array();
-  for (int i = 0; i < 4; ++i) rows.push_back(array_of(Eigen::VectorXd(map_from_base.matrix().row(i))));
-  return rows;
-}
-
-Json policy_json(const std::map<std::string, Policy>& policies) {
-  Json json = Json::object();
-  for (const auto& [part, policy] : policies) json[part] = to_string(policy);
-  return json;
-}
-
 Json paint_json(const std::vector<PaintHint>& hints) {
   Json json = Json::array();
   for (const auto& [ball, part] : hints) {
     json.push_back(
-        {{"part", part}, {"center", array_of(Eigen::VectorXd(ball.center))}, {"radius", ball.radius}});
+        {{"part", part}, {"center", json_of(Eigen::VectorXd(ball.center))}, {"radius", ball.radius}});
   }
   return json;
 }
@@ -156,10 +132,10 @@ std::string to_json(const Plan& plan) {
       {"options", plan.options},
       {"seed", plan.seed},
       {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}, {"resolution", plan.map_resolution}}},
-      {"policy", policy_json(plan.policies)},
+      {"policy", json_of(plan.policies)},
       {"status", to_string(plan.status())},
       {"explanation", plan.explanation()},
-      {"waypoints", array_of(path)},
+      {"waypoints", json_of(path)},
       {"cost_joules", total(plan.legs, &PlanResult::cost)},
       {"length_rad", length_of(path)},
       {"search_steps", total(plan.legs, &PlanResult::search_steps)},
@@ -169,12 +145,14 @@ std::string to_json(const Plan& plan) {
       {"validation", validation_json(plan.validation)},
       {"last_segment_joules", total(plan.legs, &PlanResult::last_segment_cost)},
       {"edges_checked", total(plan.legs, &PlanResult::edges_checked)},
-      {"goals", array_of(plan.goals)},
+      {"goals", json_of(plan.goals)},
       {"scale", plan.robot_scale},
-      {"base", base_json(plan.map_from_base)},
+      {"base", json_of(plan.map_from_base)},
       {"padding_m", plan.padding},
       {"payload_kg", plan.payload},
-      {"gravity", array_of(Eigen::VectorXd(plan.gravity))}};
+      {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
+  if (!plan.query.empty()) json["query"] = plan.query;
+  if (plan.start.size() > 0) json["start"] = json_of(plan.start);
   if (!plan.paint.empty()) json["paint"] = paint_json(plan.paint);
   // Bytes that are not UTF-8 (a file name) are replaced rather than refused.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -26,6 +26,8 @@ struct Plan {
   double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
   std::vector<PlanResult> legs;              ///< each starts where the one before it ended
+  std::string query;                         ///< its name in the map folder's record; empty: none
+  Configuration start;                       ///< as asked; of no size when the file does not say
   std::vector<Configuration> goals;          ///< as asked
   double time_s = 0.0;
   std::vector<PaintHint> paint;  ///< of a plan that is not solved: where painting would help
