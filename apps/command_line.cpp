@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "apps/commands.hpp"
+#include "apps/failure.hpp"
 #include "apps/flags.hpp"
-#include "mapping/map_file.hpp"
 #include "planning/planner.hpp"
 
 namespace clearway {
@@ -211,15 +211,10 @@ int tell_usage_error(const CLI::App& app, const std::vector<std::string>& argume
 int run_guarded(const Command& command, Console& console) {
   try {
     return command(console);
-  } catch (const DamagedFile& error) {
-    console.warn(std::string("clearway: ") + error.what());
-    return exit_damaged;
-  } catch (const std::bad_alloc&) {
-    console.warn("clearway: out of memory");
-    return exit_bad_input;
-  } catch (const std::exception& error) {
-    console.warn(std::string("clearway: ") + error.what());
-    return exit_bad_input;
+  } catch (...) {
+    const Failure failure = failure_of(std::current_exception());
+    console.warn("clearway: " + failure.sentence);
+    return failure.status;
   }
 }
 

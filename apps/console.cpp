@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <ostream>
 
+#include "apps/plain_stream.hpp"
+
 namespace clearway {
 
 Console::Console(std::ostream& out, std::ostream& log, bool is_terminal)
@@ -11,12 +13,12 @@ Console::Console(std::ostream& out, std::ostream& log, bool is_terminal)
 void Console::log(std::string_view line) {
   if (quiet) return;
   clear_bar();
-  *log_ << line << '\n' << std::flush;
+  *log_ << plain_lines(line) << '\n' << std::flush;
 }
 
 void Console::warn(std::string_view line) {
   clear_bar();
-  *log_ << line << '\n' << std::flush;
+  *log_ << plain_lines(line) << '\n' << std::flush;
 }
 
 void Console::progress(std::string_view stage, double fraction) {

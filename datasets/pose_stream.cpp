@@ -4,13 +4,13 @@
 #include <mrpt/poses/CPose3DInterpolator.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/input_descriptor.hpp"
 #include "datasets/observation_decoder.hpp"
+#include "datasets/shown.hpp"
 
 namespace clearway {
 
@@ -105,14 +105,8 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
 }
 
 PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap) {
-  const std::string name = "poses '" + file.string() + "'";
-  std::error_code problem;
-  const auto size = std::filesystem::is_regular_file(file, problem) ? std::filesystem::file_size(file) : 0;
-  if (size == 0 || size > (256U << 20U))
-    throw std::invalid_argument(name + " cannot be read: expected a text file of at most 256 MB");
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in && !in.eof()) throw std::invalid_argument(name + " cannot be read");
+  const std::string name = "poses " + shown_path(file.string());
+  const std::string text = read_text_file(file, name, 256U << 20U);
   return parse_tum_poses(text, name, max_gap);
 }
 

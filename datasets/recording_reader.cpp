@@ -1,19 +1,17 @@
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <string_view>
 
 #include "datasets/decoding_child.hpp"
 #include "datasets/frame_bytes.hpp"
 #include "datasets/inflating_stream.hpp"
+#include "datasets/input_descriptor.hpp"
 #include "datasets/recording.hpp"
 #include "datasets/robot_path.hpp"
+#include "datasets/shown.hpp"
 
 namespace clearway {
 namespace {
@@ -22,35 +20,23 @@ namespace {
 class OpenRecording {
  public:
   explicit OpenRecording(const std::filesystem::path& file)
-      : descriptor_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
-    const std::string name = "recording '" + file.string() + "'";
-    if (descriptor_ < 0)
-      throw std::invalid_argument(name + " cannot be opened: " + std::strerror(errno) + ".");
-    struct stat status {};
-    const bool regular = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
-    if (!regular || status.st_size == 0 || !begins_like_a_rawlog()) {
-      close(descriptor_);
-      throw std::invalid_argument(name + " is " +
-                                  (!regular              ? "not a file"
-                                   : status.st_size == 0 ? "empty"
-                                                         : "not an MRPT rawlog") +
+      : input_(file, "recording " + shown_path(file.string())) {
+    const bool empty = input_.size() == 0;
+    if (empty || !begins_like_a_rawlog())
+      throw std::invalid_argument("recording " + shown_path(file.string()) + " is " +
+                                  (empty ? "empty" : "not an MRPT rawlog") +
                                   "; expected an MRPT rawlog, plain or gz.");
-    }
-    size_ = static_cast<uint64_t>(status.st_size);
-    lseek(descriptor_, 0, SEEK_SET);
+    lseek(descriptor(), 0, SEEK_SET);
   }
-  ~OpenRecording() { close(descriptor_); }
-  OpenRecording(const OpenRecording&) = delete;
-  OpenRecording& operator=(const OpenRecording&) = delete;
-  int descriptor() const { return descriptor_; }
-  uint64_t size() const { return size_; }
+  int descriptor() const { return input_.number(); }
+  uint64_t size() const { return input_.size(); }
 
  private:
   /// The first object's head: 0x80 + length of the class name, then the name. As much of it as there is.
   bool begins_like_a_rawlog() const {
     char head[128];
     size_t size = 0;
-    InflatingStream stream(descriptor_);
+    InflatingStream stream(descriptor());
     try {
       size = stream.Read(head, sizeof head);
     } catch (const DamagedStream&) {
@@ -63,8 +49,7 @@ class OpenRecording {
     return std::all_of(name.begin(), name.end(),
                        [](unsigned char c) { return std::isalnum(c) || c == ':' || c == '_'; });
   }
-  int descriptor_;
-  uint64_t size_ = 0;
+  InputDescriptor input_;
 };
 
 }  // namespace

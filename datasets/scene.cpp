@@ -7,6 +7,7 @@
 
 #include "datasets/scene_shape.hpp"
 #include "datasets/setup_camera.hpp"
+#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
 
 namespace clearway {
@@ -104,7 +105,7 @@ std::filesystem::path expanded(std::string path, const std::filesystem::path& fo
 
 SceneInclude read_include(const YamlFields& fields, const std::filesystem::path& folder) {
   SceneInclude include;
-  include.recording = expanded(fields.text("recording"), folder);
+  include.recording = expanded(fields.file("recording"), folder);
   include.world_from_map = fields.pose("world_from_map", include.world_from_map);
   include.sensors = fields.texts("sensors");
   fields.finish();
@@ -146,10 +147,13 @@ SceneShape read_scene_shape(const YamlFields& fields) {
 }
 
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
-  const YamlFields fields(text, "scene '" + name + "'");
+  const YamlFields fields(text, "scene " + shown_path(name));
   Scene scene;
   scene.name = name;
-  const auto setup_file = expanded(fields.text("setup"), folder);
+  const auto setup_file = expanded(fields.file("setup"), folder);
+  const std::string kind = setup_file.extension();
+  if (kind != ".yaml" && kind != ".yml")
+    fields.fail("setup", "expected the name of a .yaml file, got " + shown(fields.file("setup")));
   scene.setup_text = read_text(setup_file, "setup");
   scene.setup = parse_setup(scene.setup_text, setup_file.string());
   for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));

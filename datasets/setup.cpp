@@ -1,15 +1,14 @@
 #include "datasets/setup.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/input_descriptor.hpp"
 #include "datasets/query_fields.hpp"
 #include "datasets/setup_camera.hpp"
+#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
 
 namespace clearway {
@@ -80,7 +79,7 @@ SensorSetup read_sensor(const YamlFields& fields, const Setup& setup, const std:
   SensorSetup sensor;
   sensor.name = fields.text("name");
   sensor.mount = fields.pose("pose", sensor.mount);
-  if (fields.has("poses")) sensor.poses = folder / fields.text("poses");
+  if (fields.has("poses")) sensor.poses = folder / fields.file("poses");
   sensor.board = fields.text("board", "");
   if (!sensor.board.empty()) {
     if (!setup.board(sensor.board))
@@ -159,7 +158,7 @@ AcceptanceSetup read_acceptance(const YamlFields& fields) {
 
 RobotSetup read_robot(const YamlFields& fields) {
   RobotSetup robot;
-  robot.name = fields.text("name");
+  robot.name = fields.file("name");
   robot.map_from_base = fields.pose("base", robot.map_from_base);
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
   if (fields.has_angles("joints")) robot.joints = fields.angles("joints");
@@ -223,9 +222,9 @@ const SensorSetup* Setup::sensor(const std::string& label, const std::string& ki
 }
 
 Setup parse_setup(const std::string& text, const std::string& name) {
-  const YamlFields fields(text, "setup '" + name + "'");
+  const YamlFields fields(text, "setup " + shown_path(name));
   Setup setup;
-  setup.title = fields.text("title", "");
+  setup.title = fields.prose("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
   if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
   setup.boards = read_boards(fields);
@@ -240,19 +239,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
 }
 
 std::string read_text(const std::filesystem::path& file, const std::string& what) {
-  const std::string name = what + " '" + file.string() + "'";
-  std::error_code problem;
-  if (std::filesystem::is_directory(file, problem))
-    throw std::invalid_argument(name + " cannot be read: it is a folder.");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::invalid_argument(name + " cannot be read: " + std::strerror(errno) + ".");
-  constexpr size_t largest = 4 << 20;
-  std::string text(largest + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<size_t>(in.gcount()));
-  if (text.size() > largest)
-    throw std::invalid_argument(name + " is larger than 4 MB; expected a YAML text.");
-  return text;
+  return read_text_file(file, what + " " + shown_path(file.string()), 4U << 20U);
 }
 
 Setup load_setup(const std::filesystem::path& file) {

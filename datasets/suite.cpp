@@ -6,6 +6,7 @@
 
 #include "datasets/query_fields.hpp"
 #include "datasets/scene_shape.hpp"
+#include "datasets/shown.hpp"
 #include "datasets/suite_strokes.hpp"
 #include "datasets/yaml_fields.hpp"
 
@@ -51,7 +52,7 @@ SuiteWorld read_world(const YamlFields& fields, const std::filesystem::path& fol
   SuiteWorld world;
   world.name = fields.text("name");
   if (fields.has("map"))
-    world.map = folder / fields.text("map");
+    world.map = folder / fields.file("map");
   else
     read_made_world(fields, world);
   fields.finish();
@@ -100,7 +101,8 @@ void require_world(const YamlFields& fields, const Suite& suite, const std::stri
   std::string names;
   for (const SuiteWorld& world : suite.worlds) {
     if (world.name == name) return;
-    names += (names.empty() ? "" : ", ") + world.name;
+    if (names.size() > 200 && !names.ends_with("…")) names += ", …";
+    if (!names.ends_with("…")) names += (names.empty() ? "" : ", ") + world.name;
   }
   if (names.empty()) fields.fail("world", "got '" + name + "', but the suite has no 'worlds'");
   fields.fail("world", "expected the name of one of the suite's worlds (" + names + "), got '" + name + "'");
@@ -114,7 +116,7 @@ void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& e
   const bool is_team =
       fields.has("teams") || (experiment.generate && experiment.generate->kind == "crossings");
   if (is_team) experiment.teams = read_suite_teams(fields);
-  if (!is_team) experiment.robot = fields.text("robot");
+  if (!is_team) experiment.robot = fields.file("robot");
   if (experiment.generate || (is_team && !fields.has("world"))) return;
   experiment.world = fields.text("world");
   require_world(fields, suite, experiment.world);
@@ -125,9 +127,9 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
                                 const std::vector<SuitePlanner>& usual) {
   SuiteExperiment experiment;
   experiment.name = fields.text("name");
-  experiment.title = fields.text("title", experiment.name);
-  experiment.paper = fields.text("paper", "");
-  experiment.notes = fields.text("notes", "");
+  experiment.title = fields.prose("title", experiment.name);
+  experiment.paper = fields.prose("paper", "");
+  experiment.notes = fields.prose("notes", "");
   experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
@@ -150,11 +152,11 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
 }  // namespace
 
 Suite parse_suite(const std::string& text, const std::string& name) {
-  const YamlFields fields(text, "suite '" + name + "'");
+  const YamlFields fields(text, "suite " + shown_path(name));
   const std::filesystem::path file = name;
   Suite suite;
   suite.name = fields.text("name", file.stem().string());
-  suite.title = fields.text("title", suite.name);
+  suite.title = fields.prose("title", suite.name);
   suite.seed = fields.seed("seed", 1);
   suite.time_limit = fields.number("time_limit", positive, suite.time_limit);
   std::set<std::string> worlds, experiments;

@@ -16,7 +16,7 @@ constexpr double briefest = 1e-3;   ///< s, between two of their poses
 SuiteTeamRobot read_robot(const YamlFields& fields) {
   SuiteTeamRobot robot;
   robot.name = fields.text("name");
-  robot.robot = fields.text("robot");
+  robot.robot = fields.file("robot");
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
   robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has_angles("base")) robot.map_from_base = fields.pose("base");

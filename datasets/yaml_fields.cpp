@@ -9,11 +9,14 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/shown.hpp"
+#include "datasets/yaml_gate.hpp"
+
 namespace clearway {
 namespace {
 
 /// Whole numbers are told digit by digit, never as 1e+06.
-std::string shown(double value) {
+std::string shown_number(double value) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   if (value == std::round(value) && std::abs(value) < 1e15) out << std::fixed << std::setprecision(0);
@@ -21,16 +24,16 @@ std::string shown(double value) {
   return out.str();
 }
 
-std::string shown(const YAML::Node& node) {
-  if (node.IsScalar()) return "'" + node.Scalar() + "'";
+std::string shown_node(const YAML::Node& node) {
+  if (node.IsScalar()) return shown(node.Scalar());
   return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
 std::string expectation(Bounds bounds, const std::string& kind = "number") {
   if (std::isinf(bounds.low) && std::isinf(bounds.high)) return "a finite " + kind;
-  const std::string high = shown(bounds.high);
+  const std::string high = shown_number(bounds.high);
   if (bounds.low == tiny) return "a positive " + kind + " up to " + high;
-  return "a " + kind + " from " + shown(bounds.low) + " to " + high;
+  return "a " + kind + " from " + shown_number(bounds.low) + " to " + high;
 }
 
 /// A finite number that is the whole text of a scalar.
@@ -47,6 +50,8 @@ std::optional<double> parsed_number(const YAML::Node& node) {
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::set<std::string>& known) {
+  constexpr size_t longest = 100;
+  if (word.size() > longest) return "";
   std::string nearest;
   size_t smallest = std::max<size_t>(2, word.size() / 2) + 1;
   for (const auto& candidate : known) {
@@ -68,11 +73,11 @@ std::string nearest_word(const std::string& word, const std::set<std::string>& k
 }
 
 YamlFields::YamlFields(const std::string& text, const std::string& name) : name_(name) {
+  require_yaml(text, name);
   try {
     node_ = std::make_shared<YAML::Node>(YAML::Load(text));
   } catch (const YAML::Exception& error) {
-    throw std::invalid_argument(name + ", line " + std::to_string(error.mark.line + 1) +
-                                ": not valid YAML (" + error.msg + ").");
+    throw std::invalid_argument(name + ", line " + std::to_string(error.mark.line + 1) + ": not valid YAML.");
   }
   check_map();
 }
@@ -84,7 +89,10 @@ YamlFields::YamlFields(const YAML::Node& node, const std::string& name, const st
 
 void YamlFields::check_map() const {
   if (node_->IsNull()) return;
-  if (!node_->IsMap()) fail("", "expected a map of keys and values, got " + shown(*node_));
+  // Of a file that is none of ours, such as one that a scene names by mistake, nothing is shown.
+  const bool is_file = path_.empty();
+  if (!node_->IsMap())
+    fail("", "expected a map of keys and values" + (is_file ? "" : ", got " + shown_node(*node_)));
   std::set<std::string> seen;
   for (const auto& entry : *node_) {
     if (!entry.first.IsScalar()) fail("", "expected plain words as keys");
@@ -98,7 +106,8 @@ void YamlFields::fail(const std::string& key, const std::string& what) const {
     for (const auto& entry : *node_)
       if (entry.first.IsScalar() && entry.first.Scalar() == key) mark = entry.second.Mark();
   const std::string line = mark.is_null() ? "" : ", line " + std::to_string(mark.line + 1);
-  const std::string where = path_ + (path_.empty() || key.empty() ? "" : ".") + key;
+  const std::string plain_key = key.empty() ? "" : shown(key).substr(1, shown(key).size() - 2);
+  const std::string where = path_ + (path_.empty() || key.empty() ? "" : ".") + plain_key;
   throw std::invalid_argument(name_ + line + (where.empty() ? "" : ", " + where) + ": " + what + ".");
 }
 
@@ -124,7 +133,7 @@ bool YamlFields::has(const std::string& key) const {
 double YamlFields::number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const {
   const std::optional<double> value = parsed_number(node);
   if (!value || *value < bounds.low || *value > bounds.high)
-    fail(key, "expected " + expectation(bounds) + ", got " + shown(node));
+    fail(key, "expected " + expectation(bounds) + ", got " + shown_node(node));
   return *value;
 }
 
@@ -145,7 +154,7 @@ int YamlFields::integer(const std::string& key, Bounds bounds) const {
   const YAML::Node node = required(key);
   const std::optional<double> value = parsed_number(node);
   if (!value || *value != std::round(*value) || *value < bounds.low || *value > bounds.high)
-    fail(key, "expected " + expectation(bounds, "whole number") + ", got " + shown(node));
+    fail(key, "expected " + expectation(bounds, "whole number") + ", got " + shown_node(node));
   return static_cast<int>(*value);
 }
 
@@ -160,7 +169,7 @@ std::uint64_t YamlFields::seed(const std::string& key, std::uint64_t otherwise) 
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || error != std::errc() || end != text.data() + text.size())
-    fail(key, "expected a whole number from 0 to 18446744073709551615, got " + shown(node));
+    fail(key, "expected a whole number from 0 to 18446744073709551615, got " + shown_node(node));
   return value;
 }
 
@@ -168,12 +177,37 @@ bool YamlFields::boolean(const std::string& key) const {
   const YAML::Node node = required(key);
   if (node.IsScalar() && node.Scalar() == "true") return true;
   if (node.IsScalar() && node.Scalar() == "false") return false;
-  fail(key, "expected true or false, got " + shown(node));
+  fail(key, "expected true or false, got " + shown_node(node));
 }
 
 std::string YamlFields::text(const std::string& key) const {
   const YAML::Node node = required(key);
-  if (!node.IsScalar() || node.Scalar().empty()) fail(key, "expected a word or text, got " + shown(node));
+  if (!node.IsScalar() || node.Scalar().empty())
+    fail(key, "expected a word or text, got " + shown_node(node));
+  return checked_text(node.Scalar(), key, 80);
+}
+
+std::string YamlFields::checked_text(const std::string& text, const std::string& key, size_t longest) const {
+  if (text.size() > longest)
+    fail(key, "expected at most " + std::to_string(longest) + " characters, got " + shown(text));
+  if (!is_plain(text)) fail(key, "expected no control characters, got " + shown(text));
+  return text;
+}
+
+std::string YamlFields::file(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsScalar() || node.Scalar().empty()) fail(key, "expected a file, got " + shown_node(node));
+  return checked_text(node.Scalar(), key, 255);
+}
+
+std::string YamlFields::prose(const std::string& key, const std::string& otherwise) const {
+  if (!has(key)) return otherwise;
+  const YAML::Node node = required(key);
+  if (!node.IsScalar()) fail(key, "expected a text, got " + shown_node(node));
+  std::string words = node.Scalar();
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  std::replace(words.begin(), words.end(), '\t', ' ');
+  checked_text(words, key, 10'000);
   return node.Scalar();
 }
 
@@ -197,17 +231,17 @@ std::vector<std::string> YamlFields::texts(const std::string& key) const {
   std::vector<std::string> result;
   if (!has(key)) return result;
   const YAML::Node node = find(key);
-  if (!node.IsSequence()) fail(key, "expected a list of words, got " + shown(node));
+  if (!node.IsSequence()) fail(key, "expected a list of words, got " + shown_node(node));
   for (const auto& item : node) {
-    if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown(item) + " in it");
-    result.push_back(item.Scalar());
+    if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown_node(item) + " in it");
+    result.push_back(checked_text(item.Scalar(), key, 80));
   }
   return result;
 }
 
 std::vector<double> YamlFields::numbers_of(const YAML::Node& node, const std::string& key,
                                            Bounds bounds) const {
-  if (!node.IsSequence()) fail(key, "expected a list of numbers, got " + shown(node));
+  if (!node.IsSequence()) fail(key, "expected a list of numbers, got " + shown_node(node));
   std::vector<double> result;
   for (const auto& item : node) result.push_back(number_of(item, key, bounds));
   return result;
@@ -227,7 +261,7 @@ std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds, s
 std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string& key, Bounds bounds,
                                                               size_t size) const {
   const YAML::Node node = required(key);
-  if (!node.IsSequence()) fail(key, "expected a list of lists of numbers, got " + shown(node));
+  if (!node.IsSequence()) fail(key, "expected a list of lists of numbers, got " + shown_node(node));
   std::vector<std::vector<double>> result;
   for (const auto& item : node) {
     result.push_back(numbers_of(item, key, bounds));
@@ -250,7 +284,7 @@ std::vector<YamlFields> YamlFields::list_of_maps(const std::string& key) const {
   std::vector<YamlFields> result;
   if (!has(key)) return result;
   const YAML::Node node = find(key);
-  if (!node.IsSequence()) fail(key, "expected a list, got " + shown(node));
+  if (!node.IsSequence()) fail(key, "expected a list, got " + shown_node(node));
   const std::string path = path_ + (path_.empty() ? "" : ".") + key;
   for (const auto& item : node)
     result.push_back(YamlFields(item, name_, path + "[" + std::to_string(result.size()) + "]"));

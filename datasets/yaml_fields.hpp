@@ -43,8 +43,12 @@ class YamlFields {
   int integer(const std::string& key, Bounds bounds, int otherwise) const;
   std::uint64_t seed(const std::string& key, std::uint64_t otherwise) const;  ///< any of 64 bits
   bool boolean(const std::string& key) const;
+  /// A name or another word: at most 80 characters and no control characters, so that any sentence may repeat
+  /// it.
   std::string text(const std::string& key) const;
   std::string text(const std::string& key, const std::string& otherwise) const;
+  std::string file(const std::string& key) const;  ///< a path, at most 255 characters of the same kind
+  std::string prose(const std::string& key, const std::string& otherwise) const;  ///< lines; up to 10,000
   std::string text_or_numbers(const std::string& key) const;          ///< of a list of numbers: "0.1, 0.2"
   std::vector<std::string> texts(const std::string& key) const;       ///< a list, empty when absent
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
@@ -77,6 +81,7 @@ class YamlFields {
   YAML::Node required(const std::string& key) const;
   double number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
   std::vector<double> numbers_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
+  std::string checked_text(const std::string& text, const std::string& key, size_t longest) const;
   std::string degrees_key(const std::string& key) const;
   void check_map() const;
 

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
 
 namespace clearway {
@@ -9,7 +10,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-std::string shown(const YAML::Node& node) { return node.IsScalar() ? "'" + node.Scalar() + "'" : "a map"; }
+std::string shown_node(const YAML::Node& node) { return node.IsScalar() ? shown(node.Scalar()) : "a map"; }
 
 }  // namespace
 
@@ -39,7 +40,7 @@ std::vector<double> YamlFields::angles(const std::string& key) const {
 std::vector<std::vector<double>> YamlFields::lists_of_angles(const std::string& key) const {
   const std::string given = degrees_key(key);
   const YAML::Node node = required(given);
-  if (!node.IsSequence()) fail(given, "expected a list of lists of numbers, got " + shown(node));
+  if (!node.IsSequence()) fail(given, "expected a list of lists of numbers, got " + shown_node(node));
   std::vector<std::vector<double>> result;
   for (const auto& item : node) {
     result.push_back(numbers_of(item, given, within_reach));

@@ -13,6 +13,7 @@
 
 #include "mapping/child_process.hpp"
 #include "mapping/fused_tree.hpp"
+#include "mapping/input_file.hpp"
 #include "mapping/map_file.hpp"
 
 namespace clearway {
@@ -103,6 +104,7 @@ std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
 
 /// What read_with_pcl gives, if it ends well in a process of its own.
 std::string read_in_child(const std::filesystem::path& file) {
+  require_input(file, "cloud");
   const std::size_t size = std::filesystem::file_size(file);
   if (size == 0) refuse(file, "it is empty");
   const std::size_t budget = least_memory + 20 * size;

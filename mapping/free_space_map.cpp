@@ -8,6 +8,7 @@
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_option.hpp"
 #include "mapping/painted_csv.hpp"
+#include "mapping/plain_text.hpp"
 #include "mapping/scan_rays.hpp"
 
 namespace clearway {
@@ -85,15 +86,15 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
   const bool known =
       std::any_of(volumes.begin(), volumes.end(), [&](const auto& v) { return v.label == label; });
   if (known)
-    throw std::invalid_argument("painted volume '" + label + "' exists already, expected a new label");
+    throw std::invalid_argument("painted volume " + quote(label) + " exists already, expected a new label");
   if (volumes.size() >= static_cast<std::size_t>(FusedTree::volume_limit)) {
-    throw std::invalid_argument("painted volume '" + label +
-                                "' would be one too many, at most 15 are possible");
+    throw std::invalid_argument("painted volume " + quote(label) +
+                                " would be one too many, at most 15 are possible");
   }
   if (!is_storable_name(label) ||
       !std::all_of(critical_parts.begin(), critical_parts.end(), is_storable_name)) {
-    throw std::invalid_argument("painted volume '" + label +
-                                "': expected a label and part names without control characters");
+    throw std::invalid_argument("painted volume " + quote(label) +
+                                ": expected a label and part names without control characters");
   }
   return state_->paint.add_volume(label, critical_parts);
 }
@@ -116,7 +117,7 @@ EraseCounts FreeSpaceMap::erase(int volume, const Sphere& eraser, double time) {
 
 int FreeSpaceMap::begin_stroke(const std::string& label, const std::string& source) {
   if (!is_storable_name(label) || !is_storable_name(source)) {
-    throw std::invalid_argument("stroke '" + label + "': expected names without control characters");
+    throw std::invalid_argument("stroke " + quote(label) + ": expected names without control characters");
   }
   return state_->paint.begin_stroke(label, source);
 }

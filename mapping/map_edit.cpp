@@ -8,6 +8,7 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/leaf_pairs.hpp"
+#include "mapping/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -38,9 +39,9 @@ std::vector<std::size_t> merge_volumes(std::vector<PaintedVolume>& volumes,
       volumes.push_back(other);
       continue;
     }
-    require(
-        found->critical_parts == other.critical_parts,
-        "merge: volume '" + other.label + "' has other critical parts in the two maps, expected the same");
+    require(found->critical_parts == other.critical_parts,
+            "merge: volume " + quote(other.label) +
+                " has other critical parts in the two maps, expected the same");
     const auto strokes = static_cast<int>(found->strokes.size());
     const std::vector<Sphere> known = found->balls;
     found->strokes.insert(found->strokes.end(), other.strokes.begin(), other.strokes.end());

@@ -1,10 +1,10 @@
 #include "mapping/map_file.hpp"
 
-#include <fstream>
 #include <utility>
 
 #include "mapping/cloud_file.hpp"
 #include "mapping/fused_tree.hpp"
+#include "mapping/input_file.hpp"
 #include "mapping/map_digest.hpp"
 #include "mapping/octree_file.hpp"
 #include "mapping/painted_csv.hpp"
@@ -28,20 +28,8 @@ fs::path map_file_of(const fs::path& path) {
 }
 
 std::string read_bytes(const fs::path& file) {
-  std::error_code error;
-  const bool is_file = fs::is_regular_file(file, error);  // opening a pipe would wait for ever
-  std::ifstream stream;
-  if (is_file) stream.open(file, std::ios::binary);
-  if (!is_file || !stream) {
-    throw std::invalid_argument("map file '" + file.string() +
-                                "' cannot be read: expected a readable regular file");
-  }
-  std::string bytes(fs::file_size(file), '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(stream.gcount()) != bytes.size()) {
-    throw std::invalid_argument("map file '" + file.string() + "' cannot be read to its end");
-  }
-  return bytes;
+  constexpr std::size_t largest = std::size_t{8} << 30U;
+  return read_input(file, "map file", largest);
 }
 
 /// A voxel may only be painted by a volume that is known.
@@ -70,7 +58,7 @@ Snapshot load_map(const fs::path& path, double cloud_resolution) {
   const std::string kind = file.extension().string();
   if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
   if (kind == ".pcd" || kind == ".ply") {
-    static_cast<void>(read_bytes(file));  // refuses what is no readable file before PCL sees it
+    require_input(file, "map file");
     return {tree_of_cloud(read_cloud(file), cloud_resolution, file), {}};
   }
   throw std::invalid_argument("map '" + path.string() +

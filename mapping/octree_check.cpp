@@ -9,6 +9,7 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -82,8 +83,8 @@ CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& 
   if (fused && !is_sealed(bytes)) refuse(file, "its checksum does not match its content");
   if (!fused && tree.header.size() > longest_foreign_header) refuse(file, "its header is longer than 1 MiB");
   if (!tree.binary && !is_known(tree.type)) {
-    refuse(file, "its tree type '" + tree.type +
-                     "' is none of ClearwayFusedTree, OcTree, ColorOcTree, OcTreeStamped");
+    refuse(file, "its tree type " + quote(tree.type) +
+                     " is none of ClearwayFusedTree, OcTree, ColorOcTree, OcTreeStamped");
   }
   return tree;
 }

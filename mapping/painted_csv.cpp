@@ -7,6 +7,7 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -110,7 +111,7 @@ class Reader {
     double value = 0.0;
     const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
     if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value)) {
-      refuse(std::string("a finite number for ") + column + ", found '" + text + "'");
+      refuse(std::string("a finite number for ") + column + ", found " + quote(text));
     }
     return value;
   }
@@ -179,7 +180,8 @@ std::string stroke_columns(const PaintedVolume& volume, std::size_t ball, Stroke
   const Stroke* stroke = volume.stroke(ball);
   if (stroke == nullptr) return ",,,";
   if (!is_storable_name(stroke->label) || !is_storable_name(stroke->source)) {
-    throw std::invalid_argument("stroke '" + stroke->label + "': expected names without control characters");
+    throw std::invalid_argument("stroke " + quote(stroke->label) +
+                                ": expected names without control characters");
   }
   return "," + std::to_string(numbers.number(volume.stroke_of[ball])) + "," + in_quotes(stroke->label) + "," +
          in_quotes(stroke->source);
@@ -197,8 +199,8 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes) {
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     const PaintedVolume& volume = volumes[v];
     if (!is_storable_name(volume.label + join_parts(volume.critical_parts))) {
-      throw std::invalid_argument("painted volume '" + volume.label +
-                                  "': expected names without control characters");
+      throw std::invalid_argument("painted volume " + quote(volume.label) +
+                                  ": expected names without control characters");
     }
     const std::string start = std::to_string(v) + "," + in_quotes(volume.label) + "," +
                               in_quotes(join_parts(volume.critical_parts)) + ",";

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <type_traits>
 
+#include "mapping/input_file.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/octree_check.hpp"
 #include "mapping/provenance.hpp"
@@ -14,6 +14,7 @@ namespace {
 constexpr const char* file_name = "provenance.bin";
 constexpr std::string_view first_line = "# Clearway provenance 1\n";
 constexpr std::string_view end_of_header = "data\n";
+constexpr std::size_t largest_file = std::size_t{2} << 30U;
 constexpr std::size_t most_scans = std::size_t{1} << 31U;
 
 // ---- writing: little-endian numbers, texts and byte strings with their length before them
@@ -181,15 +182,6 @@ ScanRecord read_scan(Reader& reader) {
   return scan;
 }
 
-std::string read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes(std::filesystem::file_size(file), '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(stream.gcount()) != bytes.size())
-    throw std::invalid_argument("'" + file.string() + "' cannot be read to its end");
-  return bytes;
-}
-
 }  // namespace
 
 std::string format_provenance(const Provenance& provenance) {
@@ -252,9 +244,9 @@ void save_provenance(Provenance provenance, const std::filesystem::path& directo
 std::optional<Provenance> load_provenance(const std::filesystem::path& map) {
   std::error_code error;
   const std::filesystem::path file = map / file_name;
-  if (!std::filesystem::is_directory(map, error) || !std::filesystem::is_regular_file(file, error))
+  if (!std::filesystem::is_directory(map, error) || !std::filesystem::exists(file, error))
     return std::nullopt;
-  return parse_provenance(read_bytes(file), file);
+  return parse_provenance(read_input(file, "provenance", largest_file), file);
 }
 
 }  // namespace clearway

@@ -189,11 +189,10 @@ ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filt
   cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
             workspace.grid);
   if (insertion.integration == Integration::safe) {
-    const double band = insertion.margins.band, resolution = tree.getResolution();
-    spare_surfaces(workspace.grid, {growth_of(band, resolution), clear_growth_of(band, resolution)},
+    spare_surfaces(workspace.grid, growth_of(insertion.margins.band, tree.getResolution()),
                    insertion.threads);
   }
-  tree.update(workspace.grid, insertion.integration, insertion.threads);
+  tree.update(workspace.grid, insertion.threads);
   return counts;
 }
 

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "mapping/plain_text.hpp"
+
 namespace clearway {
 
 bool allows(const Requirement& requirement, VoxelState state, std::uint16_t mask) {
@@ -49,8 +51,8 @@ Policy parse_policy(std::string_view text) {
   for (Policy policy : {Policy::painted, Policy::known_free, Policy::not_occupied}) {
     if (text == to_string(policy)) return policy;
   }
-  throw std::invalid_argument("unknown policy '" + std::string(text) +
-                              "': expected painted, known_free or not_occupied");
+  throw std::invalid_argument("unknown policy " + quote(text) +
+                              ": expected painted, known_free or not_occupied");
 }
 
 }  // namespace clearway

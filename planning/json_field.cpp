@@ -5,17 +5,20 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mapping/plain_text.hpp"
+
 namespace clearway {
 
 using Json = nlohmann::ordered_json;
 
-JsonField::JsonField(const Json& root, std::string file) : JsonField(root, std::move(file), "") {}
+JsonField::JsonField(const Json& root, std::string file)
+    : JsonField(root, std::make_shared<const std::string>(std::move(file)), "") {}
 
-JsonField::JsonField(const Json& value, std::string file, std::string name)
+JsonField::JsonField(const Json& value, std::shared_ptr<const std::string> file, std::string name)
     : value_(&value), file_(std::move(file)), name_(std::move(name)) {}
 
 void JsonField::refuse(const std::string& expected) const {
-  throw std::invalid_argument(file_ + ": " + (name_.empty() ? "it" : "field '" + name_ + "'") +
+  throw std::invalid_argument(*file_ + ": " + (name_.empty() ? "it" : "field '" + name_ + "'") +
                               ": expected " + expected);
 }
 
@@ -32,7 +35,7 @@ std::vector<JsonField> JsonField::items() const {
   if (!value_->is_array()) refuse("an array");
   std::vector<JsonField> fields;
   for (std::size_t i = 0; i < value_->size(); ++i) {
-    fields.push_back(JsonField((*value_)[i], file_, name_ + "[" + std::to_string(i) + "]"));
+    fields.push_back(item(i));
   }
   return fields;
 }
@@ -41,7 +44,7 @@ std::vector<std::pair<std::string, JsonField>> JsonField::members() const {
   if (!value_->is_object()) refuse("an object");
   std::vector<std::pair<std::string, JsonField>> fields;
   for (const auto& [key, value] : value_->items())
-    fields.emplace_back(key, JsonField(value, file_, name_ + "." + key));
+    fields.emplace_back(key, JsonField(value, file_, name_ + "." + shortened(key)));
   return fields;
 }
 
@@ -62,24 +65,35 @@ std::size_t JsonField::count() const {
   return value_->get<std::size_t>();
 }
 
+int JsonField::whole_number() const {
+  const double value = number();
+  if (value != std::round(value) || std::abs(value) > 2e9) refuse("a whole number up to 2,000,000,000");
+  return static_cast<int>(value);
+}
+
 bool JsonField::flag() const {
   if (!value_->is_boolean()) refuse("true or false");
   return value_->get<bool>();
 }
 
+JsonField JsonField::item(std::size_t index) const {
+  return JsonField((*value_)[index], file_, name_ + "[" + std::to_string(index) + "]");
+}
+
 Eigen::VectorXd JsonField::numbers(std::size_t size) const {
-  const std::vector<JsonField> values = items();
-  if (values.size() != size) {
-    refuse(std::to_string(size) + " numbers, found " + std::to_string(values.size()));
+  if (!value_->is_array()) refuse("an array");
+  if (value_->size() != size) {
+    refuse(std::to_string(size) + " numbers, found " + std::to_string(value_->size()));
   }
   Eigen::VectorXd result(static_cast<Eigen::Index>(size));
-  for (std::size_t i = 0; i < size; ++i) result[static_cast<Eigen::Index>(i)] = values[i].number();
+  for (std::size_t i = 0; i < size; ++i) result[static_cast<Eigen::Index>(i)] = item(i).number();
   return result;
 }
 
 std::vector<Eigen::VectorXd> JsonField::vectors(std::size_t size) const {
+  if (!value_->is_array()) refuse("an array");
   std::vector<Eigen::VectorXd> list;
-  for (const JsonField& item : items()) list.push_back(item.numbers(size));
+  for (std::size_t i = 0; i < value_->size(); ++i) list.push_back(item(i).numbers(size));
   return list;
 }
 

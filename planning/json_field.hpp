@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <map>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
@@ -30,15 +31,18 @@ class JsonField {
   std::string text() const;
   double number() const;  ///< finite
   std::size_t count() const;
+  int whole_number() const;  ///< within 2,000,000,000
   bool flag() const;
   Eigen::VectorXd numbers(std::size_t size) const;
   std::vector<Eigen::VectorXd> vectors(std::size_t size) const;  ///< a list of `numbers`
 
  private:
-  JsonField(const nlohmann::ordered_json& value, std::string file, std::string name);
+  JsonField(const nlohmann::ordered_json& value, std::shared_ptr<const std::string> file, std::string name);
+  JsonField item(std::size_t index) const;
 
   const nlohmann::ordered_json* value_;
-  std::string file_, name_;
+  std::shared_ptr<const std::string> file_;  ///< one for all: a plan has a million values
+  std::string name_;
 };
 
 // What plan.json and queries.json both hold, in one way.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mapping/plain_text.hpp"
 #include "planning/nearest_name.hpp"
 
 namespace clearway {
@@ -53,7 +54,7 @@ const std::string* OptionReader::text(const std::string& name) const {
 }
 
 void OptionReader::refuse(const std::string& name, std::string_view text, const std::string& expected) const {
-  throw std::invalid_argument(owner_ + ": option '" + name + "' is '" + std::string(text) + "': expected " +
+  throw std::invalid_argument(owner_ + ": option '" + name + "' is " + quote(text) + ": expected " +
                               expected);
 }
 
@@ -153,7 +154,7 @@ void OptionReader::refuse_unknown() const {
   for (const auto& [name, value] : in_force_) known.push_back(name);
   for (const auto& [name, value] : given_) {
     if (in_force_.contains(name)) continue;
-    throw std::invalid_argument(owner_ + ": unknown option '" + name + "'" +
+    throw std::invalid_argument(owner_ + ": unknown option " + quote(name) +
                                 (known.empty() ? "" : ": did you mean '" + nearest_name(name, known) + "'?"));
   }
 }

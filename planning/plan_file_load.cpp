@@ -1,9 +1,9 @@
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
+#include "mapping/input_file.hpp"
+#include "mapping/plain_text.hpp"
 #include "planning/json_field.hpp"
+#include "planning/json_text.hpp"
 #include "planning/plan_file.hpp"
 
 namespace clearway {
@@ -17,7 +17,7 @@ PlanStatus status(const JsonField& field) {
                                  PlanStatus::no_path, PlanStatus::timed_out}) {
     if (text == to_string(known)) return known;
   }
-  field.refuse("solved, start_invalid, goal_invalid, no_path or timed_out, found '" + text + "'");
+  field.refuse("solved, start_invalid, goal_invalid, no_path or timed_out, found " + quote(text));
 }
 
 /// The leg's share of the whole path: "waypoints": [first, last], both included.
@@ -42,7 +42,7 @@ PlanResult leg(const JsonField& field, const std::vector<Configuration>& whole, 
   if (has_path != (result.status == PlanStatus::solved)) waypoints.refuse("waypoints exactly when solved");
   if (field.has("explored")) result.explored = field.at("explored").vectors(dof);
   result.cost = field.at("cost_joules").number();
-  result.search_steps = static_cast<int>(field.at("search_steps").count());
+  result.search_steps = field.at("search_steps").whole_number();
   if (field.has("last_segment")) result.last_segment = field.at("last_segment").flag();
   if (field.has("last_segment_joules")) result.last_segment_cost = field.at("last_segment_joules").number();
   if (field.has("final_distance_rad")) result.final_distance = field.at("final_distance_rad").number();
@@ -64,7 +64,7 @@ PathVerdict validation(const JsonField& field) {
   result.min_clearance = field.at("min_clearance_m").number();
   result.checker = field.at("checker").text();
   if (field.has("first_contact")) result.first_contact = field.at("first_contact").text();
-  if (field.has("edge")) result.edge = static_cast<int>(field.at("edge").number());
+  if (field.has("edge")) result.edge = field.at("edge").whole_number();
   if (field.has("parameter")) result.parameter = field.at("parameter").number();
   if (!field.has("clearance_m")) return result;
   for (const JsonField& item : field.at("clearance_m").items()) result.clearance.push_back(item.number());
@@ -95,7 +95,12 @@ Plan read_plan(const JsonField& root) {
   plan.policies = policies_of(root.at("policy"));
   status(root.at("status"));
   const std::vector<Configuration> whole = root.at("waypoints").vectors(dof);
-  for (const JsonField& item : root.at("legs").items()) plan.legs.push_back(leg(item, whole, dof));
+  std::size_t waypoints = 0;  // of all legs: each begins where the one before it ended
+  for (const JsonField& item : root.at("legs").items()) {
+    plan.legs.push_back(leg(item, whole, dof));
+    waypoints += plan.legs.back().waypoints.size();
+    if (waypoints > whole.size() + plan.legs.size()) item.refuse("legs that make up all waypoints");
+  }
   if (plan.status() != status(root.at("status"))) root.at("status").refuse("the status of the legs");
   if (plan.waypoints() != whole) root.at("legs").refuse("legs that make up all waypoints");
   plan.time_s = root.at("time_s").number();
@@ -116,18 +121,11 @@ Plan read_plan(const JsonField& root) {
 }  // namespace
 
 Plan load_plan(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream.is_open() || !std::filesystem::is_regular_file(file)) {
-    throw std::invalid_argument("plan file " + file.string() + ": cannot be read as a file");
-  }
-  const std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  Json json;
-  try {
-    json = Json::parse(content);
-  } catch (const Json::exception& error) {
-    throw std::invalid_argument("plan file " + file.string() + ": not JSON: " + error.what());
-  }
-  return read_plan(JsonField(json, "plan file " + file.string()));
+  constexpr std::size_t largest = 64U << 20U;
+  const std::string text = read_input(file, "plan file", largest);
+  require_json(text, "plan file '" + plain(file.string()) + "'");
+  const Json json = Json::parse(text);
+  return read_plan(JsonField(json, "plan file " + plain(file.string())));
 }
 
 }  // namespace clearway

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mapping/plain_text.hpp"
 #include "planning/beam.hpp"
 #include "planning/beam_guided.hpp"
 #include "planning/beam_reference.hpp"
@@ -114,7 +115,7 @@ std::unique_ptr<Planner> make_planner(std::string_view name, const PlannerOption
     if (entry.name == name) return entry.make(options);
     known.emplace_back(entry.name);
   }
-  throw std::invalid_argument("unknown planner '" + std::string(name) + "': did you mean '" +
+  throw std::invalid_argument("unknown planner " + quote(name) + ": did you mean '" +
                               nearest_name(name, known) + "'?");
 }
 

@@ -1,15 +1,15 @@
 #include "planning/query_record.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mapping/input_file.hpp"
 #include "mapping/map_digest.hpp"
 #include "mapping/map_file.hpp"
 #include "planning/json_field.hpp"
+#include "planning/json_text.hpp"
 
 namespace clearway {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* format = "clearway queries 1";
-constexpr std::uintmax_t most_bytes = 16U << 20;
+constexpr std::size_t most_bytes = 16U << 20;
 
 Json terms_json(const QueryTerms& query) {
   return {{"name", query.name},
@@ -53,12 +53,13 @@ bool is_whole(std::string text, const std::string& checksum) {
   return sha256(text.replace(place, checksum.size(), no_checksum)) == checksum;
 }
 
-std::string read(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::file_size(file, error) > most_bytes || error)
-    throw std::invalid_argument(file.string() + ": cannot be read, or is larger than 16 MB");
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+bool is_json(const std::string& text) {
+  try {
+    require_json(text, "");
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -97,12 +98,10 @@ std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
   const std::filesystem::path file = map / "queries.json";
   std::error_code error;
   if (!std::filesystem::is_directory(map, error) || !std::filesystem::exists(file, error)) return {};
-  if (!std::filesystem::is_regular_file(file, error))
-    throw std::invalid_argument(file.string() + ": is not a regular file");
-  const std::string text = read(file);
-  const Json json = Json::parse(text, nullptr, false);
+  const std::string text = read_input(file, "queries", most_bytes);
+  const Json json = is_json(text) ? Json::parse(text) : Json(nullptr);
   const JsonField root(json, file.string());
-  if (json.is_discarded() || !is_whole(text, root.at("sha256").text()))
+  if (json.is_null() || !is_whole(text, root.at("sha256").text()))
     throw DamagedFile(file.string() + ": is damaged: its checksum does not match its content");
   if (root.at("format").text() != format) root.at("format").refuse("'" + std::string(format) + "'");
   QueryRecord record;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "mapping/plain_text.hpp"
 #include "planning/contact_exemptions.hpp"
 #include "planning/robot_settings.hpp"
 #include "planning/urdf_file.hpp"
@@ -22,7 +23,7 @@ fs::path find_robot(const std::string& name_or_path) {
   if (!name_or_path.empty() && path.filename() == path && fs::is_regular_file(known)) return known;
   std::string names;
   for (const auto& [name, description] : available_robots()) names += (names.empty() ? "" : ", ") + name;
-  throw std::invalid_argument("unknown robot '" + name_or_path + "': expected one of " + names +
+  throw std::invalid_argument("unknown robot " + quote(name_or_path) + ": expected one of " + names +
                               ", or the path of a .urdf or .yaml file");
 }
 

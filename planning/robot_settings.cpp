@@ -7,6 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mapping/input_file.hpp"
+#include "mapping/plain_text.hpp"
 #include "planning/nearest_name.hpp"
 #include "planning/urdf_document.hpp"
 
@@ -27,7 +29,7 @@ class Section {
     for (const auto& entry : node) {
       const std::string key = entry.first.as<std::string>("");
       if (keys.empty() || std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-      throw std::invalid_argument(file.string() + ": unknown key '" + path_ + key + "', did you mean '" +
+      throw std::invalid_argument(file.string() + ": unknown key " + quote(path_ + key) + ", did you mean '" +
                                   nearest_name(key, keys) + "'?");
     }
   }
@@ -80,7 +82,7 @@ class Section {
 
   [[noreturn]] void refuse(const std::string& key, const std::string& expected) const {
     const std::string where = path_ + key;
-    throw std::invalid_argument(file_.string() + ": " + (where.empty() ? "the file" : "'" + where + "'") +
+    throw std::invalid_argument(file_.string() + ": " + (where.empty() ? "the file" : quote(where)) +
                                 " must be " + expected);
   }
 
@@ -154,18 +156,21 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
 }  // namespace
 
 RobotSettings read_robot_settings(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  constexpr std::size_t largest = 256U << 10U;  // yaml-cpp takes some hundred bytes for each of its words
+  const std::string text = read_input(file, "robot settings", largest);
   try {
     return settings_of(file, YAML::Load(text));
   } catch (const YAML::Exception& error) {
-    throw std::invalid_argument(file.string() + ": is not readable YAML: " + error.what());
+    throw std::invalid_argument(
+        file.string() + " is not valid YAML at line " + std::to_string(error.mark.line + 1) + ", column " +
+        std::to_string(error.mark.column + 1) + ": expected keys and values, lists or texts");
   }
 }
 
 void apply_settings(const RobotSettings& settings, const std::filesystem::path& file, Robot& robot) {
   const auto refuse = [&](const std::string& key, const std::string& name) {
-    throw std::invalid_argument(file.string() + ": '" + key + "' names '" + name + "', which " + robot.name +
-                                " does not have");
+    throw std::invalid_argument(file.string() + ": '" + key + "' names " + quote(name) + ", which " +
+                                robot.name + " does not have");
   };
   for (const auto* values : {&settings.friction, &settings.step}) {
     for (const auto& [name, value] : values->by_name) {

@@ -4,11 +4,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <stdexcept>
-#include <system_error>
+
+#include "mapping/input_file.hpp"
 
 namespace clearway {
 namespace {
@@ -140,12 +139,7 @@ void check_tree(const std::filesystem::path& file, const std::set<std::string>& 
 }  // namespace
 
 std::string read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) refuse(file, "no such file");
-  if (std::filesystem::file_size(file, error) > (16u << 20)) refuse(file, "is larger than 16 MB");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse(file, "cannot be opened for reading");
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return read_input(file, "robot file", 16U << 20U);
 }
 
 UrdfDocument read_urdf_document(const std::filesystem::path& file) {

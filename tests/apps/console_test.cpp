@@ -42,5 +42,13 @@ TEST(Console, a_line_of_log_replaces_the_bar_and_quiet_silences_all_but_warnings
   EXPECT_EQ(log.str(), "clearway: no\n");
 }
 
+TEST(Console, a_name_from_a_file_cannot_command_the_terminal) {
+  std::ostringstream out, log;
+  Console console(out, log);
+  console.warn("label \x1b[2J");
+  console.log("label \x1b]0;owned\a\r");
+  EXPECT_EQ(log.str(), "label \\x1b[2J\nlabel \\x1b]0;owned\\x07\\r\n");
+}
+
 }  // namespace
 }  // namespace clearway

@@ -165,7 +165,7 @@ TEST(RecordingReader, RefusesWhatIsNoRecordingInOneSentence) {
   const ScratchFolder folder;
   EXPECT_NE(complaint([&] { RecordingReader(folder / "missing.rawlog"); }).find("missing.rawlog"),
             std::string::npos);
-  EXPECT_NE(complaint([&] { RecordingReader(folder / "."); }).find("not a file"), std::string::npos);
+  EXPECT_NE(complaint([&] { RecordingReader(folder / "."); }).find("it is a folder"), std::string::npos);
   EXPECT_NE(complaint([&] { read_bytes(folder, ""); }).find("empty"), std::string::npos);
   EXPECT_NE(complaint([&] { read_bytes(folder, "boards: []\n"); }).find("not an MRPT rawlog"),
             std::string::npos);

@@ -143,7 +143,8 @@ TEST_F(RobotFile, JointsThatCannotBeUsedAreRefused) {
 }
 
 TEST_F(RobotFile, FilesThatAreNoTreeOfLinksAreRefused) {
-  EXPECT_EQ(refusal((folder_ / "none.urdf").string()), "none.urdf: no such file");
+  EXPECT_EQ(refusal((folder_ / "none.urdf").string()),
+            "robot file 'none.urdf' cannot be read: No such file or directory");
   EXPECT_EQ(refusal(write("r.urdf", "hello")), "r.urdf: is not well-formed XML, line 1");
   EXPECT_EQ(refusal(write("r.urdf", "<sdf/>")), "r.urdf: is not a URDF: it has no <robot> element");
   EXPECT_EQ(refusal(write("r.urdf", "<robot name='r'><link name='a'/></robot>")), "r.urdf: has no joints");
@@ -185,7 +186,7 @@ TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
             "r.yaml: 'base.xyz' must be three numbers [x, y, z]");
   EXPECT_EQ(refusal(write("r.yaml", "inverse_kinematics: magic")),
             "r.yaml: 'inverse_kinematics' must be numeric or puma");
-  EXPECT_TRUE(refusal(write("r.yaml", "a: [")).starts_with("r.yaml: is not readable YAML: "));
+  EXPECT_TRUE(refusal(write("r.yaml", "a: [")).starts_with("r.yaml is not valid YAML at line 1, column "));
   EXPECT_TRUE(
       refusal("no_such_robot").starts_with("unknown robot 'no_such_robot': expected one of arm5, panda, "));
 }

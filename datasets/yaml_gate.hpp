@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace clearway {
+
+/// Refuses a YAML text that would take far more memory or time than its size: more than 250,000 words, lists
+/// and maps (what an alias repeats counts as often as it is repeated), more than 32 of them inside each
+/// other, an alias within what it names. Words for what yaml-cpp does not understand are ours.
+/// @throws std::invalid_argument "<name>, line 3, column 7: <what was expected>."
+void require_yaml(const std::string& text, const std::string& name);
+
+}  // namespace clearway

@@ -1,0 +1,76 @@
+#include "mapping/plain_text.hpp"
+
+#include <cstdint>
+#include <limits>
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t longest = 80;
+
+/// Bytes of the UTF-8 character at the start of `text`, 0 when there is none; `code` is its number.
+std::size_t take_character(std::string_view text, std::uint32_t& code) {
+  const auto first = static_cast<unsigned char>(text[0]);
+  const std::size_t size = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+  if (size == 0 || first > 0xf4 || text.size() < size) return 0;
+  code = size == 1 ? first : first & (0x7fU >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    const auto next = static_cast<unsigned char>(text[i]);
+    if ((next & 0xc0U) != 0x80U) return 0;
+    code = code << 6U | (next & 0x3fU);
+  }
+  const std::uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+  const bool is_surrogate = code >= 0xd800 && code <= 0xdfff;
+  return code < least[size] || code > 0x10ffff || is_surrogate ? 0 : size;
+}
+
+bool is_shown(std::uint32_t code) {
+  const bool is_control = code < 0x20 || (code >= 0x7f && code < 0xa0);
+  const bool turns = code == 0x200e || code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||
+                     (code >= 0x2066 && code <= 0x2069);
+  return !is_control && !turns;
+}
+
+void append_escaped(std::string& result, std::string_view bytes) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  for (const char c : bytes) {
+    if (c == '\n' || c == '\t' || c == '\r') {
+      result += c == '\n' ? "\\n" : c == '\t' ? "\\t" : "\\r";
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    result += {'\\', 'x', digits[byte >> 4U], digits[byte & 15U]};
+  }
+}
+
+/// Plain text of at most `most` characters as they are shown.
+std::string plain_up_to(std::string_view text, std::size_t most) {
+  std::string result;
+  for (std::size_t characters = 0; !text.empty();) {
+    std::uint32_t code = 0;
+    const std::size_t size = take_character(text, code);
+    const bool as_it_is = size > 0 && is_shown(code);
+    std::string piece;
+    if (as_it_is)
+      piece = text.substr(0, size);
+    else
+      append_escaped(piece, text.substr(0, size > 0 ? size : 1));
+    characters += as_it_is ? 1 : piece.size();
+    if (characters > most) return result + "…";
+    result += piece;
+    text.remove_prefix(size > 0 ? size : 1);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string plain(std::string_view text) {
+  return plain_up_to(text, std::numeric_limits<std::size_t>::max());
+}
+
+std::string shortened(std::string_view text) { return plain_up_to(text, longest); }
+
+std::string quote(std::string_view text) { return "'" + shortened(text) + "'"; }
+
+}  // namespace clearway

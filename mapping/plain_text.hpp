@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace clearway {
+
+// What a file says may hold anything: terminal commands, half a megabyte on one line. These make it fit for a
+// sentence.
+
+/// The text with nothing in it that moves a terminal's cursor or hides what is there: control characters
+/// (C0, DEL, C1), marks that turn the direction of writing, and bytes that are no UTF-8 become \n, \t, \xNN.
+std::string plain(std::string_view text);
+
+/// Plain, and cut after 80 characters with "…".
+std::string shortened(std::string_view text);
+
+/// Shortened, between single quotes.
+std::string quote(std::string_view text);
+
+}  // namespace clearway

@@ -1,0 +1,73 @@
+#include "mapping/input_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include "tests/mapping/temporary_folder.hpp"
+
+namespace clearway {
+namespace {
+
+std::string refusal(const std::filesystem::path& file, std::size_t largest = 1000) {
+  ::alarm(10);  // a reader that waits ends the test
+  std::string sentence = "read";
+  try {
+    read_input(file, "map file", largest);
+  } catch (const std::invalid_argument& error) {
+    sentence = error.what();
+  }
+  ::alarm(0);
+  return sentence;
+}
+
+TEST(InputFile, reads_every_byte_of_a_regular_file) {
+  const testing::TemporaryFolder folder;
+  const std::string bytes("a\0\n\xff", 4);
+  std::ofstream(folder / "f", std::ios::binary) << bytes;
+  EXPECT_EQ(read_input(folder / "f", "file", 4), bytes);
+  std::ofstream(folder / "empty").flush();
+  EXPECT_EQ(read_input(folder / "empty", "file", 0), "");
+  std::filesystem::create_symlink(folder / "f", folder / "link");
+  EXPECT_EQ(read_input(folder / "link", "file", 4), bytes);
+}
+
+TEST(InputFile, pipes_devices_sockets_and_folders_are_refused_without_waiting) {
+  const testing::TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(pipe), "map file '" + pipe + "' cannot be read: it is a pipe, expected a regular file");
+  std::filesystem::create_symlink(pipe, folder / "link");
+  EXPECT_NE(refusal(folder / "link").find("it is a pipe"), std::string::npos);
+  for (const char* device : {"/dev/zero", "/dev/null", "/dev/random"})
+    EXPECT_NE(refusal(device).find("it is a device"), std::string::npos) << device;
+  EXPECT_NE(refusal(folder / ".").find("it is a folder"), std::string::npos);
+
+  const std::string name = folder / "socket";
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  ASSERT_LT(name.size(), sizeof(address.sun_path));
+  std::memcpy(address.sun_path, name.c_str(), name.size() + 1);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  EXPECT_NE(refusal(name).find("it is not a regular file"), std::string::npos);
+  ::close(socket);
+}
+
+TEST(InputFile, a_file_that_is_too_large_is_refused_before_it_is_read) {
+  const testing::TemporaryFolder folder;
+  std::ofstream(folder / "huge").flush();
+  std::filesystem::resize_file(folder / "huge", std::uintmax_t{1} << 40U);  // takes no disk
+  EXPECT_NE(refusal(folder / "huge", 1U << 20U).find("more than 1 MB"), std::string::npos);
+  EXPECT_NE(refusal(folder / "huge", 2U << 10U).find("more than 2 kB"), std::string::npos);
+  EXPECT_NE(refusal("/nonexistent/x").find("No such file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,52 @@
+#include "mapping/plain_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace clearway {
+namespace {
+
+TEST(PlainText, leaves_letters_of_any_language_and_escapes_what_moves_a_cursor) {
+  EXPECT_EQ(plain("Würfel 1 µm → 家"), "Würfel 1 µm → 家");
+  EXPECT_EQ(plain("a\n\tb\r"), "a\\n\\tb\\r");
+  EXPECT_EQ(plain("\x1b[2J"), "\\x1b[2J");
+  EXPECT_EQ(plain("\x7f"), "\\x7f");
+  EXPECT_EQ(plain("\xc2\x9b"
+                  "31m"),
+            "\\xc2\\x9b31m");  // CSI of eight bits
+  EXPECT_EQ(plain("\xe2\x80\xae"
+                  "txt"),
+            "\\xe2\\x80\\xaetxt");  // right to left
+  EXPECT_EQ(plain(std::string_view("\0x", 2)), "\\x00x");
+}
+
+TEST(PlainText, escapes_bytes_that_are_no_utf8) {
+  EXPECT_EQ(plain("\xff"), "\\xff");
+  EXPECT_EQ(plain("\xc0\x80"), "\\xc0\\x80");           // longer than need be
+  EXPECT_EQ(plain("\xed\xa0\x80"), "\\xed\\xa0\\x80");  // half of a pair
+  EXPECT_EQ(plain("\xe2\x82"), "\\xe2\\x82");           // cut
+  EXPECT_EQ(plain("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");
+}
+
+TEST(PlainText, is_idempotent_and_holds_no_control_character_whatever_comes_in) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    std::string text(random() % 20, '\0');
+    for (char& c : text) c = static_cast<char>(random());
+    const std::string shown = plain(text);
+    for (const char c : shown) EXPECT_GE(static_cast<unsigned char>(c), 0x20);
+    EXPECT_EQ(plain(shown), shown);
+  }
+}
+
+TEST(PlainText, what_is_quoted_from_a_file_is_cut_to_80_characters) {
+  EXPECT_EQ(quote("beam"), "'beam'");
+  EXPECT_EQ(quote(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
+  EXPECT_EQ(quote(std::string(81, 'x')), "'" + std::string(80, 'x') + "…'");
+  EXPECT_EQ(quote(std::string(1000, '\x1b')).size(), 80 + 2 + std::string("…").size());
+  EXPECT_EQ(shortened(std::string(5, '\n')), "\\n\\n\\n\\n\\n");
+}
+
+}  // namespace
+}  // namespace clearway
