@@ -13,9 +13,11 @@
 #include "apps/build_stamp.hpp"
 #include "apps/commands.hpp"
 #include "apps/compare_run.hpp"
+#include "apps/finished_problems.hpp"
 #include "apps/stopwatch.hpp"
 #include "apps/table.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "mapping/system/atomic_folder.hpp"
 #include "planning/nearest_name.hpp"
 
 namespace clearway {
@@ -108,6 +110,15 @@ CompareResults stamped(const Suite& suite, const CompareOptions& options) {
 
 constexpr std::array files = {"results.sqlite", "results.csv", "results.log", "report.html"};
 
+/// For a folder of an older version, which left no list of its files.
+bool is_of_comparison(const fs::path& relative) {
+  if (std::find(files.begin(), files.end(), relative) != files.end()) return true;
+  const fs::path folder = *relative.begin(), kind = relative.extension();
+  if (folder == "maps") return relative.filename() == "map.ot" || relative.filename() == "painted.csv";
+  if (folder == "plans" || folder == "teams") return kind == ".json" || kind == ".html";
+  return folder == "animations" && kind == ".html";
+}
+
 void save_results(const CompareResults& results, const fs::path& out) {
   save_database(results, out / files[0]);
   save_file(out / files[1], to_csv(results));
@@ -133,8 +144,10 @@ std::vector<std::string> invalid_ends(const CompareResults& results) {
 
 /// Experiment after experiment; what is found is saved after each.
 void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
-             const CompareOptions& options, CompareResults& results, Console& console) {
-  const CompareChoice choice{suite.seed, options.jobs, options.out, options.keep_maps};
+             const CompareOptions& options, AtomicFolder& folder, CompareResults& results, Console& console) {
+  FinishedProblems finished(folder, suite.name);
+  const CompareChoice choice{suite.seed,  options.jobs,      folder.path(),
+                             options.out, options.keep_maps, &finished};
   for (const PreparedExperiment& experiment : prepared) {
     {
       const Stopwatch watch(results.time);
@@ -142,12 +155,27 @@ void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared
           run_experiment(suite, experiment, choice, console.bar(experiment.setup.name)));
     }
     console.progress(experiment.setup.name, 1.0);
-    save_results(results, options.out);
+    save_results(results, folder.path());
     if (console.json) continue;
     const std::string title = experiment.setup.title.empty() ? "" : ": " + experiment.setup.title;
     console.out() << "== " << experiment.setup.name << title << '\n';
     print_table(console.out(), summary_table(results.experiments.back()));
     console.out() << '\n' << std::flush;
+  }
+  finished.remove_file();
+}
+
+/// Runs all and lets the results take the place of older ones. An error says what is left.
+void run_and_publish(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
+                     const CompareOptions& options, CompareResults& results, Console& console) {
+  AtomicFolder folder(options.out, is_of_comparison, Unpublished::kept);
+  try {
+    run_all(suite, prepared, options, folder, results, console);
+    folder.publish();
+  } catch (const std::exception& error) {
+    const std::string left = folder.what_is_left();
+    if (left.empty()) throw;
+    throw std::runtime_error(std::string(error.what()) + "; " + left);
   }
 }
 
@@ -156,11 +184,8 @@ void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared
 int run_compare(const CompareOptions& options, Console& console) {
   const Suite suite = chosen_suite(options);
   const std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
-  fs::create_directories(options.out);
-  for (const char* file : files) require_writable(options.out / file);
-
   CompareResults results = stamped(suite, options);
-  run_all(suite, prepared, options, results, console);
+  run_and_publish(suite, prepared, options, results, console);
 
   for (const std::string& sentence : invalid_ends(results)) console.warn("clearway: " + sentence);
   const std::vector<std::string> broken = broken_promises(results);

@@ -2,11 +2,12 @@
 
 #include <cmath>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "apps/compare_columns.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* schema = R"sql(
-PRAGMA journal_mode = OFF;
-PRAGMA synchronous = OFF;
 CREATE TABLE suites(
   id INTEGER PRIMARY KEY, name TEXT NOT NULL, title TEXT, file TEXT, seed TEXT, jobs INTEGER, version TEXT,
   git_commit TEXT, host TEXT, processor TEXT, date TEXT, time_s REAL);
@@ -36,15 +35,16 @@ std::string runs_schema() {
   return sql + "); CREATE INDEX runs_of_problem ON runs(problem); BEGIN;";
 }
 
-/// An open database that throws what SQLite says.
+/// A database in memory that throws what SQLite says. Its file is written as any other: SQLite's own writes
+/// would leave a journal behind and a cut database after a kill.
 class Database {
  public:
-  explicit Database(const std::filesystem::path& file) {
-    const int status = sqlite3_open(file.c_str(), &handle_);
+  Database() {
+    const int status = sqlite3_open(":memory:", &handle_);
     if (status != SQLITE_OK) {
       const std::string why = sqlite3_errmsg(handle_);
       sqlite3_close(handle_);
-      throw std::runtime_error("cannot write the database: " + why);
+      throw std::runtime_error("cannot make the database: " + why);
     }
   }
   ~Database() { sqlite3_close(handle_); }
@@ -67,6 +67,15 @@ class Database {
     return sqlite3_last_insert_rowid(handle_);
   }
 
+  /// The bytes of the database's file.
+  std::string bytes() const {
+    sqlite3_int64 size = 0;
+    const std::unique_ptr<unsigned char, void (*)(void*)> bytes(sqlite3_serialize(handle_, "main", &size, 0),
+                                                                sqlite3_free);
+    if (!bytes) throw std::bad_alloc();
+    return {reinterpret_cast<const char*>(bytes.get()), static_cast<std::size_t>(size)};
+  }
+
  private:
   void bind(sqlite3_stmt* statement, int at, const Json& value) {
     if (value.is_null()) {
@@ -84,7 +93,7 @@ class Database {
     }
   }
   void require(bool done) {
-    if (!done) throw std::runtime_error(std::string("cannot write the database: ") + sqlite3_errmsg(handle_));
+    if (!done) throw std::runtime_error(std::string("cannot make the database: ") + sqlite3_errmsg(handle_));
   }
 
   sqlite3* handle_ = nullptr;
@@ -137,14 +146,12 @@ void insert_all(Database& database, const CompareResults& results) {
 }  // namespace
 
 void save_database(const CompareResults& results, const std::filesystem::path& file) {
-  save_file(file, [&](const std::filesystem::path& temporary) {
-    std::filesystem::remove(temporary);  // left by a run that was killed
-    Database database(temporary);
-    database.execute(schema);
-    database.execute(runs_schema().c_str());
-    insert_all(database, results);
-    database.execute("COMMIT");
-  });
+  Database database;
+  database.execute(schema);
+  database.execute(runs_schema().c_str());
+  insert_all(database, results);
+  database.execute("COMMIT");
+  save_file(file, database.bytes());
 }
 
 }  // namespace clearway

@@ -101,19 +101,29 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
   return rows;
 }
 
-std::string to_csv(const CompareResults& results) {
+std::string csv_header() {
   std::vector<std::string> header{"suite", "experiment", "world", "problem"};
   for (const RunColumn& column : run_columns()) header.push_back(column.name);
-  std::string text = csv_row(header);
+  return csv_row(header);
+}
+
+std::string csv_rows(const std::string& suite, const std::string& experiment,
+                     const std::vector<ComparePlanner>& planners, const CompareProblem& problem) {
+  std::string text;
+  for (const CompareRun& run : problem.runs) {
+    std::vector<std::string> row{suite, experiment, problem.world, problem.name};
+    for (const RunColumn& column : run_columns())
+      row.push_back(csv_text(column.cell(run, planners[run.planner])));
+    text += csv_row(row);
+  }
+  return text;
+}
+
+std::string to_csv(const CompareResults& results) {
+  std::string text = csv_header();
   for (const CompareExperiment& experiment : results.experiments) {
-    for (const CompareProblem& problem : experiment.problems) {
-      for (const CompareRun& run : problem.runs) {
-        std::vector<std::string> row{results.suite, experiment.setup.name, problem.world, problem.name};
-        for (const RunColumn& column : run_columns())
-          row.push_back(csv_text(column.cell(run, experiment.planners[run.planner])));
-        text += csv_row(row);
-      }
-    }
+    for (const CompareProblem& problem : experiment.problems)
+      text += csv_rows(results.suite, experiment.setup.name, experiment.planners, problem);
   }
   return text;
 }

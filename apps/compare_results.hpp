@@ -125,6 +125,9 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
 
 /// One row a run. Times stand in the column `time_s` and nowhere else.
 std::string to_csv(const CompareResults& results);
+std::string csv_header();
+std::string csv_rows(const std::string& suite, const std::string& experiment,
+                     const std::vector<ComparePlanner>& planners, const CompareProblem& problem);
 
 /// The same in the format of OMPL's benchmark logs, which ompl_benchmark_statistics reads.
 std::string to_ompl_log(const CompareResults& results);

@@ -13,7 +13,7 @@
 #include "apps/query.hpp"
 #include "datasets/parallel.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "planning/any_angle.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/trajectory.hpp"
@@ -159,14 +159,14 @@ class Runner {
 
   /// A folder that `clearway check --map` reads, named by what is in it.
   fs::path keep_map(const SuiteStage& stage) {
-    const fs::path folder =
-        choice_.out / "maps" / (name_as_file(stage.world) + "-" + stage.digest.substr(0, 8));
+    const fs::path name = fs::path("maps") / (name_as_file(stage.world) + "-" + stage.digest.substr(0, 8));
+    const fs::path folder = choice_.out / name;
     const std::lock_guard lock(maps_);
     if (!fs::exists(folder / "map.ot") || map_sha256(folder) != stage.digest) {
       fs::create_directories(folder);
       save_map(stage.map, folder);
     }
-    return folder;
+    return choice_.shown_out / name;
   }
 
   double plan(const StageTask& task) {
@@ -197,6 +197,8 @@ class Runner {
       }
     }
     if (is_shown) found.page = save_page(page, problem);
+    if (choice_.finished != nullptr)
+      choice_.finished->add(experiment_.setup.name, experiment_.planners, found);
     return collected_.add(task.stage->index, task.problem, std::move(found), std::move(profiles));
   }
 

@@ -18,7 +18,7 @@
 #include "datasets/parallel.hpp"
 #include "mapping/map_digest.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 namespace {
@@ -63,6 +63,8 @@ class TeamRunner {
       const std::size_t i = next++;
       if (i >= count) return false;
       result.problems[i] = run_team_number(i);
+      if (choice_.finished != nullptr)
+        choice_.finished->add(experiment_.setup.name, experiment_.planners, result.problems[i]);
       const std::lock_guard lock(mutex);
       progress(static_cast<double>(++done) / static_cast<double>(count));
       return true;

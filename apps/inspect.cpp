@@ -8,7 +8,7 @@
 #include "apps/parse.hpp"
 #include "apps/slice_image.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 
@@ -78,6 +78,9 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const std::vector<Eigen::Vector3d> points = points_of(options.at);
   const Snapshot map = edited(options, load_map(options.map));
   require_in_reach(points, map);
+  for (const auto& [plane, file] : slices) require_writable(file);
+  for (const auto& file : options.exports) require_writable(file);
+  if (!options.view.empty()) require_writable(options.view);
   const std::optional<Provenance> provenance = provenance_of(options, console);
 
   Json json = describe_map(options, map);

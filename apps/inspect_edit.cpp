@@ -1,7 +1,9 @@
 #include "apps/inspect_parts.hpp"
+#include "apps/map_folder.hpp"
 #include "apps/parse.hpp"
 #include "mapping/map_edit.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/system/folder_place.hpp"
 
 namespace clearway {
 
@@ -25,6 +27,7 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map) {
       throw std::invalid_argument("--save " + options.save.string() +
                                   ": that map was read, expected another folder");
   }
+  if (!options.save.empty()) place_of_folder(options.save);  // refused before the work
   Snapshot result = map;
   if (!options.merge.empty()) result = merge(result, load_map(options.merge));
   if (!options.crop.empty()) {
@@ -38,8 +41,9 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map) {
 }
 
 void save_edited(const InspectOptions& options, const Snapshot& map) {
-  save_map(map, options.save);
-  std::filesystem::remove(options.save / "provenance.bin");  // of a map that lay there before
+  AtomicFolder folder(options.save, is_in_map_folder);
+  save_map(map, folder.path());
+  publish_map_folder(folder, map);
 }
 
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "apps/query.hpp"
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "planning/trajectory_file.hpp"
 
 namespace clearway {

@@ -8,11 +8,12 @@
 #include "apps/advice.hpp"
 #include "apps/commands.hpp"
 #include "apps/fusion.hpp"
+#include "apps/map_folder.hpp"
 #include "apps/query.hpp"
 #include "apps/report.hpp"
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "planning/query_record.hpp"
 
 namespace clearway {
@@ -23,15 +24,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-/// Refuses early what would be lost late: an output folder that cannot be written.
-void prepare_output(const std::filesystem::path& out) {
-  std::error_code error;
-  std::filesystem::create_directories(out / "plans", error);
-  if (error) throw std::invalid_argument(out.string() + ": cannot be created: " + error.message());
-  save_file(out / "plans" / ".probe", "");
-  std::filesystem::remove(out / "plans" / ".probe", error);
 }
 
 RobotChoice robot_choice(const RobotSetup& robot) {
@@ -76,22 +68,14 @@ void require_file_name(const std::string& name) {
                               "', field 'name': expected letters, digits, '_', '-' and '.' only");
 }
 
-/// What an earlier replay left in this folder was made from another map: it goes before the new map comes.
-void remove_stale(const std::filesystem::path& out) {
-  for (const char* name : {"report.json", "report.html", "provenance.bin", "queries.json"})
-    std::filesystem::remove(out / name);
-  std::vector<std::filesystem::path> plans;
-  for (const auto& entry : std::filesystem::directory_iterator(out / "plans")) {
-    if (entry.is_regular_file() && entry.path().extension() == ".json") plans.push_back(entry.path());
-  }
-  for (const auto& plan : plans) std::filesystem::remove(plan);
-}
-
 /// All queries of the setup, each with each of its planners, on one map.
 class QueryRunner {
  public:
-  QueryRunner(const ReplayOptions& options, const Fusion& fusion, const Snapshot& map)
+  /// @param folder where the map and the plans are saved
+  QueryRunner(const ReplayOptions& options, const std::filesystem::path& folder, const Fusion& fusion,
+              const Snapshot& map)
       : options_(options),
+        folder_(folder),
         setup_(fusion.setup),
         map_(map),
         robot_(choose_robot(robot_choice(*setup_.robot))) {
@@ -106,9 +90,10 @@ class QueryRunner {
     }
   }
 
-  /// Plans on the map that was saved in the output folder, and records there what was asked.
+  /// Plans on the map that was saved in the folder, and records there what was asked.
   std::vector<ReplayPlan> run(Console& console) {
-    const std::string digest = map_sha256(options_.out);
+    std::filesystem::create_directory(folder_ / "plans");
+    const std::string digest = map_sha256(folder_);
     std::vector<ReplayPlan> plans;
     QueryRecord record{digest, {}};
     for (const QuerySetup& query : setup_.queries) {
@@ -117,7 +102,7 @@ class QueryRunner {
                                                              SpaceOptions{.padding = query.padding}));
       record.queries.push_back(terms_of(query, *spaces_.back()));
     }
-    save_file(options_.out / "queries.json", to_json(record));
+    save_file(folder_ / "queries.json", to_json(record));
     for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
       const QuerySetup& query = setup_.queries[i];
       const Configuration start = configuration(query.start);
@@ -136,7 +121,7 @@ class QueryRunner {
         advise(asked, plan);
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
-        save_file(options_.out / file, to_json(plan));
+        save_file(folder_ / file, to_json(plan));
         plans.push_back({query.name, std::move(plan), start, file, spaces_[i].get()});
       }
     }
@@ -174,6 +159,7 @@ class QueryRunner {
   }
 
   const ReplayOptions& options_;
+  const std::filesystem::path folder_;
   const Setup& setup_;
   const Snapshot& map_;
   Robot robot_;
@@ -207,6 +193,7 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
 
 int run_replay(const ReplayOptions& options, Console& console) {
   for (const std::string& planner : options.planners) make_planner(planner);
+  AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
   ReplayReport report;
   report.recording = options.recording;
 
@@ -228,12 +215,10 @@ int run_replay(const ReplayOptions& options, Console& console) {
   report.map = fusion.map.snapshot();
   std::unique_ptr<QueryRunner> runner;  // tells mistakes of the setup before anything is written
   if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty())
-    runner = std::make_unique<QueryRunner>(options, fusion, report.map);
-  prepare_output(options.out);
-  remove_stale(options.out);
-  save_map(report.map, options.out);
+    runner = std::make_unique<QueryRunner>(options, folder.path(), fusion, report.map);
+  save_map(report.map, folder.path());
   report.provenance = fusion.map.provenance();
-  save_provenance(report.provenance, options.out);
+  save_provenance(report.provenance, folder.path());
   report.timings.emplace_back("save map", seconds_since(begin));
 
   begin = Clock::now();
@@ -241,8 +226,9 @@ int run_replay(const ReplayOptions& options, Console& console) {
   report.timings.emplace_back("plan and check", seconds_since(begin));
 
   const std::string json = report_json(report);
-  save_file(options.out / "report.json", json);
-  save_file(options.out / "report.html", report_html(report, json));
+  save_file(folder.path() / "report.json", json);
+  save_file(folder.path() / "report.html", report_html(report, json));
+  publish_map_folder(folder, report.map);
   print_report(options, report, json, console);
 
   if (fusion.damage) return exit_damaged;

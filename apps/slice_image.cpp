@@ -10,7 +10,7 @@
 
 #include "apps/parse.hpp"
 #include "apps/slice_clearance.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 
@@ -38,17 +38,17 @@ cv::Scalar colour(VoxelState state) {  // RGB
 }
 
 void write_png(const cv::Mat& rgb, const std::filesystem::path& file) {
-  save_file(file, [&](const std::filesystem::path& temporary) {
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = static_cast<png_uint_32>(rgb.cols);
-    image.height = static_cast<png_uint_32>(rgb.rows);
-    image.format = PNG_FORMAT_RGB;
-    if (png_image_write_to_file(&image, temporary.c_str(), 0, rgb.data, static_cast<png_int_32>(rgb.step[0]),
-                                nullptr) == 0) {
-      throw std::runtime_error(image.message);
-    }
-  });
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(rgb.cols);
+  image.height = static_cast<png_uint_32>(rgb.rows);
+  image.format = PNG_FORMAT_RGB;
+  const auto row = static_cast<png_int_32>(rgb.step[0]);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgb.data, row, nullptr) == 0)
+    throw std::runtime_error("cannot make the picture '" + file.string() + "': " + image.message);
+  save_file(file, std::string_view(bytes).substr(0, size));
 }
 
 void put_text(cv::Mat& image, const std::string& text, cv::Point at, double scale = 0.42) {

@@ -112,14 +112,14 @@ class RecordingReader {
   std::unique_ptr<State> state_;
 };
 
-/// Writes a gz rawlog. Everything goes to `<file>.part` first, so that a crash never leaves a half-written
-/// recording under its final name; each frame is flushed as it is written, so the `.part` file can be read up
-/// to the last frame. The same frames give the same bytes.
+/// Writes a gz rawlog, whole or not at all (AtomicFile): an interrupted recording leaves nothing under its
+/// name. Each frame is flushed as it is written: what a crash leaves under a temporary name can be read up to
+/// the last frame, until the next file written there removes it. The same frames give the same bytes.
 class RecordingWriter {
  public:
   /// @throws std::runtime_error when the folder or the file cannot be written.
   explicit RecordingWriter(const std::filesystem::path& file);
-  /// Without `finish` the `.part` file is removed.
+  /// Without `finish` nothing is left.
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;

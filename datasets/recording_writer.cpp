@@ -9,7 +9,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "datasets/durable_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "datasets/recording.hpp"
 
 namespace clearway {
@@ -137,7 +137,7 @@ struct RecordingWriter::State {
     } while (deflater.avail_out == 0);
   }
 
-  DurableFile file;
+  AtomicFile file;
   z_stream deflater{};
 };
 

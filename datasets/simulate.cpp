@@ -4,13 +4,13 @@
 #include <stdexcept>
 
 #include "datasets/depth_renderer.hpp"
-#include "datasets/durable_file.hpp"
 #include "datasets/image_renderer.hpp"
 #include "datasets/parallel.hpp"
 #include "datasets/probe_motion.hpp"
 #include "datasets/probe_surfaces.hpp"
 #include "datasets/recording.hpp"
 #include "datasets/truth.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 namespace {
@@ -29,6 +29,7 @@ class Simulation {
       throw std::invalid_argument("recording '" + recording.string() +
                                   "': this name is the truth's; expected another, such as recording.rawlog.");
     }
+    require_writable(result_.truth);
   }
 
   SimulationResult run() {
@@ -36,7 +37,7 @@ class Simulation {
     for (const auto& include : scene_.includes) copy_frames(include);
     if (scene_.depth) record_depth();
     if (scene_.camera) record_images();
-    DurableFile truth_file(result_.truth);
+    AtomicFile truth_file(result_.truth);
     truth_file.append(truth_.json());
     writer_.finish();
     truth_file.finish();

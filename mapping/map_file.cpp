@@ -8,7 +8,7 @@
 #include "mapping/map_digest.hpp"
 #include "mapping/octree_file.hpp"
 #include "mapping/painted_csv.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 namespace {

@@ -6,7 +6,7 @@
 #include "mapping/map_file.hpp"
 #include "mapping/octree_check.hpp"
 #include "mapping/provenance.hpp"
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 namespace {

@@ -1,4 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <iterator>
 
 #include "datasets/lens.hpp"
 #include "datasets/recording.hpp"
@@ -12,6 +16,13 @@ void write(const std::filesystem::path& file, const std::vector<Frame>& frames) 
   RecordingWriter writer(file);
   for (const auto& frame : frames) writer.write(frame);
   writer.finish();
+}
+
+/// The name of the one file in a folder, temporary or not.
+std::filesystem::path only_file_in(const std::filesystem::path& folder) {
+  const std::filesystem::directory_iterator files(folder);
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+  return std::filesystem::directory_iterator(folder)->path();
 }
 
 TEST(RecordingWriter, FramesComeBackAsTheyWere) {
@@ -84,7 +95,7 @@ TEST(RecordingWriter, UnfinishedRecordingsLeaveNothingAndReplaceNothing) {
     writer.write(sample_frames()[0]);
   }
   EXPECT_EQ(bytes_of(folder / "a.rawlog"), "old");
-  EXPECT_FALSE(std::filesystem::exists(folder / "a.rawlog.part"));
+  EXPECT_EQ(only_file_in(folder / ""), folder / "a.rawlog");
 }
 
 TEST(RecordingWriter, EveryFrameWrittenBeforeACrashCanBeRead) {
@@ -93,7 +104,7 @@ TEST(RecordingWriter, EveryFrameWrittenBeforeACrashCanBeRead) {
   RecordingWriter writer(folder / "a.rawlog");
   for (size_t i = 0; i < frames.size(); ++i) {
     writer.write(frames[i]);
-    RecordingReader reader(folder / "a.rawlog.part");  // as it lies on the disk at this moment
+    RecordingReader reader(only_file_in(folder / ""));  // as it lies on the disk at this moment
     EXPECT_EQ(read_all(reader).size(), i + 1);
     EXPECT_TRUE(reader.damage());
   }
@@ -109,11 +120,15 @@ TEST(RecordingWriter, RefusesWhatCannotBeWritten) {
 }
 
 TEST(RecordingWriter, SaysWhenTheDiskIsFull) {
-  if (!std::filesystem::exists("/dev/full")) return;
   const ScratchFolder folder;
-  std::filesystem::create_symlink("/dev/full", folder / "a.rawlog.part");
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, SIG_IGN);
   RecordingWriter writer(folder / "a.rawlog");
+  const rlimit full{100, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
   EXPECT_THROW(writer.write(sample_frames()[1]), std::runtime_error);
+  setrlimit(RLIMIT_FSIZE, &before);
 }
 
 }  // namespace

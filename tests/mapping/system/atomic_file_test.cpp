@@ -1,7 +1,9 @@
-#include "mapping/save_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <stdexcept>
 
 #include "tests/mapping/temporary_folder.hpp"
@@ -26,17 +28,52 @@ TEST(SaveFile, ReplacesTheWholeContent) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
-TEST(SaveFile, AWriterThatFailsLeavesTheOldFileAndNothingElse) {
+TEST(AtomicFile, WithoutItsEndLeavesTheOldFileAndNothingElse) {
   const TemporaryFolder folder;
   save_file(folder / "a", "old");
-  const auto fail_half_way = [](const fs::path& temporary) {
-    write_all(temporary, "half");
-    throw std::invalid_argument("the writer's own reason");
-  };
-  EXPECT_THROW(save_file(folder / "a", fail_half_way), std::invalid_argument);
-  EXPECT_THROW(save_file(folder / "a", [](const fs::path&) {}), std::runtime_error);  // wrote nothing at all
+  {
+    AtomicFile file(folder / "a");
+    file.append("half");
+    EXPECT_EQ(files_in(folder.path()), 2U);
+    EXPECT_EQ(read_all(folder / "a"), "old");
+  }
   EXPECT_EQ(read_all(folder / "a"), "old");
   EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(AtomicFile, ADiskThatIsFullLeavesTheOldFileAndNothingElse) {
+  const TemporaryFolder folder;
+  save_file(folder / "a", "old");
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{100, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  EXPECT_THROW(save_file(folder / "a", std::string(1000, 'x')), std::runtime_error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(read_all(folder / "a"), "old");
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(AtomicFile, KeepsThePermissionsOfTheFileThatItReplaces) {
+  const TemporaryFolder folder;
+  save_file(folder / "a", "old");
+  fs::permissions(folder / "a", fs::perms::owner_read | fs::perms::owner_write);
+  save_file(folder / "a", "new");
+  EXPECT_EQ(fs::status(folder / "a").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+/// The names of temporary files cannot be guessed, so nobody can lay a link there first; two never meet.
+TEST(AtomicFile, TwoWritersOfOneFileDoNotMeet) {
+  const TemporaryFolder folder;
+  AtomicFile one(folder / "a"), two(folder / "a");
+  one.append("one");
+  two.append("two");
+  EXPECT_EQ(files_in(folder.path()), 2U);
+  one.finish();
+  EXPECT_EQ(read_all(folder / "a"), "one");
+  two.finish();
+  EXPECT_EQ(read_all(folder / "a"), "two");
 }
 
 TEST(SaveFile, NamesTheFileThatCannotBeWritten) {

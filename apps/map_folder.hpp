@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "mapping/snapshot.hpp"
+#include "mapping/system/atomic_folder.hpp"
+
+namespace clearway {
+
+/// Whether a file, relative to a map folder, is one that `replay` and `inspect --save` write. For folders of
+/// versions that left no list of their files.
+bool is_in_map_folder(const std::filesystem::path& relative);
+
+/// Reads the map that was saved in `folder` again, and lets the folder take its place when it is `map`.
+/// @throws std::runtime_error naming the folder; what was there before is then untouched.
+void publish_map_folder(AtomicFolder& folder, const Snapshot& map);
+
+}  // namespace clearway

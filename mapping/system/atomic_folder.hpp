@@ -1,0 +1,76 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "mapping/system/file_descriptor.hpp"
+#include "mapping/system/files_of_others.hpp"
+#include "mapping/system/interruption.hpp"
+
+namespace clearway {
+
+/// What becomes of an AtomicFolder that was not published.
+enum class Unpublished {
+  removed,  ///< it is removed
+  kept      ///< it stays as `FOLDER.partial`, for a person to look at, until the next one of that name begins
+};
+
+/// A folder of files that appears under its name whole or not at all. It is filled beside its place (path())
+/// and takes the place of an older folder in one step, by publish(): renameat2(RENAME_EXCHANGE), so that at
+/// any moment the name leads to the older or to the new one. Before that, and after an error, a signal or a
+/// kill, the older folder is as it was.
+///
+/// What Clearway did not write stays: files in the older folder that are neither on its list of our files
+/// (`.clearway_files`, written with the folder) nor, where it has no list, said to be ours by `is_ours`, get
+/// a hard link in the new folder before the exchange.
+class AtomicFolder {
+ public:
+  /// Makes the folder to fill, readable by this user alone. A link to a folder is followed.
+  /// @param is_ours for a folder without a list: whether an earlier run wrote this file
+  /// @throws std::runtime_error in one sentence when the folder cannot be replaced as a whole: it or its
+  ///         parent cannot be written, it is a mount point, the present folder or above it, or holds things
+  ///         of others that cannot be kept.
+  AtomicFolder(const std::filesystem::path& folder, IsOurs is_ours,
+               Unpublished unpublished = Unpublished::removed);
+  ~AtomicFolder();
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
+
+  /// Where the new files are written.
+  const std::filesystem::path& path() const { return staging_; }
+
+  /// For Unpublished::kept: what is in it by now, as "3 problems"; before the first call it is removed.
+  void note_progress(const std::string& what_is_finished);
+  /// A clause about what is there when the work ends now; empty when there is nothing to say.
+  std::string what_is_left() const;
+
+  /// Syncs everything to the disk and puts it in the place of the older folder, which is then removed.
+  /// @throws std::runtime_error naming the folder; the older one is then in its place.
+  void publish();
+
+ private:
+  void make_parents();
+  void make_staging();
+  void make_partial();
+  void hold(const std::filesystem::path& staging);
+  void take_over_permissions() const;
+  void exchange();
+  void take_place();
+  void leave_place();
+  void remove_older();
+  std::string end();
+  void remove_staging();
+
+  std::filesystem::path folder_, target_, staging_, older_;
+  std::filesystem::path first_made_parent_;
+  IsOurs is_ours_;
+  Unpublished unpublished_;
+  bool existed_ = false, is_exchanged_ = false, is_published_ = false;
+  std::string finished_;
+  KeptFiles kept_;
+  FileDescriptor lock_, older_lock_;
+  std::unique_ptr<UnfinishedWork> unfinished_;
+};
+
+}  // namespace clearway

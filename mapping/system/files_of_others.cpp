@@ -1,0 +1,154 @@
+#include "mapping/system/files_of_others.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <system_error>
+
+#include "mapping/system/atomic_file.hpp"
+#include "mapping/system/file_descriptor.hpp"
+#include "mapping/system/temporary_name.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_files = 100'000;
+
+std::optional<std::set<fs::path>> own_files(const fs::path& folder) {
+  std::error_code error;
+  const fs::path list = folder / own_files_name;
+  if (!fs::is_regular_file(fs::symlink_status(list, error))) return std::nullopt;
+  std::set<fs::path> names;
+  std::ifstream stream(list);
+  for (std::string line; std::getline(stream, line);) names.insert(line);
+  return names;
+}
+
+/// Looks through one folder after the other.
+class Search {
+ public:
+  Search(const fs::path& folder, const IsOurs& is_ours) : folder_(folder), is_ours_(is_ours) {
+    own_ = own_files(folder);
+    struct stat status {};
+    if (::lstat(folder.c_str(), &status) == 0) device_ = status.st_dev;
+  }
+
+  std::vector<fs::path> found;
+
+  /// Whether there is anything in the folder.
+  bool look_in(const fs::path& relative) {
+    std::error_code error;
+    bool is_any = false;
+    for (const auto& entry : fs::directory_iterator(folder_ / relative, error)) {
+      look_at(relative / entry.path().filename());
+      is_any = true;
+    }
+    if (error) fail_to_write(folder_, "it holds '" + relative.string() + "': " + error.message());
+    return is_any;
+  }
+
+ private:
+  void look_at(const fs::path& relative) {
+    struct stat status {};
+    if (::lstat((folder_ / relative).c_str(), &status) != 0) return;  // gone since
+    const bool is_file = S_ISREG(status.st_mode);
+    if (is_file && (relative == own_files_name || is_temporary_name(relative))) return;
+    if (is_file && (own_ ? own_->contains(relative) : is_ours_(relative))) return;
+    const bool is_folder = S_ISDIR(status.st_mode);
+    if ((!is_file && !is_folder && !S_ISLNK(status.st_mode)) || status.st_dev != device_)
+      fail_to_write(folder_, "it holds '" + relative.string() +
+                                 "', which cannot be kept when the folder is replaced: expected a folder "
+                                 "that is ours alone");
+    if (is_folder && look_in(relative)) return;
+    found.push_back(relative);
+    if (found.size() > most_files)
+      fail_to_write(folder_,
+                    "it holds more than 100,000 files of others: expected a folder that is ours "
+                    "alone");
+  }
+
+  const fs::path& folder_;
+  const IsOurs& is_ours_;
+  std::optional<std::set<fs::path>> own_;
+  dev_t device_ = 0;
+};
+
+unsigned long inode(const fs::path& path) {
+  struct stat status {};
+  return ::lstat(path.c_str(), &status) == 0 ? status.st_ino : 0;
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(fs::symlink_status(path, error));
+}
+
+/// The folders that lead to `relative`, with the permissions that they have in `from`.
+void make_folders(const fs::path& from, const fs::path& to, const fs::path& relative) {
+  std::error_code error;
+  fs::path made;
+  for (const fs::path& part : relative) {
+    made /= part;
+    fs::create_directory(to / made, from / made, error);
+    if (error && !is_folder(to / made)) fail_to_write(from, error.message());
+  }
+}
+
+}  // namespace
+
+std::vector<fs::path> files_of_others(const fs::path& folder, const IsOurs& is_ours) {
+  Search search(folder, is_ours);
+  search.look_in("");
+  return std::move(search.found);
+}
+
+void KeptFiles::update(const fs::path& from, const fs::path& to, const IsOurs& is_ours) {
+  for (const fs::path& relative : files_of_others(from, is_ours)) keep(from, to, relative);
+}
+
+void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& relative) {
+  if (is_folder(from / relative)) return make_folders(from, to, relative);
+  const unsigned long source = inode(from / relative), present = inode(to / relative);
+  if (const auto known = inodes_.find(relative); known != inodes_.end()) {
+    if (present != known->second) {  // written anew: ours
+      inodes_.erase(known);
+      return;
+    }
+    if (present == source) return;
+    ::unlink((to / relative).c_str());  // replaced by its owner
+  } else if (present != 0) {
+    return;
+  }
+  make_folders(from, to, relative.parent_path());
+  if (::linkat(AT_FDCWD, (from / relative).c_str(), AT_FDCWD, (to / relative).c_str(), 0) != 0) {
+    if (errno == ENOENT) return;  // gone since
+    fail_to_write(from, "it holds '" + relative.string() + "', which cannot be kept when the folder is " +
+                            "replaced (" + std::strerror(errno) + "): expected a folder that is ours alone");
+  }
+  inodes_[relative] = source;
+}
+
+void KeptFiles::write_list(const fs::path& folder) const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const fs::path relative = entry.path().lexically_relative(folder);
+    if (entry.is_regular_file() && !entry.is_symlink() && relative != own_files_name &&
+        !inodes_.contains(relative))
+      names.push_back(relative.generic_string());
+  }
+  std::sort(names.begin(), names.end());
+  std::string text;
+  for (const std::string& name : names) text += name + "\n";
+  save_file(folder / own_files_name, text);
+}
+
+}  // namespace clearway

@@ -1,0 +1,195 @@
+#include "mapping/system/atomic_folder.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <map>
+#include <stdexcept>
+
+#include "mapping/system/atomic_file.hpp"
+#include "tests/mapping/temporary_folder.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::read_all;
+using testing::TemporaryFolder;
+using testing::write_all;
+
+bool nothing_is_ours(const fs::path&) { return false; }
+bool text_is_ours(const fs::path& relative) { return relative.extension() == ".txt"; }
+
+/// Contents by name of all files below a folder; the list of our files apart.
+std::map<std::string, std::string> content(const fs::path& folder) {
+  std::map<std::string, std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    if (entry.is_regular_file() && name != own_files_name) found[name] = read_all(entry.path());
+  }
+  return found;
+}
+using Content = std::map<std::string, std::string>;
+
+void publish(const fs::path& folder, const Content& files) {
+  AtomicFolder out(folder, text_is_ours);
+  for (const auto& [name, text] : files) {
+    fs::create_directories((out.path() / name).parent_path());
+    save_file(out.path() / name, text);
+  }
+  out.publish();
+}
+
+std::string refusal(const fs::path& folder) {
+  try {
+    const AtomicFolder out(folder, nothing_is_ours);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::size_t entries_in(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST(AtomicFolder, IsAsItWasUntilItIsPublishedAndThenAnotherOne) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  publish(out, {{"a.txt", "old"}, {"only_old.txt", "old"}, {"plans/p.txt", "old"}});
+  {
+    AtomicFolder next(out, text_is_ours);
+    save_file(next.path() / "a.txt", "new");
+    fs::create_directory(next.path() / "plans");
+    save_file(next.path() / "plans" / "q.txt", "new");
+    EXPECT_EQ(fs::status(next.path()).permissions(), fs::perms::owner_all);
+    EXPECT_EQ(content(out), (Content{{"a.txt", "old"}, {"only_old.txt", "old"}, {"plans/p.txt", "old"}}));
+    next.publish();
+  }
+  EXPECT_EQ(content(out), (Content{{"a.txt", "new"}, {"plans/q.txt", "new"}}));
+  EXPECT_EQ(entries_in(folder.path()), 1U);
+}
+
+TEST(AtomicFolder, UnpublishedLeavesNothingNotEvenTheFoldersAbove) {
+  const TemporaryFolder folder;
+  { const AtomicFolder out(folder / "a/b/c", nothing_is_ours); }
+  EXPECT_EQ(entries_in(folder.path()), 0U);
+  publish(folder / "a/b/c", {{"x.txt", "x"}});
+  EXPECT_EQ(content(folder / "a/b/c"), (Content{{"x.txt", "x"}}));
+}
+
+TEST(AtomicFolder, KeepsWhatIsNotOurs) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  fs::create_directories(out / "mine/deep");
+  fs::create_directory(out / "empty");
+  write_all(out / "recording.rawlog", "mine");
+  write_all(out / "mine/deep/note.md", "mine");
+  write_all(out / "old.txt", "ours, of a version that left no list");
+  fs::create_symlink("recording.rawlog", out / "link");
+  publish(out, {{"a.txt", "first"}});
+  EXPECT_EQ(content(out), (Content{{"a.txt", "first"},
+                                   {"mine/deep/note.md", "mine"},
+                                   {"recording.rawlog", "mine"},
+                                   {"link", "mine"}}));
+  EXPECT_TRUE(fs::is_symlink(out / "link"));
+  EXPECT_TRUE(fs::is_directory(out / "empty"));
+  // From now on the list says what is ours: a text of somebody else stays as well.
+  write_all(out / "theirs.txt", "theirs");
+  publish(out, {{"b.txt", "second"}});
+  EXPECT_EQ(content(out), (Content{{"b.txt", "second"},
+                                   {"mine/deep/note.md", "mine"},
+                                   {"recording.rawlog", "mine"},
+                                   {"theirs.txt", "theirs"},
+                                   {"link", "mine"}}));
+}
+
+TEST(AtomicFolder, FilesOfOthersThatComeOrChangeMeanwhileAreKeptAsTheyAreThen) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  fs::create_directory(out);
+  write_all(out / "changes.md", "before");
+  write_all(out / "ours.txt.md", "theirs, until we write it");
+  AtomicFolder next(out, text_is_ours);
+  save_file(out / "changes.md", "after");  // a new file under the old name
+  write_all(out / "comes.md", "late");
+  save_file(next.path() / "ours.txt.md", "ours");
+  next.publish();
+  EXPECT_EQ(content(out), (Content{{"changes.md", "after"}, {"comes.md", "late"}, {"ours.txt.md", "ours"}}));
+}
+
+TEST(AtomicFolder, KeepsPermissionsOfTheFolderThatItReplaces) {
+  const TemporaryFolder folder;
+  publish(folder / "new", {});
+  fs::create_directory(folder / "made");
+  EXPECT_EQ(fs::status(folder / "new").permissions(), fs::status(folder / "made").permissions());
+  ::chmod((folder / "made").c_str(), 0750);
+  publish(folder / "made", {});
+  EXPECT_EQ(static_cast<unsigned>(fs::status(folder / "made").permissions()), 0750U);
+}
+
+TEST(AtomicFolder, ALinkToAFolderStaysALink) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "real");
+  fs::create_directory_symlink("real", folder / "link");
+  publish(folder / "link", {{"a.txt", "new"}});
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(content(folder / "real"), (Content{{"a.txt", "new"}}));
+}
+
+TEST(AtomicFolder, RefusesBeforeTheWorkWhatCannotBeReplaced) {
+  const TemporaryFolder folder;
+  write_all(folder / "file", "x");
+  fs::create_directory(folder / "sockets");
+  sockaddr_un address{AF_UNIX, {}};
+  const std::string name = folder / "sockets/s";
+  name.copy(address.sun_path, sizeof address.sun_path - 1);
+  const FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  ASSERT_EQ(::bind(socket.number(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  fs::create_symlink("nowhere", folder / "broken");
+
+  EXPECT_NE(refusal(".").find("'.'"), std::string::npos);
+  EXPECT_NE(refusal("/").find("'/'"), std::string::npos);
+  EXPECT_NE(refusal("/proc").find("mount point"), std::string::npos);
+  EXPECT_NE(refusal("/proc/new").find("'/proc/new'"), std::string::npos);
+  EXPECT_NE(refusal(folder / "file").find("not a folder"), std::string::npos);
+  EXPECT_NE(refusal(folder / "file/below").find("not a folder"), std::string::npos);
+  EXPECT_NE(refusal(folder / "sockets").find("'s'"), std::string::npos);
+  EXPECT_NE(refusal(folder / "broken").find("leads nowhere"), std::string::npos);
+  EXPECT_NE(refusal(""), "");
+  EXPECT_EQ(entries_in(folder.path()), 3U);
+}
+
+TEST(AtomicFolder, KeptWorkHasANameAndMakesWayForTheNext) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out", partial = folder / "out.partial";
+  publish(out, {{"a.txt", "old"}});
+  {
+    AtomicFolder next(out, text_is_ours, Unpublished::kept);
+    save_file(next.path() / "b.txt", "half");
+    EXPECT_EQ(next.what_is_left(), "");
+    next.note_progress("2 problems are");
+    EXPECT_EQ(next.what_is_left(), "2 problems are in '" + partial.string() + "'");
+    EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::kept), std::runtime_error);  // one at a time
+    EXPECT_TRUE(fs::exists(partial / "b.txt"));
+  }
+  EXPECT_EQ(content(out), (Content{{"a.txt", "old"}}));
+  EXPECT_EQ(content(partial), (Content{{"b.txt", "half"}}));
+  {
+    AtomicFolder next(out, text_is_ours, Unpublished::kept);
+    save_file(next.path() / "c.txt", "new");
+    next.publish();
+  }
+  EXPECT_EQ(content(out), (Content{{"c.txt", "new"}}));
+  EXPECT_FALSE(fs::exists(partial));
+  fs::create_directory(partial);  // of somebody else
+  EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::kept), std::runtime_error);
+  EXPECT_TRUE(fs::exists(partial));
+}
+
+}  // namespace
+}  // namespace clearway
