@@ -92,7 +92,6 @@ class QueryRunner {
 
   /// Plans on the map that was saved in the folder, and records there what was asked.
   std::vector<ReplayPlan> run(Console& console) {
-    std::filesystem::create_directory(folder_ / "plans");
     const std::string digest = map_sha256(folder_);
     std::vector<ReplayPlan> plans;
     QueryRecord record{digest, {}};
@@ -194,6 +193,7 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
 int run_replay(const ReplayOptions& options, Console& console) {
   for (const std::string& planner : options.planners) make_planner(planner);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
+  std::filesystem::create_directory(folder.path() / "plans");
   ReplayReport report;
   report.recording = options.recording;
 
