@@ -9,8 +9,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "mapping/system/atomic_file.hpp"
 #include "datasets/recording.hpp"
+#include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
 namespace {
