@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "planning/path_check_links.hpp"
 #include "planning/path_check_model.hpp"
 
 namespace clearway {
@@ -245,7 +246,13 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
   verdict.first_contact = malformed(robot, waypoints, verdict.edge);
   if (!verdict.first_contact.empty()) return verdict;
   verdict.edge = -1;
-  return Checker(robot, map, policies, padding, waypoints, distance_cap).run();
+  try {
+    if (!robot.source.empty()) check::require_same_poses(robot, check::KdlArm(robot));
+    return Checker(robot, map, policies, padding, waypoints, distance_cap).run();
+  } catch (const check::FileDisagrees& error) {
+    verdict.first_contact = error.what();
+    return verdict;
+  }
 }
 
 }  // namespace clearway

@@ -22,14 +22,20 @@ struct PathVerdict {
   std::string checker = "kdl+fcl";  ///< whose kinematics and geometry decided
 };
 
-/// Re-checks a path in code that no planner shares: KDL kinematics built from the robot, FCL `collide` and
+/// Re-checks a path in code that no planner shares: KDL kinematics, FCL `collide` and
 /// unsigned `distance` (shape against voxel boxes read straight from the tree) with a separating plane as
 /// proof, conservative advancement along each edge with reach bounds of its own. Contract as
 /// ConfigurationSpace: for EVERY configuration on every straight edge. Parts that `policies` does not name
 /// are `not_occupied`. A path of one waypoint is checked there; no waypoint, a wrong size, NaN and values
 /// outside the joint limits are refused, naming the waypoint (`edge` is then its index).
-/// @throws std::invalid_argument for a padding or cap that is no length, or an edge that sweeps too many
-/// voxels.
+///
+/// Of a robot that was loaded from a file (Robot::source) the kinematics are what urdfdom and kdl_parser read
+/// from its URDF, in which our own reader has no part. When they put a link or body more than 1e-9 m or rad
+/// elsewhere than the planners' kinematics do, or the file has narrower limits or other bodies, the path is
+/// refused in a sentence that names link, joint or body. A robot that was made in memory has no source: its
+/// KDL chain is built from it. Who changes a loaded robot's links, joints or bodies clears its source.
+/// @throws std::invalid_argument for a padding or cap that is no length, an edge that sweeps too many voxels,
+/// or a robot's file that can no longer be read.
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        double padding, const std::vector<Configuration>& waypoints,
                        double distance_cap = 0.0);

@@ -21,9 +21,11 @@ namespace clearway::check {
 /// What a body is placed at: pose of every body in the map frame.
 using BodyPoses = std::vector<Eigen::Isometry3d>;
 
-/// Kinematics by KDL: one chain from the root to the link of each body.
+/// Kinematics by KDL: one chain from the root to the link of each body. Of a robot with a URDF, KDL's tree is
+/// kdl_parser's reading of that file; of a robot that was made in memory, it is built from the robot.
 class KdlArm {
  public:
+  /// @throws FileDisagrees (path_check_links.hpp) for a robot whose file has other links, joints or bodies.
   explicit KdlArm(const Robot& robot);
   ~KdlArm();
   KdlArm(const KdlArm&) = delete;
@@ -31,6 +33,12 @@ class KdlArm {
 
   /// Places all bodies.
   void place(const Eigen::VectorXd& q, BodyPoses& poses) const;
+
+  /// Places all links and bodies in the frame of the robot's base, wherever that stands. A turned link's
+  /// frame is the file's; the robot's has another orientation.
+  void place_on_base(const Eigen::VectorXd& q, std::vector<Eigen::Isometry3d>& links,
+                     BodyPoses& bodies) const;
+  bool is_turned(std::size_t link) const;
 
   /// Bound on the path length of any point of the body when each joint j turns or slides by abs_dq[j] in all.
   double motion(std::size_t body, const Eigen::VectorXd& abs_dq) const;
@@ -42,6 +50,11 @@ class KdlArm {
   struct Chains;
   std::unique_ptr<Chains> chains_;
 };
+
+/// Compares the poses of all links and bodies with those of the planners' kinematics, at the limits and over
+/// random configurations from a fixed seed. This alone calls what planners use.
+/// @throws FileDisagrees naming the first link or body that is more than 1e-9 m or rad elsewhere.
+void require_same_poses(const Robot& robot, const KdlArm& arm);
 
 /// Certified distances by FCL: LIBCCD `collide` first, then unsigned `distance` for a direction, and a
 /// separating plane along that direction for the proof. A wrong distance from FCL can only make the proof

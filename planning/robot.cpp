@@ -75,8 +75,7 @@ Robot load_robot(const std::string& name_or_path) {
   const fs::path settings_file = is_urdf ? fs::path(file).replace_extension(".yaml") : file;
   RobotSettings settings;
   if (!is_urdf || fs::is_regular_file(settings_file)) settings = read_robot_settings(settings_file);
-  fs::path urdf = is_urdf ? file : fs::path(file).replace_extension(".urdf");
-  if (!is_urdf && !settings.urdf.empty()) urdf = file.parent_path() / settings.urdf;
+  const fs::path urdf = urdf_of(file, settings);
 
   Robot robot = read_urdf(urdf);
   apply_settings(settings, settings_file, robot);

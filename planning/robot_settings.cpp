@@ -167,6 +167,11 @@ RobotSettings read_robot_settings(const std::filesystem::path& file) {
   }
 }
 
+std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSettings& settings) {
+  if (file.extension() != ".urdf" && !settings.urdf.empty()) return file.parent_path() / settings.urdf;
+  return std::filesystem::path(file).replace_extension(".urdf");
+}
+
 void apply_settings(const RobotSettings& settings, const std::filesystem::path& file, Robot& robot) {
   const auto refuse = [&](const std::string& key, const std::string& name) {
     throw std::invalid_argument(file.string() + ": '" + key + "' names " + quote(name) + ", which " +

@@ -36,6 +36,9 @@ struct RobotSettings {
 /// key is an error that names the nearest known one.
 RobotSettings read_robot_settings(const std::filesystem::path& file);
 
+/// The URDF of a robot that is loaded from `file`, a .urdf or a .yaml with these settings.
+std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSettings& settings);
+
 /// Puts the settings into a full-size robot as read from the URDF; scaling and exemptions come afterwards.
 /// @throws std::invalid_argument for a joint, link or part that the robot does not have.
 void apply_settings(const RobotSettings& settings, const std::filesystem::path& file, Robot& robot);

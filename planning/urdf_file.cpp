@@ -1,6 +1,5 @@
 #include "planning/urdf_file.hpp"
 
-#include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
@@ -12,28 +11,10 @@
 #include "planning/mesh_file.hpp"
 #include "planning/reach.hpp"
 #include "planning/urdf_document.hpp"
+#include "planning/urdf_messages.hpp"
 
 namespace clearway {
 namespace {
-
-/// Keeps urdfdom's messages for our own sentence instead of printing them. The handler is a global of
-/// console_bridge, so one file is read at a time.
-class KeptMessages : public console_bridge::OutputHandler {
- public:
-  KeptMessages() { console_bridge::useOutputHandler(this); }
-  ~KeptMessages() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first.empty()) first = text;
-  }
-  std::string first;
-
- private:
-  static std::mutex& gate() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> turn_{gate()};
-};
 
 Eigen::Isometry3d isometry(const urdf::Pose& pose) {
   Eigen::Quaterniond rotation;

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "planning/path_check_model.hpp"
 #include "tests/evidence/random_arm.hpp"
 
 namespace clearway::evidence {
@@ -21,8 +22,10 @@ Robot drawn_arm(Random& random, std::uint64_t seed) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("clearway_arm_" + std::to_string(::getpid()) + "_" + std::to_string(seed) + ".urdf");
   std::ofstream(file) << text;
-  const Robot robot = load_robot(file.string());
+  Robot robot = load_robot(file.string());
+  check::require_same_poses(robot, check::KdlArm(robot));  // as each check would, were the file still there
   std::filesystem::remove(file);
+  robot.source.clear();
   return robot;
 }
 

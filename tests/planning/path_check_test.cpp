@@ -171,6 +171,7 @@ TEST(PathCheck, PlacesBodiesByKdlWhereOurKinematicsPlacesThemMimicJointsToo) {
   for (const char* name : {"puma560_miniature", "arm5", "planar2", "point"})
     robots.push_back(load_robot(name));
   Robot mimic = load_robot("arm5");  // the forearm's joint copies the upper arm's, reversed and shifted
+  mimic.source.clear();
   mimic.links[3].joint = mimic.links[2].joint;
   mimic.links[3].multiplier = -0.5;
   mimic.links[3].offset = 0.3;
