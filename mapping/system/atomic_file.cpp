@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 
@@ -23,6 +25,15 @@ std::filesystem::path target_of(const std::filesystem::path& file) {
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
+/// The first file of this process in a folder removes what others left there.
+void remove_abandoned_once(const std::filesystem::path& folder) {
+  static std::mutex mutex;
+  static std::set<std::filesystem::path> looked_at;
+  std::error_code error;
+  const std::lock_guard held(mutex);
+  if (looked_at.insert(std::filesystem::absolute(folder, error)).second) remove_abandoned(folder);
 }
 
 /// Permissions and, where that is allowed, the owner of the file that is replaced.
@@ -53,7 +64,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& file)
       }) {
   require_writable(file_);
   target_ = target_of(file_);
-  remove_abandoned(folder_of(target_));
+  remove_abandoned_once(folder_of(target_));
   open_temporary();
   take_over_permissions(descriptor_.number(), target_);
 }

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -35,6 +36,15 @@ bool is_own_folder(const fs::path& path) {
   return ::lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid();
 }
 
+/// Whether a partial folder has a list of our files, or its process was killed before it wrote one.
+bool was_left_by_us(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_regular_file(fs::symlink_status(folder / own_files_name, error))) return true;
+  const fs::directory_iterator entries(folder, error);
+  return std::all_of(begin(entries), end(entries),
+                     [](const auto& entry) { return is_temporary_name(entry.path()); });
+}
+
 void sync_all_folders(const fs::path& folder, const fs::path& what) {
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_directory() && !entry.is_symlink()) sync_folder(entry.path(), what);
@@ -60,6 +70,7 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
       unpublished_ == Unpublished::kept ? make_partial() : make_staging();
       unfinished_ = std::make_unique<UnfinishedWork>([this] { return end(); }, staging_);
     }
+    if (unpublished_ == Unpublished::kept) save_file(staging_ / own_files_name, "");  // says that it is ours
     if (existed_) kept_.update(target_, staging_, is_ours_);
   } catch (...) {
     remove_staging();
@@ -101,7 +112,7 @@ void AtomicFolder::make_partial() {
   std::error_code error;
   if (fs::exists(fs::symlink_status(name, error))) {
     const FileDescriptor older = open_to_read(name);
-    if (!is_own_folder(name) || !fs::is_regular_file(fs::symlink_status(name / own_files_name, error)))
+    if (!is_own_folder(name) || !was_left_by_us(name))
       fail_to_write(folder_, "it is made as '" + name.string() + "', which is in the way");
     if (!lock(older, false)) fail_to_write(folder_, "another process writes '" + name.string() + "'");
     remove_tree(name);
@@ -110,7 +121,6 @@ void AtomicFolder::make_partial() {
   staging_ = name;
   lock_ = open_to_read(staging_);
   if (!lock(lock_, false)) fail_to_write(folder_, "another process writes '" + name.string() + "'");
-  save_file(staging_ / own_files_name, "");
 }
 
 void AtomicFolder::note_progress(const std::string& what_is_finished) {

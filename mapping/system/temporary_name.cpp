@@ -8,9 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <mutex>
 #include <random>
-#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -98,13 +96,7 @@ fs::path moved_aside_name(const fs::path& target) { return named_beside(target, 
 bool is_temporary_name(const fs::path& path) { return !purpose_of(path.filename().string()).target.empty(); }
 
 void remove_abandoned(const fs::path& folder) {
-  static std::mutex mutex;
-  static std::set<fs::path> looked_at;
   std::error_code error;
-  {
-    const std::lock_guard held(mutex);
-    if (!looked_at.insert(fs::absolute(folder, error)).second) return;
-  }
   std::vector<std::pair<fs::path, Purpose>> found;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     Purpose purpose = purpose_of(entry.path().filename().string());

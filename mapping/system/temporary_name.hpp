@@ -17,9 +17,8 @@ std::filesystem::path moved_aside_name(const std::filesystem::path& target);
 /// Whether a file or folder has such a name.
 bool is_temporary_name(const std::filesystem::path& path);
 
-/// The first file of this process in a folder removes what other processes left there: temporary files and
-/// folders of this user that nobody has locked. Where a folder was moved aside and its successor never came,
-/// it gets its name back.
+/// Removes what processes that are gone left in a folder: temporary files and folders of this user that
+/// nobody has locked. Where a folder was moved aside and its successor never came, it gets its name back.
 void remove_abandoned(const std::filesystem::path& folder);
 
 /// Removes a folder and all below it. Follows no link and stays on its file system. Errors leave the rest.

@@ -186,7 +186,10 @@ TEST(AtomicFolder, KeptWorkHasANameAndMakesWayForTheNext) {
   }
   EXPECT_EQ(content(out), (Content{{"c.txt", "new"}}));
   EXPECT_FALSE(fs::exists(partial));
-  fs::create_directory(partial);  // of somebody else
+  fs::create_directory(partial);
+  { const AtomicFolder next(out, text_is_ours, Unpublished::kept); }  // was killed at its very beginning
+  fs::create_directory(partial);
+  write_all(partial / "theirs", "of somebody else");
   EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::kept), std::runtime_error);
   EXPECT_TRUE(fs::exists(partial));
 }
