@@ -47,19 +47,23 @@ QueryTerms terms_of(const JsonField& field) {
 /// The checksum is of the file's text with zeros in its own place.
 const std::string no_checksum(64, '0');
 
-bool is_whole(std::string text, const std::string& checksum) {
+/// @throws std::invalid_argument for what is no JSON with a checksum.
+bool is_whole(std::string text, const std::string& file) {
+  require_json(text, file);
+  const Json json = Json::parse(text);
+  const std::string checksum = JsonField(json, file).at("sha256").text();
   const std::size_t place = text.rfind(checksum);
   if (checksum.size() != no_checksum.size() || place == std::string::npos) return false;
   return sha256(text.replace(place, checksum.size(), no_checksum)) == checksum;
 }
 
-bool is_json(const std::string& text) {
+void require_whole(const std::string& text, const std::string& file) {
   try {
-    require_json(text, "");
-    return true;
+    if (is_whole(text, file)) return;
   } catch (const std::invalid_argument&) {
-    return false;
+    // Something of the file is no longer what was written: that is all there is to say.
   }
+  throw DamagedFile(file + ": is damaged: its checksum does not match its content");
 }
 
 }  // namespace
@@ -99,10 +103,9 @@ std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
   std::error_code error;
   if (!std::filesystem::is_directory(map, error) || !std::filesystem::exists(file, error)) return {};
   const std::string text = read_input(file, "queries", most_bytes);
-  const Json json = is_json(text) ? Json::parse(text) : Json(nullptr);
+  require_whole(text, file.string());
+  const Json json = Json::parse(text);
   const JsonField root(json, file.string());
-  if (json.is_null() || !is_whole(text, root.at("sha256").text()))
-    throw DamagedFile(file.string() + ": is damaged: its checksum does not match its content");
   if (root.at("format").text() != format) root.at("format").refuse("'" + std::string(format) + "'");
   QueryRecord record;
   record.map_sha256 = root.at("map_sha256").text();

@@ -259,7 +259,12 @@ TEST_F(KitchenJob, plans_are_solved_and_the_check_command_confirms_each) {
         run_command({"check", folder_->file("out/" + plan["file"].get<std::string>()), "--map",
                      folder_->file("out"), "--robot", "puma560_miniature", "--json"});
     EXPECT_EQ(check.status, exit_done) << check.out << check.log;
-    EXPECT_TRUE(Json::parse(check.out)["same_map"]);
+    const Json json = Json::parse(check.out);
+    EXPECT_TRUE(json["same_map"]);
+    EXPECT_EQ(json["contract"]["query"], plan["query"]);
+    for (const char* term : {"scale", "base", "padding_m", "start", "goals"})
+      EXPECT_EQ(json["contract"][term]["source"], "map") << term;
+    EXPECT_EQ(json["contract"]["policy"]["tool"], Json({{"value", "painted"}, {"source", "map"}}));
   }
 }
 
