@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mapping/fused_node.hpp"
+#include "mapping/safe_margins.hpp"
 #include "mapping/sphere.hpp"
 #include "mapping/voxel_state.hpp"
 
@@ -91,9 +92,10 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   void finish();
 
   /// Applies one scan: a miss to each voxel that is free in `grid` and not occupied, a hit to each occupied
-  /// one; the tree that updateNode makes of them one by one. Takes the occupied bits out of the free ones.
+  /// one, as EvidenceRule says; in `compatible` integration the tree that updateNode makes of them one by
+  /// one. Takes the occupied bits out of the free ones.
   /// @param threads >= 1; the result does not depend on it.
-  void update(ScanGrid& grid, int threads = 1);
+  void update(ScanGrid& grid, Integration integration = Integration::compatible, int threads = 1);
 
   VoxelState state(const FusedNode& node) const;
   /// Log-odds at and over which an observed voxel is occupied, exactly as given (setOccupancyThres rounds).

@@ -1,10 +1,11 @@
 // One descent of the tree per scan: all free and occupied voxels of a ScanGrid at once, with the tree that
-// OctoMap's updateNode would make of them one by one.
+// the rule of one voxel (in `compatible` integration OctoMap's updateNode) would make of them one by one.
 
 #include <algorithm>
 #include <atomic>
 #include <vector>
 
+#include "mapping/evidence_rule.hpp"
 #include "mapping/fused_tree.hpp"
 #include "mapping/on_threads.hpp"
 #include "mapping/scan_grid.hpp"
@@ -30,11 +31,13 @@ class FusedTree::ScanUpdate {
     bool changed = false;
   };
 
-  explicit ScanUpdate(const FusedTree& model)
-      : hit_(model.prob_hit_log),
-        miss_(model.prob_miss_log),
-        low_(model.clamping_thres_min),
-        high_(model.clamping_thres_max) {}
+  ScanUpdate(const FusedTree& model, Integration integration)
+      : rule_{integration,
+              model.prob_hit_log,
+              model.prob_miss_log,
+              model.clamping_thres_min,
+              model.clamping_thres_max,
+              model.occ_prob_thres_log} {}
 
   /// Makes the nodes from `node` (of `level`) down to those of the tiles first..last.
   void reach_tiles(FusedNode& node, int level, bool created, Tile* first, Tile* last);
@@ -72,18 +75,30 @@ class FusedTree::ScanUpdate {
 
   /// True when a stored leaf is clamped so that these updates do nothing (OctoMap's early abort).
   bool is_settled(const FusedNode& leaf, bool some_free, bool some_hit) const {
-    return (!some_free || leaf.getLogOdds() <= low_) && (!some_hit || leaf.getLogOdds() >= high_);
+    return (!some_free || leaf.getLogOdds() <= rule_.low) && (!some_hit || leaf.getLogOdds() >= rule_.high);
   }
 
-  void add(FusedNode& leaf, float log_odds) const {
-    float value = (leaf.observed() ? leaf.getLogOdds() : 0.0F) + log_odds;
-    if (value < low_) value = low_;
-    if (value > high_) value = high_;
-    leaf.observe(value);
+  /// True when the voxels first..last of a free cube, which one leaf stands for, all get the same update.
+  bool is_one_update(const FusedNode& leaf, const Tile& tile, unsigned first, unsigned last) const {
+    if (!rule_.tells_clear_looks(before(leaf))) return true;
+    const bool clearly = is_clear(tile, first);  // one by one: occupied leaves are seldom larger than a voxel
+    while (first < last && is_clear(tile, last) == clearly) --last;
+    return first == last;
+  }
+  static bool is_clear(const Tile& tile, unsigned voxel) {
+    return (tile.bits->clear[voxel >> 6U] >> (voxel & 63U) & 1U) != 0;
+  }
+
+  static float before(const FusedNode& leaf) { return leaf.observed() ? leaf.getLogOdds() : 0.0F; }
+  void hit(FusedNode& leaf) const { leaf.observe(rule_.after_hit(before(leaf))); }
+  void miss(FusedNode& leaf, bool clearly) const {
+    const float log_odds = before(leaf);
+    clearly = clearly && rule_.tells_clear_looks(log_odds);
+    leaf.observe(clearly ? rule_.after_clear_look(log_odds) : rule_.after_miss(log_odds));
   }
 
   std::size_t nodes_ = 0;
-  float hit_, miss_, low_, high_;
+  EvidenceRule rule_;
 };
 
 void FusedTree::ScanUpdate::Tile::read(ScanTile& scan) {
@@ -127,11 +142,16 @@ bool FusedTree::ScanUpdate::all_free(const Tile& tile, unsigned cube) {
 template <int Level>
 bool FusedTree::ScanUpdate::update_cube(FusedNode& node, bool created, const Tile& tile, unsigned cube) {
   if constexpr (Level == 0) {
-    add(node, any_hit<0>(tile, cube) ? hit_ : miss_);
+    if (any_hit<0>(tile, cube)) {
+      hit(node);
+    } else {
+      miss(node, is_clear(tile, cube));
+    }
     return true;
   } else {
-    if (!node.has_children() && all_free<Level>(tile, cube)) {
-      add(node, miss_);
+    const unsigned first = cube << 3 * Level, last = ((cube + 1) << 3 * Level) - 1;  // voxels
+    if (!node.has_children() && all_free<Level>(tile, cube) && is_one_update(node, tile, first, last)) {
+      miss(node, is_clear(tile, first));
       return true;
     }
     if constexpr (Level == 2 || Level == 3) node.prefetch_below();
@@ -190,7 +210,7 @@ bool FusedTree::ScanUpdate::close_above_tiles(FusedNode& node, int level, const 
   return changed;
 }
 
-void FusedTree::update(ScanGrid& grid, int threads) {
+void FusedTree::update(ScanGrid& grid, Integration integration, int threads) {
   const std::vector<ScanTile*> scan = grid.tiles();
   std::vector<ScanUpdate::Tile> tiles(scan.size());
   const auto workers = static_cast<std::size_t>(threads);
@@ -201,13 +221,13 @@ void FusedTree::update(ScanGrid& grid, int threads) {
   if (tiles.empty()) return;
   bool created = false;
   FusedNode& top = root_for_writing(created);
-  ScanUpdate above(*this);
+  ScanUpdate above(*this, integration);
   ScanUpdate::Tile* const first = tiles.data();
   above.reach_tiles(top, static_cast<int>(tree_depth), created, first, first + tiles.size());
 
   std::atomic<std::size_t> next{0}, grown{0};
   on_threads(workers, [&](std::size_t) {
-    ScanUpdate update(*this);
+    ScanUpdate update(*this, integration);
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       ScanUpdate::Tile& tile = tiles[i];
       if (tile.node != nullptr)

@@ -10,6 +10,7 @@
 namespace clearway {
 namespace {
 
+constexpr int widest = 4;             // steps: a block ends a word, 4 cells, beyond its tile
 constexpr int tile_words = 8;         // of 4 x 4 x 4 cells along an edge of a tile
 constexpr int edge = tile_words + 2;  // of a block: a tile and one word of its neighbours around it
 constexpr int block_size = edge * edge * edge;
@@ -17,6 +18,9 @@ constexpr std::array<int, 3> stride{1, edge, edge* edge};
 /// Empty words before the first and after the last, so that each word has one before and behind it.
 constexpr int pad = edge * edge;
 using Block = std::array<std::uint64_t, block_size + 2 * pad>;
+
+/// Of a growth: edges and faces in turn, so that it stays round.
+GrowthStep step_number(int i) { return i % 2 == 0 ? GrowthStep::edges : GrowthStep::faces; }
 
 /// Where a block's word comes from: which of the 27 tiles (middle: 13), and which word of it.
 struct Origin {
@@ -117,38 +121,48 @@ struct Grower {
     return any != 0;
   }
 
-  void take_out(ScanTile& tile) const {
+  void take_out(std::array<std::uint64_t, ScanTile::words>& bits) const {
     constexpr std::uint8_t middle = 13;
     for (std::size_t i = 0; i < origins.size(); ++i) {
-      if (origins[i].tile == middle) tile.free[origins[i].word] &= ~cells[pad + i];
+      if (origins[i].tile == middle) bits[origins[i].word] &= ~cells[pad + i];
     }
   }
 };
+
+void spare(const ScanGrid& grid, const SurfaceMargins& margins, ScanTile& tile, Grower& grower) {
+  tile.clear = tile.free;
+  const auto is_zero = [](std::uint64_t word) { return word == 0; };
+  if (std::all_of(tile.free.begin(), tile.free.end(), is_zero) || !grower.gather(grid, tile)) return;
+  for (const GrowthStep step : margins.spared) grower.grow(step);
+  if (!margins.spared.empty()) grower.take_out(tile.free);
+  for (const GrowthStep step : margins.unclear) grower.grow(step);
+  grower.take_out(tile.clear);
+}
 
 }  // namespace
 
 std::vector<GrowthStep> growth_of(double band, double resolution) {
   if (!(band > 0.0)) return {};
-  const int radius = static_cast<int>(std::min(4.0, std::round(band / resolution)));
+  const int radius = static_cast<int>(std::min<double>(widest, std::round(band / resolution)));
   if (radius == 0) return {GrowthStep::faces};
   std::vector<GrowthStep> steps;
-  for (int i = 0; i < radius; ++i) steps.push_back(i % 2 == 0 ? GrowthStep::edges : GrowthStep::faces);
+  for (int i = 0; i < radius; ++i) steps.push_back(step_number(i));
   return steps;
 }
 
-void spare_surfaces(ScanGrid& grid, const std::vector<GrowthStep>& growth, int threads) {
-  if (growth.empty()) return;
+std::vector<GrowthStep> clear_growth_of(double band, double resolution) {
+  const auto done = static_cast<int>(growth_of(band, resolution).size());
+  std::vector<GrowthStep> steps;
+  for (int i = done; i < std::min(widest, 2 * done); ++i) steps.push_back(step_number(i));
+  return steps;
+}
+
+void spare_surfaces(ScanGrid& grid, const SurfaceMargins& margins, int threads) {
   const std::vector<ScanTile*> tiles = grid.tiles();
   std::atomic<std::size_t> next{0};
   on_threads(static_cast<std::size_t>(threads), [&](std::size_t) {
     Grower grower;
-    for (std::size_t i = next++; i < tiles.size(); i = next++) {
-      const auto& free = tiles[i]->free;
-      if (std::all_of(free.begin(), free.end(), [](std::uint64_t word) { return word == 0; })) continue;
-      if (!grower.gather(grid, *tiles[i])) continue;
-      for (const GrowthStep step : growth) grower.grow(step);
-      grower.take_out(*tiles[i]);
-    }
+    for (std::size_t i = next++; i < tiles.size(); i = next++) spare(grid, margins, *tiles[i], grower);
   });
 }
 

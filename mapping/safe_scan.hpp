@@ -19,9 +19,20 @@ enum class GrowthStep {
 /// 0.
 std::vector<GrowthStep> growth_of(double band, double resolution);
 
-/// Takes every cell within the neighbourhood of an occupied cell out of `grid`'s free cells: a scan's hit
-/// beats its misses around it. Occupied cells and their bits stay as they are. Bit-parallel: a few operations
-/// for 64 cells. @param threads >= 1; the result does not depend on it.
-void spare_surfaces(ScanGrid& grid, const std::vector<GrowthStep>& growth, int threads);
+/// The steps that follow those of growth_of and about double their reach, at most 4 voxels in all: what lies
+/// outside was seen clearly, by rays that end well behind it and with nothing hit beside them.
+std::vector<GrowthStep> clear_growth_of(double band, double resolution);
+
+/// What of a scan's misses counts, beside what it hit.
+struct SurfaceMargins {
+  std::vector<GrowthStep> spared;   ///< around a hit: nothing is freed
+  std::vector<GrowthStep> unclear;  ///< around what is spared: free, but not seen clearly
+};
+
+/// Takes every cell within the spared neighbourhood of an occupied cell out of `grid`'s free cells: a scan's
+/// hit beats its misses around it. Sets `clear` to those free cells that lie beyond the unclear one, too.
+/// Occupied cells and their bits stay as they are. Bit-parallel: a few operations for 64 cells.
+/// @param threads >= 1; the result does not depend on it.
+void spare_surfaces(ScanGrid& grid, const SurfaceMargins& margins, int threads);
 
 }  // namespace clearway

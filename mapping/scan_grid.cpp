@@ -34,7 +34,8 @@ ScanTile& ScanGrid::tile(const Eigen::Vector3i& cell) {
     if (used == store_.size()) {
       store_.push_back(std::make_unique<ScanTile>());
     } else {
-      *store_[used] = ScanTile{};
+      store_[used]->free.fill(0);
+      store_[used]->occupied.fill(0);
     }
     entry->second = store_[used].get();
     for (int axis = 0; axis < 3; ++axis) entry->second->corner[axis] = cell[axis] & ~(ScanTile::edge - 1);

@@ -9,9 +9,9 @@
 
 namespace clearway {
 
-/// Bits for a cube of 32 x 32 x 32 cells: which of them one scan calls free and which occupied. Bits lie in
-/// octree order: word w holds a cube of 4 x 4 x 4 cells, byte b of a word one of 2 x 2 x 2, and 8 (64)
-/// consecutive words one of 8 x 8 x 8 (16 x 16 x 16).
+/// Bits for a cube of 32 x 32 x 32 cells: which of them one scan calls free, which occupied, and which of the
+/// free ones it saw clearly. Bits lie in octree order: word w holds a cube of 4 x 4 x 4 cells, byte b of a
+/// word one of 2 x 2 x 2, and 8 (64) consecutive words one of 8 x 8 x 8 (16 x 16 x 16).
 struct ScanTile {
   static constexpr int edge = 32;
   static constexpr int words = 512;
@@ -19,6 +19,9 @@ struct ScanTile {
   Eigen::Vector3i corner = Eigen::Vector3i::Zero();  ///< smallest cell, a multiple of 32
   std::array<std::uint64_t, words> free{};
   std::array<std::uint64_t, words> occupied{};
+  /// Which free cells the scan saw through clearly: nothing was hit near them. Only spare_surfaces fills it,
+  /// for every tile; before, it holds anything.
+  std::array<std::uint64_t, words> clear{};
 
   /// Position of a cell's bit in octree order, 0..32767: word `bit >> 6`, bit `bit & 63` of it. Only the
   /// cell's position within its tile counts.

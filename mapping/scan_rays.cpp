@@ -189,10 +189,11 @@ ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filt
   cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
             workspace.grid);
   if (insertion.integration == Integration::safe) {
-    spare_surfaces(workspace.grid, growth_of(insertion.margins.band, tree.getResolution()),
+    const double band = insertion.margins.band, resolution = tree.getResolution();
+    spare_surfaces(workspace.grid, {growth_of(band, resolution), clear_growth_of(band, resolution)},
                    insertion.threads);
   }
-  tree.update(workspace.grid, insertion.threads);
+  tree.update(workspace.grid, insertion.integration, insertion.threads);
   return counts;
 }
 

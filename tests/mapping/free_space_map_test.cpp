@@ -75,14 +75,17 @@ TEST(FreeSpaceMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
   EXPECT_GT(map.snapshot().counts().painted, counts.painted);
 }
 
-TEST(FreeSpaceMap, AHigherThresholdCallsTheSameEvidenceFree) {
+TEST(FreeSpaceMap, AHigherThresholdCallsTheSameEvidenceFreeUnlessWhatIsHitIsBlockedAtOnce) {
   Scan scan;
   scan.points = {{0.55F, 0.05F, 0.05F}};
   for (const double threshold : {0.5, 0.69, 0.71}) {
-    FreeSpaceMap map({.resolution = 0.1, .occupied_probability = threshold});  // one hit gives 0.7
-    map.insert(scan);
-    const VoxelState expected = threshold < 0.7 ? VoxelState::occupied : VoxelState::seen_free;
-    EXPECT_EQ(map.snapshot().state({0.55, 0.05, 0.05}), expected);
+    for (const Integration integration : {Integration::compatible, Integration::safe}) {
+      FreeSpaceMap map({.resolution = 0.1, .occupied_probability = threshold, .integration = integration});
+      map.insert(scan);
+      const bool is_enough = threshold < 0.7 || integration == Integration::safe;  // one hit gives 0.7
+      const VoxelState expected = is_enough ? VoxelState::occupied : VoxelState::seen_free;
+      EXPECT_EQ(map.snapshot().state({0.55, 0.05, 0.05}), expected);
+    }
   }
 }
 

@@ -28,6 +28,11 @@ std::set<Cell> grown(std::set<Cell> cells, const std::vector<GrowthStep>& growth
   return cells;
 }
 
+bool is_clear(const ScanGrid& grid, const Eigen::Vector3i& cell) {
+  const unsigned bit = ScanTile::bit_of(cell);
+  return (grid.find(cell)->clear[bit >> 6U] >> (bit & 63U) & 1U) != 0;
+}
+
 int draw(Dice& dice, int low, int high) { return static_cast<int>(std::floor(dice.uniform(low, high))); }
 
 TEST(SafeScan, TakesExactlyTheCellsNearHitsOutOfTheFreeOnes) {
@@ -54,11 +59,15 @@ TEST(SafeScan, TakesExactlyTheCellsNearHitsOutOfTheFreeOnes) {
       grid.set_occupied({c[0], c[1], c[2]});
     }
     const auto& growth = growths[seed % growths.size()];
-    spare_surfaces(grid, growth, 1 + static_cast<int>(seed % 3));
-    const std::set<Cell> spared = grown(hit, growth);
+    const auto& further = growths[seed / growths.size()];
+    const bool fits = growth.size() + further.size() <= 4;
+    const SurfaceMargins margins{growth, fits ? further : std::vector<GrowthStep>{}};
+    spare_surfaces(grid, margins, 1 + static_cast<int>(seed % 3));
+    const std::set<Cell> spared = grown(hit, growth), near = grown(spared, margins.unclear);
     for (const Cell& c : free) {
       const bool kept = growth.empty() || !spared.contains(c);
       ASSERT_EQ(grid.is_free({c[0], c[1], c[2]}), kept) << c[0] << ' ' << c[1] << ' ' << c[2];
+      ASSERT_EQ(is_clear(grid, {c[0], c[1], c[2]}), !near.contains(c)) << c[0] << ' ' << c[1] << ' ' << c[2];
     }
     for (const Cell& c : hit) ASSERT_TRUE(grid.is_occupied({c[0], c[1], c[2]}));
   }
@@ -77,6 +86,18 @@ TEST(SafeScan, TheNeighbourhoodIsTheBandInWholeVoxelsAtMostFour) {
     EXPECT_EQ(sum, resolution > 0.04 ? 1 : n + (n + 1) / 2) << resolution;
   }
   EXPECT_TRUE(growth_of(0.0, 0.02).empty());
+}
+
+TEST(SafeScan, ClearIsWhatLiesTwoBandsFromAHitAtMostFourVoxels) {
+  for (const double resolution : {0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.0025}) {
+    std::vector<GrowthStep> growth = growth_of(0.02, resolution);
+    const auto spared = static_cast<int>(growth.size());
+    for (const GrowthStep step : clear_growth_of(0.02, resolution)) growth.push_back(step);
+    int along = 0;
+    for (const Cell& c : grown({{0, 0, 0}}, growth)) along = std::max(along, std::abs(c[0]));
+    EXPECT_EQ(along, std::min(4, 2 * spared)) << resolution;
+  }
+  EXPECT_TRUE(clear_growth_of(0.0, 0.02).empty());
 }
 
 TEST(SafeScan, TrimsByTheNoiseOfTheRangeUpToItsLimit) {
@@ -192,14 +213,73 @@ Scan look_at_wall(bool plate) {
   return scan;
 }
 
-TEST(SafeScan, AThingThatGoesAwayIsFreeAfterNineScans) {
-  for (const double resolution : {0.02, 0.01}) {
+/// The states of the voxels that a scan hit.
+std::set<VoxelState> states_of_hits(const FreeSpaceMap& map, const Scan& scan) {
+  std::set<VoxelState> states;
+  const Snapshot now = map.snapshot();
+  for (const Eigen::Vector3f& point : scan.points)
+    states.insert(now.state(scan.map_from_sensor * point.cast<double>()));
+  return states;
+}
+
+/// The points of a scan that are not farther than this.
+Scan nearer(Scan scan, float range) {
+  std::erase_if(scan.points, [&](const Eigen::Vector3f& point) { return point.norm() > range; });
+  return scan;
+}
+
+TEST(SafeScan, WhatTheNewestScanHitIsBlockedWhateverThePast) {
+  for (const double resolution : {0.05, 0.02, 0.01}) {
+    for (const int past : {1, 3, 20}) {
+      FreeSpaceMap map = map_with(resolution, Integration::safe),
+                   old = map_with(resolution, Integration::compatible);
+      for (int i = 0; i < past; ++i) map.insert(look_at_wall(false));
+      for (int i = 0; i < past; ++i) old.insert(look_at_wall(false));
+      const Scan plate = nearer(look_at_wall(true), 1.3F);
+      EXPECT_EQ(states_of_hits(map, plate), std::set{VoxelState::seen_free});
+      map.insert(look_at_wall(true));
+      old.insert(look_at_wall(true));
+      EXPECT_EQ(states_of_hits(map, plate), std::set{VoxelState::occupied});
+      const VoxelState expected = past > 2 ? VoxelState::seen_free : VoxelState::occupied;
+      EXPECT_EQ(states_of_hits(old, plate), std::set{expected}) << "OctoMap's, after " << past;
+    }
+  }
+}
+
+TEST(SafeScan, AHitInPaintThatWasSeenFreeForLongIsAConflict) {
+  FreeSpaceMap map = map_with(0.02, Integration::safe);
+  map.paint(map.add_volume("free", {}), {Eigen::Vector3d(1.0, 0.0, 0.0), 0.3});
+  for (int i = 0; i < 20; ++i) map.insert(look_at_wall(false));
+  EXPECT_EQ(map.snapshot().counts().conflict, 0U);
+  map.insert(look_at_wall(true));
+  EXPECT_EQ(states_of_hits(map, nearer(look_at_wall(true), 1.3F)), std::set{VoxelState::conflict});
+  EXPECT_EQ(map.conflicts().records.size(), map.snapshot().counts().conflict);
+}
+
+TEST(SafeScan, ASpuriousReturnIsGoneAfterThreeLooks) {
+  FreeSpaceMap map = map_with(0.02, Integration::safe);
+  for (int i = 0; i < 12; ++i) map.insert(look_at_wall(false));
+  const Snapshot before = map.snapshot();
+  Scan scan = look_at_wall(false);
+  scan.points.push_back({0.9F, 0.05F, 0.07F});
+  map.insert(scan);
+  EXPECT_EQ(map.snapshot().counts().occupied, before.counts().occupied + 1);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(map.snapshot().counts().occupied, before.counts().occupied + 1) << i;
+    map.insert(look_at_wall(false));
+  }
+  EXPECT_EQ(map.snapshot().counts().occupied, before.counts().occupied);
+}
+
+TEST(SafeScan, WhatLeftIsFreeAfterFiveScansThatSeeClearlyThroughItsPlace) {
+  for (const double resolution : {0.05, 0.02, 0.01, 0.005}) {
     FreeSpaceMap map = map_with(resolution, Integration::safe);
-    for (int i = 0; i < 12; ++i) map.insert(look_at_wall(true));
-    const Eigen::Vector3d there(1.013, 0.015, 0.015);
-    EXPECT_EQ(map.snapshot().state(there), VoxelState::occupied);
-    for (int i = 0; i < 9; ++i) map.insert(look_at_wall(false));  // from log-odds 3.51, -0.405 each
-    EXPECT_EQ(map.snapshot().state(there), VoxelState::seen_free);
+    for (int i = 0; i < 30; ++i) map.insert(look_at_wall(true));
+    const Scan plate = nearer(look_at_wall(true), 1.3F);
+    EXPECT_EQ(states_of_hits(map, plate), std::set{VoxelState::occupied});
+    for (int i = 0; i < 5; ++i) map.insert(look_at_wall(false));
+    EXPECT_EQ(states_of_hits(map, plate), std::set{VoxelState::seen_free}) << resolution;
+    EXPECT_EQ(states_of_hits(map, look_at_wall(false)), std::set{VoxelState::occupied}) << resolution;
   }
 }
 
