@@ -6,6 +6,7 @@
 #include "apps/commands.hpp"
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/map_integration.hpp"
 #include "planning/plan_file.hpp"
 
 namespace clearway {
@@ -37,6 +38,8 @@ int run_check(const CheckOptions& options, Console& console) {
   report.deviations = deviations(report.contract, plan, options.accepted);
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
+  report.map_integration = to_string(integration_of(map));
+  report.map_caveat = integration_caveat(map);
   report.plan_status = plan.status();
   report.waypoints = plan.waypoints().size();
   if (console.json) {

@@ -123,6 +123,8 @@ Rows check_rows(const CheckReport& report) {
   if (report.plan_status != PlanStatus::solved)
     rows.emplace_back("plan", std::string(to_string(report.plan_status)) + ": not all legs have a path");
   append_contract(report.contract, rows);
+  rows.emplace_back("map integration", report.map_integration);
+  if (!report.map_caveat.empty()) rows.emplace_back("note", report.map_caveat);
   rows.emplace_back("checker", report.path.checker);
   return rows;
 }
@@ -148,6 +150,8 @@ Json check_json(const CheckReport& report) {
   json["base"] = numbers_from_pose(contract.map_from_base.value);
   json["same_map"] = std::none_of(report.deviations.begin(), report.deviations.end(),
                                   [](const Deviation& d) { return d.term == AcceptedTerm::map; });
+  json["integration"] = report.map_integration;
+  if (!report.map_caveat.empty()) json["map_caveat"] = report.map_caveat;
   json["contract"] = contract_json(contract);
   json["checker"] = report.path.checker;
   return json;

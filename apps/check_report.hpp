@@ -17,6 +17,8 @@ struct CheckReport {
   PathVerdict path;  ///< of the plan's waypoints under the contract
   PlanStatus plan_status = PlanStatus::no_path;
   std::size_t waypoints = 0;
+  std::string map_integration{};  ///< which integration made the map
+  std::string map_caveat{};       ///< what the verdict must say of that, one sentence; may be empty
 
   /// The path holds, and the plan loosens nothing that the user does not accept.
   bool is_valid() const;

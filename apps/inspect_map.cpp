@@ -6,6 +6,7 @@
 #include "apps/parse.hpp"
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/map_integration.hpp"
 
 namespace clearway {
 
@@ -34,6 +35,7 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
   json["map"] = options.map.string();
   json["sha256"] = map_sha256(options.map);
   json["resolution"] = map.resolution();
+  json["integration"] = to_string(integration_of(map));
   json["voxels"] = {{"painted", counts.painted},
                     {"seen_free", counts.seen_free},
                     {"occupied", counts.occupied},
@@ -50,9 +52,21 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
   return json;
 }
 
+namespace {
+
+std::string integration_text(const Json& json) {
+  const auto name = json["integration"].get<std::string>();
+  if (name == "none") return "none: no scan is in the map";
+  if (name == "unknown") return "unknown: a foreign or older file";
+  return name;
+}
+
+}  // namespace
+
 void print_map(const Json& json, std::ostream& out) {
   std::vector<std::pair<std::string, std::string>> rows{{"map", json["map"].get<std::string>()},
-                                                        {"resolution", millimetres(json["resolution"])}};
+                                                        {"resolution", millimetres(json["resolution"])},
+                                                        {"integration", integration_text(json)}};
   if (json.contains("bounds")) {
     const Json& box = json["bounds"];
     const char* names[] = {"x", "y", "z"};

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "apps/parse.hpp"
+#include "mapping/map_integration.hpp"
 #include "planning/path_check.hpp"
 
 namespace clearway {
@@ -112,6 +113,8 @@ Plan empty_plan(const Query& query) {
   plan.map_file = query.map_file.string();
   plan.map_sha256 = query.map_digest;
   plan.map_resolution = query.space.map().resolution();
+  plan.map_integration = to_string(integration_of(query.space.map()));
+  plan.map_caveat = integration_caveat(query.space.map());
   plan.policies = query.space.policies();
   plan.padding = query.space.options().padding;
   plan.payload = query.payload;
@@ -183,6 +186,8 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
     rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }
+  if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
+  if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
   rows.emplace_back("policy", describe_policies(plan.policies));
   rows.emplace_back("configurations", grouped(checks));
   rows.emplace_back("time", significant(plan.time_s, 3) + " s");

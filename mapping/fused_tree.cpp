@@ -5,7 +5,8 @@
 
 namespace clearway {
 
-FusedTree::FusedTree(const FusedTree& other) : OccupancyOcTreeBase<FusedNode>(other.resolution) {
+FusedTree::FusedTree(const FusedTree& other)
+    : OccupancyOcTreeBase<FusedNode>(other.resolution), integration_(other.integration_) {
   clearKeyRays();  // 600 kB that only OctoMap's own insertion uses
   clamping_thres_min = other.clamping_thres_min;
   clamping_thres_max = other.clamping_thres_max;

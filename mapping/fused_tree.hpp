@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "mapping/fused_node.hpp"
-#include "mapping/safe_margins.hpp"
+#include "mapping/map_integration.hpp"
 #include "mapping/sphere.hpp"
 #include "mapping/voxel_state.hpp"
 
@@ -97,6 +97,10 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// @param threads >= 1; the result does not depend on it.
   void update(ScanGrid& grid, Integration integration = Integration::compatible, int threads = 1);
 
+  /// Which integration the scans in it came by; update() keeps it. A copy has it, too.
+  MapIntegration integration() const { return integration_; }
+  void set_integration(MapIntegration integration) { integration_ = integration; }
+
   VoxelState state(const FusedNode& node) const;
   /// Log-odds at and over which an observed voxel is occupied, exactly as given (setOccupancyThres rounds).
   void set_occupied_log_odds(float log_odds) { occ_prob_thres_log = log_odds; }
@@ -130,6 +134,8 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
  private:
   struct Brush;
   class ScanUpdate;
+  MapIntegration integration_ = MapIntegration::none;
+
   void release_root();
   FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
                           float update, bool lazy);

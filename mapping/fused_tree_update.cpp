@@ -219,6 +219,7 @@ void FusedTree::update(ScanGrid& grid, Integration integration, int threads) {
   });
   std::erase_if(tiles, [](const ScanUpdate::Tile& tile) { return !tile.has_free && !tile.has_hit; });
   if (tiles.empty()) return;
+  integration_ = of_both(integration_, map_integration(integration));
   bool created = false;
   FusedNode& top = root_for_writing(created);
   ScanUpdate above(*this, integration);

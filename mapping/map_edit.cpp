@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/leaf_pairs.hpp"
@@ -26,6 +28,23 @@ void require(bool holds, const std::string& sentence) {
 }
 
 // ---- merging
+
+/// The balls in the order of their times, so that it does not matter which map came first.
+void put_in_order(PaintedVolume& volume) {
+  volume.times.resize(volume.balls.size(), 0.0);
+  volume.stroke_of.resize(volume.balls.size(), -1);
+  std::vector<std::size_t> order(volume.balls.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t i) {
+    const Sphere& ball = volume.balls[i];
+    return std::tuple(volume.times[i], ball.center.x(), ball.center.y(), ball.center.z(), ball.radius);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return key(i) < key(j); });
+  PaintedVolume ordered{volume.label, volume.critical_parts};
+  ordered.strokes = volume.strokes;
+  for (const std::size_t i : order) ordered.add(volume.balls[i], volume.times[i], volume.stroke_of[i]);
+  volume = std::move(ordered);
+}
 
 /// Adds the volumes of `others` to `volumes`; returns which volume each of them became.
 std::vector<std::size_t> merge_volumes(std::vector<PaintedVolume>& volumes,
@@ -67,6 +86,13 @@ std::uint16_t moved(std::uint16_t mask, const std::vector<std::size_t>& places) 
   return static_cast<std::uint16_t>(result);
 }
 
+/// Log-odds of a voxel that both maps observed: the higher ones where either calls it occupied, else the
+/// lower ones.
+float merged_log_odds(const FusedTree& tree, const FusedNode& a, const FusedNode& b) {
+  const float higher = std::max(a.getLogOdds(), b.getLogOdds());
+  return higher >= tree.getOccupancyThresLog() ? higher : std::min(a.getLogOdds(), b.getLogOdds());
+}
+
 }  // namespace
 
 Snapshot merge(const Snapshot& map, const Snapshot& other) {
@@ -78,17 +104,17 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
           "merge: the maps have different occupancy thresholds, expected the same");
   std::vector<PaintedVolume> volumes = map.volumes();
   std::vector<std::size_t> places = merge_volumes(volumes, other.volumes());
+  for (PaintedVolume& volume : volumes) put_in_order(volume);
   for (std::size_t v = places.size(); v < 16; ++v) places.push_back(v);  // of a bare tree: as they are
   const auto tree = empty_like(first, map.resolution());
+  tree->set_integration(of_both(first.integration(), second.integration()));
   visit_leaf_pairs(first, second, [&](const FusedNode* a, const FusedNode* b, const CellCube& cube) {
     FusedNode merged;
-    float log_odds = 0.0F;
     for (const FusedNode* node : {a, b}) {
-      if (node != nullptr && node->observed()) merged.observe(log_odds += node->getLogOdds());
+      if (node != nullptr && node->observed()) merged.observe(node->getLogOdds());
     }
-    if (a != nullptr && b != nullptr && a->observed() && b->observed()) {
-      merged.observe(std::clamp(log_odds, first.getClampingThresMinLog(), first.getClampingThresMaxLog()));
-    }
+    if (a != nullptr && b != nullptr && a->observed() && b->observed())
+      merged.observe(merged_log_odds(first, *a, *b));
     if (a != nullptr) merged.add_paint(a->painted());
     if (b != nullptr) merged.add_paint(moved(b->painted(), places));
     tree->set_leaf(cube, merged);

@@ -9,9 +9,10 @@ namespace clearway {
 // Maps made of maps. None calls a voxel free that its sources do not; the exact balls go with the voxels, and
 // painted voxels lie in the union of the balls that remain.
 
-/// Both maps in one: log-odds of the sensors are added and clamped where both observed, painted volumes of
-/// the same label become one (balls that both hold count once). What one map calls occupied and the other
-/// painted becomes a conflict. Adding supposes independent scans: a scan that is in both maps counts twice.
+/// Both maps in one. No obstacle is lost: a voxel that either map calls occupied is occupied, or a conflict
+/// where either painted it, and has the higher log-odds of the two; one that both saw and neither calls
+/// occupied has the lower. So neither the order of maps nor a scan that is in both makes a difference.
+/// Painted volumes of the same label become one (balls that both hold count once).
 /// @throws std::invalid_argument when resolution, occupancy threshold or the critical parts of a common
 /// volume
 ///         differ, or there would be more than 15 volumes.

@@ -18,6 +18,7 @@ namespace clearway {
 namespace {
 
 constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
+constexpr std::string_view integration_comment = "# clearway integration ";
 constexpr std::string_view painted_comment = "# clearway painted ";
 
 /// The rest of each header line that starts with `prefix`, one a line.
@@ -42,6 +43,19 @@ void restore_threshold(FusedTree& tree, std::string_view header, const std::file
   tree.set_occupied_log_odds(log_odds);
 }
 
+/// Files from before maps knew it do not say.
+void restore_integration(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, integration_comment);
+  if (text.empty()) return;
+  using enum MapIntegration;
+  for (const MapIntegration each : {none, safe, unknown, compatible}) {
+    if (text != std::string(to_string(each)) + "\n") continue;
+    tree.set_integration(each);
+    return;
+  }
+  throw DamagedFile("'" + file.string() + "' is damaged: its header names no integration that is known");
+}
+
 }  // namespace
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes) {
@@ -52,6 +66,7 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), tree.getOccupancyThresLog());
   std::ostringstream rest;
   rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
+  rest << integration_comment << to_string(tree.integration()) << "\n";
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
   rest << header.substr(first_line);
@@ -65,8 +80,10 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
 OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file) {
   const CheckedOctree checked = check_octree(bytes, file);
   const std::shared_ptr<FusedTree> tree = read_tree(checked, file);
+  tree->set_integration(MapIntegration::unknown);
   if (checked.binary || checked.type != FusedTree::type_name) return {tree, {}, false};
   restore_threshold(*tree, checked.header, file);
+  restore_integration(*tree, checked.header, file);
   return {tree, parse_painted(comments(checked.header, painted_comment), file), true};
 }
 

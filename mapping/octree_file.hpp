@@ -20,7 +20,8 @@ struct OctreeContent {
 };
 
 /// Our .ot file: OctoMap's format with our node type. Comment lines, which stock readers skip, hold a seal
-/// (see octree_check.hpp), the occupancy threshold and the painted volumes as in painted.csv.
+/// (see octree_check.hpp), the occupancy threshold, which integration made the map, and the painted volumes
+/// as in painted.csv.
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes);
 
 /// Reads an OctoMap file: .ot of our type, OcTree, ColorOcTree or OcTreeStamped, or .bt. Leaves of foreign

@@ -153,6 +153,8 @@ std::string to_json(const Plan& plan) {
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
   if (!plan.query.empty()) json["query"] = plan.query;
   if (plan.start.size() > 0) json["start"] = json_of(plan.start);
+  if (!plan.map_integration.empty()) json["map"]["integration"] = plan.map_integration;
+  if (!plan.map_caveat.empty()) json["validation"]["map_caveat"] = plan.map_caveat;
   if (!plan.paint.empty()) json["paint"] = paint_json(plan.paint);
   // Bytes that are not UTF-8 (a file name) are replaced rather than refused.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

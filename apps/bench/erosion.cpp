@@ -1,11 +1,13 @@
 // Erosion: of the surface points of held-out scans, the share whose voxel the map calls free. Ours in `safe`
-// integration against OctoMap. On generated frames also what that costs of the truly free space.
+// integration against OctoMap. On generated frames also what that costs of the truly free space, and how many
+// truly free voxels spurious returns block, for how many looks.
 
 #include <octomap/OcTree.h>
 
 #include <random>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/ghosts.hpp"
 #include "apps/bench/held_out.hpp"
 #include "mapping/free_space_map.hpp"
 
@@ -134,8 +136,12 @@ Outcome evaluate(const HeldOutSequence& sequence, const FurnishedRoom* room, con
   FreeSpaceMap compatible(options);
   const ScanFilter filter{.max_range = sequence.max_range};
   std::vector<double> safe_ms, compatible_ms;
+  std::optional<GhostWatch> ghosts;
+  if (room != nullptr) ghosts.emplace(*room, sequence.max_range);
   for (const Scan& scan : sequence.scans) {
+    const Snapshot before = safe.snapshot();
     safe_ms.push_back(1e3 * cpu_seconds([&] { safe.insert(scan, filter); }));
+    if (ghosts) ghosts->inserted(scan, before, safe.snapshot());
     compatible_ms.push_back(1e3 * cpu_seconds([&] { compatible.insert(scan, filter); }));
   }
   const Snapshot ours = safe.snapshot(), peer = compatible.snapshot();
@@ -148,6 +154,7 @@ Outcome evaluate(const HeldOutSequence& sequence, const FurnishedRoom* room, con
                   {"peer", outcome.peer.json(room != nullptr)},
                   {"cpu_ms_per_scan", {{"safe", median(safe_ms)}, {"compatible", median(compatible_ms)}}},
                   {"cpu_ratio", median(safe_ms) / median(compatible_ms)}};
+  if (ghosts) outcome.json["ghosts"] = ghosts->json();
   if (room != nullptr)
     outcome.json["truth"] = compare_with_truth(*room, which.resolution, our_state, peer_state);
   return outcome;

@@ -60,14 +60,14 @@ TEST(Merge, HoldsTheEvidenceAndPaintOfBoth) {
   for (unsigned seed = 0; seed < 3; ++seed) {
     const Snapshot a = testing::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
     const Snapshot merged = merge(a, b);
-    const float low = a.tree().getClampingThresMinLog(), high = a.tree().getClampingThresMaxLog();
+    const float threshold = a.tree().getOccupancyThresLog();
     for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {
       const Voxel one = a.voxel(center(cell)), two = b.voxel(center(cell)), all = merged.voxel(center(cell));
       ASSERT_EQ(all.observed, one.observed || two.observed);
       if (one.observed && two.observed) {
         ++both;
-        ASSERT_EQ(static_cast<float>(all.log_odds),
-                  std::clamp(static_cast<float>(one.log_odds) + static_cast<float>(two.log_odds), low, high));
+        const auto [lower, higher] = std::minmax({one.log_odds, two.log_odds});
+        ASSERT_EQ(all.log_odds, higher >= threshold ? higher : lower);
       } else if (all.observed) {
         ASSERT_EQ(all.log_odds, one.observed ? one.log_odds : two.log_odds);
       }
@@ -86,6 +86,70 @@ TEST(Merge, HoldsTheEvidenceAndPaintOfBoth) {
   }
   EXPECT_GT(conflicts, 2U);
   EXPECT_GT(both, 500U);
+}
+
+bool is_blocked(VoxelState state) { return state == VoxelState::occupied || state == VoxelState::conflict; }
+
+TEST(Merge, LosesNoObstacle) {
+  std::size_t against_free = 0, against_paint = 0;
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Snapshot a = testing::random_map(seed, edge, 8, 2000).snapshot(), b = other_map(seed + 100);
+    for (const auto& [one, two] : {std::pair(a, b), std::pair(b, a)}) {
+      const Snapshot merged = merge(one, two);
+      for_random_cells(30, 20000, [&](const Eigen::Vector3i& cell) {
+        const VoxelState first = one.state(center(cell)), second = two.state(center(cell));
+        const Voxel all = merged.voxel(center(cell));
+        ASSERT_EQ(is_blocked(all.state), is_blocked(first) || is_blocked(second));
+        ASSERT_EQ(all.state == VoxelState::conflict, is_blocked(all.state) && all.volumes != 0);
+        against_free += is_blocked(first) && second == VoxelState::seen_free ? 1 : 0;
+        against_paint += is_blocked(first) && second == VoxelState::painted ? 1 : 0;
+      });
+    }
+  }
+  EXPECT_GT(against_free, 100U);
+  EXPECT_GT(against_paint, 10U);
+}
+
+TEST(Merge, OneScanOfAThingInPaintThatWasSeenFreeForLongMakesConflicts) {
+  FreeSpaceMap old({.resolution = edge}), newest({.resolution = edge});
+  old.paint(old.add_volume("tunnel", {}), {{1.0, 0.0, 0.0}, 0.4});
+  Scan wall, thing;
+  for (float y = -0.5F; y <= 0.5F; y += 0.02F) {
+    for (float z = -0.5F; z <= 0.5F; z += 0.02F) {
+      wall.points.emplace_back(2.0F, y, z);
+      if (std::abs(y) < 0.1F && std::abs(z) < 0.1F) thing.points.emplace_back(1.01F, y, z);
+    }
+  }
+  for (int i = 0; i < 20; ++i) old.insert(wall);
+  newest.insert(thing);
+  const std::size_t hit = newest.snapshot().counts().occupied;
+  EXPECT_GT(hit, 10U);
+  EXPECT_EQ(merge(old.snapshot(), newest.snapshot()).counts().conflict, hit);
+  EXPECT_EQ(merge(newest.snapshot(), old.snapshot()).counts().conflict, hit);
+}
+
+/// True when two maps say the same of random voxels, their volumes told by label.
+void expect_same(const Snapshot& a, const Snapshot& b) {
+  EXPECT_FALSE(difference(a, b).any());
+  for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {
+    const Voxel one = a.voxel(center(cell)), two = b.voxel(center(cell));
+    ASSERT_EQ(one.state, two.state);
+    ASSERT_EQ(one.observed, two.observed);
+    ASSERT_EQ(one.log_odds, two.log_odds);
+    ASSERT_EQ(labels(a, one), labels(b, two));
+  });
+}
+
+TEST(Merge, DoesNotDependOnTheOrderOfMapsNorOnHowOftenOneIsMerged) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Snapshot a = testing::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
+    const Snapshot c = testing::random_map(seed + 200, edge).snapshot();
+    expect_same(merge(a, b), merge(b, a));
+    expect_same(merge(merge(a, b), c), merge(a, merge(b, c)));
+    expect_same(merge(merge(c, b), a), merge(merge(a, b), c));
+    expect_same(merge(merge(a, b), b), merge(a, b));
+    EXPECT_TRUE(merge(a, a).tree() == a.tree());
+  }
 }
 
 TEST(Merge, OfAMapWithNothingIsTheMap) {
