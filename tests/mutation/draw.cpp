@@ -1,0 +1,125 @@
+#include "tests/mutation/draw.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+
+#include "tests/mutation/code_text.hpp"
+
+namespace clearway::mutation {
+namespace {
+
+/// Without ".cpp"; a star at the end stands for any rest.
+constexpr const char* deciding[] = {"mapping/voxel_state",
+                                    "mapping/fused_node",
+                                    "mapping/fused_tree_update",
+                                    "mapping/blocked_cells",
+                                    "mapping/blocked_field",
+                                    "mapping/blocked_search",
+                                    "mapping/scan_rays",
+                                    "mapping/safe_scan",
+                                    "mapping/paint_ball",
+                                    "mapping/union_contains",
+                                    "mapping/painted_body",
+                                    "mapping/map_edit",
+                                    "mapping/distance_axes",
+                                    "mapping/distance_layers",
+                                    "mapping/distance_planes",
+                                    "mapping/distance_transform",
+                                    "planning/configuration_space",
+                                    "planning/edge_proof",
+                                    "planning/guarded_body*",
+                                    "planning/self_contact",
+                                    "planning/contact_exemptions",
+                                    "planning/reach",
+                                    "planning/kinematics",
+                                    "planning/path_check*",
+                                    "planning/proximity",
+                                    "planning/verdict",
+                                    "planning/part_policies",
+                                    "planning/cube_gap",
+                                    "planning/gjk",
+                                    "planning/distance",
+                                    "planning/segment_distance",
+                                    "planning/control_rows",
+                                    "tracking/probe",
+                                    "tracking/painting_probe",
+                                    "tracking/tag_pose",
+                                    "tracking/uncertain_pose",
+                                    "datasets/pose_stream",
+                                    "apps/compare_summary",
+                                    "apps/team_result"};
+
+std::string printed(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  const std::size_t begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
+}
+
+}  // namespace
+
+std::uint64_t hash_of(const std::string& text, std::uint64_t seed) {
+  std::uint64_t hash = 0xcbf29ce484222325U ^ (seed * 0x9e3779b97f4a7c15U);
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  hash = (hash ^ hash >> 33U) * 0xff51afd7ed558ccdU;
+  return hash ^ hash >> 33U;
+}
+
+std::string read_whole(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::runtime_error(file.string() + " cannot be read");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::string> deciding_files(const std::filesystem::path& repository) {
+  std::vector<std::string> files;
+  for (const std::string entry : deciding) {
+    const std::filesystem::path folder = std::filesystem::path(entry).parent_path();
+    const bool is_open = entry.ends_with('*');
+    const std::string stem = std::filesystem::path(entry.substr(0, entry.size() - is_open)).filename();
+    const std::size_t before = files.size();
+    for (const auto& found : std::filesystem::directory_iterator(repository / folder)) {
+      const std::string name = found.path().stem();
+      if (found.path().extension() == ".cpp" && (is_open ? name.starts_with(stem) : name == stem))
+        files.push_back((folder / found.path().filename()).string());
+    }
+    if (files.size() == before)
+      throw std::runtime_error("there is no " + entry +
+                               ".cpp: tests/mutation/draw.cpp names files that decide");
+  }
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
+std::vector<Candidate> drawn(const std::filesystem::path& repository, const std::vector<std::string>& files,
+                             std::uint64_t seed) {
+  std::vector<std::vector<std::pair<std::uint64_t, Candidate>>> of_files;
+  std::size_t most = 0;
+  for (const std::string& file : files) {
+    const std::string source = read_whole(repository / file);
+    std::map<std::string, int> on_line;  // how often the same change was met on the same text
+    auto& list = of_files.emplace_back();
+    for (Fault& fault : faults_of(source)) {
+      Candidate candidate{file, line_number(source, fault.at), line_at(source, fault.at), "", fault};
+      const std::string was = printed(source.substr(fault.at, fault.length));
+      candidate.change = (was.size() > 60 ? was.substr(0, 60) + "…" : was) + " -> " + printed(fault.is);
+      const std::string what = file + "\n" + candidate.text + "\n" + fault.kind + "\n" + candidate.change;
+      const int number = ++on_line[what];
+      if (number > 1) candidate.change += " (" + std::to_string(number) + ")";
+      list.emplace_back(hash_of(what + std::to_string(number), seed), std::move(candidate));
+    }
+    std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    most = std::max(most, list.size());
+  }
+  std::vector<Candidate> order;
+  for (std::size_t i = 0; i < most; ++i) {
+    for (auto& list : of_files)
+      if (i < list.size()) order.push_back(std::move(list[i].second));
+  }
+  return order;
+}
+
+}  // namespace clearway::mutation

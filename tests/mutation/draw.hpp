@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/mutation/operators.hpp"
+
+namespace clearway::mutation {
+
+/// A fault in a file, as reports and the list of accepted survivors name it.
+struct Candidate {
+  std::string file;  ///< relative to the repository, as "planning/gjk.cpp"
+  int line = 0;
+  std::string text;    ///< of the line
+  std::string change;  ///< "was -> is", and which of several on that line: "< -> <= (2)"
+  Fault fault;
+
+  std::string name() const { return file + ":" + std::to_string(line) + " " + fault.kind + ": " + change; }
+};
+
+/// The sources that decide what is free, blocked, proved or accepted.
+/// @throws std::runtime_error when one of the list is not there: a file renamed must not drop out in silence
+std::vector<std::string> deciding_files(const std::filesystem::path& repository);
+
+/// All faults of these files in the order in which they are tried: a file's are shuffled by the seed and by
+/// what they change, so that a line that moves, or another file's change, does not change them; then the
+/// first of each file, the second of each, and so on.
+std::vector<Candidate> drawn(const std::filesystem::path& repository, const std::vector<std::string>& files,
+                             std::uint64_t seed);
+
+std::uint64_t hash_of(const std::string& text, std::uint64_t seed = 0);
+std::string read_whole(const std::filesystem::path& file);
+
+}  // namespace clearway::mutation

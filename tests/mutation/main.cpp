@@ -1,0 +1,187 @@
+// mutation_check: puts small faults into the code that decides what is free, blocked, proved and accepted,
+// one at a time, and counts those that the tests notice. See README.md.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "tests/mutation/accepted.hpp"
+#include "tests/mutation/draw.hpp"
+#include "tests/mutation/records.hpp"
+#include "tests/mutation/test_program.hpp"
+
+namespace clearway::mutation {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::size_t count = 200;
+  std::uint64_t seed = 1;
+  unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+  std::string repository = CLEARWAY_SOURCE_DIR, build = CLEARWAY_BUILD_DIR, only;
+  bool trust_noticed = false, list = false;
+};
+
+/// Tries candidates in their order until `count` of them did compile.
+class Check {
+ public:
+  explicit Check(const Options& options)
+      : options_(options),
+        accepted_(fs::path(options.repository) / "tests/mutation/accepted_survivors.txt"),
+        records_(fs::path(options.build) / "mutation" / "records.txt", options.trust_noticed) {
+    std::vector<std::string> files = deciding_files(options.repository);
+    std::erase_if(files,
+                  [&](const std::string& file) { return file.find(options.only) == std::string::npos; });
+    candidates_ = drawn(options.repository, files, options.seed);
+    outcomes_.resize(candidates_.size());
+  }
+
+  void list() const {
+    for (std::size_t i = 0; i < std::min(options_.count, candidates_.size()); ++i)
+      std::cout << candidates_[i].name() << "\n    " << candidates_[i].text << "\n";
+  }
+
+  void run() {
+    for (const std::string floor : {"mapping", "planning", "tracking", "datasets", "apps"}) {
+      const bool is_asked =
+          std::any_of(candidates_.begin(), candidates_.end(),
+                      [&](const Candidate& candidate) { return candidate.file.starts_with(floor + "/"); });
+      if (is_asked)
+        programs_[floor] = std::make_unique<TestProgram>(options_.repository, options_.build, floor);
+    }
+    std::vector<std::thread> workers;
+    for (unsigned i = 0; i < options_.jobs; ++i) workers.emplace_back([this, i] { work(i); });
+    for (std::thread& worker : workers) worker.join();
+    if (problem_) std::rethrow_exception(problem_);
+  }
+
+  /// 0: enough were noticed, and each of the others is explained.
+  int report() const {
+    std::size_t noticed = 0, accepted = 0, unexplained = 0, broken = 0;
+    for (std::size_t i = 0; i < next_ && i < candidates_.size(); ++i) {
+      const Outcome& outcome = outcomes_[i];
+      const std::string reason = accepted_.reason(candidates_[i]);
+      broken += outcome.kind == Outcome::Kind::not_compiled;
+      noticed += outcome.kind == Outcome::Kind::noticed;
+      if (outcome.kind == Outcome::Kind::survived) (reason.empty() ? unexplained : accepted)++;
+    }
+    std::cout << "\nSurvivors:\n";
+    for (std::size_t i = 0; i < next_ && i < candidates_.size(); ++i) {
+      if (outcomes_[i].kind != Outcome::Kind::survived) continue;
+      const Candidate& candidate = candidates_[i];
+      const std::string reason = accepted_.reason(candidate);
+      std::cout << "file: " << candidate.file << "\nline: " << candidate.text
+                << "\nfault: " << candidate.fault.kind << ": " << candidate.change << "\nreason: " << reason
+                << "\n\n";
+    }
+    const std::size_t faults = noticed + accepted + unexplained;
+    const double share =
+        faults == 0 ? 0.0 : 100.0 * static_cast<double>(noticed) / static_cast<double>(faults);
+    std::cout << faults << " faults, seed " << options_.seed << ": " << noticed << " noticed ("
+              << std::floor(10.0 * share) / 10.0 << " %), " << accepted << " survivors explained, "
+              << unexplained << " not explained; " << broken << " more did not compile\n";
+    return faults > 0 && share >= 95.0 && unexplained == 0 ? 0 : 1;
+  }
+
+ private:
+  /// The next candidate to try; false when enough are tried or under way.
+  bool take(std::size_t& index) {
+    const std::lock_guard lock(mutex_);
+    if (problem_ || counted_ + under_way_ >= options_.count || next_ == candidates_.size()) return false;
+    index = next_++;
+    ++under_way_;
+    return true;
+  }
+
+  void work(unsigned number) {
+    const fs::path folder = fs::path(options_.build) / "mutation" / std::to_string(number);
+    std::size_t index = 0;
+    // One that does not compile is replaced: who finds nothing to take waits for those under way.
+    while (!is_done()) {
+      if (!take(index)) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        continue;
+      }
+      try {
+        outcomes_[index] = outcome_of(candidates_[index], folder);
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        problem_ = std::current_exception();
+      }
+      const std::lock_guard lock(mutex_);
+      --under_way_;
+      counted_ += outcomes_[index].kind != Outcome::Kind::not_compiled;
+      const Outcome& outcome = outcomes_[index];
+      std::cout << candidates_[index].name() << "\n    " << to_string(outcome.kind)
+                << (outcome.by.empty() ? "" : ": ") << outcome.by << std::endl;
+    }
+    fs::remove_all(folder);
+  }
+
+  bool is_done() {
+    const std::lock_guard lock(mutex_);
+    return problem_ || (under_way_ == 0 && (counted_ >= options_.count || next_ == candidates_.size()));
+  }
+
+  Outcome outcome_of(const Candidate& candidate, const fs::path& folder) {
+    TestProgram& program = *programs_.at(candidate.file.substr(0, candidate.file.find('/')));
+    const std::string source = read_whole(fs::path(options_.repository) / candidate.file);
+    const std::string key =
+        std::to_string(hash_of(candidate.file + "\n" + candidate.fault.applied_to(source)));
+    if (const auto known = records_.find(key, program.digest())) return *known;
+    const Outcome outcome = program.tried(candidate, folder);
+    records_.add(key, program.digest(), outcome);
+    return outcome;
+  }
+
+  Options options_;
+  AcceptedSurvivors accepted_;
+  Records records_;
+  std::vector<Candidate> candidates_;
+  std::vector<Outcome> outcomes_;
+  std::map<std::string, std::unique_ptr<TestProgram>> programs_;
+  std::mutex mutex_;
+  std::size_t next_ = 0, under_way_ = 0, counted_ = 0;
+  std::exception_ptr problem_;
+};
+
+int main_of(int argc, char** argv) {
+  Options options;
+  CLI::App app("Puts small faults into the code that decides, and counts those that the tests notice.");
+  app.add_option("--count", options.count, "faults that compile")->capture_default_str();
+  app.add_option("--seed", options.seed, "of the draw")->capture_default_str();
+  app.add_option("--jobs", options.jobs, "at a time")->capture_default_str();
+  app.add_option("--build", options.build, "build folder (Ninja), test programs up to date")
+      ->capture_default_str();
+  app.add_option("--only", options.only, "files whose path has this in it");
+  app.add_flag("--trust-noticed", options.trust_noticed,
+               "try survivors of earlier runs again, not what was noticed");
+  app.add_flag("--list", options.list, "print the faults, try none");
+  CLI11_PARSE(app, argc, argv);
+  Check check(options);
+  if (options.list) {
+    check.list();
+    return 0;
+  }
+  check.run();
+  return check.report();
+}
+
+}  // namespace
+}  // namespace clearway::mutation
+
+int main(int argc, char** argv) {
+  try {
+    return clearway::mutation::main_of(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "mutation_check: " << error.what() << "\n";
+    return 2;
+  }
+}

@@ -1,0 +1,173 @@
+#include "tests/mutation/test_program.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <stdexcept>
+
+namespace clearway::mutation {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  if (at == std::string::npos) throw std::runtime_error("expected '" + what + "' in: " + text.substr(0, 400));
+  return text.replace(at, what.size(), by);
+}
+
+std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+/// The tests of these files, as gtest's filter names them.
+std::string filter_of(const std::set<fs::path>& files) {
+  std::set<std::string> suites;
+  static const std::regex test("(^|\n)(TYPED_)?TEST(_F|_P)?\\(([A-Za-z0-9_]+)");
+  for (const fs::path& file : files) {
+    const std::string text = read_whole(file);
+    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
+      suites.insert((*it)[4]);
+  }
+  std::string filter;
+  for (const std::string& suite : suites)
+    filter += (filter.empty() ? "" : ":") + suite + ".*:*/" + suite + ".*:" + suite + "/*";
+  return filter;
+}
+
+/// The test file of the same name, or of the longest beginning of it, and those that include the header.
+std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) {
+  const fs::path tests = repository / "tests" / source.parent_path();
+  std::set<fs::path> files;
+  for (std::string stem = source.stem();; stem.resize(stem.rfind('_'))) {
+    if (const fs::path mirrored = tests / (stem + "_test.cpp"); fs::exists(mirrored)) {
+      files.insert(mirrored);
+      break;
+    }
+    if (stem.find('_') == std::string::npos) break;
+  }
+  const std::string include = "#include \"" + fs::path(source).replace_extension(".hpp").string() + "\"";
+  for (const auto& entry : fs::directory_iterator(tests)) {
+    const std::string name = entry.path().filename();
+    if (name.ends_with("_test.cpp") && !name.ends_with("_job_test.cpp") &&
+        read_whole(entry.path()).find(include) != std::string::npos)
+      files.insert(entry.path());
+  }
+  return files;
+}
+
+/// The test that failed, or was running when the program ended.
+std::string failed_test(const std::string& output) {
+  std::smatch match;
+  if (std::regex_search(output, match, std::regex("\\[  FAILED  \\] ([^ ,\n]+/?[^ ,\n]*)"))) return match[1];
+  std::string last;
+  const std::regex runs("\\[ RUN      \\] ([^ \n]+)");
+  for (std::sregex_iterator it(output.begin(), output.end(), runs), end; it != end; ++it) last = (*it)[1];
+  return last;
+}
+
+}  // namespace
+
+std::string to_string(Outcome::Kind kind) {
+  return kind == Outcome::Kind::noticed    ? "noticed"
+         : kind == Outcome::Kind::survived ? "survived"
+                                           : "not compiled";
+}
+
+TestProgram::TestProgram(const fs::path& repository, const fs::path& build, const std::string& floor)
+    : repository_(repository), build_(build), floor_(floor) {
+  const std::string target = floor + "_tests";
+  const fs::path program = build / "bin" / target;
+  if (!fs::exists(program)) throw std::runtime_error(program.string() + " is not there, expected it built");
+  digest_ = std::to_string(hash_of(read_whole(program)));
+  const fs::path scratch = build / "mutation" / "commands";
+  const Ended commands = run_command("ninja -C " + quoted(build) + " -t commands " + target, scratch, {});
+  if (!commands.is_good())
+    throw std::runtime_error("ninja tells no commands of " + target + ", expected a Ninja build");
+  const std::string& text = commands.output;
+  const std::size_t end = text.find_last_not_of('\n');
+  link_ = text.substr(text.rfind('\n', end) + 1, end - text.rfind('\n', end));
+  for (const auto& entry : nlohmann::json::parse(read_whole(build / "compile_commands.json"))) {
+    const fs::path file = fs::path(entry["file"].get<std::string>()).lexically_relative(repository);
+    const std::string command = entry["command"];
+    // A source of a floor, as the floor's library has it; tests of the same name are not its.
+    if (file.parent_path() == floor) compile_[file.string()] = command;
+  }
+}
+
+Ended TestProgram::run(const std::string& program, const Stage& stage, const std::string& filter,
+                       const fs::path& folder) const {
+  const fs::path scratch = folder / "scratch";
+  fs::remove_all(scratch);
+  const Limits limits{.cpu = 10.0 + 4.0 * stage.cpu, .wall = 120.0 + 40.0 * stage.cpu};
+  Ended ended =
+      run_command("exec " + program + " --gtest_fail_fast --gtest_filter='" + filter + "'", scratch, limits);
+  fs::remove_all(scratch);
+  return ended;
+}
+
+const std::vector<TestProgram::Stage>& TestProgram::stages_for(const std::string& file,
+                                                               const fs::path& folder) {
+  const std::lock_guard lock(mutex_);
+  const auto known = stages_.find(file);
+  if (known != stages_.end()) return known->second;
+  const std::string first = filter_of(tests_of(repository_, file));
+  std::vector<Stage> stages;
+  if (!first.empty()) stages.push_back({first, 150.0});
+  if (floor_ != "apps") stages.push_back({first.empty() ? "*" : "-" + first, 150.0});
+  const std::string program = quoted(build_ / "bin" / (floor_ + "_tests"));
+  for (Stage& stage : stages) {
+    const bool is_rest = &stage == &stages.back() && floor_ != "apps";
+    if (is_rest && !stages_.empty()) {  // nearly the same tests for every file: measured once
+      stage.cpu = stages_.begin()->second.back().cpu;
+      continue;
+    }
+    const Ended ended = run(program, stage, stage.filter, folder);
+    if (!ended.is_good())
+      throw std::runtime_error("without any fault " + program + " fails in " + failed_test(ended.output));
+    stage.cpu = ended.cpu;
+  }
+  return stages_[file] = stages;
+}
+
+Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
+  const std::vector<Stage>& stages = stages_for(candidate.file, folder);
+  fs::create_directories(folder);
+  const fs::path source = folder / fs::path(candidate.file).filename(), object = folder / "fault.o",
+                 program = folder / "tests";
+  std::ofstream(source) << candidate.fault.applied_to(read_whole(repository_ / candidate.file));
+  // What is compiled is the copy; it includes by the same paths, and warnings do not count as noticing.
+  std::string compile = compile_.at(candidate.file);
+  compile = std::regex_replace(compile, std::regex(" -o \\S+ -c \\S+"), "");
+  compile = std::regex_replace(compile, std::regex(" (-MD|-MT \\S+|-MF \\S+|-Werror)(?= )"), "");
+  const std::string in_build = "cd " + quoted(build_) + " && ";
+  const Ended compiled =
+      run_command(in_build + compile + " -w -o " + quoted(object) + " -c " + quoted(source), folder, {});
+  if (!compiled.is_good()) {
+    std::smatch error;
+    std::regex_search(compiled.output, error, std::regex("error: ([^\n]*)"));
+    return {Outcome::Kind::not_compiled, error.size() > 1 ? error[1].str() : "compiler ended"};
+  }
+  const std::string out = "-o bin/" + floor_ + "_tests";
+  const Ended linked =
+      run_command(in_build + replaced(link_, out, quoted(object) + " -o " + quoted(program)), folder, {});
+  if (!linked.is_good())
+    throw std::runtime_error("the tests of " + floor_ + " do not link: " + linked.output.substr(0, 800));
+  for (const Stage& stage : stages) {
+    std::string filter = stage.filter;
+    for (int repeat = 0; repeat < 4; ++repeat) {
+      const Ended ended = run(quoted(program), stage, filter, folder);
+      if (ended.is_good()) break;
+      const std::string test = failed_test(ended.output);
+      if (ended.is_late) return {Outcome::Kind::noticed, test + " (takes too long)"};
+      if (ended.signal != 0) return {Outcome::Kind::noticed, test + " (crashes)"};
+      if (test.empty()) return {Outcome::Kind::noticed, "the program does not start"};
+      if (!run(quoted(program), stage, test, folder).is_good()) return {Outcome::Kind::noticed, test};
+      filter +=
+          (filter.find('-') == std::string::npos ? "-" : ":") + test;  // it depends on the machine's mood
+    }
+  }
+  return {Outcome::Kind::survived, ""};
+}
+
+}  // namespace clearway::mutation

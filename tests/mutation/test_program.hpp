@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "tests/mutation/command.hpp"
+#include "tests/mutation/draw.hpp"
+
+namespace clearway::mutation {
+
+/// What became of a fault.
+struct Outcome {
+  enum class Kind { noticed, survived, not_compiled } kind = Kind::survived;
+  std::string by;  ///< the test, or what ended the program; of a fault that does not compile, the first error
+};
+std::string to_string(Outcome::Kind kind);
+
+/// The test program of a floor, and how to build it with one source exchanged. Sources and the build folder's
+/// own files are only read. Several threads may use one object.
+class TestProgram {
+ public:
+  /// @param build a folder configured with Ninja, in which the program is built and up to date
+  /// @throws std::runtime_error when it is not
+  TestProgram(const std::filesystem::path& repository, const std::filesystem::path& build,
+              const std::string& floor);
+
+  /// Compiles and links the candidate's file with the fault, in `folder`, and runs the floor's tests until
+  /// one fails: those of the mirrored file and of files that include its header first, then the others (of
+  /// apps none: they start browsers). What fails must fail again. A program that crashes, or takes far more
+  /// time than without the fault, has been noticed.
+  Outcome tried(const Candidate& candidate, const std::filesystem::path& folder);
+
+  /// Of the program as it is: what was found for another one says nothing.
+  const std::string& digest() const { return digest_; }
+
+ private:
+  struct Stage {
+    std::string filter;
+    double cpu = 0.0;  ///< s, without a fault
+  };
+  const std::vector<Stage>& stages_for(const std::string& file, const std::filesystem::path& folder);
+  Ended run(const std::string& program, const Stage& stage, const std::string& filter,
+            const std::filesystem::path& folder) const;
+
+  std::filesystem::path repository_, build_;
+  std::string floor_, link_, digest_;
+  std::map<std::string, std::string> compile_;  ///< by source, relative
+  std::mutex mutex_;
+  std::map<std::string, std::vector<Stage>> stages_;  ///< by source
+};
+
+}  // namespace clearway::mutation
