@@ -105,6 +105,32 @@ TEST(TeamResult, CallsOutrunWhatIsNotRefusedForOtherReasons) {
   EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
 }
 
+TEST(TeamResult, TellsTheDistancesThatItsVerdictWasMadeWith) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 0.01;
+  resting.run.traces[1].positions.back() += Eigen::Vector2d(0.3, 0.4);
+  resting.run.figures.greatest_obstacle_speed = 0.25;
+  resting.run.outrun = "At 1 s robot 'disc' could not …";
+  TeamVerdict verdict = apart(0.06);
+  verdict.between_robots = 0.07;
+  verdict.greatest_speed_share = 0.5;
+  const CompareRun found = team_result(resting.team, resting.run, verdict, {.unseen_motion = 0.02});
+  ASSERT_TRUE(found.team.has_value());
+  EXPECT_EQ(found.team->security_distance, 0.05);
+  EXPECT_GE(resting.run.step_bound(), 0.01);
+  EXPECT_DOUBLE_EQ(found.team->step_bound, resting.run.step_bound() + 0.02);
+  EXPECT_EQ(found.team->obstacle_speed, 0.25);
+  EXPECT_EQ(found.team->between_robots, 0.07);
+  EXPECT_EQ(found.team->outrun, resting.run.outrun);
+  EXPECT_EQ(found.min_clearance, 0.06);
+  EXPECT_DOUBLE_EQ(found.length, 0.5);
+  EXPECT_EQ(found.steps, 1U);
+  EXPECT_EQ(found.waypoints, 2U);
+  ASSERT_TRUE(found.motion.has_value());
+  EXPECT_EQ(found.motion->time, 0.5);
+  EXPECT_EQ(found.motion->speed, 0.5);
+}
+
 TEST(TeamResult, CostsWhatThePayloadsAndGravityMakeOfTheWay) {
   Resting resting;
   resting.run.traces[1].positions.back() = Eigen::Vector2d(1.0, 1.0);

@@ -1,6 +1,7 @@
 #include "tests/mutation/command.hpp"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -24,6 +25,7 @@ void limit(int resource, std::uint64_t most) {
 /// In the child: does not return.
 void become(const char* command, const char* folder, const char* log, const Limits& limits) {
   ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a run that is broken off leaves nothing running
   const int out = ::open(log, O_WRONLY | O_CREAT | O_TRUNC, 0600), none = ::open("/dev/null", O_RDONLY);
   if (out < 0 || none < 0 || ::chdir(folder) != 0) ::_exit(126);
   ::dup2(none, 0);

@@ -95,43 +95,37 @@ TestProgram::TestProgram(const fs::path& repository, const fs::path& build, cons
   }
 }
 
-Ended TestProgram::run(const std::string& program, const Stage& stage, const std::string& filter,
+Ended TestProgram::run(const std::string& program, double usual, const std::string& filter,
                        const fs::path& folder) const {
   const fs::path scratch = folder / "scratch";
   fs::remove_all(scratch);
-  const Limits limits{.cpu = 10.0 + 4.0 * stage.cpu, .wall = 120.0 + 40.0 * stage.cpu};
+  const Limits limits{.cpu = 10.0 + 4.0 * usual, .wall = 120.0 + 40.0 * usual};
   Ended ended =
       run_command("exec " + program + " --gtest_fail_fast --gtest_filter='" + filter + "'", scratch, limits);
   fs::remove_all(scratch);
   return ended;
 }
 
-const std::vector<TestProgram::Stage>& TestProgram::stages_for(const std::string& file,
-                                                               const fs::path& folder) {
+std::vector<std::string> TestProgram::stages_for(const std::string& file) const {
+  const std::string near = filter_of(tests_of(repository_, file));
+  if (near.empty()) return {"*"};
+  if (floor_ == "apps") return {near};
+  return {near, "-" + near};
+}
+
+double TestProgram::usual_time(const std::string& filter, const fs::path& folder) {
+  // What is left when a few are left out takes the same for every file, about: measured once.
+  const std::string key = filter.starts_with('-') ? "rest" : filter;
   const std::lock_guard lock(mutex_);
-  const auto known = stages_.find(file);
-  if (known != stages_.end()) return known->second;
-  const std::string first = filter_of(tests_of(repository_, file));
-  std::vector<Stage> stages;
-  if (!first.empty()) stages.push_back({first, 150.0});
-  if (floor_ != "apps") stages.push_back({first.empty() ? "*" : "-" + first, 150.0});
+  if (const auto known = usual_.find(key); known != usual_.end()) return known->second;
   const std::string program = quoted(build_ / "bin" / (floor_ + "_tests"));
-  for (Stage& stage : stages) {
-    const bool is_rest = &stage == &stages.back() && floor_ != "apps";
-    if (is_rest && !stages_.empty()) {  // nearly the same tests for every file: measured once
-      stage.cpu = stages_.begin()->second.back().cpu;
-      continue;
-    }
-    const Ended ended = run(program, stage, stage.filter, folder);
-    if (!ended.is_good())
-      throw std::runtime_error("without any fault " + program + " fails in " + failed_test(ended.output));
-    stage.cpu = ended.cpu;
-  }
-  return stages_[file] = stages;
+  const Ended ended = run(program, 150.0, filter, folder);
+  if (!ended.is_good())
+    throw std::runtime_error("without any fault " + program + " fails in " + failed_test(ended.output));
+  return usual_[key] = ended.cpu;
 }
 
 Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
-  const std::vector<Stage>& stages = stages_for(candidate.file, folder);
   fs::create_directories(folder);
   const fs::path source = folder / fs::path(candidate.file).filename(), object = folder / "fault.o",
                  program = folder / "tests";
@@ -153,16 +147,16 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
       run_command(in_build + replaced(link_, out, quoted(object) + " -o " + quoted(program)), folder, {});
   if (!linked.is_good())
     throw std::runtime_error("the tests of " + floor_ + " do not link: " + linked.output.substr(0, 800));
-  for (const Stage& stage : stages) {
-    std::string filter = stage.filter;
+  for (std::string filter : stages_for(candidate.file)) {
+    const double usual = usual_time(filter, folder);
     for (int repeat = 0; repeat < 4; ++repeat) {
-      const Ended ended = run(quoted(program), stage, filter, folder);
+      const Ended ended = run(quoted(program), usual, filter, folder);
       if (ended.is_good()) break;
       const std::string test = failed_test(ended.output);
       if (ended.is_late) return {Outcome::Kind::noticed, test + " (takes too long)"};
       if (ended.signal != 0) return {Outcome::Kind::noticed, test + " (crashes)"};
       if (test.empty()) return {Outcome::Kind::noticed, "the program does not start"};
-      if (!run(quoted(program), stage, test, folder).is_good()) return {Outcome::Kind::noticed, test};
+      if (!run(quoted(program), usual, test, folder).is_good()) return {Outcome::Kind::noticed, test};
       filter +=
           (filter.find('-') == std::string::npos ? "-" : ":") + test;  // it depends on the machine's mood
     }

@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "tests/mutation/command.hpp"
 #include "tests/mutation/draw.hpp"
@@ -36,19 +37,18 @@ class TestProgram {
   const std::string& digest() const { return digest_; }
 
  private:
-  struct Stage {
-    std::string filter;
-    double cpu = 0.0;  ///< s, without a fault
-  };
-  const std::vector<Stage>& stages_for(const std::string& file, const std::filesystem::path& folder);
-  Ended run(const std::string& program, const Stage& stage, const std::string& filter,
+  /// Filters of gtest, to be run one after the other.
+  std::vector<std::string> stages_for(const std::string& file) const;
+  /// s of CPU time that these tests take without a fault. @throws std::runtime_error when they fail
+  double usual_time(const std::string& filter, const std::filesystem::path& folder);
+  Ended run(const std::string& program, double usual, const std::string& filter,
             const std::filesystem::path& folder) const;
 
   std::filesystem::path repository_, build_;
   std::string floor_, link_, digest_;
   std::map<std::string, std::string> compile_;  ///< by source, relative
   std::mutex mutex_;
-  std::map<std::string, std::vector<Stage>> stages_;  ///< by source
+  std::map<std::string, double> usual_;  ///< by filter
 };
 
 }  // namespace clearway::mutation
