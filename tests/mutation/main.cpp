@@ -1,6 +1,8 @@
 // mutation_check: puts small faults into the code that decides what is free, blocked, proved and accepted,
 // one at a time, and counts those that the tests notice. See README.md.
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
@@ -101,7 +103,8 @@ class Check {
   }
 
   void work(unsigned number) {
-    const fs::path folder = fs::path(options_.build) / "mutation" / std::to_string(number);
+    const fs::path folder =
+        fs::path(options_.build) / "mutation" / (std::to_string(::getpid()) + "_" + std::to_string(number));
     std::size_t index = 0;
     // One that does not compile is replaced: who finds nothing to take waits for those under way.
     while (!is_done()) {
