@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,19 +11,31 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <locale>
+#include <new>
 #include <stdexcept>
 #include <string_view>
 
 namespace clearway {
 namespace {
 
-// The first byte that a child sends tells what the rest is.
-constexpr char result_mark = 'R', failure_mark = 'F', end_mark = 'E';
+// What a child sends is cut into messages: a mark, the count of bytes that follow, and the bytes.
+enum class Mark : char { part = 'P', failure = 'F', end = 'E' };
+struct MessageHead {
+  Mark mark = Mark::part;
+  std::uint64_t size = 0;
+};
+
+constexpr std::size_t most_heads = 1 << 16;  ///< bytes of heads, beyond the parts themselves
+constexpr const char* too_large = "its content is larger than it may be";
+constexpr const char* too_much_memory = "it asks for more memory than a file of its size can justify";
 
 void limit(__rlimit_resource resource, rlim_t value) {
-  const rlimit bound{value, value};
+  // One apart: at the hard limit of time comes a SIGKILL, which does not say what it is for.
+  const rlimit bound{value, value + 1};
   ::setrlimit(resource, &bound);
 }
 
@@ -31,41 +44,63 @@ void limit_memory(std::size_t) {}  // sanitizers reserve terabytes
 #else
 void limit_memory(std::size_t beyond_present) {
   std::ifstream statm("/proc/self/statm");
+  statm.imbue(std::locale::classic());
   std::size_t pages = 0;
   statm >> pages;
   limit(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + beyond_present);
 }
 #endif
 
-bool send(int pipe, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(pipe, text.data(), text.size());
+void write_fully(int pipe, const void* from, std::size_t size) {
+  const char* next = static_cast<const char*>(from);
+  while (size > 0) {
+    const ssize_t written = ::write(pipe, next, size);
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(written));
+    if (written <= 0) ::_exit(0);  // nobody listens any more
+    next += written;
+    size -= static_cast<std::size_t>(written);
   }
-  return true;
 }
 
-[[noreturn]] void run_child(int pipe, const std::function<std::string()>& work, const ChildLimits& limits) {
-  for (int number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) ::signal(number, SIG_DFL);
+void send(int pipe, Mark mark, std::string_view text) {
+  const MessageHead head{mark, text.size()};
+  write_fully(pipe, &head, sizeof(head));
+  write_fully(pipe, text.data(), text.size());
+}
+
+/// Takes from the child what it needs not: the parent's signal handlers, terminal and files, core dumps,
+/// writing files, memory and time beyond the limits, and life beyond the parent's.
+void shut_in(int pipe, const ChildLimits& limits) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (int number = 1; number < NSIG; ++number) ::signal(number, SIG_DFL);
   ::signal(SIGPIPE, SIG_IGN);
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
-  limit(RLIMIT_CORE, 0);
+  if (pipe > 3) ::close_range(3, static_cast<unsigned>(pipe) - 1, 0);
+  ::close_range(static_cast<unsigned>(pipe) + 1, ~0U, 0);
+  const rlimit none{0, 0};
+  ::setrlimit(RLIMIT_CORE, &none);
+  ::setrlimit(RLIMIT_FSIZE, &none);
   limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
   limit_memory(limits.memory);
-  bool sent = false;
+}
+
+[[noreturn]] void run_child(int pipe, const PartedWork& work, const ChildLimits& limits) {
+  shut_in(pipe, limits);
   try {
-    const std::string output = work();
-    sent = send(pipe, {&result_mark, 1}) && send(pipe, output);
+    work([pipe](std::string_view part) { send(pipe, Mark::part, part); });
+    send(pipe, Mark::end, "");
+  } catch (const std::bad_alloc&) {
+    send(pipe, Mark::failure, too_much_memory);
   } catch (const std::exception& error) {
-    sent = send(pipe, {&failure_mark, 1}) && send(pipe, error.what());
+    send(pipe, Mark::failure, error.what());
   } catch (...) {
-    sent = false;
   }
-  if (sent) send(pipe, {&end_mark, 1});
   ::_exit(0);
+}
+
+std::string too_long(const ChildLimits& limits) {
+  return "it took longer than " + std::to_string(limits.seconds) + " s";
 }
 
 /// Reads until the child closes its end; returns why it stopped earlier, or "".
@@ -75,20 +110,35 @@ std::string receive(int pipe, const ChildLimits& limits, std::string& received) 
   for (;;) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0) return "it took longer than " + std::to_string(limits.seconds) + " s";
+    if (left.count() <= 0) return too_long(limits);
     pollfd waiting{pipe, POLLIN, 0};
     if (::poll(&waiting, 1, static_cast<int>(left.count())) <= 0) continue;
     const ssize_t count = ::read(pipe, buffer.data(), buffer.size());
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return "";
     received.append(buffer.data(), static_cast<std::size_t>(count));
-    if (received.size() > limits.output + 2) return "its content is larger than it may be";
+    if (received.size() > limits.output + most_heads) return too_large;
+  }
+}
+
+/// Sorts what arrived into `outcome`, as far as it is whole.
+void read_messages(std::string_view received, ChildOutcome& outcome) {
+  MessageHead head;
+  while (received.size() >= sizeof(head)) {
+    std::memcpy(&head, received.data(), sizeof(head));
+    received.remove_prefix(sizeof(head));
+    if (head.size > received.size()) return;
+    const std::string_view text = received.substr(0, head.size);
+    received.remove_prefix(head.size);
+    if (head.mark == Mark::part) outcome.parts.emplace_back(text);
+    if (head.mark == Mark::failure) outcome.failure = text;
+    if (head.mark == Mark::end) outcome.finished = true;
   }
 }
 
 }  // namespace
 
-ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildLimits& limits) {
+ChildOutcome run_in_child(const PartedWork& work, const ChildLimits& limits) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::strerror(errno));
   const pid_t child = ::fork();
@@ -101,22 +151,30 @@ ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildL
   if (child == 0) run_child(ends[1], work, limits);
   ::close(ends[1]);
 
-  ChildOutcome outcome;
   std::string received;
-  outcome.failure = receive(ends[0], limits, received);
+  const std::string stopped = receive(ends[0], limits, received);
   ::close(ends[0]);
-  if (!outcome.failure.empty()) ::kill(child, SIGKILL);
+  if (!stopped.empty()) ::kill(child, SIGKILL);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!outcome.failure.empty()) return outcome;
-  if (received.size() < 2 || received.back() != end_mark) {
-    outcome.failure = "its reader crashed";
-    return outcome;
+  ChildOutcome outcome;
+  read_messages(received, outcome);
+  std::size_t size = 0;
+  for (const std::string& part : outcome.parts) size += part.size();
+  if (!stopped.empty() || size > limits.output) {
+    outcome.finished = false;
+    outcome.failure = stopped.empty() ? too_large : stopped;
   }
-  outcome.finished = received.front() == result_mark;
-  (outcome.finished ? outcome.output : outcome.failure) = received.substr(1, received.size() - 2);
+  if (!outcome.finished && outcome.failure.empty()) {
+    const bool out_of_time = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+    outcome.failure = out_of_time ? too_long(limits) : "its reader crashed";
+  }
   return outcome;
+}
+
+ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildLimits& limits) {
+  return run_in_child([&](const SendPart& send_part) { send_part(work()); }, limits);
 }
 
 }  // namespace clearway

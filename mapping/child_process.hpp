@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace clearway {
 
@@ -10,20 +12,28 @@ namespace clearway {
 struct ChildLimits {
   std::size_t memory = 0;  ///< address space beyond what the program has already, bytes
   std::size_t output = 0;  ///< bytes that the parent accepts
-  int seconds = 10;        ///< wall clock
+  int seconds = 10;        ///< wall clock, and processor time
 };
 
 /// How a child process ended.
 struct ChildOutcome {
-  bool finished = false;  ///< `work` returned and its whole output arrived
-  std::string output;
-  std::string failure;  ///< otherwise: why, in a few words
+  bool finished = false;           ///< `work` returned and its whole output arrived
+  std::vector<std::string> parts;  ///< of the output; when it did not finish: those that arrived whole
+  std::string failure;             ///< otherwise: why, in a few words
 };
 
-/// Runs `work` in a forked copy of this program, silenced, and returns the text that it returns. For parsers
-/// that crash, hang or eat memory on hostile files: they take only the child down. An exception's text
-/// becomes `failure`.
+/// Takes a part of the output out of the child.
+using SendPart = std::function<void(std::string_view)>;
+using PartedWork = std::function<void(const SendPart&)>;
+
+/// Runs `work` in a forked copy of this program and collects the parts that it sends. For parsers that
+/// crash, hang or eat memory on hostile files: they take only the child down. The child is silent, has none
+/// of the parent's open files and signal handlers, can write no file, and dies with the parent. It must not
+/// wait for other threads of the parent: they are not in it. An exception's text becomes `failure`.
 /// @throws std::runtime_error when no process can be started.
+ChildOutcome run_in_child(const PartedWork& work, const ChildLimits& limits);
+
+/// The same for work whose one part is the text that it returns.
 ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildLimits& limits);
 
 }  // namespace clearway

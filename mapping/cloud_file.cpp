@@ -111,7 +111,7 @@ std::string read_in_child(const std::filesystem::path& file) {
   const bool is_pcd = file.extension() == ".pcd";
   ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, 10});
   if (!read.finished) refuse(file, read.failure);
-  return std::move(read.output);
+  return std::move(read.parts.at(0));
 }
 
 std::vector<Eigen::Vector3f> points_of(const std::string& bytes) {

@@ -1,8 +1,10 @@
 #include "mapping/child_process.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <iostream>
 #include <stdexcept>
@@ -18,7 +20,7 @@ TEST(ChildProcess, BringsBackWhatTheWorkReturned) {
   for (int i = 0; i < 1000000; ++i) bytes += static_cast<char>(i * 7);
   const ChildOutcome outcome = run_in_child([&] { return bytes; }, roomy);
   EXPECT_TRUE(outcome.finished);
-  EXPECT_EQ(outcome.output, bytes);
+  EXPECT_EQ(outcome.parts, std::vector{bytes});
   EXPECT_TRUE(run_in_child([] { return std::string(); }, roomy).finished);
 }
 
@@ -61,6 +63,59 @@ TEST(ChildProcess, StopsWorkThatEatsMemory) {
   EXPECT_FALSE(run_in_child(eat, roomy).finished);
 }
 #endif
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ChildProcess, SaysInOurWordsThatMemoryRanOut) {
+  const auto eat = []() -> std::string { return std::string(std::size_t{2} << 30U, 'x'); };
+  EXPECT_EQ(run_in_child(eat, roomy).failure, "it asks for more memory than a file of its size can justify");
+}
+#endif
+
+TEST(ChildProcess, WorkThatNeverYieldsEndsWithItsProcessorTimeToo) {
+  const auto spin = []() -> std::string {
+    const volatile bool busy = true;
+    while (busy) {
+    }
+    return "";
+  };
+  EXPECT_EQ(run_in_child(spin, {std::size_t{64} << 20U, 100, 1}).failure, "it took longer than 1 s");
+}
+
+TEST(ChildProcess, PartsThatArrivedBeforeACrashAreKept) {
+  const ChildOutcome outcome = run_in_child(
+      [](const SendPart& send_part) {
+        send_part("one");
+        send_part("");
+        send_part("three");
+        std::raise(SIGSEGV);
+      },
+      roomy);
+  EXPECT_FALSE(outcome.finished);
+  EXPECT_EQ(outcome.failure, "its reader crashed");
+  EXPECT_EQ(outcome.parts, (std::vector<std::string>{"one", "", "three"}));
+}
+
+volatile std::sig_atomic_t caught = 0;
+
+TEST(ChildProcess, HasNoneOfTheParentsFilesAndSignalHandlersAndWritesNoFile) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const auto before = std::signal(SIGTERM, [](int) { caught = 1; });
+  const auto look = [&]() -> std::string {
+    const bool open = ::write(ends[1], "x", 1) == 1;
+    const bool handled = ::signal(SIGTERM, SIG_DFL) != SIG_DFL;
+    ::signal(SIGXFSZ, SIG_IGN);
+    const std::string name = "/tmp/clearway_child_" + std::to_string(::getpid());
+    const int file = ::open(name.c_str(), O_CREAT | O_WRONLY, 0600);
+    const bool written = file >= 0 && ::write(file, "x", 1) == 1;
+    ::unlink(name.c_str());
+    return std::string(open ? "open " : "") + (handled ? "handled " : "") + (written ? "written" : "");
+  };
+  EXPECT_EQ(run_in_child(look, roomy).parts, std::vector<std::string>{""});
+  std::signal(SIGTERM, before);
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
 
 TEST(ChildProcess, IsSilent) {
   ::testing::internal::CaptureStdout();

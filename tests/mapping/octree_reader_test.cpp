@@ -55,7 +55,7 @@ Cost read_in_child(const std::string& file) {
       },
       {.memory = std::size_t{4} << 30U, .output = 1000, .seconds = 60});
   EXPECT_TRUE(outcome.finished) << outcome.failure;
-  return {outcome.output.front() == '1', 1024.0 * std::stod(outcome.output.substr(2))};
+  return {outcome.parts.at(0).front() == '1', 1024.0 * std::stod(outcome.parts.at(0).substr(2))};
 }
 
 /// A .ot node and the mask of its children.
