@@ -7,15 +7,33 @@
 
 namespace clearway {
 
-/// All vertices of a mesh file (STL, DAE, OBJ, … through assimp), node transforms applied, in the file's own
-/// axes (a COLLADA up direction is ignored, as ROS does) times `scale`, metres.
-/// @throws std::invalid_argument naming the file when it is missing, unreadable or has no finite vertex.
-std::vector<Eigen::Vector3d> read_mesh_vertices(const std::filesystem::path& file,
-                                                const Eigen::Vector3d& scale);
+/// A mesh file that a robot names, and the factors along its axes.
+struct ScaledMesh {
+  std::filesystem::path file;
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< finite
 
-/// The file that a URDF mesh name means: `package://NAME/rest` is searched for upwards from `folder` as
-/// NAME/rest and, inside a folder called NAME, as rest; `file://` and plain paths relative to `folder`.
-/// @throws std::invalid_argument when nothing is found.
+  bool operator==(const ScaledMesh&) const = default;
+};
+
+/// The convex hull of a mesh, or why there is none.
+struct MeshHull {
+  std::vector<Eigen::Vector3d> corners;  ///< metres, in the file's own axes times the scale
+  std::string failure;                   ///< not empty: one sentence that names the file
+  bool is_damaged = false;               ///< the file is of the right kind, but its content is not usable
+};
+
+/// Reads mesh files (.dae, .obj, .ply, .stl, through assimp; node transforms applied; a COLLADA up direction
+/// is ignored, as ROS does) and takes the convex hull of each one's vertices. assimp crashes, hangs and eats
+/// memory on damaged files: all files of a robot are read in one child process that may take 128 MB and 20
+/// times the files' size, 4 s and a second for every 2 MB, sees no file but these, and sends back hulls only.
+/// What a mesh refers to (materials, textures, other files) is not read. Files of more than 100 MB, hulls of
+/// more than 20,000 corners, vertices that are not finite or farther than 1 km from the origin are refused.
+/// After the first mesh that ends the child the rest of the list stays unread.
+std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes);
+
+/// The file that a URDF mesh name means: `package://NAME/rest` and `model://NAME/rest` are searched for
+/// upwards from `folder` as NAME/rest and, inside a folder called NAME, as rest; `file://` and plain paths
+/// relative to `folder`. @throws std::invalid_argument when nothing is found.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace clearway

@@ -22,6 +22,24 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return result;
+}
+
+/// Another order of the same letters is one slip.
+bool is_slip(const std::string& name, const std::string& known) {
+  if (name == known) return true;
+  std::string a = name, b = known;
+  std::sort(a.begin(), a.end());
+  std::sort(b.begin(), b.end());
+  if (a == b) return true;
+  return edit_distance(name, known) <= (known.size() <= 4 ? 1U : 2U);
+}
+
 }  // namespace
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
@@ -30,6 +48,14 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
         return edit_distance(name, a) < edit_distance(name, b);
       });
   return nearest == known.end() ? std::string() : *nearest;
+}
+
+std::string misspelt_name(std::string_view name, const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return {};
+  const std::string small = lower_case(name.substr(0, 100));
+  const auto meant = std::find_if(known.begin(), known.end(),
+                                  [&](const std::string& k) { return is_slip(small, lower_case(k)); });
+  return meant == known.end() ? std::string() : *meant;
 }
 
 }  // namespace clearway

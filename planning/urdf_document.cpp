@@ -2,127 +2,42 @@
 
 #include <tinyxml2.h>
 
-#include <charconv>
-#include <cmath>
 #include <set>
-#include <stdexcept>
+#include <string_view>
 
 #include "mapping/input_file.hpp"
+#include "mapping/plain_text.hpp"
+#include "planning/urdf_elements.hpp"
+#include "planning/urdf_numbers.hpp"
+#include "planning/urdf_spelling.hpp"
 
 namespace clearway {
 namespace {
 
 using Element = tinyxml2::XMLElement;
+using Place = UrdfPlace;
 
 constexpr std::size_t most_joints = 500;  ///< a longer chain is no robot, and urdfdom walks it recursively
-
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
-  throw std::invalid_argument(file.string() + ": " + what);
-}
-
-/// The numbers of an attribute, separated by blanks.
-std::vector<double> numbers(const std::filesystem::path& file, const std::string& where,
-                            const Element& element, const char* attribute, std::size_t count) {
-  const char* text = element.Attribute(attribute);
-  const std::string wanted = where + ": <" + element.Name() + "> needs " + attribute + " with " +
-                             std::to_string(count) + " finite number" + (count > 1 ? "s" : "");
-  if (!text) refuse(file, wanted);
-  std::vector<double> values;
-  const char* end = text + std::char_traits<char>::length(text);
-  for (const char* at = text; at != end;) {
-    if (std::isspace(static_cast<unsigned char>(*at))) {
-      ++at;
-      continue;
-    }
-    if (*at == '+') ++at;
-    double value = 0.0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc{} || !std::isfinite(value)) refuse(file, wanted + ", got '" + text + "'");
-    values.push_back(value);
-    at = next;
-  }
-  if (values.size() != count) refuse(file, wanted + ", got '" + std::string(text) + "'");
-  return values;
-}
-
-void check_sizes(const std::filesystem::path& file, const std::string& where, const Element& shape,
-                 const char* attribute, std::size_t count, bool may_be_zero = false) {
-  for (double value : numbers(file, where, shape, attribute, count)) {
-    if (value > 0.0 || (may_be_zero && value == 0.0)) continue;
-    refuse(file, where + ": <" + shape.Name() + "> has " + attribute + " '" + shape.Attribute(attribute) +
-                     "', expected sizes above 0");
-  }
-}
-
-/// Checks one <collision>; turns <capsule> into <cylinder> and says whether it did.
-bool check_collision(const std::filesystem::path& file, const std::string& where, Element& collision) {
-  if (const Element* origin = collision.FirstChildElement("origin")) {
-    if (origin->Attribute("xyz")) numbers(file, where, *origin, "xyz", 3);
-    if (origin->Attribute("rpy")) numbers(file, where, *origin, "rpy", 3);
-  }
-  Element* geometry = collision.FirstChildElement("geometry");
-  Element* shape = geometry ? geometry->FirstChildElement() : nullptr;
-  if (!shape) refuse(file, where + ": <collision> has no <geometry> with a shape in it");
-  const std::string kind = shape->Name();
-  if (kind == "box") {
-    check_sizes(file, where, *shape, "size", 3);
-  } else if (kind == "sphere") {
-    check_sizes(file, where, *shape, "radius", 1);
-  } else if (kind == "cylinder" || kind == "capsule") {
-    check_sizes(file, where, *shape, "radius", 1);
-    check_sizes(file, where, *shape, "length", 1, kind == "capsule");
-  } else if (kind == "mesh") {
-    if (!shape->Attribute("filename")) refuse(file, where + ": <mesh> has no filename");
-    if (shape->Attribute("scale")) numbers(file, where, *shape, "scale", 3);
-  } else {
-    refuse(file, where + ": unknown collision shape <" + kind +
-                     ">, expected box, sphere, cylinder, capsule or mesh");
-  }
-  if (kind != "capsule") return false;
-  shape->SetName("cylinder");
-  return true;
-}
+constexpr std::size_t most_bodies = 1000;
 
 /// The attribute of a child element, or a refusal.
-std::string child_attribute(const std::filesystem::path& file, const std::string& where,
-                            const Element& element, const char* child, const char* attribute) {
+std::string child_attribute(const Place& place, const Element& element, const char* child,
+                            const char* attribute) {
   const Element* found = element.FirstChildElement(child);
   const char* value = found ? found->Attribute(attribute) : nullptr;
-  if (!value) refuse(file, where + ": <" + child + " " + attribute + "=…> is missing");
+  if (!value) place.refuse(std::string("<") + child + " " + attribute + "=…> is missing");
   return value;
 }
 
-void check_joint(const std::filesystem::path& file, const std::string& where, const Element& joint) {
-  const std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
-  if (type != "fixed" && type != "revolute" && type != "continuous" && type != "prismatic") {
-    refuse(file, where + ": type '" + type +
-                     "' is not supported, expected revolute, continuous, prismatic or fixed");
-  }
-  if (const Element* origin = joint.FirstChildElement("origin")) {
-    if (origin->Attribute("xyz")) numbers(file, where, *origin, "xyz", 3);
-    if (origin->Attribute("rpy")) numbers(file, where, *origin, "rpy", 3);
-  }
-  if (type == "fixed") return;
-  if (const Element* axis = joint.FirstChildElement("axis"); axis && axis->Attribute("xyz")) {
-    const std::vector<double> a = numbers(file, where, *axis, "xyz", 3);
-    if (std::hypot(a[0], a[1], a[2]) < 1e-9) refuse(file, where + ": the axis is zero, expected a direction");
-  }
-  if (type == "continuous") return;
-  const Element* limit = joint.FirstChildElement("limit");
-  if (!limit) refuse(file, where + ": a " + type + " joint needs <limit lower=… upper=…>");
-  const double lower = limit->Attribute("lower") ? numbers(file, where, *limit, "lower", 1)[0] : 0.0;
-  const double upper = limit->Attribute("upper") ? numbers(file, where, *limit, "upper", 1)[0] : 0.0;
-  if (lower > upper) refuse(file, where + ": the lower limit is above the upper limit");
-}
-
 /// Every link but one hangs on exactly one joint, and no joints form a loop.
-void check_tree(const std::filesystem::path& file, const std::set<std::string>& links,
+void check_tree(const Place& place, const std::set<std::string>& links,
                 const std::map<std::string, std::string>& parent_of) {
   std::string root;
   for (const std::string& link : links) {
     if (parent_of.contains(link)) continue;
     if (!root.empty()) {
-      refuse(file, "links '" + root + "' and '" + link + "' both have no parent joint, expected one root");
+      place.refuse("links " + quote(root) + " and " + quote(link) +
+                   " both have no parent joint, expected one root");
     }
     root = link;
   }
@@ -130,10 +45,71 @@ void check_tree(const std::filesystem::path& file, const std::set<std::string>& 
     std::string at = link;
     for (std::size_t steps = 0; parent_of.contains(at); ++steps) {
       if (steps > links.size())
-        refuse(file, "the joints above link '" + link + "' form a loop, expected a tree");
+        place.refuse("the joints above link " + quote(link) + " form a loop, expected a tree");
       at = parent_of.at(at);
     }
   }
+}
+
+/// What xacro has yet to fill in is missing from the robot; its definitions alone do no harm.
+void check_is_expanded(const Place& place, const Element& robot) {
+  for (const Element* child = robot.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const std::string_view name = child->Name();
+    if (!name.starts_with("xacro:") || name == "xacro:property" || name == "xacro:arg" ||
+        name == "xacro:macro")
+      continue;
+    place.refuse("holds <" + shortened(name) + ">, expected a URDF that xacro has expanded");
+  }
+}
+
+std::string name_of(const Place& place, const Element& element) {
+  const char* name = element.Attribute("name");
+  if (!name || !*name) place.refuse(std::string("a <") + element.Name() + "> has no name");
+  return name;
+}
+
+std::set<std::string> check_links(const Place& place, Element& robot, UrdfDocument& document) {
+  std::set<std::string> links;
+  std::size_t bodies = 0;
+  for (Element* link = robot.FirstChildElement("link"); link; link = link->NextSiblingElement("link")) {
+    const std::string name = name_of(place, *link);
+    if (!links.insert(name).second) place.refuse("link " + quote(name) + " is defined twice");
+    const Place here{place.file, "link " + quote(name)};
+    check_urdf_element(here, *link);
+    if (const Element* inertial = link->FirstChildElement("inertial")) check_urdf_inertial(here, *inertial);
+    std::vector<bool>& is_capsule = document.is_capsule[name];
+    for (Element* body = link->FirstChildElement("collision"); body;
+         body = body->NextSiblingElement("collision")) {
+      if (++bodies > most_bodies) place.refuse("has more than 1000 <collision> bodies");
+      is_capsule.push_back(check_urdf_collision(here, *body));
+    }
+    keep_urdf_children(*link, {"inertial", "collision"});
+  }
+  if (links.empty()) place.refuse("has no links");
+  return links;
+}
+
+void check_joints(const Place& place, Element& robot, const std::set<std::string>& links,
+                  UrdfDocument& document) {
+  std::map<std::string, std::string> parent_of;
+  std::set<std::string> joints;
+  for (Element* joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    const std::string name = name_of(place, *joint);
+    if (!joints.insert(name).second) place.refuse("joint " + quote(name) + " is defined twice");
+    const Place here{place.file, "joint " + quote(name)};
+    check_urdf_element(here, *joint);
+    check_urdf_joint(here, *joint);
+    const std::string parent = child_attribute(here, *joint, "parent", "link");
+    const std::string child = child_attribute(here, *joint, "child", "link");
+    for (const std::string& end : {parent, child}) {
+      if (!links.contains(end)) here.refuse("there is no link " + quote(end));
+    }
+    if (!parent_of.emplace(child, parent).second)
+      here.refuse("link " + quote(child) + " already has a parent joint, expected a tree");
+    document.joint_order.push_back(name);
+    if (document.joint_order.size() > most_joints) place.refuse("has more than 500 joints");
+  }
+  check_tree(place, links, parent_of);
 }
 
 }  // namespace
@@ -144,48 +120,24 @@ std::string read_text(const std::filesystem::path& file) {
 
 UrdfDocument read_urdf_document(const std::filesystem::path& file) {
   const std::string text = read_text(file);
+  const Place place{file, ""};
   tinyxml2::XMLDocument xml;
-  if (xml.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    refuse(file, "is not well-formed XML, line " + std::to_string(xml.ErrorLineNum()));
+  if (const auto error = xml.Parse(text.data(), text.size()); error == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
+    place.refuse("nests its elements too deeply for a URDF");
+  } else if (error != tinyxml2::XML_SUCCESS) {
+    place.refuse("is not well-formed XML, line " + std::to_string(xml.ErrorLineNum()));
   }
   Element* robot = xml.FirstChildElement("robot");
-  if (!robot) refuse(file, "is not a URDF: it has no <robot> element");
+  if (!robot) place.refuse("is not a URDF: it has no <robot> element");
+  if (!robot->Attribute("name")) place.refuse("<robot> has no name");
+  robot->DeleteAttribute("version");  // urdfdom 3.0 knows 1.0 alone; what later ones add is looked at here
+  check_urdf_root(place, *robot);
+  check_is_expanded(place, *robot);
 
   UrdfDocument document;
-  std::set<std::string> links;
-  for (Element* link = robot->FirstChildElement("link"); link; link = link->NextSiblingElement("link")) {
-    const std::string name = link->Attribute("name") ? link->Attribute("name") : "";
-    if (name.empty()) refuse(file, "a <link> has no name");
-    if (!links.insert(name).second) refuse(file, "link '" + name + "' is defined twice");
-    std::vector<bool>& is_capsule = document.is_capsule[name];
-    for (Element* body = link->FirstChildElement("collision"); body;
-         body = body->NextSiblingElement("collision")) {
-      is_capsule.push_back(check_collision(file, "link '" + name + "'", *body));
-    }
-  }
-  std::map<std::string, std::string> parent_of;
-  std::set<std::string> joints;
-  for (const Element* joint = robot->FirstChildElement("joint"); joint;
-       joint = joint->NextSiblingElement("joint")) {
-    const std::string name = joint->Attribute("name") ? joint->Attribute("name") : "";
-    if (name.empty()) refuse(file, "a <joint> has no name");
-    if (!joints.insert(name).second) refuse(file, "joint '" + name + "' is defined twice");
-    const std::string where = "joint '" + name + "'";
-    check_joint(file, where, *joint);
-    const std::string parent = child_attribute(file, where, *joint, "parent", "link");
-    const std::string child = child_attribute(file, where, *joint, "child", "link");
-    for (const std::string& end : {parent, child}) {
-      if (!links.contains(end)) refuse(file, where + ": there is no link '" + end + "'");
-    }
-    if (!parent_of.emplace(child, parent).second) {
-      refuse(file, where + ": link '" + child + "' already has a parent joint, expected a tree");
-    }
-    document.joint_order.push_back(name);
-    if (document.joint_order.size() > most_joints) refuse(file, "has more than 500 joints");
-  }
-  if (links.empty()) refuse(file, "has no links");
-  check_tree(file, links, parent_of);
-
+  const std::set<std::string> links = check_links(place, *robot, document);
+  check_joints(place, *robot, links, document);
+  keep_urdf_children(*robot, {"link", "joint"});
   tinyxml2::XMLPrinter printer;
   xml.Print(&printer);
   document.text = printer.CStr();

@@ -9,10 +9,11 @@ namespace clearway {
 
 /// A URDF file after our own look at its XML, before urdfdom reads it. urdfdom 3.0 drops collision geometry
 /// that it does not understand, accepts sizes below zero, zero axes, loops and two parents in silence, so
-/// all of that is refused here.
+/// all of that is refused here, and so are misspelt names and numbers that no robot has.
 struct UrdfDocument {
-  std::string text;                      ///< the XML, each <capsule> rewritten as a <cylinder> for urdfdom
-  std::vector<std::string> joint_order;  ///< names of all joints in the order of the file
+  /// Links and joints alone, with what is read of them; each <capsule> rewritten as a <cylinder> for urdfdom.
+  std::string text;
+  std::vector<std::string> joint_order;                 ///< names of all joints in the order of the file
   std::map<std::string, std::vector<bool>> is_capsule;  ///< per link, one flag for each <collision>
 };
 

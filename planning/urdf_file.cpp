@@ -8,7 +8,10 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "mapping/map_file.hpp"
+#include "mapping/plain_text.hpp"
 #include "planning/mesh_file.hpp"
+#include "planning/mimic_joints.hpp"
 #include "planning/reach.hpp"
 #include "planning/urdf_document.hpp"
 #include "planning/urdf_messages.hpp"
@@ -35,7 +38,8 @@ class Reader {
 
   Robot robot() {
     add_link(*model_.getRoot(), -1);
-    resolve_mimics();
+    read_meshes();
+    resolve_mimics(file_, mimics_, robot_);
     if (robot_.joints.empty()) refuse("no joint can move, expected at least one revolute or prismatic joint");
     if (std::none_of(robot_.bodies.begin(), robot_.bodies.end(),
                      [&](const Body& body) { return is_moved(robot_, body.link); })) {
@@ -48,10 +52,10 @@ class Reader {
   }
 
  private:
-  struct Mimic {
-    int link = 0;
-    Joint joint;
-    std::string master;
+  /// A body whose shape is still to be read.
+  struct NamedMesh {
+    std::size_t body = 0;
+    ScaledMesh mesh;
   };
 
   [[noreturn]] void refuse(const std::string& what) const {
@@ -66,9 +70,6 @@ class Reader {
     if (source.inertial) {
       link.mass = source.inertial->mass;
       link.center_of_mass = isometry(source.inertial->origin).translation();
-      if (!std::isfinite(link.mass) || link.mass < 0.0 || !link.center_of_mass.allFinite()) {
-        refuse("link '" + link.name + "': the mass must be finite and not below 0");
-      }
     }
     const int index = static_cast<int>(robot_.links.size());
     robot_.links.push_back(link);
@@ -94,16 +95,10 @@ class Reader {
       joint.upper = source.limits->upper;
     }
     if (source.limits) joint.max_velocity = source.limits->velocity;
-    if (!std::isfinite(joint.max_velocity) || joint.max_velocity < 0.0) {
-      refuse("joint '" + joint.name + "': the velocity limit must be finite and not below 0");
-    }
     if (source.mimic) {
       mimics_.push_back({static_cast<int>(robot_.links.size()), joint, source.mimic->joint_name});
       link.multiplier = source.mimic->multiplier;
       link.offset = source.mimic->offset;
-      if (!std::isfinite(link.multiplier) || !std::isfinite(link.offset)) {
-        refuse("joint '" + joint.name + "': mimic multiplier and offset must be finite");
-      }
       return;
     }
     link.joint = static_cast<int>(robot_.joints.size());
@@ -113,18 +108,22 @@ class Reader {
   void add_bodies(const urdf::Link& source, int link) {
     const std::vector<bool>& is_capsule = document_.is_capsule.at(source.name);
     if (source.collision_array.size() != is_capsule.size()) {
-      refuse("link '" + source.name + "': " + std::to_string(is_capsule.size()) +
+      refuse("link " + quote(source.name) + ": " + std::to_string(is_capsule.size()) +
              " <collision> elements, but only " + std::to_string(source.collision_array.size()) +
              " could be read");
     }
     for (std::size_t i = 0; i < is_capsule.size(); ++i) {
       const urdf::Collision& collision = *source.collision_array[i];
-      if (!collision.geometry) refuse("link '" + source.name + "': a <collision> could not be read");
+      if (!collision.geometry) refuse("link " + quote(source.name) + ": a <collision> could not be read");
       Body body;
       body.part = source.name;
       body.link = link;
       body.link_from_shape = isometry(collision.origin);
-      body.shape = shape(source.name, *collision.geometry, is_capsule[i]);
+      if (collision.geometry->type == urdf::Geometry::MESH) {
+        meshes_.push_back({robot_.bodies.size(), mesh(source.name, *collision.geometry)});
+      } else {
+        body.shape = shape(source.name, *collision.geometry, is_capsule[i]);
+      }
       robot_.bodies.push_back(std::move(body));
     }
   }
@@ -143,70 +142,40 @@ class Reader {
           return capsule ? Shape::capsule(cylinder.radius, cylinder.length)
                          : Shape::cylinder(cylinder.radius, cylinder.length);
         }
-        case urdf::Geometry::MESH: {
-          const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
-          return Shape::convex(read_mesh_vertices(find_mesh(mesh.filename, file_.parent_path()),
-                                                  {mesh.scale.x, mesh.scale.y, mesh.scale.z}));
-        }
+        case urdf::Geometry::MESH:
+          break;
       }
     } catch (const std::invalid_argument& error) {
-      refuse("link '" + link + "': " + error.what());
+      refuse("link " + quote(link) + ": " + error.what());
     }
     refuse("link '" + link + "': unknown collision shape");
   }
 
-  void resolve_mimics() {
-    for (const Mimic& mimic : mimics_) {
-      const auto master = std::find_if(robot_.joints.begin(), robot_.joints.end(),
-                                       [&](const Joint& joint) { return joint.name == mimic.master; });
-      if (master == robot_.joints.end() || master->kind != mimic.joint.kind) {
-        refuse("joint '" + mimic.joint.name + "' mimics '" + mimic.master +
-               "', expected an existing joint of the same kind that mimics none itself");
-      }
-      robot_.links[static_cast<std::size_t>(mimic.link)].joint =
-          static_cast<int>(master - robot_.joints.begin());
-      keep_mimic_limits(mimic, *master);
-      turn_link_frame(mimic.link, master->axis, mimic.joint.axis);
+  ScaledMesh mesh(const std::string& link, const urdf::Geometry& geometry) const {
+    const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
+    try {
+      return {find_mesh(mesh.filename, file_.parent_path()), {mesh.scale.x, mesh.scale.y, mesh.scale.z}};
+    } catch (const std::invalid_argument& error) {
+      refuse("link " + quote(link) + ": " + error.what());
     }
   }
 
-  /// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own.
-  void keep_mimic_limits(const Mimic& mimic, Joint& master) const {
-    const Link& link = robot_.links[static_cast<std::size_t>(mimic.link)];
-    double lower = mimic.joint.lower - link.offset, upper = mimic.joint.upper - link.offset;
-    bool possible = lower <= 0.0 && upper >= 0.0;
-    if (link.multiplier != 0.0) {
-      lower /= link.multiplier;
-      upper /= link.multiplier;
-      if (link.multiplier < 0.0) std::swap(lower, upper);
-      master.lower = std::max(master.lower, lower);
-      master.upper = std::min(master.upper, upper);
-      possible = master.lower <= master.upper;
+  /// All at once, each once: they are read in a process of their own, which takes time to start.
+  void read_meshes() {
+    std::vector<ScaledMesh> distinct;
+    for (const NamedMesh& named : meshes_) {
+      if (std::find(distinct.begin(), distinct.end(), named.mesh) == distinct.end())
+        distinct.push_back(named.mesh);
     }
-    if (!possible) {
-      refuse("joint '" + mimic.joint.name + "' mimics '" + mimic.master +
-             "' and is never within its own limits");
-    }
-  }
-
-  /// Makes the master's axis, read in the frame of the link, mean the link's own axis.
-  void turn_link_frame(int index, const Eigen::Vector3d& master_axis, const Eigen::Vector3d& own_axis) {
-    Link& link = robot_.links[static_cast<std::size_t>(index)];
-    if (master_axis.isApprox(own_axis, 1e-12)) return;
-    if (master_axis.isApprox(-own_axis, 1e-12)) {
-      link.multiplier = -link.multiplier;
-      link.offset = -link.offset;
-      return;
-    }
-    const Eigen::Isometry3d old_from_new(Eigen::Quaterniond::FromTwoVectors(master_axis, own_axis));
-    const Eigen::Isometry3d new_from_old = old_from_new.inverse();
-    link.parent_from_link = link.parent_from_link * old_from_new;
-    link.center_of_mass = new_from_old * link.center_of_mass;
-    for (Link& child : robot_.links) {
-      if (child.parent == index) child.parent_from_link = new_from_old * child.parent_from_link;
-    }
-    for (Body& body : robot_.bodies) {
-      if (body.link == index) body.link_from_shape = new_from_old * body.link_from_shape;
+    const std::vector<MeshHull> hulls = read_mesh_hulls(distinct);
+    for (const NamedMesh& named : meshes_) {
+      const auto found = std::find(distinct.begin(), distinct.end(), named.mesh);
+      const MeshHull& hull = hulls[static_cast<std::size_t>(found - distinct.begin())];
+      Body& body = robot_.bodies[named.body];
+      const std::string sentence = file_.string() + ": link " + quote(body.part) + ": " + hull.failure;
+      if (hull.is_damaged) throw DamagedFile(sentence);
+      if (!hull.failure.empty()) throw std::invalid_argument(sentence);
+      body.shape = Shape::convex(hull.corners);
     }
   }
 
@@ -224,7 +193,8 @@ class Reader {
   const UrdfDocument& document_;
   const urdf::ModelInterface& model_;
   Robot robot_;
-  std::vector<Mimic> mimics_;
+  std::vector<MimicJoint> mimics_;
+  std::vector<NamedMesh> meshes_;
 };
 
 }  // namespace
@@ -232,16 +202,14 @@ class Reader {
 Robot read_urdf(const std::filesystem::path& file) {
   const UrdfDocument document = read_urdf_document(file);
   if (document.joint_order.empty()) throw std::invalid_argument(file.string() + ": has no joints");
-  KeptMessages messages;
+  const KeptMessages messages;  // not told: they name urdfdom's functions
   urdf::ModelInterfaceSharedPtr model;
   try {
     model = urdf::parseURDF(document.text);
-  } catch (const std::exception& error) {
-    messages.first = error.what();
+  } catch (const std::exception&) {  // no model is sentence enough
   }
-  if (!model || !model->getRoot()) {
-    throw std::invalid_argument(file.string() + ": is not a valid URDF: " + messages.first);
-  }
+  if (!model || !model->getRoot())
+    throw std::invalid_argument(file.string() + ": is not a URDF of links, joints and shapes");
   return Reader(file, document, *model).robot();
 }
 

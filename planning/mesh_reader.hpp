@@ -1,0 +1,19 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// The corners of the convex hull of a mesh file's vertices, times `scale`, by assimp. `kind` is dae, obj,
+/// ply or stl. It may crash, hang or fill the memory: call it in a child process only.
+/// @throws std::runtime_error with a reason in our own words, std::bad_alloc.
+std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
+                                          const Eigen::Vector3d& scale);
+
+/// Whether all points are finite and within 1 km of the origin along each axis.
+bool are_sensible(const std::vector<Eigen::Vector3d>& points);
+
+}  // namespace clearway
