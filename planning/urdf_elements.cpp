@@ -50,10 +50,19 @@ void check_axis(const Place& place, const Element& joint) {
                ", expected a direction of length 1, at least 0.001 and at most 1000");
 }
 
+/// Gazebo and its converters write limits of 1e16 for a joint that turns without end.
+bool turns_without_end(const Place& place, const Element& joint, const std::string& type) {
+  const Element* limit = joint.FirstChildElement("limit");
+  if (type != "revolute" || !limit || !limit->Attribute("lower") || !limit->Attribute("upper")) return false;
+  return urdf_numbers(place, *limit, "lower", 1, urdf_any)[0] < urdf_turns.least &&
+         urdf_numbers(place, *limit, "upper", 1, urdf_any)[0] > urdf_turns.most;
+}
+
 void check_limit(const Place& place, const Element& joint, const std::string& type) {
   const Element* limit = joint.FirstChildElement("limit");
   const bool is_limited = type != "continuous";
-  if (!limit && is_limited) place.refuse("a " + type + " joint needs <limit lower=… upper=…>");
+  if (is_limited && !(limit && (limit->Attribute("lower") || limit->Attribute("upper"))))
+    place.refuse("a " + type + " joint needs <limit lower=… upper=…>");
   if (!limit) return;
   urdf_numbers(place, *limit, "effort", 1, urdf_any);
   urdf_numbers(place, *limit, "velocity", 1, urdf_speed);
@@ -62,10 +71,7 @@ void check_limit(const Place& place, const Element& joint, const std::string& ty
     return limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, range)[0] : 0.0;
   };
   const double lower = bound("lower"), upper = bound("upper");
-  if (!is_limited) return;
-  if (!limit->Attribute("lower") && !limit->Attribute("upper"))
-    place.refuse("a " + type + " joint needs <limit lower=… upper=…>");
-  if (lower > upper) place.refuse("the lower limit is above the upper limit");
+  if (is_limited && lower > upper) place.refuse("the lower limit is above the upper limit");
 }
 
 void check_mimic(const Place& place, const Element& joint, const UrdfRange& range) {
@@ -131,7 +137,7 @@ void check_urdf_inertial(const Place& place, const Element& inertial) {
 }
 
 void check_urdf_joint(const Place& place, Element& joint) {
-  const std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
+  std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
   if (type != "fixed" && type != "revolute" && type != "continuous" && type != "prismatic") {
     place.refuse("type " + quote(type) +
                  " is not supported, expected revolute, continuous, prismatic or fixed");
@@ -139,6 +145,10 @@ void check_urdf_joint(const Place& place, Element& joint) {
   check_urdf_origin(place, joint);
   if (type == "fixed") return keep_urdf_children(joint, {"origin", "parent", "child"});
   check_axis(place, joint);
+  if (turns_without_end(place, joint, type)) {
+    type = "continuous";
+    joint.SetAttribute("type", type.c_str());
+  }
   check_limit(place, joint, type);
   check_mimic(place, joint, type == "prismatic" ? urdf_metres : urdf_turns);
   keep_urdf_children(joint, {"origin", "parent", "child", "axis", "limit", "mimic"});

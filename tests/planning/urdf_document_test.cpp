@@ -79,6 +79,16 @@ TEST_F(UrdfDocumentFile, NumbersThatNoRobotHasAreRefusedWithTheirRange) {
             "r.urdf: link 'arm': <inertial> needs <mass> and <inertia>");
 }
 
+TEST_F(UrdfDocumentFile, ARevoluteJointWithGazebosLimitsTurnsWithoutEnd) {
+  for (const std::string huge : {"1e+16", "1e10", "1.79769e+308"}) {
+    EXPECT_EQ(
+        with_joint("revolute", "<limit lower='-" + huge + "' upper='" + huge + "' effort='0' velocity='0'/>"),
+        "accepted");
+    const Robot robot = load_robot((folder_.path() / "r.urdf").string());
+    EXPECT_TRUE(std::isinf(robot.joints[0].lower) && std::isinf(robot.joints[0].upper));
+  }
+}
+
 TEST_F(UrdfDocumentFile, OnlyWholeDecimalNumbersCountWhateverTheLocale) {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
