@@ -7,7 +7,9 @@
 #include <random>
 #include <stdexcept>
 
+#include "mapping/plain_text.hpp"
 #include "planning/kinematics.hpp"
+#include "planning/nearest_name.hpp"
 #include "planning/urdf_document.hpp"
 
 namespace clearway {
@@ -15,6 +17,7 @@ namespace {
 
 constexpr int sampled_configurations = 200;
 constexpr double always_ratio = 0.95;
+constexpr std::size_t most_pairs = 100'000;  ///< of a SRDF
 
 /// For each link the topmost link that it is rigidly fixed to.
 std::vector<int> rigid_groups(const Robot& robot) {
@@ -102,7 +105,7 @@ std::vector<std::pair<int, int>> bodies_of_parts(
     const bool link =
         std::any_of(robot.links.begin(), robot.links.end(), [&](const Link& l) { return l.name == part; });
     if (bodies.empty() && !link) {
-      throw std::invalid_argument(file.string() + ": an exempt pair names '" + part + "', which " +
+      throw std::invalid_argument(file.string() + ": an exempt pair names " + quote(part) + ", which " +
                                   robot.name + " does not have");
     }
     return bodies;
@@ -126,6 +129,12 @@ std::vector<std::pair<std::string, std::string>> read_srdf(const std::filesystem
   const tinyxml2::XMLElement* robot = parsed ? xml.FirstChildElement("robot") : nullptr;
   if (!robot)
     throw std::invalid_argument(file.string() + ": is not a SRDF, expected XML with a <robot> element");
+  for (const auto* entry = robot->FirstChildElement(); entry; entry = entry->NextSiblingElement()) {
+    const std::string meant = misspelt_name(entry->Name(), {"disable_collisions"});
+    if (meant.empty()) continue;
+    throw std::invalid_argument(file.string() + ": unknown element <" + shortened(entry->Name()) +
+                                ">, did you mean <" + meant + ">?");
+  }
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const auto* entry = robot->FirstChildElement("disable_collisions"); entry;
        entry = entry->NextSiblingElement("disable_collisions")) {
@@ -134,6 +143,8 @@ std::vector<std::pair<std::string, std::string>> read_srdf(const std::filesystem
     if (!first || !second)
       throw std::invalid_argument(file.string() + ": <disable_collisions> needs link1 and link2");
     pairs.emplace_back(first, second);
+    if (pairs.size() > most_pairs)
+      throw std::invalid_argument(file.string() + ": has more than 100,000 <disable_collisions>");
   }
   return pairs;
 }

@@ -256,6 +256,11 @@ TEST_F(RobotFile, SrdfPairsNeighboursAndDesignOverlapsAreExemptAndNothingElse) {
   write("r.srdf", "<robot name='r'><disable_collisions link1='a' link2='z'/></robot>");
   EXPECT_EQ(refusal((folder_ / "r.urdf").string()),
             "r.srdf: an exempt pair names 'z', which r does not have");
+  write("r.srdf",
+        "<robot name='r'><group name='arm'/><enable_collisions/><disable_collision link1='a' "
+        "link2='c'/></robot>");
+  EXPECT_EQ(refusal((folder_ / "r.urdf").string()),
+            "r.srdf: unknown element <disable_collision>, did you mean <disable_collisions>?");
 }
 
 TEST(Robot, EveryRobotThatComesWithTheProgramLoadsAndCanBeFree) {
