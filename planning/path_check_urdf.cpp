@@ -19,10 +19,17 @@ namespace {
 
 constexpr std::size_t most_joints = 500;  ///< urdfdom and kdl_parser walk a chain recursively
 constexpr double tolerance = 1e-9;        ///< of limits, rad or m
+constexpr double most_turn = 1e3;         ///< beyond both ways (Gazebo writes 1e16) a joint turns without end
 
 std::filesystem::path file_of(const Robot& robot) {
   const bool is_urdf = robot.source.extension() == ".urdf";
   return urdf_of(robot.source, is_urdf ? RobotSettings{} : read_robot_settings(robot.source));
+}
+
+/// What else urdfdom reads of a joint (dynamics, calibration) it may refuse, and it moves nothing.
+bool is_read_of_joint(const std::string& element, bool is_fixed) {
+  if (element == "origin" || element == "parent" || element == "child") return true;
+  return !is_fixed && (element == "axis" || element == "limit" || element == "mimic");
 }
 
 /// The file's joints and links alone. A body's shape becomes a ball, because urdfdom knows no capsules and
@@ -33,15 +40,20 @@ std::string bare_text(const Robot& robot) {
   xml.Parse(text.data(), text.size());
   tinyxml2::XMLElement* root = xml.FirstChildElement("robot");
   if (xml.Error() || !root) disagree(robot, "it is no robot's XML");
+  root->DeleteAttribute("version");  // urdfdom 3.0 knows 1.0 alone
   std::size_t joints = 0;
   for (auto* element = root->FirstChildElement(); element;) {
     auto* const next = element->NextSiblingElement();
     const std::string name = element->Name();
+    const bool is_fixed = element->Attribute("type", "fixed") != nullptr;
     joints += name == "joint";
     if (name != "joint" && name != "link") root->DeleteChild(element);
-    for (auto* part = name == "link" ? element->FirstChildElement() : nullptr; part;) {
+    for (auto* part = name == "link" || name == "joint" ? element->FirstChildElement() : nullptr; part;) {
       auto* const following = part->NextSiblingElement();
-      if (std::string(part->Name()) != "collision") {
+      const std::string kind = part->Name();
+      if (name == "joint") {
+        if (!is_read_of_joint(kind, is_fixed)) element->DeleteChild(part);
+      } else if (kind != "collision") {
         element->DeleteChild(part);
       } else if (auto* geometry = part->FirstChildElement("geometry")) {
         geometry->DeleteChildren();
@@ -145,6 +157,9 @@ class FileReader {
   void require_limits(const urdf::Joint& joint, const Joint& mover) const {
     if (joint.type == urdf::Joint::CONTINUOUS) return;
     if (!joint.limits) disagree(robot_, "joint '" + joint.name + "' has no limits");
+    const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -most_turn &&
+                         joint.limits->upper > most_turn;
+    if (endless) return;
     for (const double end : {mover.lower, mover.upper}) {
       const double factor = links_.multiplier.back();
       const double value = (factor == 0.0 ? 0.0 : factor * end) + links_.offset.back();

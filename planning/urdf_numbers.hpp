@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,8 @@ constexpr UrdfRange urdf_radians{-12.6, 12.6, "radians"};  ///< roll, pitch, yaw
 constexpr UrdfRange urdf_size{1e-6, 1e3, "metres"};
 constexpr UrdfRange urdf_turns{-1e3, 1e3, "radians"};  ///< limits of a revolute joint
 constexpr UrdfRange urdf_speed{0.0, 1e6, "rad/s or m/s"};
-constexpr UrdfRange urdf_any{-1.7e308, 1.7e308, "finite numbers"};  ///< gated elsewhere, or used by nobody
+constexpr UrdfRange urdf_any{-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
+                             "finite numbers"};  ///< gated elsewhere, or used by nobody
 
 /// The `count` numbers of an attribute, separated by blanks: decimal, with a point, whatever the locale.
 /// @throws std::invalid_argument when it is missing, holds another count, anything but finite numbers, or one
