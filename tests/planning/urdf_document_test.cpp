@@ -6,6 +6,7 @@
 #include <locale>
 
 #include "planning/kinematics.hpp"
+#include "planning/path_check_links.hpp"
 #include "tests/planning/hostile_robots.hpp"
 #include "tests/planning/mesh_samples.hpp"
 
@@ -86,6 +87,7 @@ TEST_F(UrdfDocumentFile, ARevoluteJointWithGazebosLimitsTurnsWithoutEnd) {
         "accepted");
     const Robot robot = load_robot((folder_.path() / "r.urdf").string());
     EXPECT_TRUE(std::isinf(robot.joints[0].lower) && std::isinf(robot.joints[0].upper));
+    EXPECT_EQ(check::links_of_file(robot).segments.size(), 2u);
   }
 }
 
@@ -214,6 +216,7 @@ TEST_F(UrdfDocumentFile, RobotsOfTheFieldLoad) {
   EXPECT_EQ(folder_.refusal(placed), "accepted");
   const Robot robot = load_robot((folder_.path() / "r.urdf").string());
   EXPECT_EQ(robot.dof(), 3u);
+  EXPECT_EQ(check::links_of_file(robot).segments.size(), robot.links.size());  // the check's own reader
   ASSERT_EQ(robot.bodies.size(), 6u);
   EXPECT_NEAR(robot.bodies[3].shape.edges().z(), 0.6, 1e-6);
   EXPECT_EQ(robot.joints[2].lower, 0.0);
