@@ -39,6 +39,10 @@ void BlockedCells::fill(const Eigen::Vector3i& low, const Eigen::Vector3i& high,
   }
 }
 
+void BlockedCells::block_where_both(const BlockedCells& a, const BlockedCells& b) {
+  for (std::size_t i = 0; i < words_.size(); ++i) words_[i] |= a.words_[i] & b.words_[i];
+}
+
 std::size_t BlockedCells::count() const {
   std::size_t sum = 0;
   for (const std::uint32_t word : words_) sum += static_cast<std::size_t>(std::popcount(word));

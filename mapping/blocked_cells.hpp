@@ -10,6 +10,7 @@
 namespace clearway {
 
 class FusedTree;
+class SeenStamps;
 
 /// One bit a cell of a block: does a requirement forbid the voxel? Kept as words of 32 neighbours along x,
 /// for each 32 columns of x all of z and y, y fastest: the order in which the distance transform reads them.
@@ -39,6 +40,9 @@ class BlockedCells {
     word = blocked ? word | bit : word & ~bit;
   }
 
+  /// Blocks also what both of two versions of the same block have blocked.
+  void block_where_both(const BlockedCells& a, const BlockedCells& b);
+
   std::size_t count() const;  ///< of blocked cells
   /// Blocked cells here more than in another version of the same block; quick where little differs.
   std::ptrdiff_t count_beyond(const BlockedCells& other) const;
@@ -58,8 +62,8 @@ class BlockedCells {
   std::vector<std::uint32_t> words_;  ///< bits beyond size().x() are 0
 };
 
-/// The cells first to first + size - 1 of `tree` that `requirement` forbids (cells as in CellCube). The
-/// number of threads makes no difference to them.
+/// The cells first to first + size - 1 of `tree` that `requirement` forbids (cells as in CellCube), whenever
+/// they were seen. The number of threads makes no difference to them.
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads = 1);
 
@@ -68,5 +72,13 @@ BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const FusedTree& before,
                            const BlockedCells& cells_before, int threads = 1);
+
+/// The same, and with requirement.seen_within the cells, too, that are free under `known_free` only because
+/// they were seen, and not since seen->newest() - seen_within. These cannot be told from what changed in the
+/// tree: voxels age while it stays as it is.
+/// @throws std::invalid_argument for a seen_within that is no time, or in a map that knows no times, or knows
+///         them less exactly.
+BlockedCells blocked_cells(const FusedTree& tree, const SeenStamps* seen, const Requirement& requirement,
+                           const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads = 1);
 
 }  // namespace clearway

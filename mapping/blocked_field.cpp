@@ -43,26 +43,28 @@ Corners corners_of(const DistanceLayers& layers, int low_x, int low_y, int low_z
 }  // namespace
 
 BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
-                           bool updatable, int threads)
+                           bool updatable, int threads, const SeenStamps* seen)
     : requirement_(requirement),
       outside_blocked_(!allows(requirement, VoxelState::unknown, 0)),
       cells_(cells),
       inverse_resolution_(1.0 / cells.resolution),
       box_((cells.first.cast<double>() * cells.resolution).eval(),
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
-      layers_(blocked_cells(tree, requirement, cells.first, cells.size, threads), cap_of(cells), updatable,
-              threads),
+      layers_(blocked_cells(tree, seen, requirement, cells.first, cells.size, threads), cap_of(cells),
+              updatable, threads),
       blocked_count_(layers_.blocked().count()) {}
 
 BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
-                           int threads)
+                           int threads, const SeenStamps* seen)
     : requirement_(before.requirement_),
       outside_blocked_(before.outside_blocked_),
       cells_(before.cells_),
       inverse_resolution_(before.inverse_resolution_),
       box_(before.box_),
       layers_(before.layers_,
-              blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked()),
+              requirement_.seen_within > 0.0  // voxels age where the tree stays as it is
+                  ? blocked_cells(tree, seen, requirement_, cells_.first, cells_.size, threads)
+                  : blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked()),
               threads),
       blocked_count_(before.blocked_count_ +
                      static_cast<std::size_t>(layers_.blocked().count_beyond(before.layers_.blocked()))) {}

@@ -9,6 +9,7 @@
 namespace clearway {
 
 class FusedTree;
+class SeenStamps;
 struct FieldLookUp;
 
 /// A block of voxel cells: cell i spans [i, i + 1] * resolution on each axis, as OctoMap's keys less 32768.
@@ -40,15 +41,17 @@ std::size_t field_bytes(const FieldRegion& region, bool updatable);
 class BlockedField final : public BlockedSpace {
  public:
   /// From nothing, on so many threads; the result does not depend on them.
+  /// @param seen when the tree's voxels were last seen; null: not known
+  /// @throws std::invalid_argument as blocked_cells does
   BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
-               bool updatable = true, int threads = 1);
+               bool updatable = true, int threads = 1, const SeenStamps* seen = nullptr);
 
   /// The field of a newer version of the tree: equal, cell for cell, to one made from nothing. It shares with
   /// `before` what did not change.
   /// @param before is updatable. @param tree_before is what it was made of, with the same occupancy
   /// threshold.
   BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
-               int threads = 1);
+               int threads = 1, const SeenStamps* seen = nullptr);
 
   const FieldRegion& cells() const { return cells_; }
   const DistanceLayers& layers() const { return layers_; }

@@ -6,11 +6,13 @@
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_option.hpp"
 #include "mapping/scan_rays.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 
 struct ContinuedMap::State {
-  State(const Snapshot& start, const MapOptions& options) : tree(start.tree()), latest(start) {
+  State(const Snapshot& start, const MapOptions& options)
+      : tree(start.tree()), seen(start.seen() != nullptr ? *start.seen() : SeenStamps()), latest(start) {
     tree.setProbHit(options.hit_probability);
     tree.setProbMiss(options.miss_probability);
     insertion.discretize = options.discretize;
@@ -19,6 +21,7 @@ struct ContinuedMap::State {
     insertion.margins = options.margins;
   }
   FusedTree tree;
+  SeenStamps seen;
   ScanInsertion insertion;
   ScanWorkspace workspace;
   Snapshot latest;
@@ -36,13 +39,16 @@ ContinuedMap& ContinuedMap::operator=(ContinuedMap&&) noexcept = default;
 
 ScanCounts ContinuedMap::insert(const Scan& scan, const ScanFilter& filter) {
   state_->is_changed = true;
-  return insert_scan(state_->tree, scan, filter, state_->insertion, state_->workspace);
+  const ScanCounts counts = insert_scan(state_->tree, scan, filter, state_->insertion, state_->workspace);
+  if (!counts.origin_invalid) state_->seen.see(state_->workspace.grid, scan.time, state_->insertion.threads);
+  return counts;
 }
 
 const Snapshot& ContinuedMap::snapshot() {
   if (state_->is_changed) {
     const std::vector<PaintedVolume> volumes = state_->latest.volumes();
-    state_->latest = Snapshot(std::make_shared<const FusedTree>(state_->tree), volumes, state_->latest);
+    state_->latest = Snapshot(std::make_shared<const FusedTree>(state_->tree), volumes, state_->latest,
+                              std::make_shared<const SeenStamps>(state_->seen));
     state_->is_changed = false;
   }
   return state_->latest;

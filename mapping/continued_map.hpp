@@ -20,7 +20,8 @@ class ContinuedMap {
   ContinuedMap(ContinuedMap&&) noexcept;
   ContinuedMap& operator=(ContinuedMap&&) noexcept;
 
-  /// Integrates a scan by ray carving, as FreeSpaceMap::insert.
+  /// Integrates a scan by ray carving, as FreeSpaceMap::insert. Its time is of the clock of the map that it
+  /// began with: what that saw later stays seen later.
   ScanCounts insert(const Scan& scan, const ScanFilter& filter = {});
 
   /// The present state. Takes over the blocked spaces of the snapshot before, and updates them when they are

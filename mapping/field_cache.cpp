@@ -16,8 +16,9 @@ int threads_for(const FieldRegion& cells) {
 
 }  // namespace
 
-FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous)
-    : tree_(std::move(tree)), memory_limit_(memory_limit) {
+FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous,
+                       std::shared_ptr<const SeenStamps> seen)
+    : tree_(std::move(tree)), seen_(std::move(seen)), memory_limit_(memory_limit) {
   if (previous == nullptr) return;
   const std::lock_guard lock(previous->guard_);
   for (const Entry& entry : previous->entries_) {
@@ -35,14 +36,17 @@ std::shared_ptr<const BlockedField> FieldCache::get(const Requirement& requireme
     return entry.requirement == requirement && entry.region.min() == region.min() &&
            entry.region.max() == region.max() && entry.max_distance == max_distance;
   });
-  Entry entry{requirement, region, max_distance, nullptr, tree_};
+  Entry entry{requirement, region, max_distance, nullptr, tree_, nullptr};
+  if (requirement.seen_within > 0.0) entry.seen = seen_;
   const bool updatable = can_update(cells);
   const int threads = threads_for(cells);
   if (found == entries_.end()) {
-    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable, threads);
+    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable, threads,
+                                                       entry.seen.get());
   } else {
-    if (found->tree == tree_) return found->space;
-    entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, threads);
+    if (found->tree == tree_ && found->seen == entry.seen) return found->space;
+    entry.space =
+        std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, threads, entry.seen.get());
   }
   const std::lock_guard lock(guard_);
   if (found != entries_.end()) entries_.erase(found);

@@ -10,6 +10,7 @@
 #include "mapping/painted_csv.hpp"
 #include "mapping/plain_text.hpp"
 #include "mapping/scan_rays.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 namespace {
@@ -46,7 +47,9 @@ struct FreeSpaceMap::State {
   MapOptions options;
   FusedTree tree;
   ScanWorkspace workspace;
-  std::optional<Snapshot> last;  ///< the next one takes over its blocked spaces
+  SeenStamps seen;
+  std::shared_ptr<const SeenStamps> seen_shared;  ///< by the snapshots since the last scan
+  std::optional<Snapshot> last;                   ///< the next one takes over its blocked spaces
   PaintLog paint;
   ConflictWatch conflicts;
   std::optional<ScanLog> scans;
@@ -147,6 +150,8 @@ ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
   const ScanCounts counts = insert_scan(state_->tree, scan, filter, insertion, state_->workspace);
   const int number = state_->scans_inserted++;
   if (counts.origin_invalid) return counts;
+  state_->seen.see(state_->workspace.grid, scan.time, options.threads);
+  state_->seen_shared = nullptr;
   state_->conflicts.inserted(state_->tree, state_->workspace.grid, scan.time, number);
   if (state_->scans) state_->scans->add(number, scan.sensor, scan.time, state_->workspace.grid);
   return counts;
@@ -172,8 +177,10 @@ const std::vector<PaintedVolume>& FreeSpaceMap::volumes() const { return state_-
 
 Snapshot FreeSpaceMap::snapshot() const {
   auto tree = std::make_shared<const FusedTree>(state_->tree);
-  state_->last = state_->last ? Snapshot(std::move(tree), state_->paint.volumes(), *state_->last)
-                              : Snapshot(std::move(tree), state_->paint.volumes());
+  if (!state_->seen_shared) state_->seen_shared = std::make_shared<const SeenStamps>(state_->seen);
+  const auto& seen = state_->seen_shared;
+  state_->last = state_->last ? Snapshot(std::move(tree), state_->paint.volumes(), *state_->last, seen)
+                              : Snapshot(std::move(tree), state_->paint.volumes(), seen);
   return *state_->last;
 }
 

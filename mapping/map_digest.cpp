@@ -23,6 +23,8 @@ std::string sha256(std::string_view bytes) {
   return text;
 }
 
-std::string map_sha256(const Snapshot& map) { return sha256(format_fused_tree(map.tree(), map.volumes())); }
+std::string map_sha256(const Snapshot& map) {
+  return sha256(format_fused_tree(map.tree(), map.volumes(), map.seen()));
+}
 
 }  // namespace clearway

@@ -11,6 +11,7 @@
 #include "mapping/fused_tree.hpp"
 #include "mapping/leaf_pairs.hpp"
 #include "mapping/plain_text.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 namespace {
@@ -80,6 +81,13 @@ std::vector<std::size_t> merge_volumes(std::vector<PaintedVolume>& volumes,
   return places;
 }
 
+std::shared_ptr<const SeenStamps> later_looks(const Snapshot& map, const Snapshot& other) {
+  const SeenStamps none;
+  const SeenStamps& first = map.seen() != nullptr ? *map.seen() : none;
+  const SeenStamps& second = other.seen() != nullptr ? *other.seen() : none;
+  return std::make_shared<const SeenStamps>(SeenStamps::later(first, second));
+}
+
 std::uint16_t moved(std::uint16_t mask, const std::vector<std::size_t>& places) {
   unsigned result = 0;
   for (std::size_t v = 0; v < places.size(); ++v) result |= (mask >> v & 1U) << places[v];
@@ -120,7 +128,7 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
     tree->set_leaf(cube, merged);
   });
   tree->finish();
-  return {tree, std::move(volumes)};
+  return {tree, std::move(volumes), later_looks(map, other)};
 }
 
 // ---- cropping
@@ -177,7 +185,8 @@ Snapshot crop(const Snapshot& map, const Eigen::AlignedBox3d& box) {
   tree->finish();
   std::vector<PaintedVolume> volumes;
   for (const PaintedVolume& volume : map.volumes()) volumes.push_back(cropped(volume, snapped));
-  return {tree, std::move(volumes)};
+  if (map.seen() == nullptr) return {tree, std::move(volumes)};
+  return {tree, std::move(volumes), std::make_shared<const SeenStamps>(map.seen()->cropped(first, last))};
 }
 
 // ---- coarsening
@@ -237,7 +246,10 @@ Snapshot coarsen(const Snapshot& map, double resolution) {
   const auto tree = empty_like(map.tree(), map.resolution() * factor);
   if (map.tree().getRoot() != nullptr) coarsen_below(*map.tree().getRoot(), CellCube{}, factor, *tree);
   tree->finish();
-  return {tree, map.volumes()};
+  if (map.seen() == nullptr) return {tree, map.volumes()};
+  auto seen = std::make_shared<const SeenStamps>(*map.seen());
+  for (int edge = 1; edge < factor; edge *= 2) seen = std::make_shared<const SeenStamps>(seen->halved());
+  return {tree, map.volumes(), std::move(seen)};
 }
 
 }  // namespace clearway

@@ -8,6 +8,11 @@ namespace clearway {
 
 // Maps made of maps. None calls a voxel free that its sources do not; the exact balls go with the voxels, and
 // painted voxels lie in the union of the balls that remain.
+//
+// Of the times at which voxels were last seen, merge keeps the later (and so supposes that the scans of both
+// maps have times of one clock, as recordings with real dates do), crop those of the box, and coarsen the
+// earliest look at any of the voxels that become one. The newest look, from which ages count back, is that of
+// all.
 
 /// Both maps in one. No obstacle is lost: a voxel that either map calls occupied is occupied, or a conflict
 /// where either painted it, and has the higher log-odds of the two; one that both saw and neither calls

@@ -48,7 +48,7 @@ Snapshot load_octree(const fs::path& file, bool in_directory) {
     content.volumes = parse_painted(read_bytes(painted), painted);
   }
   if (content.has_volumes) check_masks(*content.tree, content.volumes.size(), file);
-  return {std::move(content.tree), std::move(content.volumes)};
+  return {std::move(content.tree), std::move(content.volumes), std::move(content.seen)};
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ void save_map(const Snapshot& map, const fs::path& directory) {
                              "': it is not a directory and cannot be made one");
   }
   // map.ot alone holds everything, so that a cut between the two files loses nothing.
-  save_file(directory / map_name, format_fused_tree(map.tree(), map.volumes()));
+  save_file(directory / map_name, format_fused_tree(map.tree(), map.volumes(), map.seen()));
   save_file(directory / painted_name, format_painted(map.volumes()));
 }
 

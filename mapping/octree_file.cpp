@@ -13,6 +13,7 @@
 #include "mapping/octree_check.hpp"
 #include "mapping/octree_reader.hpp"
 #include "mapping/painted_csv.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 namespace {
@@ -20,6 +21,7 @@ namespace {
 constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
 constexpr std::string_view integration_comment = "# clearway integration ";
 constexpr std::string_view painted_comment = "# clearway painted ";
+constexpr std::string_view seen_comment = "# clearway seen_bytes ";
 
 /// The rest of each header line that starts with `prefix`, one a line.
 std::string comments(std::string_view header, std::string_view prefix) {
@@ -56,9 +58,23 @@ void restore_integration(FusedTree& tree, std::string_view header, const std::fi
   throw DamagedFile("'" + file.string() + "' is damaged: its header names no integration that is known");
 }
 
+/// Takes the look times off the end of the data; null when the header names none.
+std::shared_ptr<const SeenStamps> take_seen(CheckedOctree& checked, const std::filesystem::path& file) {
+  const std::string text = comments(checked.header, seen_comment);
+  if (text.empty()) return nullptr;
+  std::size_t size = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), size);
+  if (end.ec != std::errc() || size > checked.data.size())
+    throw DamagedFile("'" + file.string() + "' is damaged: its header's seen_bytes are not there");
+  const std::string_view bytes = checked.data.substr(checked.data.size() - size);
+  checked.data.remove_suffix(size);
+  return std::make_shared<const SeenStamps>(parse_seen(bytes, file));
+}
+
 }  // namespace
 
-std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes) {
+std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
+                              const SeenStamps* seen) {
   const std::string header = octree_header(false, tree.getTreeType(), tree.size(), tree.getResolution());
   const auto first_line = header.find('\n') + 1;
 
@@ -69,8 +85,11 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   rest << integration_comment << to_string(tree.integration()) << "\n";
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
+  const std::string looks = seen == nullptr ? std::string() : format_seen(*seen);
+  if (!looks.empty()) rest << seen_comment << looks.size() << "\n";
   rest << header.substr(first_line);
   tree.writeData(rest);
+  rest << looks;
 
   const std::string before = header.substr(0, first_line);
   const std::string after = std::move(rest).str();
@@ -78,13 +97,15 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
 }
 
 OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file) {
-  const CheckedOctree checked = check_octree(bytes, file);
+  CheckedOctree checked = check_octree(bytes, file);
+  const bool is_ours = !checked.binary && checked.type == FusedTree::type_name;
+  const auto seen = is_ours ? take_seen(checked, file) : nullptr;
   const std::shared_ptr<FusedTree> tree = read_tree(checked, file);
   tree->set_integration(MapIntegration::unknown);
-  if (checked.binary || checked.type != FusedTree::type_name) return {tree, {}, false};
+  if (!is_ours) return {tree, {}, false};
   restore_threshold(*tree, checked.header, file);
   restore_integration(*tree, checked.header, file);
-  return {tree, parse_painted(comments(checked.header, painted_comment), file), true};
+  return {tree, parse_painted(comments(checked.header, painted_comment), file), true, seen};
 }
 
 std::string format_color_tree(const FusedTree& tree) {

@@ -11,18 +11,22 @@
 namespace clearway {
 
 class FusedTree;
+class SeenStamps;
 
 /// A tree and, where the file is ours, the exact painted volumes it was made from.
 struct OctreeContent {
   std::shared_ptr<const FusedTree> tree;
   std::vector<PaintedVolume> volumes;
-  bool has_volumes = false;  ///< false: a bare tree, the voxels alone decide
+  bool has_volumes = false;                  ///< false: a bare tree, the voxels alone decide
+  std::shared_ptr<const SeenStamps> seen{};  ///< null: the file does not say when voxels were last seen
 };
 
 /// Our .ot file: OctoMap's format with our node type. Comment lines, which stock readers skip, hold a seal
 /// (see octree_check.hpp), the occupancy threshold, which integration made the map, and the painted volumes
-/// as in painted.csv.
-std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes);
+/// as in painted.csv. When voxels were last seen follows the tree, where stock readers have stopped.
+/// @param seen null: not known
+std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
+                              const SeenStamps* seen = nullptr);
 
 /// Reads an OctoMap file: .ot of our type, OcTree, ColorOcTree or OcTreeStamped, or .bt. Leaves of foreign
 /// trees become observed voxels; colours and stamps are ignored.

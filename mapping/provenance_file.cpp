@@ -1,7 +1,4 @@
-#include <cmath>
-#include <cstring>
-#include <type_traits>
-
+#include "mapping/byte_reader.hpp"
 #include "mapping/input_file.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/octree_check.hpp"
@@ -18,13 +15,6 @@ constexpr std::size_t largest_file = std::size_t{2} << 30U;
 constexpr std::size_t most_scans = std::size_t{1} << 31U;
 
 // ---- writing: little-endian numbers, texts and byte strings with their length before them
-
-template <class Number>
-void put(std::string& bytes, Number value) {
-  std::array<char, sizeof(Number)> raw{};
-  std::memcpy(raw.data(), &value, sizeof(Number));
-  bytes.append(raw.data(), raw.size());
-}
 
 void put_text(std::string& bytes, const std::string& text) {
   put(bytes, static_cast<std::uint32_t>(text.size()));
@@ -71,45 +61,19 @@ void put_scan(std::string& bytes, const ScanRecord& scan) {
 
 // ---- reading: every length is held against what is left
 
-class Reader {
+class Reader : public ByteReader {
  public:
-  Reader(std::string_view bytes, const std::filesystem::path& file) : bytes_(bytes), file_(file) {}
-
-  [[noreturn]] void refuse(const std::string& reason) const {
-    throw DamagedFile("'" + file_.string() + "' is damaged: " + reason);
-  }
-
-  template <class Number>
-  Number get() {
-    if (bytes_.size() < sizeof(Number)) refuse("it is cut off");
-    Number value;
-    std::memcpy(&value, bytes_.data(), sizeof(Number));
-    bytes_.remove_prefix(sizeof(Number));
-    if constexpr (std::is_floating_point_v<Number>) {
-      if (!std::isfinite(value)) refuse("it holds a number that is not finite");
-    }
-    return value;
-  }
+  using ByteReader::ByteReader;
 
   std::string text() {
     const auto size = get<std::uint32_t>();
-    if (bytes_.size() < size) refuse("it is cut off");
-    std::string result(bytes_.substr(0, size));
-    bytes_.remove_prefix(size);
-    return result;
+    return std::string(take(size));
   }
 
   bool flag() {
     const auto value = get<std::uint8_t>();
     if (value > 1) refuse("a flag is neither 0 nor 1");
     return value == 1;
-  }
-
-  /// A number of entries of at least `smallest` bytes each.
-  std::size_t count(std::size_t smallest) {
-    const auto value = get<std::uint64_t>();
-    if (value > bytes_.size() / smallest) refuse("it is cut off");
-    return value;
   }
 
   /// An index below `end`; -1 where that is allowed.
@@ -138,12 +102,6 @@ class Reader {
     if (!result.is_sound()) refuse("the cells of a scan do not unpack");
     return result;
   }
-
-  bool at_end() const { return bytes_.empty(); }
-
- private:
-  std::string_view bytes_;
-  const std::filesystem::path& file_;
 };
 
 PaintEvent read_event(Reader& reader, std::size_t volumes, std::size_t strokes) {

@@ -29,10 +29,10 @@ struct ScanTile {
     return spread[cell.x() & 31] | spread[cell.y() & 31] << 1U | spread[cell.z() & 31] << 2U;
   }
   /// The cell of a bit.
-  Eigen::Vector3i cell_of(unsigned bit) const {
-    Eigen::Vector3i local(0, 0, 0);
-    for (unsigned i = 0; i < 15; ++i) local[i % 3] |= static_cast<int>((bit >> i & 1U) << i / 3);
-    return corner + local;
+  Eigen::Vector3i cell_of(unsigned bit) const { return corner + local_of(bit); }
+  /// The same within the tile, 0 to 31 on each axis.
+  static Eigen::Vector3i local_of(unsigned bit) {
+    return {gathered(bit), gathered(bit >> 1U), gathered(bit >> 2U)};
   }
 
  private:
@@ -42,6 +42,14 @@ struct ScanTile {
       for (unsigned i = 0; i < 5; ++i) table[v] |= (v >> i & 1U) << 3 * i;
     return table;
   }();
+
+  /// Bits 0, 3, 6, 9 and 12 side by side.
+  static int gathered(unsigned bits) {
+    bits &= 0x1249U;
+    bits = (bits | bits >> 2U) & 0x10c3U;
+    bits = (bits | bits >> 4U) & 0x100fU;
+    return static_cast<int>((bits | bits >> 8U) & 0x1fU);
+  }
 };
 
 /// What one scan says of the cells it touches, before the tree is updated: tiles of bits, made where needed,

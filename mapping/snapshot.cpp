@@ -5,6 +5,7 @@
 
 #include "mapping/field_cache.hpp"
 #include "mapping/fused_tree.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 namespace {
@@ -23,21 +24,28 @@ Voxel voxel_of(const FusedTree& tree, const FusedNode& node, const CellCube& cub
 }  // namespace
 
 struct Snapshot::State {
-  State(std::shared_ptr<const FusedTree> stored, std::vector<PaintedVolume> painted, FieldCache* previous)
-      : tree(std::move(stored)), volumes(std::move(painted)), fields(tree, field_memory_limit, previous) {}
+  State(std::shared_ptr<const FusedTree> stored, std::vector<PaintedVolume> painted,
+        std::shared_ptr<const SeenStamps> stamps, FieldCache* previous)
+      : tree(std::move(stored)),
+        seen(stamps != nullptr && stamps->empty() ? nullptr : std::move(stamps)),
+        volumes(std::move(painted)),
+        fields(tree, field_memory_limit, previous, seen) {}
   std::shared_ptr<const FusedTree> tree;
+  std::shared_ptr<const SeenStamps> seen;
   std::vector<PaintedVolume> volumes;
   mutable FieldCache fields;
 };
 
 Snapshot::Snapshot() : Snapshot(std::make_shared<const FusedTree>(1.0), {}) {}
 
-Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes)
-    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), nullptr)) {}
+Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
+                   std::shared_ptr<const SeenStamps> seen)
+    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), std::move(seen), nullptr)) {}
 
 Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
-                   const Snapshot& previous)
-    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), &previous.state_->fields)) {}
+                   const Snapshot& previous, std::shared_ptr<const SeenStamps> seen)
+    : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), std::move(seen),
+                                           &previous.state_->fields)) {}
 
 double Snapshot::resolution() const { return state_->tree->getResolution(); }
 const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->volumes; }
@@ -99,6 +107,13 @@ Voxel Snapshot::voxel(const Eigen::Vector3d& point) const {
   if (const FusedNode* node = tree().find_leaf(*cell, cube)) return voxel_of(tree(), *node, cube);
   unknown.center = (cell->cast<double>().array() + 0.5) * resolution();
   return unknown;
+}
+
+const SeenStamps* Snapshot::seen() const { return state_->seen.get(); }
+
+std::optional<double> Snapshot::last_seen(const Eigen::Vector3d& point) const {
+  const auto cell = tree().cell(point);
+  return cell && seen() != nullptr ? seen()->last_seen(*cell) : std::nullopt;
 }
 
 void Snapshot::visit_leaves(const std::function<void(const Voxel&)>& visit) const {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "mapping/blocked_space.hpp"
@@ -15,6 +16,7 @@
 namespace clearway {
 
 class FusedTree;
+class SeenStamps;
 
 /// Voxels of the map by state, at the finest resolution (a pruned leaf counts as all its voxels).
 /// `unknown` voxels are not stored and so not counted.
@@ -37,11 +39,13 @@ class Snapshot {
  public:
   /// An empty map of 1 m voxels; real ones come from FreeSpaceMap::snapshot() and load_map().
   Snapshot();
-  Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes);
+  /// @param seen when the voxels were last seen; null: not known
+  Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
+           std::shared_ptr<const SeenStamps> seen = nullptr);
   /// The same for a later version of `previous`, whose blocked spaces are then updated where it is asked for
   /// them again, not built anew.
   Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
-           const Snapshot& previous);
+           const Snapshot& previous, std::shared_ptr<const SeenStamps> seen = nullptr);
 
   double resolution() const;                          ///< metres
   const std::vector<PaintedVolume>& volumes() const;  ///< exact balls; empty for a bare tree
@@ -52,6 +56,12 @@ class Snapshot {
   Voxel voxel(const Eigen::Vector3d& point) const;  ///< unknown for a non-finite or far point
   VoxelState state(const Eigen::Vector3d& point) const { return voxel(point).state; }
 
+  /// When voxels were last seen; null: the map does not know (no scan of it had a time).
+  const SeenStamps* seen() const;
+  /// When the voxel of a point was last seen, in the time of the scans, s: never too late, too early by less
+  /// than seen()->period(). None: never, or not known when.
+  std::optional<double> last_seen(const Eigen::Vector3d& point) const;
+
   /// Calls `visit` for each stored leaf with a state other than unknown, in the tree's order.
   void visit_leaves(const std::function<void(const Voxel&)>& visit) const;
 
@@ -61,8 +71,9 @@ class Snapshot {
   /// The blocked voxels and distance field of `requirement` inside `region` (snapped outwards to voxels).
   /// Built once for equal arguments and shared afterwards.
   /// @param max_distance where the field is truncated, metres, > 0.
-  /// @throws std::invalid_argument when the region is empty or its field would exceed the memory limit; the
-  ///         sentence says which size would fit.
+  /// @throws std::invalid_argument when the region is empty or its field would exceed the memory limit (the
+  ///         sentence says which size would fit), or when `requirement` asks for times that the map does not
+  ///         know.
   std::shared_ptr<const BlockedSpace> blocked_space(const Requirement& requirement,
                                                     const Eigen::AlignedBox3d& region,
                                                     double max_distance) const;

@@ -15,16 +15,21 @@ enum class VoxelState : std::uint8_t { unknown, seen_free, painted, occupied, co
 ///  not_occupied: anything but occupied; unknown counts as free only here
 enum class Policy : std::uint8_t { painted, known_free, not_occupied };
 
-/// A policy, and for `painted` the painted volumes (bit i = volume i) that count.
+/// A policy, for `painted` the painted volumes (bit i = volume i) that count, and for `known_free` how long a
+/// look counts.
 struct Requirement {
   Policy policy = Policy::not_occupied;
   std::uint16_t volumes = 0xffff;
+  /// Seconds before the map's newest look: under `known_free` a voxel that is free only because it was seen
+  /// counts as unknown when it was not seen since. Paint does not age, nor does what blocks. 0: ever.
+  double seen_within = 0.0;
 
   friend bool operator==(const Requirement&, const Requirement&) = default;
 };
 
 /// True when a voxel in `state`, painted by the volumes in `mask`, may hold a part with `requirement`.
-/// A conflict (occupied and painted) is allowed under no policy.
+/// A conflict (occupied and painted) is allowed under no policy. Whatever `seen_within` says: only a
+/// map knows when a voxel was seen (Snapshot::last_seen).
 bool allows(const Requirement& requirement, VoxelState state, std::uint16_t mask);
 
 std::string_view to_string(VoxelState state);
