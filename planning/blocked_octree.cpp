@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "mapping/fused_tree.hpp"
+#include "mapping/seen_stamps.hpp"
+
 namespace clearway {
 namespace {
 
@@ -61,6 +64,19 @@ class BlockedLeaves {
   LeafTree& blocked_;
 };
 
+/// Calls `visit(centre, edge)` for the cubes of a leaf that were seen lately enough.
+template <class Visit>
+void visit_seen_within(const Snapshot& map, const Voxel& leaf, double seconds, const Visit& visit) {
+  const Eigen::Vector3d corner = (leaf.center.array() - leaf.size / 2) / map.resolution();
+  const Eigen::Vector3i first = corner.array().round().cast<int>();
+  const Eigen::Vector3i last =
+      first.array() + static_cast<int>(std::lround(leaf.size / map.resolution())) - 1;
+  map.seen()->visit_since(map.seen()->newest() - seconds, first, last, [&](const CellCube& cube) {
+    visit((cube.corner.cast<double>().array() + 0.5 * cube.edge) * map.resolution(),
+          cube.edge * map.resolution());
+  });
+}
+
 /// Every leaf occupied, every inner node as well.
 void mark_occupied(octomap::OcTree& tree) {
   for (auto leaf = tree.begin_leafs(), end = tree.end_leafs(); leaf != end; ++leaf) {
@@ -74,10 +90,15 @@ void mark_occupied(octomap::OcTree& tree) {
 std::shared_ptr<octomap::OcTree> blocked_octree(const Snapshot& map, const Requirement& requirement) {
   const bool unknown_is_blocked = !allows(requirement, VoxelState::unknown, 0);
   LeafTree listed(map.resolution());
+  const auto add = [&](const Eigen::Vector3d& center, double size) {
+    const auto levels = static_cast<unsigned>(std::lround(std::log2(size / map.resolution())));
+    listed.add_leaf(center, listed.getTreeDepth() - levels);
+  };
   map.visit_leaves([&](const Voxel& leaf) {
     if (allows(requirement, leaf.state, leaf.volumes) != unknown_is_blocked) return;
-    const auto levels = static_cast<unsigned>(std::lround(std::log2(leaf.size / map.resolution())));
-    listed.add_leaf(leaf.center, listed.getTreeDepth() - levels);
+    if (requirement.seen_within == 0.0 || leaf.state != VoxelState::seen_free)
+      return add(leaf.center, leaf.size);
+    visit_seen_within(map, leaf, requirement.seen_within, add);
   });
   auto blocked = std::make_shared<LeafTree>(map.resolution());
   BlockedLeaves(listed, !unknown_is_blocked, *blocked).run();

@@ -113,6 +113,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     state.options.max_distance = chosen_max_distance(state.robot, state.map.resolution());
   }
   state.policies = part_policies(state.robot, state.map, policies);
+  require_seen_within(options.seen_within, state.map, state.policies);
   std::vector<std::pair<Requirement, Eigen::AlignedBox3d>> reaches;  // one region for each requirement
   const auto reach_of = [&](const Requirement& requirement) -> Eigen::AlignedBox3d& {
     for (auto& [known, box] : reaches) {
@@ -121,7 +122,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     return reaches.emplace_back(requirement, Eigen::AlignedBox3d()).second;
   };
   const auto requirement_of = [&](const Body& body) {
-    return part_requirement(state.map, body.part, state.policies.at(body.part));
+    return part_requirement(state.map, body.part, state.policies.at(body.part), options.seen_within);
   };
   for (const Body& body : state.robot.bodies) {
     if (is_moved(state.robot, body.link)) reach_of(requirement_of(body)).extend(reach_box(state.robot, body));

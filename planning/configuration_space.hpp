@@ -26,6 +26,7 @@ struct SpaceOptions {
   double padding = 0.0;           ///< every body keeps this distance from blocked voxels, metres, >= 0
   double max_distance = 0.0;      ///< truncation of the distance fields; 0 = chosen from the robot's size
   double edge_resolution = 1e-4;  ///< an edge undecided at this joint-space length (rad, m) counts as blocked
+  double seen_within = 0.0;  ///< of parts under `known_free` (Requirement::seen_within), seconds; 0: ever
 };
 
 /// Why a configuration is not free.
@@ -37,6 +38,7 @@ enum class Obstruction {
   occupied,
   conflict,
   unknown,
+  stale,  ///< seen free, but not lately enough
   outside_painted
 };
 
@@ -65,7 +67,8 @@ struct ProximityRow {
 /// Immutable, safe from many threads; counts nothing, prints nothing.
 class ConfigurationSpace {
  public:
-  /// @throws std::invalid_argument: unknown part in the policies, negative padding, region too large, ...
+  /// @throws std::invalid_argument: unknown part in the policies, negative padding, region too large, a
+  /// seen_within that the map cannot answer or that no part is asked, ...
   ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies = {},
                      const SpaceOptions& options = {});
   ~ConfigurationSpace();

@@ -149,8 +149,8 @@ FclOctreeSpace::FclOctreeSpace(const ConfigurationSpace& space) {
     scene->plain.push_back(geometry_of(body, 0.0));
     scene->padded.push_back(geometry_of(body, padding));
     if (!is_moved(scene->robot, body.link)) continue;
-    const std::size_t blocked =
-        scene->blocked_index(part_requirement(space.map(), body.part, space.policies().at(body.part)));
+    const std::size_t blocked = scene->blocked_index(part_requirement(
+        space.map(), body.part, space.policies().at(body.part), space.options().seen_within));
     scene->moved.insert(scene->moved.begin(), {i, blocked});
   }
   for (Scene::Blocked& blocked : scene->blocked) {

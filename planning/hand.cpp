@@ -47,7 +47,8 @@ Hand find_hand(const ConfigurationSpace& space) {
   if (body.shape.kind() != Shape::Kind::convex)  // whose distance is that of the box around it
     hand.inner_radius = std::max(0.0, -body.shape.signed_distance(Eigen::Vector3d::Zero()));
   hand.outer_radius = body.shape.bounding_radius();
-  hand.requirement = part_requirement(space.map(), body.part, space.policies().at(body.part));
+  hand.requirement =
+      part_requirement(space.map(), body.part, space.policies().at(body.part), space.options().seen_within);
   return hand;
 }
 

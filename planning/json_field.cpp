@@ -152,6 +152,12 @@ double padding_of(const JsonField& field) {
   return padding;
 }
 
+double seen_within_of(const JsonField& field) {
+  const double seconds = field.number();
+  if (seconds < 0.0) field.refuse("a time not below 0 (seconds)");
+  return seconds;
+}
+
 double scale_of(const JsonField& field) {
   const double scale = field.number();
   if (!(scale > 0.0)) field.refuse("a number above 0");

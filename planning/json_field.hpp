@@ -61,6 +61,9 @@ std::map<std::string, Policy> policies_of(const JsonField& field);
 /// A length that a body keeps, metres: finite and not below 0.
 double padding_of(const JsonField& field);
 
+/// How long a look counts, seconds: finite and not below 0; 0 is ever.
+double seen_within_of(const JsonField& field);
+
 /// A size against the full-size robot: finite and above 0.
 double scale_of(const JsonField& field);
 

@@ -4,6 +4,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "mapping/seen_within.hpp"
+
 namespace clearway {
 namespace {
 
@@ -45,13 +47,27 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
   return chosen;
 }
 
-Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy) {
+Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy,
+                             double seen_within) {
   Requirement requirement;
   requirement.policy = policy;
+  if (policy == Policy::known_free) requirement.seen_within = seen_within;
   if (policy == Policy::painted) {
     if (const std::uint16_t volumes = map.volumes_of_part(part); volumes != 0) requirement.volumes = volumes;
   }
   return requirement;
+}
+
+void require_seen_within(double seen_within, const Snapshot& map,
+                         const std::map<std::string, Policy>& policies) {
+  require_seen_within(seen_within, map.seen());
+  if (seen_within == 0.0) return;
+  for (const auto& [part, policy] : policies) {
+    if (policy == Policy::known_free) return;
+  }
+  throw std::invalid_argument(
+      "seen within: asks parts under known_free when their voxels were last seen, and no part is under it; "
+      "expected a policy known_free");
 }
 
 }  // namespace clearway

@@ -15,7 +15,14 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
                                             const Policies& policies);
 
 /// What a part with this policy must lie in. For `painted`: the volumes that name the part, or all volumes
-/// when none does.
-Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy);
+/// when none does. For `known_free`: seen within so many seconds before the newest look (0: ever).
+Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy,
+                             double seen_within = 0.0);
+
+/// Refuses a `seen_within` (seconds, 0: ever) that the map cannot answer, or that no part is asked.
+/// @param policies of the parts
+/// @throws std::invalid_argument
+void require_seen_within(double seen_within, const Snapshot& map,
+                         const std::map<std::string, Policy>& policies);
 
 }  // namespace clearway

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/seen_stamps.hpp"
+#include "planning/part_policies.hpp"
 #include "planning/path_check_links.hpp"
 #include "planning/path_check_model.hpp"
 
@@ -31,10 +33,11 @@ using check::Nearest;
 class Checker {
  public:
   Checker(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
-          double padding, const std::vector<Configuration>& path, double cap)
+          double padding, const std::vector<Configuration>& path, double cap, double seen_within)
       : robot_(robot),
         map_(map),
         padding_(padding),
+        seen_within_(seen_within),
         path_(path),
         cap_(cap),
         arm_(robot),
@@ -91,7 +94,8 @@ class Checker {
     }
     cells_.clear();
     for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
-      cells_.emplace_back(map_, tasks_.groups[group].policy, tasks_.groups[group].volumes, boxes[group]);
+      cells_.emplace_back(map_, tasks_.groups[group].policy, tasks_.groups[group].volumes, boxes[group],
+                          seen_within_);
     }
     for (int edge = first; edge < last && !contact_; ++edge) {
       for (const Item& item : tasks_.items) advance(item, edge);
@@ -156,10 +160,12 @@ class Checker {
   }
 
   std::string describe(const Item& item, const Nearest& near) const;
+  std::string last_look(const Eigen::Vector3d& cube) const;
 
   const Robot& robot_;
   const Snapshot& map_;
   double padding_;
+  double seen_within_;
   const std::vector<Configuration>& path_;
   double cap_;
   check::KdlArm arm_;
@@ -202,9 +208,21 @@ std::string Checker::describe(const Item& item, const Nearest& near) const {
     text << (padding_ > 0.0 ? " comes too near to " : " touches ") << "a voxel that is " << state << ", at ("
          << near.cube->x() << ", " << near.cube->y() << ", " << near.cube->z() << "); its policy is "
          << to_string(policy);
+    if (policy == Policy::known_free && seen_within_ > 0.0 && map_.state(*near.cube) == VoxelState::seen_free)
+      text << ", seen within " << seen_within_ << " s: " << last_look(*near.cube);
   } else {
     text << " comes too near to a blocked voxel";
   }
+  return text.str();
+}
+
+/// When a voxel was last seen, in words.
+std::string Checker::last_look(const Eigen::Vector3d& cube) const {
+  const auto seen = map_.last_seen(cube);
+  if (!seen) return "it was last seen nobody knows when";
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << "it was last seen " << map_.seen()->newest() - *seen << " s before the newest look";
   return text.str();
 }
 
@@ -236,11 +254,13 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
 }  // namespace
 
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
-                       double padding, const std::vector<Configuration>& waypoints, double distance_cap) {
+                       double padding, const std::vector<Configuration>& waypoints, double distance_cap,
+                       double seen_within) {
   if (!std::isfinite(padding) || padding < 0.0)
     throw std::invalid_argument("padding must be a finite length not below 0, in metres");
   if (!std::isfinite(distance_cap) || distance_cap < 0.0)
     throw std::invalid_argument("distance_cap must be a finite length not below 0, in metres");
+  require_seen_within(seen_within, map, policies);
   if (distance_cap == 0.0) distance_cap = 0.2 * robot.scale;
   PathVerdict verdict;
   verdict.first_contact = malformed(robot, waypoints, verdict.edge);
@@ -248,7 +268,7 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
   verdict.edge = -1;
   try {
     if (!robot.source.empty()) check::require_same_poses(robot, check::KdlArm(robot));
-    return Checker(robot, map, policies, padding, waypoints, distance_cap).run();
+    return Checker(robot, map, policies, padding, waypoints, distance_cap, seen_within).run();
   } catch (const check::FileDisagrees& error) {
     verdict.first_contact = error.what();
     return verdict;

@@ -34,10 +34,13 @@ struct PathVerdict {
 /// elsewhere than the planners' kinematics do, or the file has narrower limits or other bodies, the path is
 /// refused in a sentence that names link, joint or body. A robot that was made in memory has no source: its
 /// KDL chain is built from it. Who changes a loaded robot's links, joints or bodies clears its source.
-/// @throws std::invalid_argument for a padding or cap that is no length, an edge that sweeps too many voxels,
-/// or a robot's file that can no longer be read.
+/// @param seen_within of parts under `known_free`: voxels that were seen free, but not in the last so many
+///        seconds up to the map's newest look, count as unknown; 0: whenever they were seen.
+/// @throws std::invalid_argument for a padding or cap that is no length, a seen_within that the map cannot
+/// answer or that no part is asked, an edge that sweeps too many voxels, or a robot's file that can no longer
+/// be read.
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
-                       double padding, const std::vector<Configuration>& waypoints,
-                       double distance_cap = 0.0);
+                       double padding, const std::vector<Configuration>& waypoints, double distance_cap = 0.0,
+                       double seen_within = 0.0);
 
 }  // namespace clearway

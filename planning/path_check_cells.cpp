@@ -2,6 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mapping/seen_stamps.hpp"
 #include "planning/path_check_model.hpp"
 
 namespace clearway::check {
@@ -10,10 +11,16 @@ namespace {
 constexpr double most_cells = 1e9;
 constexpr int block_edge = 8;  ///< cells
 
+/// True when the voxel of a point was not seen in the last seconds up to the map's newest look.
+bool is_stale(const Snapshot& map, const Eigen::Vector3d& point, double seconds) {
+  const auto seen = map.last_seen(point);
+  return !seen || map.seen()->newest() - *seen > seconds;
+}
+
 }  // namespace
 
 BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t volumes,
-                           const Eigen::AlignedBox3d& box)
+                           const Eigen::AlignedBox3d& box, double seen_within)
     : edge_(map.resolution()), outside_blocked_(policy != Policy::not_occupied) {
   first_ = cell(box.min());
   size_ = cell(box.max()) - first_ + Eigen::Vector3i::Ones();
@@ -29,6 +36,8 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
     if (policy == Policy::painted) free = free && (leaf.volumes & volumes) != 0;
     if (policy == Policy::known_free)
       free = leaf.state == VoxelState::painted || leaf.state == VoxelState::seen_free;
+    const bool ages =
+        policy == Policy::known_free && leaf.state == VoxelState::seen_free && seen_within > 0.0;
     // A pruned leaf is a cube of several voxels; its corners lie on cell borders.
     const Eigen::Array3d corner = (leaf.center.array() - leaf.size / 2) / edge_;
     const int across = static_cast<int>(std::lround(leaf.size / edge_));
@@ -37,7 +46,10 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
     const Eigen::Vector3i end = (low.array() + across).matrix().cwiseMin(first_ + size_);
     for (int z = begin.z(); z < end.z(); ++z) {
       for (int y = begin.y(); y < end.y(); ++y) {
-        for (int x = begin.x(); x < end.x(); ++x) cells_[index({x, y, z})] = free ? free_cell : blocked_cell;
+        for (int x = begin.x(); x < end.x(); ++x) {
+          const bool is_free = free && !(ages && is_stale(map, center({x, y, z}), seen_within));
+          cells_[index({x, y, z})] = is_free ? free_cell : blocked_cell;
+        }
       }
     }
   });

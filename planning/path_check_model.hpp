@@ -88,7 +88,10 @@ class FclBodies {
 /// outside the stored leaves is unknown. Kept as one byte per voxel.
 class BlockedCells {
  public:
-  BlockedCells(const Snapshot& map, Policy policy, std::uint16_t volumes, const Eigen::AlignedBox3d& box);
+  /// @param seen_within under `known_free` voxels seen free longer than so many seconds before the map's
+  ///        newest look are unknown; 0: never
+  BlockedCells(const Snapshot& map, Policy policy, std::uint16_t volumes, const Eigen::AlignedBox3d& box,
+               double seen_within);
 
   double edge() const { return edge_; }
   bool is_blocked(const Eigen::Vector3i& cell) const;

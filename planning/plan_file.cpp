@@ -153,6 +153,7 @@ std::string to_json(const Plan& plan) {
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
   if (!plan.query.empty()) json["query"] = plan.query;
   if (plan.start.size() > 0) json["start"] = json_of(plan.start);
+  if (plan.seen_within > 0.0) json["seen_within_s"] = plan.seen_within;
   if (!plan.map_integration.empty()) json["map"]["integration"] = plan.map_integration;
   if (!plan.map_caveat.empty()) json["validation"]["map_caveat"] = plan.map_caveat;
   if (!plan.paint.empty()) json["paint"] = paint_json(plan.paint);

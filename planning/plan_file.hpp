@@ -25,6 +25,7 @@ struct Plan {
   std::string map_caveat{};       ///< what a verdict on the map must say of it, one sentence; may be empty
   std::map<std::string, Policy> policies;  ///< per part
   double padding = 0.0;
+  double seen_within = 0.0;                  ///< of parts under known_free, seconds; 0: ever
   double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
   std::vector<PlanResult> legs;              ///< each starts where the one before it ended

@@ -19,6 +19,7 @@ struct QueryTerms {
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::map<std::string, Policy> policies;  ///< of every part
   double padding = 0.0;                    ///< metres
+  double seen_within = 0.0;                ///< of parts under known_free, seconds; 0: ever
   Configuration start;
   std::vector<Configuration> goals;
 };

@@ -65,8 +65,9 @@ class TeamChecker {
     verdict_.is_apart = least.distance > 0.0;
     for (std::size_t i = 0; i < team_.robots.size() && verdict_.contact.empty(); ++i) {
       const ConfigurationSpace& space = *team_.robots[i].space;
-      const PathVerdict path = check_path(space.robot(), space.map(), space.policies(),
-                                          space.options().padding, run_.traces[i].positions);
+      const PathVerdict path =
+          check_path(space.robot(), space.map(), space.policies(), space.options().padding,
+                     run_.traces[i].positions, 0.0, space.options().seen_within);
       if (path.valid) continue;
       verdict_.is_apart = verdict_.robots_are_apart = false;
       verdict_.contact = team_.robots[i].name + ": " + path.first_contact;

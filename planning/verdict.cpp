@@ -25,6 +25,9 @@ Obstruction obstruction_of(const Snapshot& map, const Requirement& requirement, 
       return Obstruction::occupied;
     case VoxelState::conflict:
       return Obstruction::conflict;
+    case VoxelState::seen_free:
+      if (requirement.policy == Policy::known_free) return Obstruction::stale;
+      break;
     default:
       break;
   }
@@ -121,6 +124,9 @@ std::string Verdict::sentence() const {
       break;
     case Obstruction::unknown:
       text << part << " reaches into unknown space";
+      break;
+    case Obstruction::stale:
+      text << part << " reaches into space that was not seen lately enough";
       break;
     case Obstruction::outside_painted:
       text << part << " leaves its painted volume";
