@@ -32,6 +32,8 @@ int run_check(const CheckOptions& options, Console& console) {
   const Plan plan = load_plan(options.plan);
   const Robot robot = load_robot(options.robot.robot);
   const Snapshot map = load_map(options.map);
+  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
+    console.warn("note: " + remark);
   CheckReport report;
   report.contract =
       state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));

@@ -76,7 +76,10 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (lines && slices.empty())
     throw std::invalid_argument("--clearance: expected --slice beside it, in which to draw the lines");
   const std::vector<Eigen::Vector3d> points = points_of(options.at);
-  const Snapshot map = edited(options, load_map(options.map));
+  const Snapshot loaded = load_map(options.map);
+  if (const std::string remark = painted_csv_remark(options.map, loaded); !remark.empty())
+    console.warn("note: " + remark);
+  const Snapshot map = edited(options, loaded);
   require_in_reach(points, map);
   for (const auto& [plane, file] : slices) require_writable(file);
   for (const auto& file : options.exports) require_writable(file);

@@ -115,6 +115,8 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Policies policies = choose_policies(options.robot.policies, robot);
   require_files(options);
   const Snapshot map = load_map(options.map);
+  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
+    console.warn("note: " + remark);
 
   const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding.value_or(0.0));
   Query query{space,           options.robot.robot,

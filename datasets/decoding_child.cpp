@@ -15,6 +15,7 @@
 #include "datasets/frame_bytes.hpp"
 #include "datasets/inflating_stream.hpp"
 #include "datasets/rawlog_decoder.hpp"
+#include "datasets/sealed_records.hpp"
 
 namespace clearway {
 namespace {
@@ -88,9 +89,16 @@ std::string first_line(const std::string& message) {
   return prefix == std::string::npos || prefix + 2 >= line.size() ? line : line.substr(prefix + 2);
 }
 
-void decode(const Sender& sender) {
+constexpr const char* no_memory = "the object asks for more memory than the file can justify";
+
+std::string undecoded(const std::exception& error) {
+  return "the object cannot be decoded (" + first_line(error.what()) + ")";
+}
+
+/// A log whose records have no checksums of their own: damage ends it.
+void decode_stream(const Sender& sender) {
   InflatingStream stream(4);
-  RawlogDecoder decoder(stream);
+  RawlogDecoder decoder([&stream](void* target, size_t size) { return stream.Read(target, size); });
   const auto send = [&](ChildMessage::Kind kind, std::string_view text) {
     sender.send(kind, stream.file_offset(), text);
   };
@@ -102,12 +110,47 @@ void decode(const Sender& sender) {
     }
     send(ChildMessage::end, "");
   } catch (const std::bad_alloc&) {
-    send(ChildMessage::damage, "the object asks for more memory than the file can justify");
+    send(ChildMessage::damage, no_memory);
   } catch (const std::exception& error) {
-    send(ChildMessage::damage, !stream.damage().empty()
-                                   ? stream.damage()
-                                   : "the object cannot be decoded (" + first_line(error.what()) + ")");
+    send(ChildMessage::damage, !stream.damage().empty() ? stream.damage() : undecoded(error));
   }
+}
+
+/// A log of ours: MRPT sees only records that pass their checksums.
+void decode_sealed(const Sender& sender, uint64_t file_size) {
+  SealedRecords records(4, file_size);
+  std::string_view left;
+  RawlogDecoder decoder([&left](void* target, size_t size) {
+    const size_t part = std::min(size, left.size());
+    std::memcpy(target, left.data(), part);
+    left.remove_prefix(part);
+    return part;
+  });
+  const auto send = [&](ChildMessage::Kind kind, std::string_view text) {
+    sender.send(kind, records.offset(), text);
+  };
+  try {
+    while (const auto record = records.next()) {
+      if (!record->content) {
+        send(ChildMessage::lost, record->loss);
+        continue;
+      }
+      left = *record->content;
+      decoder.decode_object([&](DecodedFrame&& frame) { send(ChildMessage::frame, frame_to_bytes(frame)); },
+                            [&](const std::string& why) { send(ChildMessage::skipped, why); });
+      send(ChildMessage::object, "");
+    }
+    send(ChildMessage::end, "");
+  } catch (const std::bad_alloc&) {
+    send(ChildMessage::damage, no_memory);
+  } catch (const std::exception& error) {
+    send(ChildMessage::damage, undecoded(error));
+  }
+}
+
+void decode(const Sender& sender, uint64_t file_size) {
+  if (SealedRecords::are_in(4, file_size)) return decode_sealed(sender, file_size);
+  decode_stream(sender);
 }
 
 }  // namespace
@@ -121,7 +164,7 @@ DecodingChild::DecodingChild(int descriptor, uint64_t file_size)
   if (child_ == 0) {
     shut_in(ends[1], descriptor, file_size);
     try {
-      decode(Sender(3));
+      decode(Sender(3), file_size);
     } catch (...) {
       _exit(2);
     }

@@ -13,6 +13,7 @@ struct ChildMessage {
   enum Kind : uint8_t {
     frame,    ///< bytes of a frame (frame_bytes.hpp)
     object,   ///< an object has been read whole; `offset` says how much of the file that took
+    lost,     ///< records of a sealed log that are not used; the text says which; reading goes on
     skipped,  ///< an observation was left out; the text says why, or is empty
     damage,   ///< reading ends here for the reason in the text
     end       ///< the log ended as it should

@@ -15,10 +15,23 @@
 
 namespace clearway {
 
-struct RawlogDecoder::State {
-  explicit State(InflatingStream& stream) : archive(stream) {}
+namespace {
 
-  mrpt::serialization::CArchiveStreamBase<InflatingStream> archive;
+/// What MRPT's archive asks of a stream.
+struct Source {
+  RawlogDecoder::ReadBytes read;
+  size_t Read(void* target, size_t size) { return read(target, size); }
+  size_t Write(const void*, size_t) { throw std::logic_error("a recording is read only"); }
+  std::string getStreamDescription() const { return "recording"; }
+};
+
+}  // namespace
+
+struct RawlogDecoder::State {
+  explicit State(ReadBytes read) : source{std::move(read)}, archive(source) {}
+
+  Source source;
+  mrpt::serialization::CArchiveStreamBase<Source> archive;
   mrpt::poses::CPose3D world_from_robot;  // the sum of the actions' increments
   bool has_actions = false;
   double time = DecodedFrame::unknown_time;  // that of the last object that had one
@@ -29,7 +42,7 @@ struct RawlogDecoder::State {
   }
 };
 
-RawlogDecoder::RawlogDecoder(InflatingStream& stream) : state_(std::make_unique<State>(stream)) {}
+RawlogDecoder::RawlogDecoder(ReadBytes read) : state_(std::make_unique<State>(std::move(read))) {}
 RawlogDecoder::~RawlogDecoder() = default;
 
 void register_rawlog_classes() {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "datasets/frame_bytes.hpp"
-#include "datasets/inflating_stream.hpp"
 
 namespace clearway {
 
@@ -13,7 +12,9 @@ namespace clearway {
 /// gigabytes), so this runs only in the decoding child.
 class RawlogDecoder {
  public:
-  explicit RawlogDecoder(InflatingStream& stream);
+  /// Fills its target as far as there are bytes and returns how many these were.
+  using ReadBytes = std::function<size_t(void*, size_t)>;
+  explicit RawlogDecoder(ReadBytes read);
   ~RawlogDecoder();
 
   /// Reads one object and hands its frames to `frame`, and one sentence to `skipped` (empty for a kind of

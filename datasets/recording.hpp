@@ -77,6 +77,7 @@ struct DepthImage {
 struct RecordingCounts {
   size_t objects = 0;  ///< whole objects at the top level of the file
   size_t images = 0, clouds = 0, odometry = 0, comments = 0;
+  size_t lost = 0;     ///< records, or runs of them, that do not pass their checksums and are not used
   size_t skipped = 0;  ///< observations of kinds Clearway has no use for, or stored in other files
 };
 
@@ -98,8 +99,10 @@ class RecordingReader {
   /// The next frame, or nothing at the end of the log or where damage begins.
   std::optional<Frame> next();
 
-  /// One sentence naming the file, the object and the place, once `next` has met damage. A frame read before
-  /// a failing checksum at the end may itself be wrong: the sentence says when that is so.
+  /// One sentence naming the file, the object and the place, once `next` has met damage. In a recording that
+  /// RecordingWriter wrote, every record has a checksum: one that does not pass is named with its number and
+  /// time, left out, and reading goes on; the sentence grows. In others damage ends the reading; a frame read
+  /// before a failing checksum at the end may itself be wrong: the sentence says when that is so.
   const std::optional<std::string>& damage() const;
   /// One sentence for each kind of thing that was left out (an image stored in another file, say).
   const std::vector<std::string>& warnings() const;
@@ -112,9 +115,10 @@ class RecordingReader {
   std::unique_ptr<State> state_;
 };
 
-/// Writes a gz rawlog, whole or not at all (AtomicFile): an interrupted recording leaves nothing under its
-/// name. Each frame is flushed as it is written: what a crash leaves under a temporary name can be read up to
-/// the last frame, until the next file written there removes it. The same frames give the same bytes.
+/// Writes a gz rawlog, each record under a checksum of its own (record_seal.hpp), whole or not at all
+/// (AtomicFile): an interrupted recording leaves nothing under its name. Each frame is flushed as it is
+/// written: what a crash leaves under a temporary name can be read up to the last frame, until the next file
+/// written there removes it. The same frames give the same bytes.
 class RecordingWriter {
  public:
   /// @throws std::runtime_error when the folder or the file cannot be written.

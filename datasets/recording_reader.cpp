@@ -11,6 +11,7 @@
 #include "datasets/input_descriptor.hpp"
 #include "datasets/recording.hpp"
 #include "datasets/robot_path.hpp"
+#include "datasets/sealed_records.hpp"
 #include "datasets/shown.hpp"
 
 namespace clearway {
@@ -36,6 +37,7 @@ class OpenRecording {
   bool begins_like_a_rawlog() const {
     char head[128];
     size_t size = 0;
+    if (SealedRecords::are_in(descriptor(), input_.size())) return true;
     InflatingStream stream(descriptor());
     try {
       size = stream.Read(head, sizeof head);
@@ -72,6 +74,8 @@ struct RecordingReader::State {
   void end(const std::string& reason);
   void add(DecodedFrame&& frame);
   void warn(const std::string& what);
+  void lose(const std::string& what);
+  std::string lost_records;  // the first few
 };
 
 void RecordingReader::State::add(DecodedFrame&& frame) {
@@ -88,11 +92,26 @@ void RecordingReader::State::warn(const std::string& what) {
   if (!what.empty() && warnings.size() < enough) warnings.push_back(sentence);
 }
 
+void RecordingReader::State::lose(const std::string& what) {
+  constexpr size_t told = 5;
+  if (++counts.lost <= told)
+    lost_records += (counts.lost > 1 ? ", " : "") + what + " near byte " + std::to_string(offset);
+  const size_t more = counts.lost > told ? counts.lost - told : 0;
+  damage = "recording " + shown_path(file.string()) +
+           " is damaged; what does not pass its checksum is not used: " + lost_records +
+           (more > 0 ? " and " + std::to_string(more) + " more" : "") + ".";
+}
+
 void RecordingReader::State::end(const std::string& reason) {
   finished = true;
   path.finish();
   if (reason.empty()) {
     offset = open.size();
+    return;
+  }
+  if (damage) {
+    damage = damage->substr(0, damage->size() - 1) + "; it ends at object " +
+             std::to_string(counts.objects + 1) + ": " + reason + ".";
     return;
   }
   damage = "recording '" + file.string() + "' is damaged at object " + std::to_string(counts.objects + 1) +
@@ -113,6 +132,9 @@ void RecordingReader::State::receive() {
       break;
     case ChildMessage::object:
       ++counts.objects;
+      break;
+    case ChildMessage::lost:
+      lose(message.text);
       break;
     case ChildMessage::skipped:
       warn(message.text);

@@ -3,12 +3,12 @@
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
 
+#include "datasets/record_seal.hpp"
 #include "datasets/recording.hpp"
 #include "mapping/system/atomic_file.hpp"
 
@@ -111,34 +111,18 @@ mrpt::obs::CObservation::Ptr observation(const DepthImage& depth) {
 }  // namespace
 
 struct RecordingWriter::State {
-  explicit State(const std::filesystem::path& target) : file(target) {
-    if (deflateInit2(&deflater, 1, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-      throw std::bad_alloc();
-  }
-  ~State() { deflateEnd(&deflater); }
+  explicit State(const std::filesystem::path& target) : file(target) {}
 
   void append(double time, const std::string& sensor, mrpt::obs::CObservation& observation) {
     observation.timestamp = mrpt::Clock::fromDouble(time);
     observation.sensorLabel = sensor;
     ByteSink sink;
     mrpt::serialization::archiveFrom(sink) << observation;
-    deflate_bytes(sink.bytes, Z_SYNC_FLUSH);
-  }
-
-  void deflate_bytes(const std::string& bytes, int flush) {
-    std::string packed(1 << 16, '\0');
-    deflater.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    deflater.avail_in = static_cast<unsigned>(bytes.size());
-    do {
-      deflater.next_out = reinterpret_cast<Bytef*>(packed.data());
-      deflater.avail_out = static_cast<unsigned>(packed.size());
-      deflate(&deflater, flush);
-      file.append({packed.data(), packed.size() - deflater.avail_out});
-    } while (deflater.avail_out == 0);
+    file.append(sealed_record(sink.bytes, {.index = count++, .time = time}));
   }
 
   AtomicFile file;
-  z_stream deflater{};
+  std::uint32_t count = 0;
 };
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
@@ -154,7 +138,7 @@ void RecordingWriter::write(double time, const std::string& sensor, const DepthI
 }
 
 void RecordingWriter::finish() {
-  state_->deflate_bytes({}, Z_FINISH);
+  state_->file.append(sealed_record("", {.index = state_->count, .is_end = true}));
   state_->file.finish();
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "datasets/probe_motion.hpp"
 #include "datasets/scene_shape.hpp"
 #include "datasets/setup_camera.hpp"
 #include "datasets/shown.hpp"
@@ -112,6 +113,29 @@ SceneInclude read_include(const YamlFields& fields, const std::filesystem::path&
   return include;
 }
 
+/// A picture takes 13 bytes for a pixel and thread while it is drawn; the truth about it stays in memory.
+void require_size(const YamlFields& fields, const std::string& key, const CameraIntrinsics& camera) {
+  constexpr double most_pixels = 8e6;
+  if (static_cast<double>(camera.width) * camera.height > most_pixels)
+    fields.fail(key, "expected pictures of at most 8,000,000 pixels, got " + std::to_string(camera.width) +
+                         " x " + std::to_string(camera.height));
+}
+
+void check_sizes(const YamlFields& fields, const Scene& scene) {
+  constexpr size_t most_waypoints = 10'000;
+  constexpr double most_pictures = 1e5;
+  if (scene.depth) require_size(fields, "depth", scene.depth->intrinsics);
+  if (!scene.camera) return;
+  require_size(fields, "camera", *scene.setup.camera);
+  if (scene.stroke->waypoints.size() > most_waypoints)
+    fields.fail("stroke",
+                "expected at most 10,000 waypoints, got " + std::to_string(scene.stroke->waypoints.size()));
+  const double pictures = ProbeMotion(*scene.stroke, *scene.setup.probe).duration() * scene.camera->rate_hz;
+  if (!(pictures <= most_pictures))
+    fields.fail("stroke", "expected a stroke of at most 100,000 pictures at " +
+                              std::to_string(scene.camera->rate_hz) + " Hz, got " + std::to_string(pictures));
+}
+
 void check_parts_fit(const YamlFields& fields, const Scene& scene) {
   if (scene.camera.has_value() != scene.stroke.has_value())
     fields.fail("camera", "expected camera and stroke together, or neither");
@@ -166,6 +190,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   scene.start_time = fields.number("start_time", {0, 1e10}, default_start_time);
   scene.background = fields.number("background", grey_levels, scene.background);
   check_parts_fit(fields, scene);
+  check_sizes(fields, scene);
   fields.finish();
   return scene;
 }

@@ -40,6 +40,11 @@ MapSetup read_map(const YamlFields& fields) {
     if ((map.crop->sizes().array() <= 0).any())
       fields.fail("crop", "expected [xmin, ymin, zmin, xmax, ymax, zmax] with each min below its max");
   }
+  // A scan takes some bytes for each voxel that its rays pass.
+  constexpr double most_voxels = 10'000;
+  if (map.resolution && map.max_range && *map.max_range / *map.resolution > most_voxels)
+    fields.fail("max_range", "expected at most 10,000 voxels of 'resolution', got " +
+                                 std::to_string(*map.max_range / *map.resolution));
   fields.finish();
   return map;
 }

@@ -7,6 +7,7 @@
 #include "datasets/query_fields.hpp"
 #include "datasets/scene_shape.hpp"
 #include "datasets/shown.hpp"
+#include "datasets/suite_limits.hpp"
 #include "datasets/suite_strokes.hpp"
 #include "datasets/yaml_fields.hpp"
 
@@ -56,6 +57,7 @@ SuiteWorld read_world(const YamlFields& fields, const std::filesystem::path& fol
   else
     read_made_world(fields, world);
   fields.finish();
+  require_size(fields, world);
   return world;
 }
 
@@ -78,7 +80,8 @@ SuiteGenerator read_generator(const YamlFields& fields) {
   generator.kind = fields.text("kind");
   generator.count = fields.integer("count", {1, 100000});
   generator.seed = fields.seed("seed", 1);
-  generator.resolution = fields.number("resolution", resolutions, generator.resolution);
+  // Scenes are as large as the arm that they are for, a metre or so.
+  generator.resolution = fields.number("resolution", {0.002, 100}, generator.resolution);
   fields.finish();
   return generator;
 }
@@ -146,6 +149,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   for (const char* key : {"padding", "runs"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
   fields.finish();
+  require_size(fields, experiment);
   return experiment;
 }
 

@@ -1,5 +1,6 @@
 #include "mapping/map_file.hpp"
 
+#include <fstream>
 #include <utility>
 
 #include "mapping/cloud_file.hpp"
@@ -8,6 +9,7 @@
 #include "mapping/map_digest.hpp"
 #include "mapping/octree_file.hpp"
 #include "mapping/painted_csv.hpp"
+#include "mapping/plain_text.hpp"
 #include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
@@ -51,6 +53,20 @@ Snapshot load_octree(const fs::path& file, bool in_directory) {
   return {std::move(content.tree), std::move(content.volumes), std::move(content.seen)};
 }
 
+/// Our own files say so in their second line.
+bool is_ours(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string first, second;
+  return std::getline(stream, first) && std::getline(stream, second) &&
+         second.starts_with("# clearway seal ");
+}
+
+/// Whether a painted.csv says what the map says, be it in an earlier version's columns.
+bool is_copy(const std::string& text, const Snapshot& map) {
+  const std::string sealed = format_painted(map.volumes());
+  return text == sealed || format_painted(parse_painted(text, painted_name)) == sealed;
+}
+
 }  // namespace
 
 Snapshot load_map(const fs::path& path, double cloud_resolution) {
@@ -64,6 +80,20 @@ Snapshot load_map(const fs::path& path, double cloud_resolution) {
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
                               ".bt, .pcd or .ply file");
+}
+
+std::string painted_csv_remark(const fs::path& path, const Snapshot& map) {
+  std::error_code error;
+  const fs::path painted = path / painted_name;
+  if (!fs::is_directory(path, error) || !fs::exists(painted, error)) return "";
+  const std::string name = "'" + plain(painted.string()) + "'";
+  if (!is_ours(path / map_name))
+    return "the painted volumes are those of " + name + ", because map.ot holds none";
+  try {
+    if (is_copy(read_bytes(painted), map)) return "";
+  } catch (const std::exception&) {  // damaged, or not a file: it is not used either way
+  }
+  return name + " differs from the painted volumes in map.ot and is not used";
 }
 
 void save_map(const Snapshot& map, const fs::path& directory) {

@@ -20,6 +20,12 @@ class DamagedFile : public std::runtime_error {
 /// @throws DamagedFile when it is truncated or corrupt; nothing half-read is ever returned.
 Snapshot load_map(const std::filesystem::path& path, double cloud_resolution = 0.02);
 
+/// One sentence about the painted.csv beside a map in a folder, for whoever loaded `map` from `path`. A
+/// map.ot of ours holds the painted volumes under its own seal, and painted.csv is a copy for spreadsheets:
+/// when it differs, the sentence says that it is not used. A map.ot of another program has none: then
+/// painted.csv is where they come from, and the sentence says so. Empty where there is nothing to say.
+std::string painted_csv_remark(const std::filesystem::path& path, const Snapshot& map);
+
 /// Writes DIR/map.ot and DIR/painted.csv, each to a temporary name, synced and renamed.
 /// @throws std::runtime_error naming the file that could not be written; the old file is then intact.
 void save_map(const Snapshot& map, const std::filesystem::path& directory);

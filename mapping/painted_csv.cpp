@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
@@ -167,13 +168,11 @@ int stroke_of(const Row& row, PaintedVolume& volume, const Reader& reader) {
 class StrokeNumbers {
  public:
   int number(int stroke) {
-    const auto found = std::find(order_.begin(), order_.end(), stroke);
-    if (found == order_.end()) order_.push_back(stroke);
-    return static_cast<int>(std::find(order_.begin(), order_.end(), stroke) - order_.begin());
+    return numbers_.try_emplace(stroke, static_cast<int>(numbers_.size())).first->second;
   }
 
  private:
-  std::vector<int> order_;
+  std::map<int, int> numbers_;
 };
 
 std::string stroke_columns(const PaintedVolume& volume, std::size_t ball, StrokeNumbers& numbers) {

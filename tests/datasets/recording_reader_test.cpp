@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "datasets/record_seal.hpp"
 #include "datasets/recording.hpp"
 #include "sample_frames.hpp"
 #include "scratch_folder.hpp"
@@ -29,14 +30,15 @@ SmallLog small_log(const ScratchFolder& folder) {
   const auto file = folder / "small.rawlog";
   std::mt19937 random(11);
   RecordingWriter writer(file);
-  for (const auto& frame : sample_frames()) {
-    writer.write(frame);
-    log.ends.push_back(std::filesystem::file_size(file.string() + ".part"));
-  }
+  for (const auto& frame : sample_frames()) writer.write(frame);
   writer.write(1001, "depth", sample_depth(random, 6, 5));
-  log.ends.push_back(std::filesystem::file_size(file.string() + ".part"));
   writer.finish();
   log.gz = bytes_of(file);
+  for (size_t at = 0; at < log.gz.size();) {
+    const RecordSeal seal = seal_of(std::string_view(log.gz).substr(at)).value();
+    at += seal.size;
+    if (!seal.is_end) log.ends.push_back(at);
+  }
   log.plain = unpacked(file);
   RecordingReader reader(file);
   for (const auto& frame : read_all(reader)) log.frames.push_back(bytes_of(frame));
