@@ -19,7 +19,7 @@ PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const 
   const std::vector<Configuration> waypoints = plan.waypoints();
   if (!waypoints.empty()) {
     return check_path(robot_of(contract, robot), map, policies_of(contract), contract.padding.value,
-                      waypoints);
+                      waypoints, 0.0, contract.seen_within.value);
   }
   PathVerdict none;
   none.first_contact = "the plan has no path (status " + std::string(to_string(plan.status())) + ")";

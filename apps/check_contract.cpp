@@ -97,6 +97,12 @@ class Statement {
                                  : Term<double>{plan_.padding, TermSource::plan};
   }
 
+  Term<double> seen_within() const {
+    if (options_.robot.seen_within) return {*options_.robot.seen_within, TermSource::flag};
+    if (query_) return {query_->seen_within, TermSource::map};
+    return {plan_.seen_within, TermSource::plan};
+  }
+
   Term<Configuration> start() const {
     if (!options_.start.empty()) return {configuration(options_.start, "--start"), TermSource::flag};
     if (query_) return {query_->start, TermSource::map};
@@ -169,6 +175,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.map_from_base = statement.base(contract.notes);
   contract.policies = statement.policies(contract.notes);
   contract.padding = statement.padding();
+  contract.seen_within = statement.seen_within();
   contract.map_sha256 = {map_digest, TermSource::flag};
   contract.start = statement.start();
   contract.goals = statement.goals();

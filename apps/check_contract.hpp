@@ -33,6 +33,7 @@ struct Contract {
   Term<Eigen::Isometry3d> map_from_base;
   std::map<std::string, Term<Policy>> policies;  ///< of every part
   Term<double> padding;                          ///< metres
+  Term<double> seen_within;                      ///< of parts under known_free, seconds; 0: ever
   Term<std::string> map_sha256;
   Term<Configuration> start;
   Term<std::vector<Configuration>> goals;

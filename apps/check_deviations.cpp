@@ -32,6 +32,7 @@ class Comparison {
     compare_robot();
     compare_policies();
     compare_padding();
+    compare_seen_within();
     compare_map();
     compare_start();
     compare_goals();
@@ -76,6 +77,16 @@ class Comparison {
     if (plan_.padding >= padding) return;
     add(AcceptedTerm::padding, "padding: expected " + significant(padding * 1000.0) + " mm" + by(source) +
                                    ", the plan says " + significant(plan_.padding * 1000.0) + " mm");
+  }
+
+  /// By a flag alone the path is checked: whoever planned without it may have kept it all the same.
+  void compare_seen_within() {
+    const auto& [seconds, source] = contract_.seen_within;
+    if (source != TermSource::map || seconds == 0.0) return;
+    if (plan_.seen_within > 0.0 && plan_.seen_within <= seconds) return;
+    add(AcceptedTerm::policy,
+        "seen within: expected " + significant(seconds) + " s" + by(source) + ", the plan says " +
+            (plan_.seen_within > 0.0 ? significant(plan_.seen_within) + " s" : std::string("ever")));
   }
 
   void compare_map() {
@@ -148,6 +159,10 @@ void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contr
     if (deviation.term == AcceptedTerm::base) contract.map_from_base = {plan.map_from_base, TermSource::plan};
     if (deviation.term == AcceptedTerm::padding) contract.padding = {plan.padding, TermSource::plan};
     if (deviation.term != AcceptedTerm::policy) continue;
+    Term<double>& seen_within = contract.seen_within;
+    const bool is_looser = plan.seen_within == 0.0 || plan.seen_within > seen_within.value;
+    if (seen_within.source == TermSource::map && is_looser)
+      seen_within = {plan.seen_within, TermSource::plan};
     for (auto& [part, term] : contract.policies) {
       const auto said = plan.policies.find(part);
       if (said != plan.policies.end() && said->second > term.value) term = {said->second, TermSource::plan};

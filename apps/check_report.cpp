@@ -51,6 +51,7 @@ Json contract_json(const Contract& contract) {
   for (const auto& [part, term] : contract.policies)
     json["policy"][part] = term_json(to_string(term.value), term.source);
   json["padding_m"] = term_json(contract.padding.value, contract.padding.source);
+  json["seen_within_s"] = term_json(contract.seen_within.value, contract.seen_within.source);
   json["map_sha256"] = term_json(contract.map_sha256.value, contract.map_sha256.source);
   json["start"] = term_json(numbers(contract.start.value), contract.start.source);
   Json goals = Json::array();
@@ -66,7 +67,7 @@ std::string policy_text(const Contract& contract) {
   std::map<TermSource, std::map<std::string, Policy>> by_source;
   for (const auto& [part, term] : contract.policies) by_source[term.source][part] = term.value;
   if (by_source.size() <= 1) {
-    const std::string text = describe_policies(policies_of(contract));
+    const std::string text = describe_policies(policies_of(contract), 0.0);
     return by_source.empty() ? text : text + from(by_source.begin()->first);
   }
   std::string text;
@@ -84,6 +85,10 @@ void append_contract(const Contract& contract, Rows& rows) {
                                  from(contract.scale.source));
   rows.emplace_back("base", to_text(contract.map_from_base.value) + from(contract.map_from_base.source));
   rows.emplace_back("policy", policy_text(contract));
+  if (contract.seen_within.value > 0.0)
+    rows.emplace_back("seen within", significant(contract.seen_within.value) +
+                                         " s before the map's newest look" +
+                                         from(contract.seen_within.source));
   rows.emplace_back("padding",
                     significant(contract.padding.value * 1000.0, 3) + " mm" + from(contract.padding.source));
   rows.emplace_back(
@@ -143,6 +148,7 @@ Json check_json(const CheckReport& report) {
   json["parameter"] = report.path.parameter;
   json["min_clearance_m"] = report.path.min_clearance;
   for (const auto& [part, term] : contract.policies) json["policy"][part] = to_string(term.value);
+  if (contract.seen_within.value > 0.0) json["seen_within_s"] = contract.seen_within.value;
   json["padding_m"] = contract.padding.value;
   json["waypoints"] = report.waypoints;
   json["plan_status"] = to_string(report.plan_status);

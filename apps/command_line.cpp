@@ -86,6 +86,7 @@ Command add_replay(CLI::App& app, Console& console) {
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->take_all();
+  add_seen_within(*command, options->seen_within, "; default: the queries' own");
   command->add_flag_callback(
       "--no-plan", [options] { options->plan = false; }, "stop after the map");
   command->add_option("--seed", options->seed, "of the planners")->type_name("N")->check(whole_number);

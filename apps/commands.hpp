@@ -20,11 +20,12 @@ namespace clearway {
 
 /// Flags that `plan` and `check` share about the robot and what it must keep.
 struct RobotChoice {
-  std::string robot;                   ///< name in datasets/robots, .yaml or .urdf
-  std::optional<double> scale;         ///< replaces the robot's own
-  std::vector<double> base;            ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
-  std::vector<std::string> policies;   ///< "P" (all parts) or "PART=P"
-  std::optional<double> padding = {};  ///< metres
+  std::string robot;                       ///< name in datasets/robots, .yaml or .urdf
+  std::optional<double> scale;             ///< replaces the robot's own
+  std::vector<double> base;                ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
+  std::vector<std::string> policies;       ///< "P" (all parts) or "PART=P"
+  std::optional<double> padding = {};      ///< metres
+  std::optional<double> seen_within = {};  ///< seconds, of parts under known_free; none: ever
 };
 
 /// Flags of `plan` about what a path costs.
@@ -41,6 +42,7 @@ struct ReplayOptions {
   std::string integration;            ///< "safe" or "compatible"; empty: the setup's, else safe
   int threads = 0;                    ///< for inserting scans; 0: as many as the machine has, at most 8
   std::vector<std::string> planners;  ///< replaces the queries' own lists
+  std::optional<double> seen_within;  ///< seconds; replaces the queries' own
   bool plan = true;
   std::uint64_t seed = 1;
   double time_limit = 60.0;  ///< seconds for each leg
@@ -85,6 +87,7 @@ struct InspectOptions {
   std::vector<std::string> at;                              ///< "X,Y,Z"
   std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
   std::string clearance;  ///< policy whose clearance the slices show; or empty
+  bool age = false;       ///< slices colour what was seen free by when
   std::vector<std::filesystem::path> exports;
   std::filesystem::path view;     ///< HTML
   bool holes = false;             ///< quality of the painted volumes

@@ -38,6 +38,16 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
+void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note) {
+  command
+      .add_option("--seen-within", seconds,
+                  "under known_free, what was seen free but not in the last S seconds up to the map's newest "
+                  "look counts as unknown; paint does not age" +
+                      note)
+      ->check(positive())
+      ->type_name("S");
+}
+
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
       ->required()
@@ -62,6 +72,7 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
   command.add_option("--padding", choice.padding, "distance that every part keeps, metres" + notes.padding)
       ->check(number("a length from 0 to 100 (metres)", 0.0, 100.0))
       ->type_name("M");
+  add_seen_within(command, choice.seen_within, notes.seen_within);
 }
 
 }  // namespace clearway

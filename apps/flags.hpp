@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "apps/commands.hpp"
@@ -32,10 +33,13 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 
 /// What a flag's help says of its default.
 struct RobotFlagNotes {
-  std::string scale = {}, base = {}, policy = {}, padding = {};
+  std::string scale = {}, base = {}, policy = {}, padding = {}, seen_within = {};
 };
 
-/// --robot, --scale, --base, --policy, --padding, as `plan` and `check` share them.
+/// --seen-within, seconds. @param note of its default
+void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
+
+/// --robot, --scale, --base, --policy, --padding, --seen-within, as `plan` and `check` share them.
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
 Command add_check(CLI::App& app, Console& console);

@@ -75,6 +75,8 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (!options.clearance.empty()) lines = parse_policy(options.clearance);
   if (lines && slices.empty())
     throw std::invalid_argument("--clearance: expected --slice beside it, in which to draw the lines");
+  if (options.age && slices.empty())
+    throw std::invalid_argument("--age: expected --slice beside it, which it colours");
   const std::vector<Eigen::Vector3d> points = points_of(options.at);
   const Snapshot loaded = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, loaded); !remark.empty())
@@ -93,7 +95,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (options.conflicts && provenance) json["conflicts"] = describe_conflicts(*provenance);
   if (!options.diff.empty()) json["diff"] = describe_difference(map, options.diff);
   if (options.holes) json["painted_volumes"] = describe_volumes(map);
-  for (const auto& [plane, file] : slices) write_slice_image(map, plane, file, lines);
+  for (const auto& [plane, file] : slices) write_slice_image(map, plane, file, lines, options.age);
   for (const auto& file : options.exports) export_map(map, file);
   if (!options.view.empty()) save_file(options.view, map_page(map, options.map.filename().string()));
   if (!options.save.empty()) {

@@ -12,7 +12,8 @@ Command add_inspect(CLI::App& app, Console& console) {
   command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");
-  command->add_option("--at", options->at, "what is known of one point, metres; repeatable")
+  command
+      ->add_option("--at", options->at, "what is known of one point, and when it was last seen; repeatable")
       ->type_name("X,Y,Z")
       ->allow_extra_args(false)
       ->take_all();
@@ -26,6 +27,9 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->add_option("--clearance", options->clearance,
                    "add lines of equal clearance to the slices: painted, known_free or not_occupied")
       ->type_name("POLICY");
+  command->add_flag(
+      "--age", options->age,
+      "colour what was seen free in the slices by how long before the newest look it was last seen");
   command
       ->add_option("--export", options->exports,
                    "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
@@ -44,13 +48,17 @@ Command add_inspect(CLI::App& app, Console& console) {
   command->add_flag("--conflicts", options->conflicts,
                     "list where painted space turned out occupied, when, and what came second");
   command
-      ->add_option("--diff", options->diff,
-                   "count the voxels that differ from another map, by state; status 1 when the maps differ")
+      ->add_option(
+          "--diff", options->diff,
+          "count the voxels that differ from another map, by state, whenever they were seen; status 1 when "
+          "the maps differ")
       ->type_name("MAP2")
       ->check(file_name);
   command
-      ->add_option("--merge", options->merge,
-                   "add another map of the same resolution: log-odds added, volumes united by label")
+      ->add_option(
+          "--merge", options->merge,
+          "add another map of the same resolution: log-odds added, volumes united by label, the later look "
+          "of each voxel (the clocks of both count as one)")
       ->type_name("MAP2")
       ->check(file_name);
   command->add_option("--crop", options->crop, "keep the voxels of a box only (after --merge), metres")

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -5,8 +6,10 @@
 #include "apps/inspect_parts.hpp"
 #include "apps/parse.hpp"
 #include "apps/table.hpp"
+#include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/map_integration.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 
@@ -49,6 +52,11 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
     json["volumes"].push_back(
         {{"label", volume.label}, {"critical_parts", volume.critical_parts}, {"balls", volume.balls.size()}});
   }
+  if (const SeenStamps* seen = map.seen()) {
+    json["seen"] = {{"newest_s", seen->newest()},   {"oldest_s", seen->oldest()},
+                    {"known_to_s", seen->period()}, {"voxels", seen->voxels()},
+                    {"bytes", seen->bytes()},       {"tree_bytes", map.tree().memoryUsage()}};
+  }
   return json;
 }
 
@@ -59,6 +67,16 @@ std::string integration_text(const Json& json) {
   if (name == "none") return "none: no scan is in the map";
   if (name == "unknown") return "unknown: a foreign or older file";
   return name;
+}
+
+/// From which time on voxels were last seen, and what it costs to know.
+std::string look_times(const Json& seen) {
+  const auto number = [&](const char* key) { return seen[key].get<double>(); };
+  return significant(number("oldest_s"), 12) + " to " + significant(number("newest_s"), 12) +
+         " s (ages 0 to " + significant(number("newest_s") - number("oldest_s")) + " s, known to " +
+         significant(number("known_to_s")) + " s; " + significant(number("bytes") / 1e6, 3) + " MB, " +
+         significant(number("bytes") / std::max(1.0, number("voxels")), 3) +
+         " bytes a voxel, beside a tree of " + significant(number("tree_bytes") / 1e6, 3) + " MB)";
 }
 
 }  // namespace
@@ -77,6 +95,7 @@ void print_map(const Json& json, std::ostream& out) {
   }
   for (const auto& [state, count] : json["voxels"].items())
     rows.emplace_back(state, grouped(count.get<std::size_t>()));
+  rows.emplace_back("last seen", json.contains("seen") ? look_times(json["seen"]) : "not known when");
   for (const auto& volume : json["volumes"]) {
     rows.emplace_back(
         "volume " + volume["label"].get<std::string>(),

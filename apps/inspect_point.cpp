@@ -5,10 +5,22 @@
 #include "apps/inspect_parts.hpp"
 #include "apps/parse.hpp"
 #include "apps/table.hpp"
+#include "mapping/seen_stamps.hpp"
 
 namespace clearway {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// When a voxel was last seen, by the clock of the scans and before the map's newest look.
+std::string last_look(const Json& json) {
+  if (json["last_seen_s"].is_null()) return "at a time that the map does not know";
+  return "at " + significant(json["last_seen_s"].get<double>(), 12) + " s, " +
+         significant(json["age_s"].get<double>()) + " s before the newest look";
+}
+
+}  // namespace
 
 Json describe_point(const Snapshot& map, const Provenance* provenance, const Eigen::Vector3d& point) {
   const Voxel voxel = map.voxel(point);
@@ -16,6 +28,12 @@ Json describe_point(const Snapshot& map, const Provenance* provenance, const Eig
   if (voxel.observed) {
     json["log_odds"] = voxel.log_odds;
     json["probability"] = 1.0 - 1.0 / (1.0 + std::exp(voxel.log_odds));
+  }
+  if (const auto seen = map.last_seen(point)) {
+    json["last_seen_s"] = *seen;
+    json["age_s"] = map.seen()->newest() - *seen;
+  } else if (voxel.observed) {
+    json["last_seen_s"] = nullptr;
   }
   json["voxel_center"] = to_json(voxel.center);
   json["voxel_size"] = voxel.size;
@@ -48,6 +66,7 @@ void print_point(const Json& json, std::ostream& out) {
   } else {
     rows.emplace_back("sensors", "never observed");
   }
+  if (json.contains("last_seen_s")) rows.emplace_back("last seen", last_look(json));
   rows.emplace_back("painted by", join(json["painted_by"]));
   rows.emplace_back("inside exact balls of", join(json["inside_exact_balls"]));
   if (json.contains("provenance")) {

@@ -10,6 +10,7 @@
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "planning/part_policies.hpp"
 #include "planning/trajectory_file.hpp"
 
 namespace clearway {
@@ -76,9 +77,10 @@ void require_files(const PlanOptions& options) {
 
 /// A padding may make the robot's surroundings too large to be looked at: then the flag is named.
 ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
-                                double padding) {
+                                double padding, double seen_within) {
+  require_seen_within(seen_within, map, part_policies(robot, map, policies));  // which no padding mends
   try {
-    return ConfigurationSpace(robot, map, policies, {.padding = padding});
+    return ConfigurationSpace(robot, map, policies, {.padding = padding, .seen_within = seen_within});
   } catch (const std::invalid_argument& error) {
     if (padding == 0.0) throw;
     throw std::invalid_argument("with --padding " + significant(padding) + " (metres): " + error.what());
@@ -118,7 +120,8 @@ int run_plan(const PlanOptions& options, Console& console) {
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
 
-  const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding.value_or(0.0));
+  const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding.value_or(0.0),
+                                                options.robot.seen_within.value_or(0.0));
   Query query{space,           options.robot.robot,
               options.map,     map_sha256(options.map),
               start,           goals,

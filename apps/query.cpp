@@ -59,7 +59,7 @@ Policies choose_policies(const std::vector<std::string>& texts, const Robot& rob
   return policies;
 }
 
-std::string describe_policies(const std::map<std::string, Policy>& policies) {
+std::string describe_policies(const std::map<std::string, Policy>& policies, double seen_within) {
   std::map<Policy, std::size_t> parts;
   for (const auto& [part, policy] : policies) ++parts[policy];
   if (parts.empty()) return "-";
@@ -70,7 +70,8 @@ std::string describe_policies(const std::map<std::string, Policy>& policies) {
   for (const auto& [part, policy] : policies) {
     if (policy != usual) text += part + " " + std::string(to_string(policy)) + ", ";
   }
-  return text + (text.empty() ? "all parts " : "other parts ") + std::string(to_string(usual));
+  text += (text.empty() ? "all parts " : "other parts ") + std::string(to_string(usual));
+  return text + (seen_within > 0.0 ? ", seen within " + significant(seen_within) + " s" : "");
 }
 
 PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
@@ -117,6 +118,7 @@ Plan empty_plan(const Query& query) {
   plan.map_caveat = integration_caveat(query.space.map());
   plan.policies = query.space.policies();
   plan.padding = query.space.options().padding;
+  plan.seen_within = query.space.options().seen_within;
   plan.payload = query.payload;
   plan.gravity = query.gravity;
   plan.query = query.name;
@@ -162,7 +164,8 @@ Plan solve(const Query& query, const Planner& planner) {
   plan.time_s = seconds_since(begin);
   const std::vector<Configuration> path = plan.waypoints();
   if (!path.empty()) {
-    plan.validation = check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path);
+    plan.validation = check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path,
+                                 0.0, plan.seen_within);
   }
   return plan;
 }
@@ -188,7 +191,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   }
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
-  rows.emplace_back("policy", describe_policies(plan.policies));
+  rows.emplace_back("policy", describe_policies(plan.policies, plan.seen_within));
   rows.emplace_back("configurations", grouped(checks));
   rows.emplace_back("time", significant(plan.time_s, 3) + " s");
   return rows;

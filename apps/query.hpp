@@ -21,8 +21,8 @@ Robot choose_robot(const RobotChoice& choice);
 /// "P" sets every part, "PART=P" one part. @throws std::invalid_argument for an unknown part or policy.
 Policies choose_policies(const std::vector<std::string>& texts, const Robot& robot);
 
-/// The policy of each part in one line: "tool painted, other parts not_occupied".
-std::string describe_policies(const std::map<std::string, Policy>& policies);
+/// The policy of each part in one line: "tool painted, other parts known_free, seen within 5 s".
+std::string describe_policies(const std::map<std::string, Policy>& policies, double seen_within);
 
 /// "key=value" texts as planner options. @throws std::invalid_argument for a text without '='.
 PlannerOptions choose_planner_options(const std::vector<std::string>& texts);

@@ -14,6 +14,7 @@
 #include "apps/table.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "planning/part_policies.hpp"
 #include "planning/query_record.hpp"
 
 namespace clearway {
@@ -83,6 +84,7 @@ class QueryRunner {
     for (const QuerySetup& query : setup_.queries) {
       require_file_name(query.name);
       choose_policies(policy_texts(query), robot_);
+      require_seen_within(query);
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
       for (const std::string& planner : planners(query))
@@ -96,9 +98,9 @@ class QueryRunner {
     std::vector<ReplayPlan> plans;
     QueryRecord record{digest, {}};
     for (const QuerySetup& query : setup_.queries) {
-      spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_,
-                                                             choose_policies(policy_texts(query), robot_),
-                                                             SpaceOptions{.padding = query.padding}));
+      spaces_.push_back(std::make_unique<ConfigurationSpace>(
+          robot_, map_, choose_policies(policy_texts(query), robot_),
+          SpaceOptions{.padding = query.padding, .seen_within = seen_within(query)}));
       record.queries.push_back(terms_of(query, *spaces_.back()));
     }
     save_file(folder_ / "queries.json", to_json(record));
@@ -135,6 +137,7 @@ class QueryRunner {
             .map_from_base = robot_.map_from_base,
             .policies = space.policies(),
             .padding = space.options().padding,
+            .seen_within = space.options().seen_within,
             .start = configuration(query.start),
             .goals = configurations(query.goals)};
   }
@@ -142,6 +145,19 @@ class QueryRunner {
   std::vector<std::string> planners(const QuerySetup& query) const {
     if (!options_.planners.empty()) return options_.planners;
     return query.planners.empty() ? std::vector<std::string>{"beam", "boundary"} : query.planners;
+  }
+
+  double seen_within(const QuerySetup& query) const {
+    return options_.seen_within.value_or(query.seen_within);
+  }
+
+  void require_seen_within(const QuerySetup& query) const {
+    try {
+      const Policies policies = choose_policies(policy_texts(query), robot_);
+      clearway::require_seen_within(seen_within(query), map_, part_policies(robot_, map_, policies));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
+    }
   }
 
   static PlannerOptions planner_options(const QuerySetup& query, const std::string& planner) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "apps/parse.hpp"
+#include "apps/slice_age.hpp"
 #include "apps/slice_clearance.hpp"
 #include "mapping/system/atomic_file.hpp"
 
@@ -127,6 +128,27 @@ void draw_legend(cv::Mat& image, const SliceCanvas& canvas, const std::array<std
   put_text(image, "a line each " + significant(step * 1000.0, 3) + " mm", {x, y + 58});
 }
 
+cv::Scalar scalar(const AgeColours::Colour& colour) {
+  return {double(colour[0]), double(colour[1]), double(colour[2])};
+}
+
+/// A bar of the colours below the legend of the states, with the ages at its ends.
+void draw_age_legend(cv::Mat& image, const SliceCanvas& canvas, const AgeColours& colours) {
+  constexpr int length = 150;
+  const int x = margin_left + canvas.width() + 16;
+  const int y = margin_top + 12 + 22 * static_cast<int>(states.size()) + 84;
+  put_text(image, "seen free, last seen", {x, y});
+  for (int i = 0; i < length; ++i) {
+    const cv::Scalar ink = scalar(colours.of_age(colours.greatest_age() * i / (length - 1)));
+    cv::line(image, {x + i, y + 8}, {x + i, y + 20}, ink);
+  }
+  put_text(image, "now", {x, y + 36});
+  const std::string oldest = significant(colours.greatest_age(), 3) + " s ago";
+  put_text(image, oldest, {x + length - 8 * static_cast<int>(oldest.size()), y + 36});
+  cv::rectangle(image, {x, y + 50}, {x + 13, y + 63}, scalar(AgeColours::unknown), cv::FILLED);
+  put_text(image, "not known when", {x + 20, y + 60});
+}
+
 }  // namespace
 
 SlicePlane parse_slice(const std::string& text) {
@@ -141,7 +163,7 @@ SlicePlane parse_slice(const std::string& text) {
 }
 
 void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::filesystem::path& file,
-                       std::optional<Policy> clearance) {
+                       std::optional<Policy> clearance, bool by_age) {
   if (file.extension() != ".png") {
     throw std::invalid_argument("--slice: expected a .png file, got '" + file.string() + "'");
   }
@@ -152,9 +174,11 @@ void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::
                                 significant(bounds.min()[plane.axis]) + " to " +
                                 significant(bounds.max()[plane.axis]) + " m on that axis");
   }
+  const std::optional<AgeColours> ages = by_age ? std::optional<AgeColours>(map) : std::nullopt;
   const SliceCanvas canvas = make_canvas(map, plane, bounds);
-  cv::Mat image(canvas.height() + margin_top + margin_bottom, canvas.width() + margin_left + margin_right,
-                CV_8UC3, cv::Scalar(250, 250, 250));
+  const int least_height = ages ? 290 : 0;  // that the legend needs
+  cv::Mat image(std::max(canvas.height(), least_height) + margin_top + margin_bottom,
+                canvas.width() + margin_left + margin_right, CV_8UC3, cv::Scalar(250, 250, 250));
   std::array<std::size_t, 5> counts{};
   for (int row = 0; row < canvas.rows; ++row) {
     for (int column = 0; column < canvas.columns; ++column) {
@@ -168,12 +192,15 @@ void write_slice_image(const Snapshot& map, const SlicePlane& plane, const std::
           margin_left + static_cast<int>(column * canvas.pixels),
           margin_top + canvas.height() - static_cast<int>(std::ceil((row + 1) * canvas.pixels)));
       const int side = std::max(1, static_cast<int>(std::ceil(canvas.pixels)));
-      cv::rectangle(image, cv::Rect(low, cv::Size(side, side)), colour(state), cv::FILLED);
+      const bool aged = ages && state == VoxelState::seen_free;
+      cv::rectangle(image, cv::Rect(low, cv::Size(side, side)),
+                    aged ? scalar(ages->of(map.last_seen(point))) : colour(state), cv::FILLED);
     }
   }
   const double step = clearance ? draw_clearance(image, canvas, map, plane, *clearance) : 0.0;
   draw_axes(image, canvas);
   draw_legend(image, canvas, counts, clearance, step);
+  if (ages) draw_age_legend(image, canvas, *ages);
   const char* names = "xyz";
   put_text(image, std::string("slice ") + names[plane.axis] + " = " + significant(plane.value) + " m",
            {margin_left, 20}, 0.5);

@@ -189,6 +189,7 @@ QuerySetup read_query(const YamlFields& fields) {
   if (fields.has("policies")) query.policies = read_policies(fields.map("policies"));
   if (fields.has("options")) query.options = read_options(fields.map("options"));
   query.padding = fields.number("padding", paddings, 0);
+  query.seen_within = fields.number("seen_within", not_negative, 0);
   fields.finish();
   return query;
 }

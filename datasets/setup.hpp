@@ -112,6 +112,7 @@ struct QuerySetup {
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
   std::map<std::string, std::string> options;   ///< "key" for each planner, "planner.key" for one
   double padding = 0;                           ///< m, distance that every body keeps
+  double seen_within = 0;                       ///< s, how long a look counts under known_free; 0: ever
 };
 
 /// Everything about a teaching session that is not in the sensors' data. See datasets/README.md for the file.

@@ -39,7 +39,7 @@ QueryTerms terms_of(const JsonField& field) {
   query.map_from_base = pose_of(field.at("base"));
   query.policies = policies_of(field.at("policy"));
   query.padding = padding_of(field.at("padding_m"));
-  query.seen_within = seen_within_of(field.at("seen_within_s"));
+  if (field.has("seen_within_s")) query.seen_within = seen_within_of(field.at("seen_within_s"));
   const std::size_t joints = field.at("start").items().size();
   query.start = field.at("start").numbers(joints);
   query.goals = field.at("goals").vectors(joints);

@@ -77,7 +77,7 @@ class RrtConnectFcl::Scenes {
     Robot robot;
     Snapshot map;  ///< held, so that its tree's address stays its own
     std::map<std::string, Policy> policies;
-    double padding = 0.0;
+    double padding = 0.0, seen_within = 0.0;
     std::once_flag made;
     std::shared_ptr<const FclOctreeSpace> scene;
 
@@ -85,9 +85,11 @@ class RrtConnectFcl::Scenes {
         : robot(space.robot()),
           map(space.map()),
           policies(space.policies()),
-          padding(space.options().padding) {}
+          padding(space.options().padding),
+          seen_within(space.options().seen_within) {}
     bool is_of(const ConfigurationSpace& space) const {
-      return &map.tree() == &space.map().tree() && padding == space.options().padding &&
+      return &map.tree() == &space.map().tree() && map.seen() == space.map().seen() &&
+             padding == space.options().padding && seen_within == space.options().seen_within &&
              policies == space.policies() && is_same(robot, space.robot());
     }
   };
