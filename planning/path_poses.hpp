@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <vector>
+
+#include "planning/kinematics.hpp"
+
+namespace clearway {
+
+namespace check {
+class KdlArm;
+}
+
+/// A place on a path: `parameter` of the way along the straight edge that starts at waypoint `edge`.
+struct PathPlace {
+  int edge = 0;
+  double parameter = 0.0;
+};
+
+/// Calls `visit(map_from_shape, place)` for poses of one body along a path, its first and last waypoint among
+/// them, such that no point of the body moves farther than `spacing` from one to the next. So whatever the
+/// body covers at any time is within half of that of what it covers at one of the poses. Precondition: every
+/// waypoint has as many values as the robot has joints, all finite.
+void visit_body_poses(const check::KdlArm& arm, std::size_t body, const std::vector<Configuration>& path,
+                      double spacing,
+                      const std::function<void(const Eigen::Isometry3d&, const PathPlace&)>& visit);
+
+}  // namespace clearway
