@@ -38,6 +38,9 @@ struct RobotFlagNotes {
 /// --robot, --scale, --base, --policy, --padding, as `plan` and `check` share them.
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
+/// --allow-outside and --strict, as `plan` and `check` share them.
+void add_survey_flags(CLI::App& command, SurveyDemands& demands);
+
 Command add_check(CLI::App& app, Console& console);
 Command add_inspect(CLI::App& app, Console& console);
 Command add_compare(CLI::App& app, Console& console);

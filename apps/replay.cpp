@@ -83,6 +83,7 @@ class QueryRunner {
     for (const QuerySetup& query : setup_.queries) {
       require_file_name(query.name);
       choose_policies(policy_texts(query), robot_);
+      require_parts(query.allow_outside, robot_, "setup, query '" + query.name + "', field 'allow_outside'");
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
       for (const std::string& planner : planners(query))
@@ -96,9 +97,9 @@ class QueryRunner {
     std::vector<ReplayPlan> plans;
     QueryRecord record{digest, {}};
     for (const QuerySetup& query : setup_.queries) {
-      spaces_.push_back(std::make_unique<ConfigurationSpace>(robot_, map_,
-                                                             choose_policies(policy_texts(query), robot_),
-                                                             SpaceOptions{.padding = query.padding}));
+      spaces_.push_back(std::make_unique<ConfigurationSpace>(
+          robot_, map_, choose_policies(policy_texts(query), robot_),
+          SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy)}));
       record.queries.push_back(terms_of(query, *spaces_.back()));
     }
     save_file(folder_ / "queries.json", to_json(record));
@@ -115,6 +116,7 @@ class QueryRunner {
                     options_.seed, options_.time_limit};
         asked.name = query.name;
         asked.payload = setup_.robot->payload;
+        asked.survey = SurveyDemands{.allow_outside = query.allow_outside};
         asked.gravity = setup_.robot->gravity;
         Plan plan = solve(asked);
         advise(asked, plan);
@@ -135,6 +137,7 @@ class QueryRunner {
             .map_from_base = robot_.map_from_base,
             .policies = space.policies(),
             .padding = space.options().padding,
+            .allow_outside = query.allow_outside,
             .start = configuration(query.start),
             .goals = configurations(query.goals)};
   }

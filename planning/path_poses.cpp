@@ -1,15 +1,29 @@
 #include "planning/path_poses.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "planning/path_check_model.hpp"
 
 namespace clearway {
+namespace {
+
+constexpr double most_poses = 1e6;
+
+}  // namespace
 
 void visit_body_poses(const check::KdlArm& arm, std::size_t body, const std::vector<Configuration>& path,
                       double spacing,
                       const std::function<void(const Eigen::Isometry3d&, const PathPlace&)>& visit) {
   if (path.empty()) return;
+  double way = 0.0;
+  for (std::size_t edge = 0; edge + 1 < path.size(); ++edge)
+    way += arm.motion(body, (path[edge + 1] - path[edge]).cwiseAbs());
+  if (!(way <= most_poses * spacing)) {
+    throw std::invalid_argument(
+        "the path moves a body over more than a million voxels, expected a shorter path or a "
+        "coarser map");
+  }
   check::BodyPoses poses;
   const auto visit_at = [&](std::size_t edge, double parameter, const Configuration& q) {
     arm.place(q, poses);

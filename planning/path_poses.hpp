@@ -22,6 +22,7 @@ struct PathPlace {
 /// them, such that no point of the body moves farther than `spacing` from one to the next. So whatever the
 /// body covers at any time is within half of that of what it covers at one of the poses. Precondition: every
 /// waypoint has as many values as the robot has joints, all finite.
+/// @throws std::invalid_argument when that takes more than a million poses.
 void visit_body_poses(const check::KdlArm& arm, std::size_t body, const std::vector<Configuration>& path,
                       double spacing,
                       const std::function<void(const Eigen::Isometry3d&, const PathPlace&)>& visit);

@@ -143,6 +143,13 @@ std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands
   return std::nullopt;
 }
 
+void refuse_surveyed(const PathSurvey& survey, const SurveyDemands& demands, PathVerdict& verdict) {
+  const auto reason = refusal(survey, demands);
+  if (!reason || !verdict.valid) return;
+  verdict.valid = false;
+  verdict.first_contact = *reason;
+}
+
 void require_parts(const std::vector<std::string>& allow_outside, const Robot& robot,
                    const std::string& what) {
   std::set<std::string> parts;

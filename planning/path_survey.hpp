@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planning/path_check.hpp"
 #include "planning/path_poses.hpp"
 #include "planning/swept_voxels.hpp"
 
@@ -43,8 +44,12 @@ struct SurveyDemands {
 /// does not say where its sensors looked: there no part leaves unless the box is farther from all that the
 /// robot can reach, its base included, than that is wide. Precondition: every waypoint has as many values as
 /// the robot has joints, all finite.
+/// @throws std::invalid_argument for a path that moves a body over more than a million voxels.
 PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        const std::vector<Configuration>& path);
+
+/// Takes the word "valid" back from a path that is refused for what was surveyed; `first_contact` says why.
+void refuse_surveyed(const PathSurvey& survey, const SurveyDemands& demands, PathVerdict& verdict);
 
 /// One sentence that says why the path is refused for what was surveyed; none when it is not.
 std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands& demands);

@@ -26,6 +26,7 @@ Json terms_json(const QueryTerms& query) {
           {"base", json_of(query.map_from_base)},
           {"policy", json_of(query.policies)},
           {"padding_m", query.padding},
+          {"allow_outside", query.allow_outside},
           {"start", json_of(query.start)},
           {"goals", json_of(query.goals)}};
 }
@@ -38,6 +39,10 @@ QueryTerms terms_of(const JsonField& field) {
   query.map_from_base = pose_of(field.at("base"));
   query.policies = policies_of(field.at("policy"));
   query.padding = padding_of(field.at("padding_m"));
+  if (field.has("allow_outside")) {
+    for (const JsonField& part : field.at("allow_outside").items())
+      query.allow_outside.push_back(part.text());
+  }
   const std::size_t joints = field.at("start").items().size();
   query.start = field.at("start").numbers(joints);
   query.goals = field.at("goals").vectors(joints);

@@ -19,6 +19,7 @@ struct QueryTerms {
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::map<std::string, Policy> policies;  ///< of every part
   double padding = 0.0;                    ///< metres
+  std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
   Configuration start;
   std::vector<Configuration> goals;
 };
