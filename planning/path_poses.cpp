@@ -12,6 +12,11 @@ constexpr double most_poses = 1e6;
 
 }  // namespace
 
+Robot without_file(Robot robot) {
+  robot.source.clear();
+  return robot;
+}
+
 void visit_body_poses(const check::KdlArm& arm, std::size_t body, const std::vector<Configuration>& path,
                       double spacing,
                       const std::function<void(const Eigen::Isometry3d&, const PathPlace&)>& visit) {

@@ -5,12 +5,17 @@
 #include <vector>
 
 #include "planning/kinematics.hpp"
+#include "planning/robot.hpp"
 
 namespace clearway {
 
 namespace check {
 class KdlArm;
 }
+
+/// The robot as it was loaded, with no file that the check's kinematics would read again: that the two agree
+/// is for check_path to say.
+Robot without_file(Robot robot);
 
 /// A place on a path: `parameter` of the way along the straight edge that starts at waypoint `edge`.
 struct PathPlace {

@@ -94,7 +94,7 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
   PathSurvey survey;
   survey.swept = swept_voxels(robot, map, path);
   survey.standing = standing_contacts(robot, map);
-  const check::KdlArm arm(robot);
+  const check::KdlArm arm(without_file(robot));
   const VoxelCounts counts = map.counts();
   const Eigen::AlignedBox3d bounds = map.bounds();
   const bool may_leave = counts.seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);

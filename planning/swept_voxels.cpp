@@ -70,7 +70,7 @@ double SweptVoxels::share(std::size_t voxels) const {
 std::optional<SweptVoxels> swept_voxels(const Robot& robot, const Snapshot& map,
                                         const std::vector<Configuration>& path) {
   if (path.empty()) return std::nullopt;
-  const check::KdlArm arm(robot);
+  const check::KdlArm arm(without_file(robot));
   VoxelMarks marks(map.resolution());
   bool is_countable = true;
   for (std::size_t body = 0; body < robot.bodies.size() && is_countable; ++body) {
@@ -95,7 +95,7 @@ struct Standing {
 };
 
 std::vector<Standing> standing_bodies(const Robot& robot) {
-  const check::KdlArm arm(robot);
+  const check::KdlArm arm(without_file(robot));
   check::BodyPoses poses;
   arm.place(Configuration::Zero(static_cast<Eigen::Index>(robot.dof())), poses);
   std::vector<Standing> standing;
