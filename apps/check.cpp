@@ -40,6 +40,10 @@ int run_check(const CheckOptions& options, Console& console) {
   report.deviations = deviations(report.contract, plan, options.accepted);
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
+  // A path that is malformed (its clearances were not measured) leads nowhere.
+  const auto path = report.path.clearance.empty() ? std::vector<Configuration>{} : plan.waypoints();
+  report.survey = survey_path(robot_of(report.contract, robot), map, policies_of(report.contract), path);
+  refuse_surveyed(report.survey, report.contract.demands, report.path);
   report.map_integration = to_string(integration_of(map));
   report.map_caveat = integration_caveat(map);
   report.plan_status = plan.status();

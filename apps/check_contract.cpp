@@ -11,9 +11,6 @@ namespace clearway {
 
 namespace {
 
-/// What a robot keeps from what blocks it when nobody asks for a padding, metres.
-double default_padding(const Robot&) { return 0.0; }
-
 std::string name_of(const std::string& robot) { return std::filesystem::path(robot).stem().string(); }
 
 std::vector<std::string> joint_names(const Robot& robot) {
@@ -78,7 +75,7 @@ class Statement {
     if (query_) take(query_->policies, TermSource::map);
     const Policies flags = choose_policies(options_.robot.policies, robot_);
     if (!flags.critical_by_default) {  // --policy P, for all parts
-      for (auto& [part, term] : terms) term = {flags.other, TermSource::flag};
+      for (auto& [part, term] : terms) term = {flags.other.value_or(term.value), TermSource::flag};
     }
     take(flags.parts, TermSource::flag);
     for (const auto& [part, term] : terms) {
@@ -89,10 +86,13 @@ class Statement {
     return terms;
   }
 
+  /// At the contract's scale, metres: bit for bit as a robot of that scale has it.
+  double position_accuracy() const { return robot_.position_accuracy * (scale().value / robot_.scale); }
+
   Term<double> padding() const {
     if (options_.robot.padding) return {*options_.robot.padding, TermSource::flag};
     if (query_) return {query_->padding, TermSource::map};
-    const double least = default_padding(robot_);
+    const double least = position_accuracy();
     return plan_.padding < least ? Term<double>{least, TermSource::by_default}
                                  : Term<double>{plan_.padding, TermSource::plan};
   }
@@ -176,6 +176,14 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.policies = statement.policies(contract.notes);
   contract.padding = statement.padding();
   contract.seen_within = statement.seen_within();
+  contract.position_accuracy = statement.position_accuracy();
+  contract.demands = options.survey;
+  require_parts(contract.demands.allow_outside, robot, "--allow-outside");
+  if (query) {
+    const std::vector<std::string>& allowed = query->allow_outside;
+    contract.demands.allow_outside.insert(contract.demands.allow_outside.end(), allowed.begin(),
+                                          allowed.end());
+  }
   contract.map_sha256 = {map_digest, TermSource::flag};
   contract.start = statement.start();
   contract.goals = statement.goals();

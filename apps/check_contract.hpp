@@ -34,6 +34,8 @@ struct Contract {
   std::map<std::string, Term<Policy>> policies;  ///< of every part
   Term<double> padding;                          ///< metres
   Term<double> seen_within;                      ///< of parts under known_free, seconds; 0: ever
+  double position_accuracy = 0.0;                ///< of the robot at the contract's scale, metres
+  SurveyDemands demands;                         ///< of the flags; parts outside also of the map's query
   Term<std::string> map_sha256;
   Term<Configuration> start;
   Term<std::vector<Configuration>> goals;
@@ -53,8 +55,8 @@ constexpr double contract_tolerance = 1e-6;
 
 /// States the contract. Each term is taken from the flags; else from the map's record of the plan's query,
 /// when that is of this map and of the robot that --robot names; else from the plan. Three terms do not
-/// follow the plan where it asks for less: the scale is then the robot's own, the padding `default_padding`,
-/// and a part of which the plan says nothing has the policy that it would have by default.
+/// follow the plan where it asks for less: the scale is then the robot's own, the padding its position
+/// accuracy, and a part of which the plan says nothing has the policy that it would have by default.
 /// @param robot as --robot names it, with nothing changed
 /// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,

@@ -22,8 +22,9 @@ Command add_check(CLI::App& app, Console& console) {
                   {.scale = otherwise + "the robot's own",
                    .base = otherwise + "the plan's",
                    .policy = otherwise + "the plan's",
-                   .padding = otherwise + "the plan's, at least the robot's default",
+                   .padding = otherwise + "the plan's, at least the robot's position accuracy",
                    .seen_within = otherwise + "the plan's"});
+  add_survey_flags(*command, options->survey);
   command
       ->add_option("--start", options->start,
                    "comma-separated joint values, rad or m" + otherwise + "the plan's")

@@ -5,6 +5,7 @@
 
 #include "apps/parse.hpp"
 #include "apps/query.hpp"
+#include "apps/survey_figures.hpp"
 
 namespace clearway {
 
@@ -89,8 +90,8 @@ void append_contract(const Contract& contract, Rows& rows) {
     rows.emplace_back("seen within", significant(contract.seen_within.value) +
                                          " s before the map's newest look" +
                                          from(contract.seen_within.source));
-  rows.emplace_back("padding",
-                    significant(contract.padding.value * 1000.0, 3) + " mm" + from(contract.padding.source));
+  rows.emplace_back("padding", describe_padding(contract.padding.value, contract.position_accuracy,
+                                                from(contract.padding.source)));
   rows.emplace_back(
       "map", "sha256 " + contract.map_sha256.value.substr(0, 16) + "…" + from(contract.map_sha256.source));
   rows.emplace_back("start", to_text(contract.start.value) + from(contract.start.source));
@@ -125,6 +126,7 @@ Rows check_rows(const CheckReport& report) {
   if (report.path.valid)
     rows.emplace_back("min. clearance", significant(report.path.min_clearance * 1000.0, 3) + " mm");
   rows.emplace_back("waypoints", std::to_string(report.waypoints));
+  for (auto& row : survey_figures(report.survey)) rows.push_back(std::move(row));
   if (report.plan_status != PlanStatus::solved)
     rows.emplace_back("plan", std::string(to_string(report.plan_status)) + ": not all legs have a path");
   append_contract(report.contract, rows);
@@ -158,6 +160,7 @@ Json check_json(const CheckReport& report) {
                                   [](const Deviation& d) { return d.term == AcceptedTerm::map; });
   json["integration"] = report.map_integration;
   if (!report.map_caveat.empty()) json["map_caveat"] = report.map_caveat;
+  json.update(Json::parse(to_json(report.survey)));
   json["contract"] = contract_json(contract);
   json["checker"] = report.path.checker;
   return json;

@@ -14,7 +14,8 @@ namespace clearway {
 struct CheckReport {
   Contract contract;
   std::vector<Deviation> deviations;
-  PathVerdict path;  ///< of the plan's waypoints under the contract
+  PathVerdict path;   ///< of the plan's waypoints under the contract
+  PathSurvey survey;  ///< what the map knows of where they lead
   PlanStatus plan_status = PlanStatus::no_path;
   std::size_t waypoints = 0;
   std::string map_integration{};  ///< which integration made the map

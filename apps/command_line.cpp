@@ -102,6 +102,7 @@ Command add_plan(CLI::App& app, Console& console) {
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->type_name("MAP");
   add_robot_flags(*command, options->robot);
+  add_survey_flags(*command, options->survey);
   command->get_option("--robot")->required(false);
   command->add_option("--start", options->start, "comma-separated joint values, rad or m")->type_name("Q");
   command->add_option("--goal", options->goals, "the same; several goals are legs of one path")

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/console.hpp"
+#include "planning/path_survey.hpp"
 
 namespace clearway {
 
@@ -24,7 +25,7 @@ struct RobotChoice {
   std::optional<double> scale;             ///< replaces the robot's own
   std::vector<double> base;                ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
   std::vector<std::string> policies;       ///< "P" (all parts) or "PART=P"
-  std::optional<double> padding = {};      ///< metres
+  std::optional<double> padding = {};      ///< metres; none: `auto`, the robot's position accuracy
   std::optional<double> seen_within = {};  ///< seconds, of parts under known_free; none: ever
 };
 
@@ -56,6 +57,7 @@ struct PlanOptions {
   std::vector<std::string> goals;
   bool degrees = false;
   CostChoice cost;
+  SurveyDemands survey;
   std::string planner;
   std::vector<std::string> settings;  ///< "key=value", planner options
   std::uint64_t seed = 1;
@@ -78,6 +80,7 @@ struct CheckOptions {
   std::vector<std::string> goals;
   bool degrees = false;
   std::set<AcceptedTerm> accepted;
+  SurveyDemands survey;
   std::filesystem::path plan;
 };
 int run_check(const CheckOptions& options, Console& console);

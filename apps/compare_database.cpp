@@ -135,7 +135,7 @@ void insert_all(Database& database, const CompareResults& results) {
     const std::int64_t id = database.insert(
         "experiments",
         {suite, setup.name, setup.title, setup.paper, setup.notes, experiment.robot_file, experiment.scale,
-         Json(setup.policies), setup.padding, setup.payload, numbers(setup.gravity),
+         Json(setup.policies), setup.padding.value_or(0.0), setup.payload, numbers(setup.gravity),
          number_or_null(experiment.time_limit), setup.runs, Json(experiment.joints), Json(setup.plots)});
     for (const CompareProblem& problem : experiment.problems) {
       insert_problem(database, id, experiment, problem);

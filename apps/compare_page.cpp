@@ -73,9 +73,8 @@ std::string conditions(const CompareExperiment& experiment) {
     text += "; voxels of " + significant(1000.0 * experiment.problems.front().resolution) + " mm";
   }
   for (const auto& [part, policy] : experiment.setup.policies) text += "; " + part + " " + policy;
-  if (experiment.setup.padding > 0.0) {
-    text += "; padding " + significant(1000.0 * experiment.setup.padding) + " mm";
-  }
+  if (const double padding = experiment.setup.padding.value_or(0.0); padding > 0.0)
+    text += "; padding " + significant(1000.0 * padding) + " mm";
   return text + loads(experiment.setup) + "; at most " + significant(experiment.time_limit) + " s a leg";
 }
 

@@ -86,9 +86,11 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   ready.time_limit = experiment.time_limit.value_or(usual_limit);
   if (!experiment.teams) {
     ready.robot = told(suite, experiment, "field 'robot'", [&] {
-      return choose_robot({.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}});
+      return choose_robot(
+          {.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}, .padding = {}});
     });
     ready.policies = suite_policies(suite, experiment, ready.robot);
+    ready.setup.padding = experiment.padding.value_or(ready.robot.position_accuracy);
   }
   require_plots(suite, experiment);
   std::set<std::string> labels;

@@ -149,7 +149,7 @@ class Runner {
   std::shared_ptr<OpenStage> make_stage(std::size_t index) {
     SuiteStage stage = stages_.make(index);
     ConfigurationSpace space(experiment_.robot, stage.map, experiment_.policies,
-                             {.padding = experiment_.setup.padding});
+                             {.padding = experiment_.setup.padding.value_or(0.0)});
     collected_.open(index, stage.problems.size());
     if (stage.map_file.empty() && (choice_.keep_maps || !experiment_.setup.generate)) {
       stage.map_file = keep_map(stage).string();
@@ -214,7 +214,8 @@ class Runner {
             .seed = choice_.seed + static_cast<std::uint64_t>(number - 1),
             .time_limit = experiment_.time_limit,
             .payload = experiment_.setup.payload,
-            .gravity = experiment_.setup.gravity};
+            .gravity = experiment_.setup.gravity,
+            .survey = std::nullopt};  // suites judge planners, in scenes whose unknown is theirs
   }
 
   Plan plan_once(const Query& query, const StageProblem& problem, std::size_t planner) const {

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <limits>
 
+#include "apps/parse.hpp"
+
 namespace clearway {
 
 Check number(const std::string& expected, double low, double high) {
@@ -48,6 +50,15 @@ void add_seen_within(CLI::App& command, std::optional<double>& seconds, const st
       ->type_name("S");
 }
 
+namespace {
+
+const std::string default_policy =
+    "; default: painted for critical parts (known_free where the map has no paint), not_occupied for others; "
+    "of a robot "
+    "that names no critical part all are known_free, or not_occupied in a map of obstacles alone";
+
+}  // namespace
+
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
       ->required()
@@ -65,14 +76,40 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
   command
       .add_option(
           "--policy", choice.policies,
-          "painted, known_free or not_occupied for all parts, or PART=P for one; repeatable" + notes.policy)
+          "painted, known_free or not_occupied (unknown counts as free) for all parts, or PART=P for one; "
+          "repeatable" +
+              (notes.policy.empty() ? default_policy : notes.policy))
       ->type_name("[PART=]P")
       ->allow_extra_args(false)
       ->take_all();
-  command.add_option("--padding", choice.padding, "distance that every part keeps, metres" + notes.padding)
-      ->check(number("a length from 0 to 100 (metres)", 0.0, 100.0))
-      ->type_name("M");
+  command
+      .add_option_function<std::string>(
+          "--padding",
+          [&choice](const std::string& text) {
+            choice.padding.reset();
+            if (text != "auto") choice.padding = parse_numbers(text, "--padding").front();
+          },
+          "distance that every part keeps, metres; auto: the robot's position accuracy (1 mm at full size "
+          "where its "
+          "settings state none); 0 must be asked for" +
+              (notes.padding.empty() ? std::string("; default: auto") : notes.padding))
+      ->check([](const std::string& text) {
+        return text == "auto" ? std::string() : number("a length from 0 to 100 (metres)", 0.0, 100.0)(text);
+      })
+      ->type_name("auto|M");
   add_seen_within(command, choice.seen_within, notes.seen_within);
+}
+
+void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
+  command
+      .add_option(
+          "--allow-outside", demands.allow_outside,
+          "a part that may leave the map's bounds although its policy is not_occupied, or all; repeatable")
+      ->type_name("PART|all")
+      ->allow_extra_args(false)
+      ->take_all();
+  command.add_flag("--strict", demands.strict,
+                   "refuse when a body that no joint moves touches occupied voxels");
 }
 
 }  // namespace clearway

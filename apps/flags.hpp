@@ -42,6 +42,9 @@ void add_seen_within(CLI::App& command, std::optional<double>& seconds, const st
 /// --robot, --scale, --base, --policy, --padding, --seen-within, as `plan` and `check` share them.
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
+/// --allow-outside and --strict, as `plan` and `check` share them.
+void add_survey_flags(CLI::App& command, SurveyDemands& demands);
+
 Command add_check(CLI::App& app, Console& console);
 Command add_inspect(CLI::App& app, Console& console);
 Command add_compare(CLI::App& app, Console& console);

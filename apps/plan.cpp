@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <ostream>
 #include <stdexcept>
@@ -75,6 +76,20 @@ void require_files(const PlanOptions& options) {
   }
 }
 
+/// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is told.
+void tell_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
+                         Console& console) {
+  const bool is_chosen = !options.robot.policies.empty() || !space.robot().critical_parts.empty();
+  if (is_chosen || plan.status() == PlanStatus::solved) return;
+  const bool is_known_free = std::any_of(plan.policies.begin(), plan.policies.end(),
+                                         [](const auto& part) { return part.second == Policy::known_free; });
+  if (!is_known_free) return;
+  console.log("note: " + space.robot().name +
+              " names no critical part, so all of it must lie in known free space; with --policy "
+              "not_occupied unknown "
+              "counts as free");
+}
+
 /// A padding may make the robot's surroundings too large to be looked at: then the flag is named.
 ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
                                 double padding, double seen_within) {
@@ -115,22 +130,26 @@ int run_plan(const PlanOptions& options, Console& console) {
     goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));
   }
   const Policies policies = choose_policies(options.robot.policies, robot);
+  require_parts(options.survey.allow_outside, robot, "--allow-outside");
   require_files(options);
   const Snapshot map = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
 
-  const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding.value_or(0.0),
-                                                options.robot.seen_within.value_or(0.0));
+  const double padding = choose_padding(options.robot, robot);
+  const ConfigurationSpace space =
+      padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
   Query query{space,           options.robot.robot,
               options.map,     map_sha256(options.map),
               start,           goals,
               options.planner, settings,
               options.seed,    options.time_limit};
   query.payload = options.cost.payload;
+  query.survey = options.survey;
   if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
   Plan plan = solve(query);
   advise(query, plan);
+  tell_default_policy(options, plan, space, console);
   const std::string text = to_json(plan);
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "apps/parse.hpp"
+#include "apps/survey_figures.hpp"
 #include "mapping/map_integration.hpp"
 #include "planning/path_check.hpp"
 
@@ -22,6 +23,10 @@ Robot choose_robot(const RobotChoice& choice) {
   }
   if (!choice.base.empty()) robot.map_from_base = pose_from_numbers(choice.base, "--base");
   return robot;
+}
+
+double choose_padding(const RobotChoice& choice, const Robot& robot) {
+  return choice.padding.value_or(robot.position_accuracy);
 }
 
 namespace {
@@ -119,6 +124,7 @@ Plan empty_plan(const Query& query) {
   plan.policies = query.space.policies();
   plan.padding = query.space.options().padding;
   plan.seen_within = query.space.options().seen_within;
+  plan.position_accuracy = robot.position_accuracy;
   plan.payload = query.payload;
   plan.gravity = query.gravity;
   plan.query = query.name;
@@ -135,6 +141,17 @@ void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
   leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
                      significant(leg.final_distance, 3) + ": " +
                      (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
+}
+
+}  // namespace
+
+namespace {
+
+/// Adds what the map knows of where the robot goes, and refuses for it.
+void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan& plan) {
+  plan.survey = survey_path(space.robot(), space.map(), plan.policies, plan.waypoints());
+  plan.allow_outside = demands.allow_outside;
+  refuse_surveyed(*plan.survey, demands, plan.validation);
 }
 
 }  // namespace
@@ -167,6 +184,7 @@ Plan solve(const Query& query, const Planner& planner) {
     plan.validation = check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path,
                                  0.0, plan.seen_within);
   }
+  if (query.survey) survey(*query.survey, query.space, plan);
   return plan;
 }
 
@@ -192,6 +210,10 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
   rows.emplace_back("policy", describe_policies(plan.policies, plan.seen_within));
+  rows.emplace_back("padding", describe_padding(plan.padding, plan.position_accuracy));
+  if (plan.survey) {
+    for (auto& row : survey_figures(*plan.survey)) rows.push_back(std::move(row));
+  }
   rows.emplace_back("configurations", grouped(checks));
   rows.emplace_back("time", significant(plan.time_s, 3) + " s");
   return rows;

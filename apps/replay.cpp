@@ -85,6 +85,7 @@ class QueryRunner {
       require_file_name(query.name);
       choose_policies(policy_texts(query), robot_);
       require_seen_within(query);
+      require_parts(query.allow_outside, robot_, "setup, query '" + query.name + "', field 'allow_outside'");
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
       for (const std::string& planner : planners(query))
@@ -100,7 +101,8 @@ class QueryRunner {
     for (const QuerySetup& query : setup_.queries) {
       spaces_.push_back(std::make_unique<ConfigurationSpace>(
           robot_, map_, choose_policies(policy_texts(query), robot_),
-          SpaceOptions{.padding = query.padding, .seen_within = seen_within(query)}));
+          SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
+                       .seen_within = seen_within(query)}));
       record.queries.push_back(terms_of(query, *spaces_.back()));
     }
     save_file(folder_ / "queries.json", to_json(record));
@@ -117,6 +119,7 @@ class QueryRunner {
                     options_.seed, options_.time_limit};
         asked.name = query.name;
         asked.payload = setup_.robot->payload;
+        asked.survey = SurveyDemands{.allow_outside = query.allow_outside};
         asked.gravity = setup_.robot->gravity;
         Plan plan = solve(asked);
         advise(asked, plan);
@@ -138,6 +141,7 @@ class QueryRunner {
             .policies = space.policies(),
             .padding = space.options().padding,
             .seen_within = space.options().seen_within,
+            .allow_outside = query.allow_outside,
             .start = configuration(query.start),
             .goals = configurations(query.goals)};
   }

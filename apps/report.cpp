@@ -63,19 +63,22 @@ Json tracking_json(const FusionCounts& counts, const Setup& setup) {
 
 Json plan_json(const ReplayPlan& entry) {
   const Plan& plan = entry.plan;
-  return {{"query", entry.query},
-          {"planner", plan.planner},
-          {"file", entry.file.string()},
-          {"status", to_string(plan.status())},
-          {"explanation", plan.explanation()},
-          {"legs", plan.legs.size()},
-          {"search_steps", steps(plan)},
-          {"cost_joules", joules(plan)},
-          {"time_s", plan.time_s},
-          {"verdict", plan.waypoints().empty() ? "none"
-                      : plan.validation.valid  ? "valid"
-                                               : "refused"},
-          {"min_clearance_m", plan.validation.min_clearance}};
+  Json json = {{"query", entry.query},
+               {"planner", plan.planner},
+               {"file", entry.file.string()},
+               {"status", to_string(plan.status())},
+               {"explanation", plan.explanation()},
+               {"legs", plan.legs.size()},
+               {"search_steps", steps(plan)},
+               {"cost_joules", joules(plan)},
+               {"time_s", plan.time_s},
+               {"verdict", plan.waypoints().empty() ? "none"
+                           : plan.validation.valid  ? "valid"
+                                                    : "refused"},
+               {"min_clearance_m", plan.validation.min_clearance},
+               {"padding_m", plan.padding}};
+  if (plan.survey) json.update(Json::parse(to_json(*plan.survey)));
+  return json;
 }
 
 }  // namespace

@@ -155,8 +155,9 @@ SuiteStage SuiteStages::make(std::size_t index) const {
   if (index >= size()) throw std::out_of_range("a stage beyond the last one");
   if (experiment_.generate) {
     const Policies policies = suite_policies(suite_, experiment_, robot_);
+    const double padding = experiment_.padding.value_or(robot_.position_accuracy);
     SuiteStage stage = generator_of(suite_, experiment_)
-                           .draw(*experiment_.generate, index, robot_, policies, experiment_.padding);
+                           .draw(*experiment_.generate, index, robot_, policies, padding);
     stage.digest = map_sha256(stage.map);
     return stage;
   }

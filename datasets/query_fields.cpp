@@ -20,6 +20,11 @@ std::map<std::string, std::string> read_policies(const YamlFields& fields) {
   return policies;
 }
 
+std::optional<double> read_padding(const YamlFields& fields) {
+  if (!fields.has("padding") || fields.text("padding") == "auto") return std::nullopt;
+  return fields.number("padding", paddings);
+}
+
 void read_legs(const YamlFields& fields, std::vector<double>& start,
                std::vector<std::vector<double>>& goals) {
   start = fields.angles("start");

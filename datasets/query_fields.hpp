@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -22,6 +23,11 @@ std::map<std::string, std::string> read_policies(const YamlFields& fields);
 /// all but letters, digits and ._-= is one. @throws std::invalid_argument
 void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
                const std::string& key);
+
+/// padding: a length from 0 to 100 m; none for `auto`, or where the key is left out: the robot's position
+/// accuracy.
+/// @throws std::invalid_argument
+std::optional<double> read_padding(const YamlFields& fields);
 
 /// start(_deg) and goals(_deg). Whether there are as many numbers as the robot has joints is for those to say
 /// who know the robot. @throws std::invalid_argument

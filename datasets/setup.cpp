@@ -188,7 +188,8 @@ QuerySetup read_query(const YamlFields& fields) {
   query.planners = fields.texts("planners");
   if (fields.has("policies")) query.policies = read_policies(fields.map("policies"));
   if (fields.has("options")) query.options = read_options(fields.map("options"));
-  query.padding = fields.number("padding", paddings, 0);
+  query.padding = read_padding(fields);
+  query.allow_outside = fields.texts("allow_outside");
   query.seen_within = fields.number("seen_within", not_negative, 0);
   fields.finish();
   return query;

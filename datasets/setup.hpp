@@ -111,7 +111,8 @@ struct QuerySetup {
   std::vector<std::string> planners;            ///< empty: the command's default
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
   std::map<std::string, std::string> options;   ///< "key" for each planner, "planner.key" for one
-  double padding = 0;                           ///< m, distance that every body keeps
+  std::optional<double> padding;                ///< m, distance that every body keeps; none: `auto`
+  std::vector<std::string> allow_outside;       ///< parts that may leave the map's bounds, or "all"
   double seen_within = 0;                       ///< s, how long a look counts under known_free; 0: ever
 };
 

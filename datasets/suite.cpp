@@ -140,7 +140,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   for (const char* key : {"scale", "payload"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
   if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
-  experiment.padding = fields.number("padding", paddings, experiment.padding);
+  experiment.padding = read_padding(fields);
   experiment.planners = fields.has("planners") ? read_planners(fields) : usual;
   if (experiment.planners.empty()) fields.fail("planners", "expected at least one planner");
   experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);

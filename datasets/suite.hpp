@@ -74,7 +74,7 @@ struct SuiteExperiment {
   std::optional<SuiteGenerator> generate;       ///< either this, or world and problems, or teams
   std::optional<SuiteTeams> teams;              ///< generated ones are drawn later
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
-  double padding = 0;                           ///< m
+  std::optional<double> padding;                ///< m; none: `auto`, the robot's position accuracy
   std::vector<SuitePlanner> planners;
   int runs = 1;                      ///< each problem with that many seeds
   std::optional<double> time_limit;  ///< s a leg; left out: the suite's

@@ -50,6 +50,7 @@ Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVol
 double Snapshot::resolution() const { return state_->tree->getResolution(); }
 const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->volumes; }
 const FusedTree& Snapshot::tree() const { return *state_->tree; }
+double Snapshot::log_odds_of_a_look() const { return -static_cast<double>(tree().getProbMissLog()); }
 
 VoxelCounts Snapshot::counts() const {
   VoxelCounts counts;

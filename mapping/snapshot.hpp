@@ -51,6 +51,10 @@ class Snapshot {
   const std::vector<PaintedVolume>& volumes() const;  ///< exact balls; empty for a bare tree
   const FusedTree& tree() const;                      ///< include mapping/fused_tree.hpp to use it
   VoxelCounts counts() const;
+  /// By how much one look through a voxel lowers its log-odds: that of the map's sensor model, or OctoMap's
+  /// for a map that does not store one. A voxel whose log-odds are no lower was seen once, or is as little
+  /// known.
+  double log_odds_of_a_look() const;
   Eigen::AlignedBox3d bounds() const;  ///< of all stored leaves' cubes; empty for an empty map
 
   Voxel voxel(const Eigen::Vector3d& point) const;  ///< unknown for a non-finite or far point

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,14 +13,16 @@
 
 namespace clearway {
 
-/// The policy of each robot part. Unlisted parts have `other`, unlisted critical parts (those of the robot
-/// and those that a painted volume names) are `painted` (inside the volumes that name the part, or inside any
-/// volume when none does), or `known_free` in a map that holds no paint at all;
+/// The policy of each robot part. Unlisted critical parts (those of the robot and those that a painted volume
+/// names) are `painted` (inside the volumes that name the part, or inside any volume when none does), or
+/// `known_free` in a map that holds no paint at all. All other parts have `other`; where it is left out,
+/// `not_occupied`, but for a robot that names no critical part, of which nobody has said what may go into the
+/// unknown: all of it is `known_free` wherever the map holds free voxels, painted or seen.
 /// ConfigurationSpace::policies() says what was chosen.
 struct Policies {
   std::map<std::string, Policy> parts = {};
-  Policy other = Policy::not_occupied;
-  bool critical_by_default = true;  ///< unlisted critical parts are `painted`
+  std::optional<Policy> other = std::nullopt;
+  bool critical_by_default = true;  ///< what is left out is chosen as above; else it is `not_occupied`
 };
 
 struct SpaceOptions {

@@ -15,6 +15,18 @@ bool has_paint(const Snapshot& map) {
   return counts.painted + counts.conflict > 0;
 }
 
+bool has_free_space(const Snapshot& map) {
+  const VoxelCounts counts = map.counts();
+  return counts.painted + counts.seen_free > 0;
+}
+
+/// Of parts that are neither critical nor told.
+Policy usual_policy(const Robot& robot, const Snapshot& map, const Policies& policies) {
+  if (policies.other) return *policies.other;
+  const bool is_cautious = policies.critical_by_default && robot.critical_parts.empty();
+  return is_cautious && has_free_space(map) ? Policy::known_free : Policy::not_occupied;
+}
+
 }  // namespace
 
 std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
@@ -25,6 +37,7 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
     if (!critical) critical = has_paint(map) ? Policy::painted : Policy::known_free;
     return *critical;
   };
+  const Policy usual = usual_policy(robot, map, policies);
   std::map<std::string, Policy> chosen;
   for (const Body& body : robot.bodies) {
     const auto& list = robot.critical_parts;
@@ -32,7 +45,7 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
         policies.critical_by_default &&
         (std::find(list.begin(), list.end(), body.part) != list.end() || map.volumes_of_part(body.part) != 0);
     const bool is_given = policies.parts.contains(body.part);
-    chosen[body.part] = is_critical && !is_given ? of_critical_parts() : policies.other;
+    chosen[body.part] = is_critical && !is_given ? of_critical_parts() : usual;
   }
   for (const auto& [part, policy] : policies.parts) {
     if (const auto known = chosen.find(part); known != chosen.end()) {

@@ -9,7 +9,8 @@ namespace clearway {
 
 /// The policy of every part of the robot: as given; else `painted` for critical parts (of the robot, or named
 /// by a painted volume) when the map holds any paint and `known_free` when it holds none; else
-/// `policies.other`.
+/// `policies.other`; else, for a robot that names no critical part in a map that holds free voxels,
+/// `known_free`; else `not_occupied`.
 /// @throws std::invalid_argument when a policy names a part that the robot does not have.
 std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
                                             const Policies& policies);

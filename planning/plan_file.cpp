@@ -24,7 +24,8 @@ std::string verdict_of(const PathVerdict& validation) {
   return validation.first_contact.empty() ? "not_checked" : "refused";
 }
 
-Json validation_json(const PathVerdict& validation) {
+Json validation_json(const Plan& plan) {
+  const PathVerdict& validation = plan.validation;
   const std::string verdict = verdict_of(validation);
   Json json = {
       {"verdict", verdict}, {"min_clearance_m", validation.min_clearance}, {"checker", validation.checker}};
@@ -34,6 +35,7 @@ Json validation_json(const PathVerdict& validation) {
     json["parameter"] = validation.parameter;
   }
   if (!validation.clearance.empty()) json["clearance_m"] = validation.clearance;
+  if (plan.survey) json.update(Json::parse(to_json(*plan.survey)));
   return json;
 }
 
@@ -142,13 +144,15 @@ std::string to_json(const Plan& plan) {
       {"legs", legs_json(plan.legs)},
       {"time_s", plan.time_s},
       {"checks", total(plan.legs, &PlanResult::configurations_checked)},
-      {"validation", validation_json(plan.validation)},
+      {"validation", validation_json(plan)},
       {"last_segment_joules", total(plan.legs, &PlanResult::last_segment_cost)},
       {"edges_checked", total(plan.legs, &PlanResult::edges_checked)},
       {"goals", json_of(plan.goals)},
       {"scale", plan.robot_scale},
       {"base", json_of(plan.map_from_base)},
       {"padding_m", plan.padding},
+      {"position_accuracy_m", plan.position_accuracy},
+      {"allow_outside", plan.allow_outside},
       {"payload_kg", plan.payload},
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
   if (!plan.query.empty()) json["query"] = plan.query;

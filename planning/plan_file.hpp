@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planning/paint_advice.hpp"
 #include "planning/path_check.hpp"
+#include "planning/path_survey.hpp"
 #include "planning/planner.hpp"
 
 namespace clearway {
@@ -23,8 +25,9 @@ struct Plan {
   double map_resolution = 0.0;
   std::string map_integration{};  ///< which integration made the map; empty: not told
   std::string map_caveat{};       ///< what a verdict on the map must say of it, one sentence; may be empty
-  std::map<std::string, Policy> policies;  ///< per part
-  double padding = 0.0;
+  std::map<std::string, Policy> policies;    ///< per part
+  double padding = 0.0;                      ///< metres
+  double position_accuracy = 0.0;            ///< of the robot at its scale, metres; 0: not known
   double seen_within = 0.0;                  ///< of parts under known_free, seconds; 0: ever
   double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
@@ -33,8 +36,10 @@ struct Plan {
   Configuration start;                       ///< as asked; of no size when the file does not say
   std::vector<Configuration> goals;          ///< as asked
   double time_s = 0.0;
-  std::vector<PaintHint> paint;  ///< of a plan that is not solved: where painting would help
-  PathVerdict validation;        ///< of the whole path; `valid == false` and empty contact: not checked
+  std::vector<PaintHint> paint;      ///< of a plan that is not solved: where painting would help
+  PathVerdict validation;            ///< of the whole path; `valid == false` and empty contact: not checked
+  std::optional<PathSurvey> survey;  ///< what the map knows of where the robot goes
+  std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved
   std::string explanation() const;

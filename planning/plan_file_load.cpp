@@ -112,6 +112,10 @@ Plan read_plan(const JsonField& root) {
   if (root.has("base")) plan.map_from_base = pose_of(root.at("base"));
   if (root.has("padding_m")) plan.padding = padding_of(root.at("padding_m"));
   if (root.has("seen_within_s")) plan.seen_within = seen_within_of(root.at("seen_within_s"));
+  if (root.has("position_accuracy_m")) plan.position_accuracy = padding_of(root.at("position_accuracy_m"));
+  if (root.has("allow_outside")) {
+    for (const JsonField& part : root.at("allow_outside").items()) plan.allow_outside.push_back(part.text());
+  }
   if (root.has("payload_kg")) plan.payload = root.at("payload_kg").number();
   if (root.has("gravity")) plan.gravity = root.at("gravity").numbers(3);
   if (!root.has("paint")) return plan;

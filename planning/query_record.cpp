@@ -27,6 +27,7 @@ Json terms_json(const QueryTerms& query) {
           {"policy", json_of(query.policies)},
           {"padding_m", query.padding},
           {"seen_within_s", query.seen_within},
+          {"allow_outside", query.allow_outside},
           {"start", json_of(query.start)},
           {"goals", json_of(query.goals)}};
 }
@@ -40,6 +41,10 @@ QueryTerms terms_of(const JsonField& field) {
   query.policies = policies_of(field.at("policy"));
   query.padding = padding_of(field.at("padding_m"));
   if (field.has("seen_within_s")) query.seen_within = seen_within_of(field.at("seen_within_s"));
+  if (field.has("allow_outside")) {
+    for (const JsonField& part : field.at("allow_outside").items())
+      query.allow_outside.push_back(part.text());
+  }
   const std::size_t joints = field.at("start").items().size();
   query.start = field.at("start").numbers(joints);
   query.goals = field.at("goals").vectors(joints);

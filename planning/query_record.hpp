@@ -17,9 +17,10 @@ struct QueryTerms {
   std::string robot;   ///< name or path, as given
   double scale = 1.0;  ///< against the full-size robot
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
-  std::map<std::string, Policy> policies;  ///< of every part
-  double padding = 0.0;                    ///< metres
-  double seen_within = 0.0;                ///< of parts under known_free, seconds; 0: ever
+  std::map<std::string, Policy> policies;       ///< of every part
+  double padding = 0.0;                         ///< metres
+  double seen_within = 0.0;                     ///< of parts under known_free, seconds; 0: ever
+  std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
   Configuration start;
   std::vector<Configuration> goals;
 };

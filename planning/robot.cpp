@@ -92,6 +92,7 @@ Robot scaled(const Robot& robot, double factor) {
   }
   Robot result = robot;
   result.scale *= factor;
+  result.position_accuracy *= factor;
   for (Joint& joint : result.joints) {
     if (joint.kind != JointKind::prismatic) continue;
     joint.lower *= factor;

@@ -46,6 +46,10 @@ struct Body {
   std::vector<Sphere> cover;  ///< balls in the LINK frame whose union contains the body
 };
 
+/// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the
+/// accuracy of a pose that was computed and not taught only that it is several times worse. Metres.
+constexpr double default_position_accuracy = 1e-3;
+
 /// A robot: a kinematic tree with bodies, masses and limits, at some scale and place. Plain data.
 struct Robot {
   std::string name;
@@ -58,6 +62,7 @@ struct Robot {
   std::vector<std::string> critical_parts;     ///< parts that `painted` is the default policy for
   std::string inverse_kinematics = "numeric";  ///< "numeric" or "puma" (geometric, Craig)
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  double position_accuracy = default_position_accuracy;  ///< metres, at this scale: the default padding
   double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
   std::filesystem::path source;
 
@@ -76,7 +81,8 @@ Robot load_robot(const std::string& name_or_path);
 /// Names in datasets/robots with one line of description each, sorted.
 std::vector<std::pair<std::string, std::string>> available_robots();
 
-/// The same robot `factor` times as large: lengths and prismatic limits by factor, masses by factor^3.
+/// The same robot `factor` times as large: lengths, prismatic limits and accuracy by factor, masses by
+/// factor^3.
 Robot scaled(const Robot& robot, double factor);
 
 /// The folder of robots, scenes and setups: $CLEARWAY_DATASETS, or the one the program was built with.

@@ -18,6 +18,7 @@ namespace {
 constexpr double default_friction = 0.1;
 constexpr double default_step_rad = 0.5 * std::numbers::pi / 180.0;
 constexpr double default_step_m = 0.01;
+constexpr double most_position_accuracy = 1.0;  ///< metres; no robot is as coarse as that
 
 /// One mapping of the file; knows where it is, so that refusals can say so.
 class Section {
@@ -122,7 +123,7 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
 RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& root) {
   const Section section(file, "", root,
                         {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
-                         "inverse_kinematics", "exempt"});
+                         "position_accuracy", "inverse_kinematics", "exempt"});
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
@@ -138,6 +139,9 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
   settings.critical_parts = section.texts("critical_parts");
   settings.friction = per_joint(file, section, "friction", 0.0);
   settings.step = per_joint(file, section, "step", 1e-12);
+  settings.position_accuracy = section.number("position_accuracy", settings.position_accuracy, 0.0);
+  if (settings.position_accuracy > most_position_accuracy)
+    section.refuse("position_accuracy", "a length from 0 to 1 (metres)");
   settings.inverse_kinematics = section.text("inverse_kinematics", "numeric");
   if (settings.inverse_kinematics != "numeric" && settings.inverse_kinematics != "puma") {
     section.refuse("inverse_kinematics", "numeric or puma");
@@ -207,6 +211,7 @@ void apply_settings(const RobotSettings& settings, const std::filesystem::path& 
   }
   robot.link_from_tip = settings.link_from_tip;
   robot.map_from_base = settings.map_from_base;
+  robot.position_accuracy = settings.position_accuracy;
   robot.inverse_kinematics = settings.inverse_kinematics;
 }
 

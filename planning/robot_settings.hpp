@@ -28,6 +28,7 @@ struct RobotSettings {
   std::vector<std::string> critical_parts;
   PerJoint friction;  ///< mu_j of Chong et al. 2008, eq. 8; default 0.1
   PerJoint step;      ///< epsilon_j in rad or m; default 0.5 deg or 0.01 m
+  double position_accuracy = default_position_accuracy;
   std::string inverse_kinematics = "numeric";
   std::optional<std::vector<std::pair<std::string, std::string>>> exempt;  ///< pairs of parts
 };

@@ -52,12 +52,12 @@ TEST_F(Check, says_under_which_policy_padding_scale_and_base_its_verdict_holds) 
   ASSERT_EQ(run.status, exit_done) << run.out << run.log;
   const Json json = Json::parse(run.out);
   EXPECT_EQ(json["policy"], Json({{"base", "painted"}}));
-  EXPECT_EQ(json["padding_m"], 0.0);
+  EXPECT_EQ(json["padding_m"], 0.001);  // the robot's position accuracy
   EXPECT_EQ(json["scale"], 1.0);
   EXPECT_EQ(json["base"], Json({0.0, 0.0, 0.0, 0.0, 0.0, 0.0}));
   EXPECT_EQ(json["plan_status"], "solved");
   const std::string text = check(plan_).out;
-  for (const char* words : {"0 mm", "point at scale 1"})
+  for (const char* words : {"1 mm (plan), the robot's position accuracy", "point at scale 1"})
     EXPECT_NE(text.find(words), std::string::npos) << text;
 }
 
@@ -117,7 +117,7 @@ TEST_F(Check, tells_of_each_term_where_it_comes_from) {
   EXPECT_EQ(contract["start"], Json({{"value", {-0.3, 0.0}}, {"source", "plan"}}));
   EXPECT_EQ(contract["goals"]["value"], Json({{0.3, 0.0}, {0.3, 0.2}}));
   const std::string text = check(plan_, {"--start=-0.3,0", "--goal=0.3,0", "--goal=0.3,0.2"}).out;
-  for (const char* row : {"(-0.3, 0) (flag)", "(0.3, 0.2) (flag)", "all parts painted (plan)", "0 mm (plan)"})
+  for (const char* row : {"(-0.3, 0) (flag)", "(0.3, 0.2) (flag)", "all parts painted (plan)", "1 mm (plan)"})
     EXPECT_NE(text.find(row), std::string::npos) << text;
 }
 
