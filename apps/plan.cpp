@@ -8,6 +8,7 @@
 #include "apps/parse.hpp"
 #include "apps/query.hpp"
 #include "apps/table.hpp"
+#include "mapping/map_damage.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/trajectory_file.hpp"
@@ -117,6 +118,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Snapshot map = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
 
   const ConfigurationSpace space = padded_space(robot, map, policies, options.robot.padding.value_or(0.0));
   Query query{space,           options.robot.robot,
