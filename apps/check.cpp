@@ -5,6 +5,7 @@
 #include "apps/check_report.hpp"
 #include "apps/commands.hpp"
 #include "apps/table.hpp"
+#include "mapping/map_damage.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/map_integration.hpp"
 #include "planning/plan_file.hpp"
@@ -34,6 +35,7 @@ int run_check(const CheckOptions& options, Console& console) {
   const Snapshot map = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
   CheckReport report;
   report.contract =
       state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));

@@ -120,6 +120,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   progress(1.0);
   if (painter) painter->finish();
   fusion.damage = frames->damage();
+  if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
   if (!fusion.damage) require_tags(fusion, recording);
   warn_of_leftovers(fusion);

@@ -7,6 +7,7 @@
 #include "apps/parse.hpp"
 #include "apps/table.hpp"
 #include "mapping/fused_tree.hpp"
+#include "mapping/map_damage.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/map_integration.hpp"
 #include "mapping/seen_stamps.hpp"
@@ -43,6 +44,7 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
                     {"seen_free", counts.seen_free},
                     {"occupied", counts.occupied},
                     {"conflict", counts.conflict}};
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) json["damaged_recording"] = caveat;
   if (!map.bounds().isEmpty()) {
     json["bounds"] = {{"min", to_json(map.bounds().min())}, {"max", to_json(map.bounds().max())}};
   }
@@ -93,6 +95,8 @@ void print_map(const Json& json, std::ostream& out) {
                                          significant(box["max"][axis].get<double>()) + " m");
     }
   }
+  if (json.contains("damaged_recording"))
+    rows.emplace_back("warning", json["damaged_recording"].get<std::string>());
   for (const auto& [state, count] : json["voxels"].items())
     rows.emplace_back(state, grouped(count.get<std::size_t>()));
   rows.emplace_back("last seen", json.contains("seen") ? look_times(json["seen"]) : "not known when");

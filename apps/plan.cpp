@@ -9,6 +9,7 @@
 #include "apps/parse.hpp"
 #include "apps/query.hpp"
 #include "apps/table.hpp"
+#include "mapping/map_damage.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/part_policies.hpp"
@@ -135,6 +136,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Snapshot map = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
 
   const double padding = choose_padding(options.robot, robot);
   const ConfigurationSpace space =

@@ -157,6 +157,10 @@ ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
   return counts;
 }
 
+void FreeSpaceMap::note_damaged_recording(std::size_t records) {
+  state_->tree.set_records_before_damage(records);
+}
+
 void FreeSpaceMap::keep_scans(std::size_t budget) { state_->scans.emplace(budget); }
 
 const ConflictLog& FreeSpaceMap::conflicts() const { return state_->conflicts.log(); }

@@ -89,6 +89,9 @@ class FreeSpaceMap {
   /// Why the map is what it is; without scans when keep_scans was not called.
   Provenance provenance() const;
 
+  /// Says in the map that it is made from a damaged recording, of which so many records were read.
+  void note_damaged_recording(std::size_t records);
+
   /// Integrates a scan by ray carving (OctoMap's traversal); in `safe` integration less is freed.
   ScanCounts insert(const Scan& scan, const ScanFilter& filter = {});
 

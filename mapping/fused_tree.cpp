@@ -15,6 +15,7 @@ FusedTree::FusedTree(const FusedTree& other)
   occ_prob_thres_log = other.occ_prob_thres_log;
   if (other.root != nullptr) root = other.root->share();
   tree_size = other.tree_size;
+  records_before_damage_ = other.records_before_damage_;
   size_changed = true;
 }
 

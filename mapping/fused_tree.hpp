@@ -104,6 +104,9 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   VoxelState state(const FusedNode& node) const;
   /// Log-odds at and over which an observed voxel is occupied, exactly as given (setOccupancyThres rounds).
   void set_occupied_log_odds(float log_odds) { occ_prob_thres_log = log_odds; }
+  /// How many records of a damaged recording went into the tree, where one did. A copy has it, too.
+  std::optional<std::uint64_t> records_before_damage() const { return records_before_damage_; }
+  void set_records_before_damage(std::uint64_t records) { records_before_damage_ = records; }
 
   /// Cell of a coordinate with OctoMap's own rounding; none when it is not finite or outside the key range.
   std::optional<Eigen::Vector3i> cell(const Eigen::Vector3d& point) const;
@@ -150,6 +153,8 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   FusedNode& root_for_writing(bool& created);
   /// FusedNode::child_for_writing of a node in this tree.
   FusedNode& child_for_writing(FusedNode& node, unsigned index, bool just_created, bool& created);
+
+  std::optional<std::uint64_t> records_before_damage_;
 };
 
 template <class Visit>

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
 constexpr std::string_view integration_comment = "# clearway integration ";
+constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
 constexpr std::string_view painted_comment = "# clearway painted ";
 constexpr std::string_view seen_comment = "# clearway seen_bytes ";
 
@@ -71,6 +72,17 @@ std::shared_ptr<const SeenStamps> take_seen(CheckedOctree& checked, const std::f
   return std::make_shared<const SeenStamps>(parse_seen(bytes, file));
 }
 
+void restore_damage(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, damage_comment);
+  if (text.empty()) return;
+  std::uint64_t records = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), records);
+  if (end.ec != std::errc() || *end.ptr != '\n')
+    throw DamagedFile("'" + file.string() +
+                      "' is damaged: its header does not say how many records were read");
+  tree.set_records_before_damage(records);
+}
+
 }  // namespace
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
@@ -83,6 +95,7 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   std::ostringstream rest;
   rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
   rest << integration_comment << to_string(tree.integration()) << "\n";
+  if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
   const std::string looks = seen == nullptr ? std::string() : format_seen(*seen);
@@ -105,6 +118,7 @@ OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& 
   if (!is_ours) return {tree, {}, false};
   restore_threshold(*tree, checked.header, file);
   restore_integration(*tree, checked.header, file);
+  restore_damage(*tree, checked.header, file);
   return {tree, parse_painted(comments(checked.header, painted_comment), file), true, seen};
 }
 

@@ -22,8 +22,9 @@ struct OctreeContent {
 };
 
 /// Our .ot file: OctoMap's format with our node type. Comment lines, which stock readers skip, hold a seal
-/// (see octree_check.hpp), the occupancy threshold, which integration made the map, and the painted volumes
-/// as in painted.csv. When voxels were last seen follows the tree, where stock readers have stopped.
+/// (see octree_check.hpp), the occupancy threshold, which integration made the map, how many records of a
+/// damaged recording it was made of, and the painted volumes as in painted.csv. When voxels were last seen
+/// follows the tree, where stock readers have stopped.
 /// @param seen null: not known
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
                               const SeenStamps* seen = nullptr);
