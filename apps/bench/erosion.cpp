@@ -136,12 +136,8 @@ Outcome evaluate(const HeldOutSequence& sequence, const FurnishedRoom* room, con
   FreeSpaceMap compatible(options);
   const ScanFilter filter{.max_range = sequence.max_range};
   std::vector<double> safe_ms, compatible_ms;
-  std::optional<GhostWatch> ghosts;
-  if (room != nullptr) ghosts.emplace(*room, sequence.max_range);
   for (const Scan& scan : sequence.scans) {
-    const Snapshot before = safe.snapshot();
     safe_ms.push_back(1e3 * cpu_seconds([&] { safe.insert(scan, filter); }));
-    if (ghosts) ghosts->inserted(scan, before, safe.snapshot());
     compatible_ms.push_back(1e3 * cpu_seconds([&] { compatible.insert(scan, filter); }));
   }
   const Snapshot ours = safe.snapshot(), peer = compatible.snapshot();
@@ -154,7 +150,6 @@ Outcome evaluate(const HeldOutSequence& sequence, const FurnishedRoom* room, con
                   {"peer", outcome.peer.json(room != nullptr)},
                   {"cpu_ms_per_scan", {{"safe", median(safe_ms)}, {"compatible", median(compatible_ms)}}},
                   {"cpu_ratio", median(safe_ms) / median(compatible_ms)}};
-  if (ghosts) outcome.json["ghosts"] = ghosts->json();
   if (room != nullptr)
     outcome.json["truth"] = compare_with_truth(*room, which.resolution, our_state, peer_state);
   return outcome;
@@ -217,6 +212,11 @@ BenchResult bench_erosion(const BenchOptions& options) {
   const FurnishedRoom room(4 * static_cast<std::size_t>(options.runs), 7, errors);
   std::vector<CloudFrame> frames;
   for (std::size_t i = 0; i < room.frames(); ++i) frames.push_back(room.frame(i));
+  for (const double resolution : {0.02, 0.01}) {
+    if (options.resolution > 0.0 && options.resolution != resolution) continue;
+    result.detail["ghosts"].push_back(watch_ghosts(RoomErrors{}, resolution));
+    result.detail["ghosts"].push_back(watch_ghosts(errors, resolution));
+  }
   BenchResult exact;
   result.detail["exact_poses"] = evaluate_all(hold_out(room, frames, true), &room, options.resolution, exact);
   result.detail["pose_errors_6mm_0.2deg_an_axis"] =

@@ -283,6 +283,38 @@ TEST(SafeScan, WhatLeftIsFreeAfterFiveScansThatSeeClearlyThroughItsPlace) {
   }
 }
 
+/// Rays to a wall 2 m ahead, and before it to a pole of this diameter 1 m ahead; a sensor whose pose is
+/// wrong.
+Scan look_past_pole(Dice& dice, double diameter, double shift, double turn) {
+  Scan scan;
+  for (double y = -0.3; y < 0.3; y += 0.0025) {
+    for (double z = -0.3; z < 0.3; z += 0.005) {
+      const Eigen::Vector3d wall(2.0, y, z);
+      const bool meets = std::abs(0.5 * y) < 0.5 * diameter;
+      scan.points.push_back(((meets ? 0.5 : 1.0) * wall).cast<float>());
+    }
+  }
+  const Eigen::Vector3d axis = dice.point(1.0).normalized();
+  scan.map_from_sensor.rotate(Eigen::AngleAxisd(turn * dice.uniform(-1.7, 1.7), axis));
+  scan.map_from_sensor.translation() = dice.point(1.7 * shift);  // uniform, of that standard deviation
+  return scan;
+}
+
+TEST(SafeScan, APoleThinnerThanAVoxelIsNotErasedByLooksFromPosesThatAreWrong) {
+  for (const double resolution : {0.02, 0.01}) {
+    FreeSpaceMap map = map_with(resolution, Integration::safe);
+    Dice dice(11);
+    std::size_t looked = 0, freed = 0;
+    for (int i = 0; i < 30; ++i) {
+      map.insert(look_past_pole(dice, 0.006, 0.006, 0.0035));
+      const Snapshot now = map.snapshot();
+      for (double z = -0.1; z < 0.1; z += 0.005, ++looked)
+        freed += now.state({1.0, 0.0, z}) == VoxelState::seen_free ? 1 : 0;
+    }
+    EXPECT_LE(freed, looked / 100) << resolution;
+  }
+}
+
 TEST(SafeScan, TheMapIsTheSameWhateverTheThreads) {
   std::vector<Snapshot> snapshots;
   for (const int threads : {1, 2, 5}) {
