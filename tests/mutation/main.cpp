@@ -117,6 +117,7 @@ class Check {
       } catch (...) {
         const std::lock_guard lock(mutex_);
         problem_ = std::current_exception();
+        break;
       }
       const std::lock_guard lock(mutex_);
       --under_way_;
