@@ -185,7 +185,7 @@ TEST_F(Survey, padding_is_the_robots_position_accuracy_unless_it_is_asked_for) {
   EXPECT_EQ(padding({"--padding", "auto"}), 0.001);
   EXPECT_EQ(padding({"--padding", "0"}), 0.0);
   EXPECT_EQ(padding({"--padding", "0.02"}), 0.02);
-  EXPECT_DOUBLE_EQ(padding({"--scale", "2"}), 0.002);
+  EXPECT_DOUBLE_EQ(padding({"--scale", "0.5"}), 0.0005);
   folder_.write("crane.yaml", "position_accuracy: 0.0005\n");
   EXPECT_EQ(padding({}), 0.0005);
   folder_.write("crane.yaml", "position_accuracy: -0.1\n");
