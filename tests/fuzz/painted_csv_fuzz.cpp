@@ -1,0 +1,13 @@
+// libFuzzer on painted.csv.
+#include "mapping/painted_csv.hpp"
+
+#include "tests/fuzz/fuzzed_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clearway;
+  return fuzz::read_or_refuse([&] {
+    const auto volumes = parse_painted(fuzz::as_text(data, size), "fuzzed.csv");
+    const std::string again = format_painted(volumes);  // what was accepted reads back the same
+    if (format_painted(parse_painted(again, "again.csv")) != again) std::abort();
+  });
+}

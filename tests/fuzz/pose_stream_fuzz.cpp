@@ -1,0 +1,10 @@
+// libFuzzer on pose files (TUM).
+#include "datasets/pose_stream.hpp"
+
+#include "tests/fuzz/fuzzed_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clearway;
+  return fuzz::read_or_refuse(
+      [&] { parse_tum_poses(std::string(fuzz::as_text(data, size)), "fuzzed.tum", 0.5); });
+}

@@ -1,0 +1,9 @@
+// libFuzzer on setups (YAML).
+#include "datasets/setup.hpp"
+
+#include "tests/fuzz/fuzzed_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clearway;
+  return fuzz::read_or_refuse([&] { parse_setup(std::string(fuzz::as_text(data, size)), "fuzzed.yaml"); });
+}
