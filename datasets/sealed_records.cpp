@@ -38,6 +38,7 @@ std::string SealedRecords::read(std::uint64_t at, std::size_t count) const {
 
 /// Where the next sealed member begins, at `from` or behind it; the file's end when there is none.
 std::uint64_t SealedRecords::find_seal(std::uint64_t from) const {
+  if (seal_of(read(from, RecordSeal::header_bytes))) return from;  // as in every whole recording
   for (std::uint64_t at = from; at < size_; at += window) {
     const std::string bytes = read(at, window + RecordSeal::header_bytes - 1);
     const std::string_view view = bytes;
