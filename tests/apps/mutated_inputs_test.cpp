@@ -1,0 +1,192 @@
+// Every file that the program reads, with bytes changed, cut out, doubled or put in. The real program reads
+// it: it ends by itself, soon, in little memory, with one sentence. CLEARWAY_MUTATIONS sets how many of each
+// kind.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <random>
+
+#include "datasets/recording.hpp"
+#include "mapping/free_space_map.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/provenance.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/datasets/small_scene.hpp"
+
+namespace clearway {
+namespace {
+
+struct ProgramRun {
+  int status = -1;  ///< -1: killed by a signal
+  long memory_kb = 0;
+  double seconds = 0;
+  std::string log;
+};
+
+ProgramRun run_program(std::vector<std::string> arguments, const std::string& log) {
+  arguments.insert(arguments.begin(), CLEARWAY_BINARY);
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int nowhere = ::open("/dev/null", O_RDWR);
+    const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    for (const auto& [from, to] : {std::pair{nowhere, 0}, std::pair{nowhere, 1}, std::pair{file, 2}})
+      ::dup2(from, to);
+    const rlimit time{20, 20};  // s of processor; what hangs ends there
+    ::setrlimit(RLIMIT_CPU, &time);
+    ::alarm(60);
+    ::execv(words[0], words.data());
+    ::_exit(127);
+  }
+  ProgramRun run;
+  int status = 0;
+  rusage used{};
+  while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
+  }
+  run.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  run.memory_kb = used.ru_maxrss;
+  run.seconds = static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
+  run.log = read_file(log);
+  return run;
+}
+
+class MutatedInputs : public ::testing::Test {
+ protected:
+  static int count() {
+    const char* given = std::getenv("CLEARWAY_MUTATIONS");
+    return given ? std::atoi(given) : 12;
+  }
+
+  std::string mutated(const std::string& whole) {
+    std::string bytes = whole;
+    for (unsigned changes = 1 + random_() % 4; changes > 0 && !bytes.empty(); --changes) {
+      const std::size_t at = random_() % bytes.size(),
+                        size = 1 + random_() % std::min<std::size_t>(40, bytes.size());
+      switch (random_() % 6) {
+        case 0:
+          bytes[at] = static_cast<char>(random_());
+          break;
+        case 1:
+          bytes[at] = static_cast<char>(bytes[at] ^ (1 << random_() % 8));
+          break;
+        case 2:
+          bytes.erase(at, size);
+          break;
+        case 3:
+          bytes.insert(at, bytes.substr(random_() % bytes.size(), size));
+          break;
+        case 4:
+          bytes.resize(at);
+          break;
+        default:
+          bytes.insert(at,
+                       std::vector<std::string>{"[", "{", "1e308", "-1", "99999999999", "\"", "&a *a", "\xff",
+                                                "nan", "\n", ": ", "- ", "\x1b[2J", "0"}[random_() % 14]);
+      }
+    }
+    return bytes;
+  }
+
+  /// `command` reads `file`, of which `whole` is the sound content.
+  void expect_told(const std::string& file, const std::string& whole,
+                   const std::vector<std::string>& command) {
+    for (int i = 0; i < count(); ++i) {
+      const std::string bytes = mutated(whole);
+      folder_.write(file, bytes);
+      const ProgramRun run = run_program(command, folder_.file("log"));
+      std::size_t sentences = 0;
+      for (std::size_t at = 0; (at = run.log.find("clearway: ", at)) != std::string::npos; ++at) ++sentences;
+      const bool good = run.status >= 0 && run.status <= 3 && run.seconds <= 5.0 &&
+                        run.memory_kb <= 128 * 1024 + 20 * static_cast<long>(bytes.size()) / 1024 &&
+                        (run.status < 2 || sentences == 1) && run.log.find('\x1b') == std::string::npos;
+      if (good) continue;
+      const std::string kept =
+          ::testing::TempDir() + "mutated-" + std::filesystem::path(file).filename().string();
+      std::filesystem::copy_file(folder_.file(file), kept, std::filesystem::copy_options::overwrite_existing);
+      ADD_FAILURE() << kept << ": status " << run.status << ", " << run.seconds << " s, " << run.memory_kb
+                    << " kB\n"
+                    << run.log.substr(0, 2000);
+    }
+  }
+
+  TemporaryFolder folder_;
+  std::mt19937 random_{1};
+};
+
+const std::string bench = std::string(CLEARWAY_SOURCE_DIR) + "/datasets/suites/maps/workbench.bt";
+
+TEST_F(MutatedInputs, a_plan) {
+  const std::string plan = folder_.file("plan.json");
+  run_command({"plan", "--map", bench, "--robot", "arm5", "--start", "0,0,0,0,0", "--goal", "0.1,0,0,0,0",
+               "--planner", "rrtconnect", "--out", plan});
+  ASSERT_TRUE(std::filesystem::exists(plan));
+  expect_told("plan.json", read_file(plan), {"check", plan, "--map", bench, "--robot", "arm5"});
+}
+
+TEST_F(MutatedInputs, a_suite_and_a_robots_settings) {
+  const std::string suite =
+      "worlds: [{name: w, resolution: 0.1, sensors: [[0, 0, 1]], sensor_range: 2, solids: [{name: s, box: "
+      "[1, 1, "
+      "0.1]}]}]\nplanners: [{planner: rrtconnect}]\ntime_limit: 0.1\nexperiments: [{name: e, robot: point, "
+      "world: w, "
+      "problems: [{name: p, start: [0, 0], goals: [[1, 0]]}]}]\n";
+  expect_told("suite.yaml", suite, {"compare", folder_.file("suite.yaml"), "--out", folder_.file("out")});
+  for (const char* kind : {".yaml", ".urdf"}) {
+    const std::string name = std::string("planar2") + kind;
+    folder_.write(name, read_file(std::string(CLEARWAY_SOURCE_DIR) + "/datasets/robots/" + name));
+  }
+  expect_told("planar2.yaml", read_file(folder_.file("planar2.yaml")),
+              {"plan", "--map", bench, "--robot", folder_.file("planar2.yaml"), "--start", "0,0", "--goal",
+               "0.1,0", "--planner", "rrtconnect"});
+}
+
+TEST_F(MutatedInputs, a_scene_and_a_setup) {
+  folder_.write("setup.yaml", small_setup);
+  const std::string out = folder_.file("out.rawlog");
+  expect_told("scene.yaml", small_scene, {"simulate", folder_.file("scene.yaml"), "--out", out});
+  folder_.write("scene.yaml", small_scene);
+  expect_told("setup.yaml", small_setup, {"simulate", folder_.file("scene.yaml"), "--out", out});
+}
+
+TEST_F(MutatedInputs, a_recording) {
+  RecordingWriter writer(folder_.file("whole.rawlog"));
+  std::mt19937 random(1);
+  for (int i = 0; i < 10; ++i) {
+    CloudFrame cloud;
+    for (int k = 0; k < 200; ++k)
+      cloud.points.emplace_back(1.0F, static_cast<float>(random() % 100) / 100, 0.0F);
+    writer.write(Frame{1000.0 + i, "cloud", cloud});
+  }
+  writer.finish();
+  expect_told("r.rawlog", read_file(folder_.file("whole.rawlog")),
+              {"replay", folder_.file("r.rawlog"), "--out", folder_.file("out")});
+}
+
+TEST_F(MutatedInputs, a_map_folder) {
+  FreeSpaceMap map({.resolution = 0.05});
+  const int volume = map.add_volume("tool", {"hand"});
+  map.begin_stroke("first", "test");
+  for (int i = 0; i < 20; ++i) map.paint(volume, {{0.02 * i, 0.2, 0.3}, 0.1}, i);
+  map.end_stroke();
+  const auto folder = folder_.path() / "map";
+  save_map(map.snapshot(), folder);
+  save_provenance(map.provenance(), folder);
+  const std::vector<std::string> inspect = {"inspect", folder.string(), "--at", "0.1,0.2,0.3"};
+  for (const char* file : {"painted.csv", "provenance.bin", "map.ot"}) {
+    const std::string whole = read_file(folder / file);
+    expect_told(std::string("map/") + file, whole, inspect);
+    folder_.write(std::string("map/") + file, whole);
+  }
+  export_map(map.snapshot(), folder / "map.ot");  // of another program: painted.csv is read
+  expect_told("map/painted.csv", read_file(folder / "painted.csv"), inspect);
+}
+
+}  // namespace
+}  // namespace clearway
