@@ -40,7 +40,8 @@ constexpr const char* setup = R"(
 map: {resolution: 0.1}
 robot: {name: point, base: [0, 0, 0.05, 0, 0, 0]}
 queries:
-  - {name: aside, start: [-1, 0], goals: [[-1, 0.5]], planners: [rrtconnect], policies: {default: not_occupied}}
+  - {name: aside, start: [-1, 0], goals: [[-1, 0.5]], planners: [rrtconnect], policies: {default: not_occupied},
+     allow_outside: [base]}  # it stands behind the sensor
 )";
 
 constexpr const char* suite = R"(

@@ -69,7 +69,7 @@ TEST(PathSurvey, a_map_of_obstacles_alone_has_no_bounds_within_reach_but_one_out
   Robot far = load_robot("puma560");
   const Configuration ready = Configuration::Zero(6);
   EXPECT_TRUE(survey_path(far, wall(), {}, {ready}).leaving.empty());
-  for (const double distance : {5.0, 1e8}) {
+  for (const double distance : {8.0, 1e8}) {
     far.map_from_base.translation().x() = distance;
     const PathSurvey survey = survey_path(far, wall(), {}, {ready});
     EXPECT_EQ(survey.leaving.size(), 7u) << distance;  // all but the base
