@@ -156,8 +156,8 @@ SuiteStage SuiteStages::make(std::size_t index) const {
   if (experiment_.generate) {
     const Policies policies = suite_policies(suite_, experiment_, robot_);
     const double padding = experiment_.padding.value_or(robot_.position_accuracy);
-    SuiteStage stage = generator_of(suite_, experiment_)
-                           .draw(*experiment_.generate, index, robot_, policies, padding);
+    SuiteStage stage =
+        generator_of(suite_, experiment_).draw(*experiment_.generate, index, robot_, policies, padding);
     stage.digest = map_sha256(stage.map);
     return stage;
   }
