@@ -8,13 +8,13 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <random>
 
 #include "datasets/recording.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/provenance.hpp"
+#include "tests/apps/mutated_bytes.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/datasets/small_scene.hpp"
 
@@ -59,46 +59,11 @@ ProgramRun run_program(std::vector<std::string> arguments, const std::string& lo
 
 class MutatedInputs : public ::testing::Test {
  protected:
-  static int count() {
-    const char* given = std::getenv("CLEARWAY_MUTATIONS");
-    return given ? std::atoi(given) : 3;
-  }
-
-  std::string mutated(const std::string& whole) {
-    std::string bytes = whole;
-    for (unsigned changes = 1 + random_() % 4; changes > 0 && !bytes.empty(); --changes) {
-      const std::size_t at = random_() % bytes.size(),
-                        size = 1 + random_() % std::min<std::size_t>(40, bytes.size());
-      switch (random_() % 6) {
-        case 0:
-          bytes[at] = static_cast<char>(random_());
-          break;
-        case 1:
-          bytes[at] = static_cast<char>(bytes[at] ^ (1 << random_() % 8));
-          break;
-        case 2:
-          bytes.erase(at, size);
-          break;
-        case 3:
-          bytes.insert(at, bytes.substr(random_() % bytes.size(), size));
-          break;
-        case 4:
-          bytes.resize(at);
-          break;
-        default:
-          bytes.insert(at,
-                       std::vector<std::string>{"[", "{", "1e308", "-1", "99999999999", "\"", "&a *a", "\xff",
-                                                "nan", "\n", ": ", "- ", "\x1b[2J", "0"}[random_() % 14]);
-      }
-    }
-    return bytes;
-  }
-
   /// `command` reads `file`, of which `whole` is the sound content.
   void expect_told(const std::string& file, const std::string& whole,
                    const std::vector<std::string>& command) {
-    for (int i = 0; i < count(); ++i) {
-      const std::string bytes = mutated(whole);
+    for (int i = 0; i < mutations(3); ++i) {
+      const std::string bytes = mutated(whole, random_);
       folder_.write(file, bytes);
       const ProgramRun run = run_program(command, folder_.file("log"));
       std::size_t sentences = 0;

@@ -69,6 +69,29 @@ TEST(Query, AStepLargerThanTheWayIsTold) {
   EXPECT_EQ(explained(start, {{"step_deg", "180"}}), "Reached the goal box in 0 steps.");
 }
 
+TEST(Query, AGoalThatABeamComesNearAndDoesNotReachIsToldBesideTheVerdict) {
+  Policies policies;
+  policies.critical_by_default = false;
+  const Robot robot = load_robot("planar2");
+  const ConfigurationSpace space(robot, FreeSpaceMap({.resolution = 0.1}).snapshot(), policies);
+  const auto goal_row = [&](const char* last_segment) {
+    const Plan plan = solve({space,
+                             "planar2",
+                             {},
+                             {},
+                             Eigen::Vector2d(0.0, 0.0),
+                             {Eigen::Vector2d(0.6, 0.31)},
+                             "beam",
+                             {{"step", "0.1"}, {"last_segment", last_segment}}});
+    for (const auto& [name, text] : plan_figures(plan)) {
+      if (name == "goal 1") return text;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(goal_row("true"), "");
+  EXPECT_NE(goal_row("false").find("check refuses the plan without --accept-goals"), std::string::npos);
+}
+
 const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
 const Eigen::Matrix3d on_the_wall =
     Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();

@@ -166,6 +166,37 @@ TEST_P(ControlRowsOf, OfDampersHoldEveryVoxelThatAStepCanBringToItsBoundWithTheP
   EXPECT_GT(can_bind, 50);
 }
 
+TEST_P(ControlRowsOf, OfDampersHoldNothingThatNoStepCanBringToItsBound) {
+  const Robot robot = load_robot(GetParam());
+  Random random(10);
+  const ConfigurationSpace space(robot, cluttered(robot, random), {.critical_by_default = false});
+  const DamperOptions damper{0.005, 0.12, 0.02, 0.05,
+                             Eigen::VectorXd::Ones(static_cast<Eigen::Index>(robot.dof()))};
+  const double per_move = (damper.influence_distance - damper.security_distance) / damper.xi;
+  ControlRows rows(space, damper), all(space, damper.influence_distance, damper.influence_distance);
+  std::size_t kept = 0, left_out = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Configuration q = random.configuration(robot);
+    const LinkPoses poses = forward_kinematics(robot, q);
+    rows.look(q);
+    all.look(q);
+    for (const ControlRow& row : rows.rows()) {
+      if (row.other >= 0) continue;
+      // The body lies in the ball about its box: no point of it moves farther than this.
+      const Body& body = robot.bodies[static_cast<std::size_t>(row.body)];
+      const double radius = 0.5 * body.shape.bounds(Eigen::Isometry3d::Identity()).diagonal().norm();
+      const Eigen::MatrixXd columns = jacobian(robot, poses, body.link, middle(robot, row.body, poses));
+      const double move = damper.max_step * (columns.topRows<3>().colwise().norm().sum() +
+                                             radius * columns.bottomRows<3>().colwise().norm().sum());
+      EXPECT_LE(row.distance, damper.security_distance + per_move * move + 1e-6) << robot.name << row.body;
+      ++kept;
+    }
+    left_out += all.rows().size() - std::min(rows.rows().size(), all.rows().size());
+  }
+  EXPECT_GT(kept, 50U);
+  EXPECT_GT(left_out, 50U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Arms, ControlRowsOf, testing::Values("puma560", "panda", "arm5"));
 
 TEST(ControlRows, BodiesThatOverlapHaveARowAlongTheLineBetweenTheirMiddles) {
@@ -192,6 +223,21 @@ TEST(ControlRows, BodiesThatOverlapHaveARowAlongTheLineBetweenTheirMiddles) {
     }
   }
   EXPECT_GT(seen, 0);
+}
+
+TEST(ControlRows, OfADampersStepLookNoFartherThanTheStepAndItsDamperReach) {
+  Robot robot = load_robot("point");
+  robot.map_from_base.translation().z() = 0.025;
+  FreeSpaceMap map({.resolution = 0.05});
+  for (int y = -20; y < 20; ++y) occupy(map, {0.525, (y + 0.5) * 0.05, 0.025});  // a wall at x = 0.5
+  const ConfigurationSpace space(robot, map.snapshot(), {.critical_by_default = false});
+  const DamperOptions damper{0.02, 0.3, 0.07, 0.115, Eigen::VectorXd::Ones(2)};
+  // The disc's radius is 0.2 m, a step at most 0.02 m an axis: from 0.07 + 2 * 0.04 m on it cannot bind.
+  ControlRows rows(space, damper);
+  rows.look(Eigen::Vector2d(0.1, 0.0));  // 0.2 m away
+  EXPECT_TRUE(rows.rows().empty());
+  rows.look(Eigen::Vector2d(0.2, 0.0));  // 0.1 m away
+  EXPECT_FALSE(rows.rows().empty());
 }
 
 TEST(ControlRows, ADiscInOneLayerOfKnownSpaceSeesItsWallsAndNotItsFloor) {

@@ -1,0 +1,238 @@
+// Each reader on files with bytes changed, cut out, doubled or put in, thousands a minute: within a child of
+// this process, so that a crash or a hang is one file's and is counted. It ends soon, in little memory, with
+// what it read or with one sentence. CLEARWAY_MUTATIONS sets how many of each format. mutated_inputs_test
+// runs the whole program on such files.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+
+#include "apps/failure.hpp"
+#include "datasets/pose_stream.hpp"
+#include "datasets/recording.hpp"
+#include "datasets/scene.hpp"
+#include "datasets/setup.hpp"
+#include "datasets/suite.hpp"
+#include "mapping/cloud_file.hpp"
+#include "mapping/free_space_map.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/provenance.hpp"
+#include "planning/contact_exemptions.hpp"
+#include "planning/plan_file.hpp"
+#include "planning/query_record.hpp"
+#include "planning/robot.hpp"
+#include "planning/robot_settings.hpp"
+#include "planning/urdf_file.hpp"
+#include "tests/apps/mutated_bytes.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/datasets/small_scene.hpp"
+
+namespace clearway {
+namespace {
+
+using Read = std::function<void(const std::filesystem::path&)>;
+
+constexpr unsigned longest = 5;  ///< seconds for one file
+constexpr long most_kilobytes = 128 * 1024;
+
+/// A line of /proc/self/status that begins with `key`, in kB.
+long status_kilobytes(const char* key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(key)) return std::atol(line.c_str() + std::string_view(key).size() + 1);
+  }
+  return 0;
+}
+
+/// What the child shares with its parent.
+struct Progress {
+  int at = 0;         ///< the file under way
+  int refused = 0;    ///< of those before it
+  char find[2000]{};  ///< what is wrong with it; "" when it ended the child
+};
+
+class MutatedReaders : public ::testing::Test {
+ protected:
+  MutatedReaders()
+      : progress_(static_cast<Progress*>(
+            ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))) {}
+  ~MutatedReaders() override { ::munmap(progress_, sizeof(Progress)); }
+
+  /// `read` gets `folder/file`, of which `whole` is the sound content, which it must accept.
+  void expect_read_or_told(const std::string& file, const std::string& whole, const Read& read) {
+    folder_.write(file, whole);
+    ASSERT_NO_THROW(read(folder_.path() / file)) << file;
+    const int count = mutations(40);
+    *progress_ = {};
+    while (progress_->at < count) {
+      const int status = run_child(file, whole, count, read);
+      if (progress_->at >= count) break;
+      const std::string kept = ::testing::TempDir() + "mutated-" + std::to_string(progress_->at) + "-" +
+                               std::filesystem::path(file).filename().string();
+      std::filesystem::copy_file(folder_.file(file), kept, std::filesystem::copy_options::overwrite_existing);
+      ADD_FAILURE() << kept << ": "
+                    << (progress_->find[0] != '\0'    ? progress_->find
+                        : !WIFSIGNALED(status)        ? "it ended the program"
+                        : WTERMSIG(status) == SIGALRM ? "not read after 5 s"
+                                                      : ::strsignal(WTERMSIG(status)));
+      progress_->find[0] = '\0';
+      ++progress_->at;
+    }
+    EXPECT_GT(progress_->refused, count / 10) << file << ": hardly one was refused";
+    folder_.write(file, whole);
+  }
+
+  TemporaryFolder folder_;
+
+ private:
+  int run_child(const std::string& file, const std::string& whole, int count, const Read& read) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      while (progress_->at < count) {
+        std::mt19937 random(static_cast<unsigned>(progress_->at));
+        const std::string bytes = mutated(whole, random);
+        folder_.write(file, bytes);
+        if (!is_read_or_told(bytes.size(), read, folder_.path() / file)) ::_exit(1);
+        ++progress_->at;
+      }
+      ::_exit(0);
+    }
+    int status = 0;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+  }
+
+  void found(const std::string& what) const {
+    std::snprintf(progress_->find, sizeof(progress_->find), "%s", what.c_str());
+  }
+
+  bool is_read_or_told(std::size_t size, const Read& read, const std::filesystem::path& file) const {
+    std::ofstream("/proc/self/clear_refs") << "5";  // the peak of memory begins anew
+    const long before = status_kilobytes("VmRSS:");
+    ::alarm(longest);
+    try {
+      read(file);
+    } catch (...) {
+      ++progress_->refused;
+      const Failure failure = failure_of(std::current_exception());
+      if (failure.sentence.starts_with("a library that") || failure.sentence.size() > 700 ||
+          failure.sentence.find('\x1b') != std::string::npos) {
+        found("not a sentence of ours: " + failure.sentence);
+        return false;
+      }
+    }
+    ::alarm(0);
+    const long taken = status_kilobytes("VmHWM:") - before;
+    if (taken <= most_kilobytes + 20 * static_cast<long>(size) / 1024) return true;
+    found("it took " + std::to_string(taken) + " kB");
+    return false;
+  }
+
+  Progress* progress_;
+};
+
+std::string source(const std::string& file) {
+  return read_file(std::filesystem::path(CLEARWAY_SOURCE_DIR) / file);
+}
+
+TEST_F(MutatedReaders, plans_and_records_of_queries) {
+  expect_read_or_told("plan.json", source("tests/fuzz/corpus/plan_file/in_one_go-beam_guided.json"),
+                      [](const auto& file) { static_cast<void>(to_json(load_plan(file))); });
+  QueryRecord record;
+  record.map_sha256 = std::string(64, 'a');
+  record.queries.push_back({.name = "q",
+                            .robot = "planar2",
+                            .policies = {{"arm", Policy::known_free}},
+                            .start = Eigen::Vector2d(0.0, 0.1),
+                            .goals = {Eigen::Vector2d(1.0, 0.5)}});
+  expect_read_or_told("queries.json", to_json(record),
+                      [](const auto& file) { load_query_record(file.parent_path()); });
+}
+
+TEST_F(MutatedReaders, suites_scenes_and_setups) {
+  for (const char* suite : {"quick", "dynamic", "sensed"})
+    expect_read_or_told("suite.yaml", source("datasets/suites/" + std::string(suite) + ".yaml"),
+                        [](const auto& file) { load_suite(file); });
+  folder_.write("setup.yaml", small_setup);
+  expect_read_or_told("scene.yaml", small_scene, [](const auto& file) { load_scene(file); });
+  expect_read_or_told("setup.yaml", small_setup, [](const auto& file) { load_setup(file); });
+}
+
+TEST_F(MutatedReaders, robots) {
+  for (const char* robot : {"puma560", "arm5"})
+    expect_read_or_told("robot.yaml", source("datasets/robots/" + std::string(robot) + ".yaml"),
+                        [](const auto& file) { read_robot_settings(file); });
+  for (const char* robot : {"puma560", "panda"})
+    expect_read_or_told("robot.urdf", source("datasets/robots/" + std::string(robot) + ".urdf"),
+                        [](const auto& file) { read_urdf(file); });
+  expect_read_or_told("robot.srdf",
+                      "<robot name='r'><disable_collisions link1='a' link2='b' reason='Never'/>"
+                      "<disable_collisions link1='b' link2='c' reason='Adjacent'/></robot>",
+                      [](const auto& file) { read_srdf(file); });
+}
+
+TEST_F(MutatedReaders, recordings) {
+  RecordingWriter writer(folder_.file("whole.rawlog"));
+  std::mt19937 random(1);
+  for (int i = 0; i < 5; ++i) {
+    CloudFrame cloud;
+    for (int k = 0; k < 60; ++k)
+      cloud.points.emplace_back(1.0F, static_cast<float>(random() % 100) / 100, 0.0F);
+    writer.write(Frame{1000.0 + i, "cloud", cloud});
+  }
+  writer.finish();
+  expect_read_or_told("r.rawlog", read_file(folder_.file("whole.rawlog")), [](const auto& file) {
+    RecordingReader reader(file);
+    while (reader.next()) {
+    }
+    if (reader.damage()) throw DamagedFile(*reader.damage());
+  });
+}
+
+TEST_F(MutatedReaders, streams_of_poses) {
+  expect_read_or_told("poses.tum", source("tests/fuzz/corpus/pose_stream/three.tum"),
+                      [](const auto& file) { load_tum_poses(file, 0.5); });
+}
+
+TEST_F(MutatedReaders, maps) {
+  FreeSpaceMap map({.resolution = 0.05});
+  const int volume = map.add_volume("tool", {"hand"});
+  map.begin_stroke("first", "test");
+  for (int i = 0; i < 10; ++i) map.paint(volume, {{0.02 * i, 0.2, 0.3}, 0.1}, i);
+  map.end_stroke();
+  const auto folder = folder_.path() / "map";
+  save_map(map.snapshot(), folder);
+  save_provenance(map.provenance(), folder);
+  const auto load = [](const auto& file) { load_map(file.parent_path()); };
+  const auto load_alone = [](const auto& file) { load_map(file); };
+  expect_read_or_told("map/map.ot", read_file(folder / "map.ot"), load);
+  expect_read_or_told("map/provenance.bin", read_file(folder / "provenance.bin"),
+                      [](const auto& file) { load_provenance(file.parent_path()); });
+  export_map(map.snapshot(), folder / "map.ot");  // of another program: painted.csv is read
+  expect_read_or_told("map/painted.csv", read_file(folder / "painted.csv"), load);
+  expect_read_or_told("other.ot", read_file(folder / "map.ot"), load_alone);
+  expect_read_or_told("other.bt", source("tests/fuzz/corpus/map_file/tiny.bt"), load_alone);
+}
+
+TEST_F(MutatedReaders, clouds) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 30; ++i) points.emplace_back(0.1F * static_cast<float>(i), 0.5F, 1.0F);
+  const auto read = [](const auto& file) { read_viewed_cloud(file); };
+  expect_read_or_told("binary.pcd", format_pcd(points), read);
+  expect_read_or_told("binary.ply", format_ply(points), read);
+  std::string pcd =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 1 1 0 0 0\nPOINTS 3\nDATA ascii\n0 0 0\n1 0 0\n0 1 0.5\n";
+  expect_read_or_told("text.pcd", pcd, read);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,10 @@
+// libFuzzer on what exempts pairs of bodies (SRDF).
+#include "planning/contact_exemptions.hpp"
+
+#include "tests/fuzz/fuzzed_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clearway;
+  static const fuzz::InputFile file(".srdf");
+  return fuzz::read_or_refuse([&] { read_srdf(file.write(fuzz::as_text(data, size))); });
+}

@@ -1,0 +1,18 @@
+// libFuzzer on our own look at mesh files, before assimp gets them. The first byte chooses the kind.
+#include "planning/whole_mesh.hpp"
+
+#include <array>
+
+#include "tests/fuzz/fuzzed_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clearway;
+  static constexpr std::array kinds = {"ply", "stl", "obj", "dae"};
+  if (size == 0) return 0;
+  try {
+    check_mesh_is_whole(std::string(fuzz::as_text(data + 1, size - 1)), kinds[data[0] % kinds.size()]);
+  } catch (const std::runtime_error& error) {
+    fuzz::require_sentence(error);
+  }
+  return 0;
+}
