@@ -108,7 +108,7 @@ TEST_F(MutatedInputs, a_suite_and_a_robots_settings) {
   expect_told("suite.yaml", suite, {"compare", folder_.file("suite.yaml"), "--out", folder_.file("out")});
   for (const char* kind : {".yaml", ".urdf"}) {
     const std::string name = std::string("planar2") + kind;
-    folder_.write(name, read_file(std::string(CLEARWAY_SOURCE_DIR) + "/datasets/robots/" + name));
+    folder_.write(name, read_file(std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets/robots" / name));
   }
   expect_told("planar2.yaml", read_file(folder_.file("planar2.yaml")),
               {"plan", "--map", bench, "--robot", folder_.file("planar2.yaml"), "--start", "0,0", "--goal",
