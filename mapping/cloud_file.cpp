@@ -26,7 +26,7 @@ std::size_t count_words(std::istream& stream) {
 }
 
 constexpr std::size_t most_points = 100'000'000;
-constexpr std::size_t least_memory = std::size_t{256} << 20U;
+constexpr std::size_t megabyte = std::size_t{1} << 20U;
 
 std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   for (const auto& field : cloud.fields) {
@@ -107,9 +107,10 @@ std::string read_in_child(const std::filesystem::path& file) {
   require_input(file, "cloud");
   const std::size_t size = std::filesystem::file_size(file);
   if (size == 0) refuse(file, "it is empty");
-  const std::size_t budget = least_memory + 20 * size;
+  const std::size_t budget = 128 * megabyte + 20 * size;
+  const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
   const bool is_pcd = file.extension() == ".pcd";
-  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, 10});
+  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, seconds});
   if (!read.finished) refuse(file, read.failure);
   return std::move(read.parts.at(0));
 }
