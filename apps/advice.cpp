@@ -4,6 +4,8 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "planning/planner_table.hpp"
+
 namespace clearway {
 namespace {
 

@@ -8,6 +8,7 @@
 #include "mapping/map_damage.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/map_integration.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/plan_file.hpp"
 
 namespace clearway {

@@ -50,9 +50,6 @@ struct Deviation {
   bool is_accepted = false;
 };
 
-/// Start, goals and base count as kept within this, in radians and metres; scales within this share.
-constexpr double contract_tolerance = 1e-6;
-
 /// States the contract. Each term is taken from the flags; else from the map's record of the plan's query,
 /// when that is of this map and of the robot that --robot names; else from the plan. Three terms do not
 /// follow the plan where it asks for less: the scale is then the robot's own, the padding its position

@@ -18,7 +18,7 @@
 #include "apps/table.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/atomic_folder.hpp"
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
 
 namespace clearway {
 namespace {

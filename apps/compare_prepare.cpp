@@ -9,7 +9,8 @@
 #include "apps/query.hpp"
 #include "apps/sensed_spaces.hpp"
 #include "apps/suite_teams.hpp"
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {

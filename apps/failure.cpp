@@ -7,7 +7,7 @@
 #include <typeinfo>
 
 #include "mapping/map_file.hpp"
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

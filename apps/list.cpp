@@ -4,7 +4,9 @@
 #include "apps/commands.hpp"
 #include "apps/parse.hpp"
 #include "apps/table.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/planner.hpp"
+#include "planning/planner_table.hpp"
 #include "planning/robot.hpp"
 
 namespace clearway {

@@ -6,11 +6,13 @@
 #include <set>
 #include <stdexcept>
 
-#include "apps/check_contract.hpp"
 #include "apps/parse.hpp"
 #include "apps/survey_figures.hpp"
 #include "mapping/map_integration.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/query_record.hpp"
 
 namespace clearway {
 

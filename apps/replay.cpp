@@ -15,6 +15,7 @@
 #include "mapping/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/part_policies.hpp"
+#include "planning/planner_table.hpp"
 #include "planning/query_record.hpp"
 
 namespace clearway {

@@ -4,6 +4,7 @@
 
 #include "apps/suite_dice.hpp"
 #include "apps/suite_teams.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/reach.hpp"
 
 namespace clearway {

@@ -8,9 +8,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "datasets/input_descriptor.hpp"
 #include "datasets/observation_decoder.hpp"
-#include "datasets/shown.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
@@ -105,8 +105,8 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
 }
 
 PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap) {
-  const std::string name = "poses " + shown_path(file.string());
-  const std::string text = read_text_file(file, name, 256U << 20U);
+  const std::string name = "poses " + quote_path(file.string());
+  const std::string text = read_input(file, "poses", 256U << 20U);
   return parse_tum_poses(text, name, max_gap);
 }
 

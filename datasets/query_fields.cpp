@@ -1,7 +1,7 @@
 #include "datasets/query_fields.hpp"
 
-#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
@@ -16,7 +16,7 @@ std::map<std::string, std::string> read_policies(const YamlFields& fields) {
   for (const auto& key : fields.keys()) policies[key] = fields.text(key);
   for (const auto& [part, policy] : policies)
     if (policy != "painted" && policy != "known_free" && policy != "not_occupied")
-      fields.fail(part, "expected painted, known_free or not_occupied, got " + shown(policy));
+      fields.fail(part, "expected painted, known_free or not_occupied, got " + quote(policy));
   return policies;
 }
 

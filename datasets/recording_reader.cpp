@@ -8,11 +8,11 @@
 #include "datasets/decoding_child.hpp"
 #include "datasets/frame_bytes.hpp"
 #include "datasets/inflating_stream.hpp"
-#include "datasets/input_descriptor.hpp"
 #include "datasets/recording.hpp"
 #include "datasets/robot_path.hpp"
 #include "datasets/sealed_records.hpp"
-#include "datasets/shown.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -20,16 +20,15 @@ namespace {
 /// A file opened for reading, checked to be one we can decode.
 class OpenRecording {
  public:
-  explicit OpenRecording(const std::filesystem::path& file)
-      : input_(file, "recording " + shown_path(file.string())) {
+  explicit OpenRecording(const std::filesystem::path& file) : input_(file, "recording") {
     const bool empty = input_.size() == 0;
     if (empty || !begins_like_a_rawlog())
-      throw std::invalid_argument("recording " + shown_path(file.string()) + " is " +
+      throw std::invalid_argument("recording " + quote_path(file.string()) + " is " +
                                   (empty ? "empty" : "not an MRPT rawlog") +
                                   "; expected an MRPT rawlog, plain or gz.");
     lseek(descriptor(), 0, SEEK_SET);
   }
-  int descriptor() const { return input_.number(); }
+  int descriptor() const { return input_.descriptor(); }
   uint64_t size() const { return input_.size(); }
 
  private:
@@ -51,7 +50,7 @@ class OpenRecording {
     return std::all_of(name.begin(), name.end(),
                        [](unsigned char c) { return std::isalnum(c) || c == ':' || c == '_'; });
   }
-  InputDescriptor input_;
+  InputFile input_;
 };
 
 }  // namespace
@@ -97,7 +96,7 @@ void RecordingReader::State::lose(const std::string& what) {
   if (++counts.lost <= told)
     lost_records += (counts.lost > 1 ? ", " : "") + what + " near byte " + std::to_string(offset);
   const size_t more = counts.lost > told ? counts.lost - told : 0;
-  damage = "recording " + shown_path(file.string()) +
+  damage = "recording " + quote_path(file.string()) +
            " is damaged; what does not pass its checksum is not used: " + lost_records +
            (more > 0 ? " and " + std::to_string(more) + " more" : "") + ".";
 }

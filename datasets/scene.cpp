@@ -8,8 +8,8 @@
 #include "datasets/probe_motion.hpp"
 #include "datasets/scene_shape.hpp"
 #include "datasets/setup_camera.hpp"
-#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -171,13 +171,13 @@ SceneShape read_scene_shape(const YamlFields& fields) {
 }
 
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
-  const YamlFields fields(text, "scene " + shown_path(name));
+  const YamlFields fields(text, "scene " + quote_path(name));
   Scene scene;
   scene.name = name;
   const auto setup_file = expanded(fields.file("setup"), folder);
   const std::string kind = setup_file.extension();
   if (kind != ".yaml" && kind != ".yml")
-    fields.fail("setup", "expected the name of a .yaml file, got " + shown(fields.file("setup")));
+    fields.fail("setup", "expected the name of a .yaml file, got " + quote(fields.file("setup")));
   scene.setup_text = read_text(setup_file, "setup");
   scene.setup = parse_setup(scene.setup_text, setup_file.string());
   for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));

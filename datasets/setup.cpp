@@ -5,11 +5,11 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "datasets/input_descriptor.hpp"
 #include "datasets/query_fields.hpp"
 #include "datasets/setup_camera.hpp"
-#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -229,7 +229,7 @@ const SensorSetup* Setup::sensor(const std::string& label, const std::string& ki
 }
 
 Setup parse_setup(const std::string& text, const std::string& name) {
-  const YamlFields fields(text, "setup " + shown_path(name));
+  const YamlFields fields(text, "setup " + quote_path(name));
   Setup setup;
   setup.title = fields.prose("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
@@ -246,7 +246,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
 }
 
 std::string read_text(const std::filesystem::path& file, const std::string& what) {
-  return read_text_file(file, what + " " + shown_path(file.string()), 4U << 20U);
+  return read_input(file, what, 4U << 20U);
 }
 
 Setup load_setup(const std::filesystem::path& file) {

@@ -6,10 +6,10 @@
 
 #include "datasets/query_fields.hpp"
 #include "datasets/scene_shape.hpp"
-#include "datasets/shown.hpp"
 #include "datasets/suite_limits.hpp"
 #include "datasets/suite_strokes.hpp"
 #include "datasets/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -156,7 +156,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
 }  // namespace
 
 Suite parse_suite(const std::string& text, const std::string& name) {
-  const YamlFields fields(text, "suite " + shown_path(name));
+  const YamlFields fields(text, "suite " + quote_path(name));
   const std::filesystem::path file = name;
   Suite suite;
   suite.name = fields.text("name", file.stem().string());

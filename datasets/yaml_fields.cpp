@@ -9,8 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "datasets/shown.hpp"
 #include "datasets/yaml_gate.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -25,7 +25,7 @@ std::string shown_number(double value) {
 }
 
 std::string shown_node(const YAML::Node& node) {
-  if (node.IsScalar()) return shown(node.Scalar());
+  if (node.IsScalar()) return quote(node.Scalar());
   return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
@@ -106,7 +106,7 @@ void YamlFields::fail(const std::string& key, const std::string& what) const {
     for (const auto& entry : *node_)
       if (entry.first.IsScalar() && entry.first.Scalar() == key) mark = entry.second.Mark();
   const std::string line = mark.is_null() ? "" : ", line " + std::to_string(mark.line + 1);
-  const std::string plain_key = key.empty() ? "" : shown(key).substr(1, shown(key).size() - 2);
+  const std::string plain_key = key.empty() ? "" : shortened(key);
   const std::string where = path_ + (path_.empty() || key.empty() ? "" : ".") + plain_key;
   throw std::invalid_argument(name_ + line + (where.empty() ? "" : ", " + where) + ": " + what + ".");
 }
@@ -189,8 +189,8 @@ std::string YamlFields::text(const std::string& key) const {
 
 std::string YamlFields::checked_text(const std::string& text, const std::string& key, size_t longest) const {
   if (text.size() > longest)
-    fail(key, "expected at most " + std::to_string(longest) + " characters, got " + shown(text));
-  if (!is_plain(text)) fail(key, "expected no control characters, got " + shown(text));
+    fail(key, "expected at most " + std::to_string(longest) + " characters, got " + quote(text));
+  if (plain(text) != text) fail(key, "expected no control characters, got " + quote(text));
   return text;
 }
 

@@ -2,15 +2,15 @@
 
 #include <numbers>
 
-#include "datasets/shown.hpp"
 #include "datasets/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-std::string shown_node(const YAML::Node& node) { return node.IsScalar() ? shown(node.Scalar()) : "a map"; }
+std::string shown_node(const YAML::Node& node) { return node.IsScalar() ? quote(node.Scalar()) : "a map"; }
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 #include <bit>
 
 #include "mapping/fused_tree.hpp"
-#include "mapping/on_threads.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 

@@ -11,10 +11,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mapping/child_process.hpp"
 #include "mapping/fused_tree.hpp"
-#include "mapping/input_file.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/system/child_process.hpp"
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 namespace {

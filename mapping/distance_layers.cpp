@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "mapping/distance_planes.hpp"
-#include "mapping/on_threads.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/safe_margins.hpp"
+#include "mapping/integration.hpp"
 
 namespace clearway {
 

@@ -7,10 +7,9 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_option.hpp"
-#include "mapping/painted_csv.hpp"
-#include "mapping/plain_text.hpp"
 #include "mapping/scan_rays.hpp"
 #include "mapping/seen_stamps.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/integration.hpp"
 #include "mapping/provenance.hpp"
 #include "mapping/safe_margins.hpp"
 #include "mapping/scan.hpp"

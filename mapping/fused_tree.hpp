@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "mapping/fused_node.hpp"
-#include "mapping/map_integration.hpp"
+#include "mapping/integration.hpp"
 #include "mapping/sphere.hpp"
 #include "mapping/voxel_state.hpp"
 

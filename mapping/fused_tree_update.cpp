@@ -7,8 +7,8 @@
 
 #include "mapping/evidence_rule.hpp"
 #include "mapping/fused_tree.hpp"
-#include "mapping/on_threads.hpp"
 #include "mapping/scan_grid.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 

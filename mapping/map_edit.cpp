@@ -10,8 +10,8 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/leaf_pairs.hpp"
-#include "mapping/plain_text.hpp"
 #include "mapping/seen_stamps.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

@@ -5,12 +5,12 @@
 
 #include "mapping/cloud_file.hpp"
 #include "mapping/fused_tree.hpp"
-#include "mapping/input_file.hpp"
 #include "mapping/map_digest.hpp"
 #include "mapping/octree_file.hpp"
 #include "mapping/painted_csv.hpp"
-#include "mapping/plain_text.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

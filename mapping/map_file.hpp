@@ -1,17 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 
 #include "mapping/snapshot.hpp"
+#include "mapping/system/damaged_file.hpp"
 
 namespace clearway {
-
-/// A file that exists and can be opened, but whose content is broken; the message says what and where.
-class DamagedFile : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// Reads a map: a directory written by `clearway replay` (map.ot and painted.csv), or a .ot (ours or any
 /// registered OctoMap tree), .bt, .pcd or .ply file. A bare tree has no exact balls: then the voxels alone

@@ -9,7 +9,7 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -187,10 +187,6 @@ std::string stroke_columns(const PaintedVolume& volume, std::size_t ball, Stroke
 }
 
 }  // namespace
-
-bool is_storable_name(std::string_view name) {
-  return std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
-}
 
 std::string format_painted(const std::vector<PaintedVolume>& volumes) {
   std::string text(column_names);

@@ -23,7 +23,4 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes);
 /// @throws DamagedFile naming the line and what was expected there.
 std::vector<PaintedVolume> parse_painted(std::string_view text, const std::filesystem::path& file);
 
-/// True when a label or part can be stored: no control characters.
-bool is_storable_name(std::string_view name);
-
 }  // namespace clearway

@@ -39,4 +39,8 @@ std::optional<Sphere> shrunk(const Sphere& ball, const Sphere& eraser) {
   return Sphere{ball.center, std::min(ball.radius, radius)};
 }
 
+bool is_storable_name(std::string_view name) {
+  return std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
 }  // namespace clearway

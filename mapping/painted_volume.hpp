@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mapping/sphere.hpp"
@@ -44,5 +45,8 @@ struct PaintedVolume {
 /// What an eraser leaves of a painted ball: the same centre, and the radius at which the two balls only touch
 /// (rounded down). None when nothing is left. A ball that the eraser does not reach comes back as it is.
 std::optional<Sphere> shrunk(const Sphere& ball, const Sphere& eraser);
+
+/// True when a label or part can be stored: no control characters.
+bool is_storable_name(std::string_view name);
 
 }  // namespace clearway

@@ -1,9 +1,9 @@
-#include "mapping/byte_reader.hpp"
-#include "mapping/input_file.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/octree_check.hpp"
 #include "mapping/provenance.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/byte_reader.hpp"
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 namespace {

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <mutex>
 
-#include "mapping/on_threads.hpp"
 #include "mapping/ray_window.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 

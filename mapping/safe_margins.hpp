@@ -2,14 +2,6 @@
 
 namespace clearway {
 
-/// What a scan's rays may free, and what its hits block.
-enum class Integration {
-  compatible,  ///< as OctoMap: frees every voxel that a ray passes and no ray of the scan ends in; adds
-               ///< log-odds
-  safe,        ///< frees less: nothing beside a surface, nothing within the noise of the range (SafeMargins);
-               ///< what it hits is blocked at once (EvidenceRule)
-};
-
 /// How far from what a scan hits nothing is freed by that scan, in `safe` integration.
 struct SafeMargins {
   /// A miss does not count within this distance of a voxel that the same scan hits, metres: the errors of

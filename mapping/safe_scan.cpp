@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "mapping/on_threads.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/on_threads.hpp"
 #include "mapping/point_batch.hpp"
 #include "mapping/safe_scan.hpp"
 #include "mapping/scan_filter.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 namespace {

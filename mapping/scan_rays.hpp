@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mapping/fused_tree.hpp"
+#include "mapping/integration.hpp"
 #include "mapping/ray_cast.hpp"
 #include "mapping/safe_margins.hpp"
 #include "mapping/scan.hpp"

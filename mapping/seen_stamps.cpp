@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mapping/fused_tree.hpp"
-#include "mapping/on_threads.hpp"
 #include "mapping/scan_grid.hpp"
+#include "mapping/system/on_threads.hpp"
 
 namespace clearway {
 namespace {

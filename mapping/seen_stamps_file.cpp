@@ -6,9 +6,9 @@
 #include <bit>
 #include <cmath>
 
-#include "mapping/byte_reader.hpp"
 #include "mapping/scan_grid.hpp"
 #include "mapping/seen_stamps.hpp"
+#include "mapping/system/byte_reader.hpp"
 
 namespace clearway {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/any_angle.hpp"
 #include "planning/beam.hpp"
 #include "planning/joint_weights.hpp"

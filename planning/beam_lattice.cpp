@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
 

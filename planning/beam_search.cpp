@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/neighbour_queue.hpp"
 #include "planning/option_reader.hpp"
 #include "planning/painted_parts.hpp"

@@ -1,5 +1,6 @@
 #include "planning/boundary.hpp"
 
+#include "mapping/system/number_text.hpp"
 #include "planning/boundary_controller.hpp"
 #include "planning/option_reader.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/option_reader.hpp"
 
 namespace clearway {

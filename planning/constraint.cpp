@@ -1,5 +1,6 @@
 #include "planning/constraint.hpp"
 
+#include "mapping/system/number_text.hpp"
 #include "planning/certified_motion.hpp"
 #include "planning/option_reader.hpp"
 

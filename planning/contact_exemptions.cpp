@@ -7,9 +7,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "mapping/plain_text.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/kinematics.hpp"
-#include "planning/nearest_name.hpp"
 #include "planning/urdf_document.hpp"
 
 namespace clearway {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "planning/option_reader.hpp"
+#include "mapping/system/number_text.hpp"
 
 namespace clearway {
 namespace {

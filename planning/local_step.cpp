@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
 

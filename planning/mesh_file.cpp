@@ -8,7 +8,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "mapping/child_process.hpp"
+#include "mapping/system/child_process.hpp"
 #include "planning/mesh_reader.hpp"
 
 namespace clearway {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "mapping/plain_text.hpp"
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

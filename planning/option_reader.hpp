@@ -7,11 +7,6 @@
 
 namespace clearway {
 
-/// Numbers as options print them: the shortest text that reads back to the same double.
-std::string to_text(double value);
-std::string to_text(const std::vector<double>& values);  ///< comma-separated
-std::string short_text(double value);                    ///< four digits, for sentences
-
 /// Reads a planner's options from text and remembers the values in force. Each reading names one option; an
 /// empty or missing text, or "auto" where that is the default, leaves the default.
 class OptionReader {

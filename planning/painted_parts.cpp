@@ -14,15 +14,6 @@ std::uint16_t volumes_that_count(const Snapshot& map, const std::string& part) {
   return part_requirement(map, part, Policy::painted).volumes;
 }
 
-bool has_ball(const Snapshot& map, std::uint16_t volumes) {
-  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
-    if ((volumes >> v & 1U) != 0 && !map.volumes()[v].balls.empty()) return true;
-  }
-  if (!map.volumes().empty()) return false;
-  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no balls
-  return counts.painted + counts.conflict > 0;
-}
-
 /// Numbers of the pieces that hold the point.
 std::vector<int> pieces_at(const PaintedGraph& graph, const Eigen::Vector3d& point) {
   std::vector<int> pieces;
@@ -40,16 +31,6 @@ Eigen::Vector3d middle_of(const Body& body, const LinkPoses& poses) {
 }
 
 }  // namespace
-
-std::string empty_volume_sentence(const ConfigurationSpace& space) {
-  for (const auto& [part, policy] : space.policies()) {
-    if (policy != Policy::painted || has_ball(space.map(), volumes_that_count(space.map(), part))) continue;
-    return "the part '" + part +
-           "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "
-           "it";
-  }
-  return {};
-}
 
 std::string parted_volume_sentence(const PlanProblem& problem) {
   const Robot& robot = problem.space.robot();

@@ -6,10 +6,6 @@
 
 namespace clearway {
 
-/// A part whose policy is `painted` although the volumes that count for it hold no painted ball (its CFV is
-/// empty): one sentence; empty when there is none. No configuration of such a robot is free.
-std::string empty_volume_sentence(const ConfigurationSpace& space);
-
 /// A part whose painted volume lies in several pieces that do not overlap, and that starts in one and has its
 /// goal in another: one sentence; empty when there is none. No path exists then, since a part crosses from
 /// ball to ball only where they overlap. Start and goal must be free. Empty, too, once out of time.

@@ -27,6 +27,15 @@ Policy usual_policy(const Robot& robot, const Snapshot& map, const Policies& pol
   return is_cautious && has_free_space(map) ? Policy::known_free : Policy::not_occupied;
 }
 
+bool has_ball(const Snapshot& map, std::uint16_t volumes) {
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    if ((volumes >> v & 1U) != 0 && !map.volumes()[v].balls.empty()) return true;
+  }
+  if (!map.volumes().empty()) return false;
+  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no balls
+  return counts.painted + counts.conflict > 0;
+}
+
 }  // namespace
 
 std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
@@ -81,6 +90,18 @@ void require_seen_within(double seen_within, const Snapshot& map,
   throw std::invalid_argument(
       "seen within: asks parts under known_free when their voxels were last seen, and no part is under it; "
       "expected a policy known_free");
+}
+
+std::string empty_volume_sentence(const ConfigurationSpace& space) {
+  for (const auto& [part, policy] : space.policies()) {
+    if (policy != Policy::painted ||
+        has_ball(space.map(), part_requirement(space.map(), part, policy).volumes))
+      continue;
+    return "the part '" + part +
+           "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "
+           "it";
+  }
+  return {};
 }
 
 }  // namespace clearway

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/json_field.hpp"
 #include "planning/option_reader.hpp"
 

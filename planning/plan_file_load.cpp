@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
-#include "mapping/input_file.hpp"
-#include "mapping/plain_text.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/json_field.hpp"
 #include "planning/json_text.hpp"
 #include "planning/plan_file.hpp"

@@ -54,19 +54,6 @@ class Planner {
 
 using PlannerOptions = std::map<std::string, std::string>;
 
-struct PlannerEntry {
-  std::string_view name;
-  std::string_view description;
-  std::unique_ptr<Planner> (*make)(const PlannerOptions&);
-};
-
-/// The explicit table of planners, in the order shown to users.
-const std::vector<PlannerEntry>& planner_table();
-
-/// @throws std::invalid_argument for an unknown planner or option, naming the nearest known one, or for a
-///         value out of range, naming option, value and range.
-std::unique_ptr<Planner> make_planner(std::string_view name, const PlannerOptions& options = {});
-
 /// Checks start and goal as every planner must: status solved when both are fine, else start_invalid or
 /// goal_invalid with the sentence. Called by planners first.
 PlanResult check_ends(const PlanProblem& problem);

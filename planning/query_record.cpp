@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mapping/input_file.hpp"
 #include "mapping/map_digest.hpp"
 #include "mapping/map_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "planning/json_field.hpp"
 #include "planning/json_text.hpp"
 

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "mapping/input_file.hpp"
-#include "mapping/plain_text.hpp"
-#include "planning/nearest_name.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/urdf_document.hpp"
 
 namespace clearway {

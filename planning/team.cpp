@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/option_reader.hpp"
 #include "planning/team_member.hpp"
 #include "planning/team_setup.hpp"

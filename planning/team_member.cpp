@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/joint_weights.hpp"
 #include "planning/option_reader.hpp"
 

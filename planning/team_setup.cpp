@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/option_reader.hpp"
 #include "planning/team_member.hpp"
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/option_reader.hpp"
 
 namespace clearway {

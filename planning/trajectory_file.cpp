@@ -5,7 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "planning/option_reader.hpp"
 
 namespace clearway {

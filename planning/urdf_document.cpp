@@ -5,8 +5,8 @@
 #include <set>
 #include <string_view>
 
-#include "mapping/input_file.hpp"
-#include "mapping/plain_text.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/urdf_elements.hpp"
 #include "planning/urdf_numbers.hpp"
 #include "planning/urdf_spelling.hpp"

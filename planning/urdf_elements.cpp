@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

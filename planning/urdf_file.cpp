@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "mapping/map_file.hpp"
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/mesh_file.hpp"
 #include "planning/mimic_joints.hpp"
 #include "planning/reach.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

@@ -6,8 +6,8 @@
 #include <map>
 #include <string_view>
 
-#include "mapping/plain_text.hpp"
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {

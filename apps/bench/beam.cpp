@@ -7,6 +7,7 @@
 #include "apps/bench/beam_growth.hpp"
 #include "apps/bench/bench.hpp"
 #include "planning/planner.hpp"
+#include "planning/planner_table.hpp"
 
 namespace clearway::bench {
 namespace {

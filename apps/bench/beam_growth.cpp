@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "apps/bench/bench.hpp"
+#include "planning/planner_table.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "apps/bench/arm_worlds.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway::bench {
 namespace {

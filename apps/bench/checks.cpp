@@ -5,6 +5,7 @@
 #include "apps/bench/brute_force.hpp"
 #include "planning/fcl_octree_space.hpp"
 #include "planning/guarded_body.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/reach.hpp"
 
 namespace clearway::bench {

@@ -14,6 +14,7 @@
 #include "apps/bench/fcl_bodies.hpp"
 #include "planning/blocked_octree.hpp"
 #include "planning/control_step.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/obstacle_rows.hpp"
 #include "planning/self_contact.hpp"
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "apps/bench/arm_worlds.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway::bench {
 namespace {

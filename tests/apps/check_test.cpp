@@ -7,6 +7,7 @@
 
 #include "mapping/free_space_map.hpp"
 #include "mapping/map_file.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/query_record.hpp"
 #include "tests/apps/run_command.hpp"
 

@@ -10,6 +10,7 @@
 #include "apps/query.hpp"
 #include "apps/suite_stages.hpp"
 #include "planning/path_check.hpp"
+#include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "mapping/free_space_map.hpp"
 #include "mapping/map_file.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/plan_file.hpp"
 #include "planning/trajectory.hpp"
 #include "tests/apps/page_reader.hpp"

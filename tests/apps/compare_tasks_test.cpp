@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "planning/load_robot.hpp"
+
 namespace clearway {
 namespace {
 

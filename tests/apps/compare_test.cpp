@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "apps/compare_columns.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/path_cost.hpp"
 #include "run_command.hpp"
 #include "small_suite.hpp"

@@ -12,6 +12,7 @@
 #include "datasets/simulate.hpp"
 #include "mapping/cloud_file.hpp"
 #include "planning/kinematics.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/robot.hpp"
 #include "tests/datasets/scratch_folder.hpp"
 #include "tests/datasets/small_scene.hpp"

@@ -2,8 +2,10 @@
 #include <sqlite3.h>
 
 #include "apps/suite_reaching.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
 #include "planning/planner.hpp"
+#include "planning/planner_table.hpp"
 #include "run_command.hpp"
 
 namespace clearway {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "planning/load_robot.hpp"
+
 namespace clearway {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "mapping/free_space_map.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway {
 namespace {

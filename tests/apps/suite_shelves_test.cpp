@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/map_digest.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
 
 namespace clearway {

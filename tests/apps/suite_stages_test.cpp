@@ -7,6 +7,7 @@
 
 #include "mapping/map_digest.hpp"
 #include "mapping/map_file.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway {
 namespace {

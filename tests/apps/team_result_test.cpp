@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/suite_teams.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway {
 namespace {

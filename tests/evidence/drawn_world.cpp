@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "planning/load_robot.hpp"
 #include "planning/path_check_model.hpp"
 #include "tests/evidence/random_arm.hpp"
 

@@ -8,6 +8,7 @@
 #include "mapping/continued_map.hpp"
 #include "planning/path_check.hpp"
 #include "planning/planner.hpp"
+#include "planning/planner_table.hpp"
 #include "tests/evidence/drawn_world.hpp"
 #include "tests/evidence/exact_violation.hpp"
 

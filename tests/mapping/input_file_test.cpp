@@ -1,4 +1,4 @@
-#include "mapping/input_file.hpp"
+#include "mapping/system/input_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>

@@ -7,10 +7,10 @@
 
 #include <cstring>
 
-#include "mapping/child_process.hpp"
 #include "mapping/fused_tree.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/octree_file.hpp"
+#include "mapping/system/child_process.hpp"
 
 namespace clearway {
 namespace {

@@ -1,4 +1,4 @@
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/joint_weights.hpp"
+#include "planning/load_robot.hpp"
 #include "random_world.hpp"
 #include "voxel_scene.hpp"
 

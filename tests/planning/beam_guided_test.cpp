@@ -4,7 +4,9 @@
 
 #include "painted_tunnel.hpp"
 #include "planning/joint_weights.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
+#include "planning/planner_table.hpp"
 #include "planning/route_guide.hpp"
 #include "planning/via_beam.hpp"
 #include "voxel_scene.hpp"

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "beam_world.hpp"
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 #include "random_world.hpp"
 
 namespace clearway {

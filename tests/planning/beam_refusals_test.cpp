@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "beam_world.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway {
 namespace {

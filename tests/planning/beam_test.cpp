@@ -8,6 +8,8 @@
 
 #include "beam_world.hpp"
 #include "planning/beam_search.hpp"
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "planning/planner.hpp"
+#include "planning/planner_table.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

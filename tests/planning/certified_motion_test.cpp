@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/load_robot.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

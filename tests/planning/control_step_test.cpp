@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/bench/random_programs.hpp"
+#include "planning/load_robot.hpp"
 #include "tests/planning/random_world.hpp"
 #include "tests/planning/voxel_scene.hpp"
 

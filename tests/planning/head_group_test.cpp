@@ -6,6 +6,7 @@
 #include <bit>
 #include <map>
 
+#include "planning/load_robot.hpp"
 #include "planning/node_set.hpp"
 #include "tests/planning/random_world.hpp"
 #include "voxel_scene.hpp"

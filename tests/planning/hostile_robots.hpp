@@ -6,6 +6,7 @@
 #include <string>
 
 #include "mapping/map_file.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/robot.hpp"
 
 namespace clearway {

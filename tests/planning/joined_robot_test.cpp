@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
 #include "voxel_scene.hpp"
 

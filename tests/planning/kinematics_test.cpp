@@ -6,6 +6,7 @@
 #include <kdl/chainjnttojacsolver.hpp>
 #include <kdl_parser/kdl_parser.hpp>
 
+#include "planning/load_robot.hpp"
 #include "planning/urdf_document.hpp"
 #include "tests/planning/random_world.hpp"
 

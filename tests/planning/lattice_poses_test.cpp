@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/link_pose.hpp"
+#include "planning/load_robot.hpp"
 #include "tests/planning/random_world.hpp"
 #include "voxel_scene.hpp"
 

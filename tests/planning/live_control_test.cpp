@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mapping/fused_tree.hpp"
+#include "planning/load_robot.hpp"
 #include "tests/planning/random_world.hpp"
 #include "tests/planning/voxel_scene.hpp"
 

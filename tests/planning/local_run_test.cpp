@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/load_robot.hpp"
 #include "planning/plus_search.hpp"
 #include "voxel_scene.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "planning/load_robot.hpp"
 #include "planning/option_reader.hpp"
 #include "voxel_scene.hpp"
 

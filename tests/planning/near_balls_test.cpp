@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/load_robot.hpp"
 #include "planning/near_pairs.hpp"
 #include "tests/planning/random_world.hpp"
 

@@ -6,6 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 #include "tests/planning/random_world.hpp"
 #include "voxel_scene.hpp"
 

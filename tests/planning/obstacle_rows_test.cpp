@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/load_robot.hpp"
 #include "planning/reach.hpp"
 #include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"

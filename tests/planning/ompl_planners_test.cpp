@@ -4,6 +4,8 @@
 
 #include <thread>
 
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
 
 namespace clearway {
 namespace {

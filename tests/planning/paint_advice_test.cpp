@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 #include "random_world.hpp"
 
 namespace clearway {

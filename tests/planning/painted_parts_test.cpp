@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/load_robot.hpp"
+#include "planning/part_policies.hpp"
+#include "planning/planner_table.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
 #include "planning/path_check_links.hpp"
 #include "planning/path_check_model.hpp"

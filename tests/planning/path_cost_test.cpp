@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "planning/load_robot.hpp"
+
 namespace clearway {
 namespace {
 

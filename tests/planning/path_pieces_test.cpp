@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "planning/load_robot.hpp"
 #include "random_world.hpp"
 #include "voxel_scene.hpp"
 

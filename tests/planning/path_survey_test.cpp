@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "planning/load_robot.hpp"
 #include "planning/part_policies.hpp"
 #include "tests/planning/voxel_scene.hpp"
 

@@ -6,7 +6,9 @@
 #include <random>
 #include <stdexcept>
 
+#include "planning/load_robot.hpp"
 #include "planning/path_check.hpp"
+#include "planning/planner_table.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/configuration_space.hpp"
+#include "planning/load_robot.hpp"
 #include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/configuration_space.hpp"
+#include "planning/load_robot.hpp"
 #include "tests/planning/random_world.hpp"
 #include "tests/planning/urdf_robots.hpp"
 

@@ -6,6 +6,7 @@
 
 #include "planning/configuration_space.hpp"
 #include "planning/kinematics.hpp"
+#include "planning/load_robot.hpp"
 #include "tests/planning/fcl_truth.hpp"
 #include "tests/planning/random_world.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "planning/load_robot.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

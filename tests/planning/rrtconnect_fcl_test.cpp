@@ -8,8 +8,10 @@
 
 #include "planning/blocked_octree.hpp"
 #include "planning/fcl_octree_space.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/part_policies.hpp"
 #include "planning/path_check.hpp"
+#include "planning/planner_table.hpp"
 #include "random_world.hpp"
 #include "voxel_scene.hpp"
 

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "planning/load_robot.hpp"
+#include "planning/planner_table.hpp"
 #include "planning/shortcut.hpp"
 #include "voxel_scene.hpp"
 

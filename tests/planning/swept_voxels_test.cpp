@@ -10,6 +10,7 @@
 #include <set>
 #include <tuple>
 
+#include "planning/load_robot.hpp"
 #include "planning/reach.hpp"
 #include "planning/voxel_marks.hpp"
 #include "tests/planning/voxel_scene.hpp"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "planning/load_robot.hpp"
 #include "voxel_scene.hpp"
 
 namespace clearway {

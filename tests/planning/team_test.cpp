@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "planning/load_robot.hpp"
 #include "planning/team_check.hpp"
 #include "planning/team_member.hpp"
 #include "voxel_scene.hpp"

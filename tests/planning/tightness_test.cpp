@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/bench/brute_force.hpp"
+#include "planning/load_robot.hpp"
 
 namespace clearway {
 namespace {

@@ -6,6 +6,7 @@
 #include <locale>
 
 #include "planning/kinematics.hpp"
+#include "planning/load_robot.hpp"
 #include "planning/path_check_links.hpp"
 #include "tests/planning/hostile_robots.hpp"
 #include "tests/planning/mesh_samples.hpp"

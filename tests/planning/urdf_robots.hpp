@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "planning/load_robot.hpp"
 #include "planning/robot.hpp"
 
 namespace clearway::testing {

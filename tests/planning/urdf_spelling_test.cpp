@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "tests/planning/hostile_robots.hpp"
 
 namespace clearway {

@@ -1,4 +1,4 @@
-#include "mapping/on_threads.hpp"
+#include "mapping/system/on_threads.hpp"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/plain_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -6,7 +6,7 @@
 namespace clearway {
 namespace {
 
-constexpr std::size_t longest = 80;
+constexpr std::size_t longest = 80, longest_path = 255;
 
 /// Bytes of the UTF-8 character at the start of `text`, 0 when there is none; `code` is its number.
 std::size_t take_character(std::string_view text, std::uint32_t& code) {
@@ -72,5 +72,7 @@ std::string plain(std::string_view text) {
 std::string shortened(std::string_view text) { return plain_up_to(text, longest); }
 
 std::string quote(std::string_view text) { return "'" + shortened(text) + "'"; }
+
+std::string quote_path(std::string_view path) { return "'" + plain_up_to(path, longest_path) + "'"; }
 
 }  // namespace clearway

@@ -1,4 +1,4 @@
-#include "mapping/child_process.hpp"
+#include "mapping/system/child_process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

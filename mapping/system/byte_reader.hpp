@@ -10,7 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "mapping/map_file.hpp"
+#include "mapping/system/damaged_file.hpp"
 
 namespace clearway {
 

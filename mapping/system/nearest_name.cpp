@@ -1,4 +1,4 @@
-#include "planning/nearest_name.hpp"
+#include "mapping/system/nearest_name.hpp"
 
 #include <algorithm>
 #include <cstddef>

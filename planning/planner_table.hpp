@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "planning/planner.hpp"
+
+namespace clearway {
+
+struct PlannerEntry {
+  std::string_view name;
+  std::string_view description;
+  std::unique_ptr<Planner> (*make)(const PlannerOptions&);
+};
+
+/// The explicit table of planners, in the order shown to users.
+const std::vector<PlannerEntry>& planner_table();
+
+/// @throws std::invalid_argument for an unknown planner or option, naming the nearest known one, or for a
+///         value out of range, naming option, value and range.
+std::unique_ptr<Planner> make_planner(std::string_view name, const PlannerOptions& options = {});
+
+}  // namespace clearway
