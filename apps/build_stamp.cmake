@@ -5,7 +5,7 @@ if(failed)
   set(commit unknown)
 endif()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
-#include "apps/build_stamp.hpp"
+#include "apps/console/build_stamp.hpp"
 
 namespace clearway {
 

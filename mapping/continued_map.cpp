@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/fused_tree.hpp"
 #include "mapping/map_option.hpp"
-#include "mapping/scan_rays.hpp"
-#include "mapping/seen_stamps.hpp"
+#include "mapping/scans/scan_rays.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
 

@@ -5,11 +5,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "mapping/fused_tree.hpp"
 #include "mapping/map_option.hpp"
-#include "mapping/scan_rays.hpp"
-#include "mapping/seen_stamps.hpp"
+#include "mapping/scans/scan_rays.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "mapping/integration.hpp"
-#include "mapping/provenance.hpp"
-#include "mapping/safe_margins.hpp"
-#include "mapping/scan.hpp"
+#include "mapping/history/provenance.hpp"
+#include "mapping/scans/safe_margins.hpp"
+#include "mapping/scans/scan.hpp"
 #include "mapping/snapshot.hpp"
+#include "mapping/voxels/integration.hpp"
 
 namespace clearway {
 

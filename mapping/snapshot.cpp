@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "mapping/field_cache.hpp"
-#include "mapping/fused_tree.hpp"
-#include "mapping/seen_stamps.hpp"
+#include "mapping/field/field_cache.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
 namespace {

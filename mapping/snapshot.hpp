@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/blocked_space.hpp"
-#include "mapping/painted_volume.hpp"
-#include "mapping/voxel_state.hpp"
+#include "mapping/field/blocked_space.hpp"
+#include "mapping/voxels/painted_volume.hpp"
+#include "mapping/voxels/voxel_state.hpp"
 
 namespace clearway {
 
@@ -49,7 +49,7 @@ class Snapshot {
 
   double resolution() const;                          ///< metres
   const std::vector<PaintedVolume>& volumes() const;  ///< exact balls; empty for a bare tree
-  const FusedTree& tree() const;                      ///< include mapping/fused_tree.hpp to use it
+  const FusedTree& tree() const;                      ///< include mapping/voxels/fused_tree.hpp to use it
   VoxelCounts counts() const;
   /// By how much one look through a voxel lowers its log-odds: that of the map's sensor model, or OctoMap's
   /// for a map that does not store one. A voxel whose log-odds are no lower was seen once, or is as little

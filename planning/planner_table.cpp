@@ -2,17 +2,17 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/beam.hpp"
-#include "planning/beam_guided.hpp"
-#include "planning/beam_reference.hpp"
-#include "planning/boundary.hpp"
-#include "planning/boundary_plus.hpp"
-#include "planning/boundary_sides.hpp"
-#include "planning/constraint.hpp"
-#include "planning/ompl_planners.hpp"
+#include "planning/beam/beam.hpp"
+#include "planning/beam/beam_guided.hpp"
+#include "planning/beam/beam_reference.hpp"
+#include "planning/boundary/boundary.hpp"
+#include "planning/boundary/boundary_plus.hpp"
+#include "planning/boundary/boundary_sides.hpp"
+#include "planning/boundary/constraint.hpp"
 #include "planning/planner_table.hpp"
-#include "planning/rrtconnect.hpp"
-#include "planning/rrtconnect_fcl.hpp"
+#include "planning/sampling/ompl_planners.hpp"
+#include "planning/sampling/rrtconnect.hpp"
+#include "planning/sampling/rrtconnect_fcl.hpp"
 
 namespace clearway {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "planning/planner.hpp"
+#include "planning/problem/planner.hpp"
 
 namespace clearway {
 

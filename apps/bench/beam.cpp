@@ -6,8 +6,8 @@
 
 #include "apps/bench/beam_growth.hpp"
 #include "apps/bench/bench.hpp"
-#include "planning/planner.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/problem/planner.hpp"
 
 namespace clearway::bench {
 namespace {

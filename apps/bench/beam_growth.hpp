@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/bench/beam_scenes.hpp"
-#include "planning/planner.hpp"
+#include "apps/bench/worlds/beam_scenes.hpp"
+#include "planning/problem/planner.hpp"
 
 namespace clearway::bench {
 

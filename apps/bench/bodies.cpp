@@ -5,7 +5,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "mapping/free_space_map.hpp"
-#include "mapping/painted_body.hpp"
+#include "mapping/volumes/painted_body.hpp"
 
 namespace clearway::bench {
 namespace {

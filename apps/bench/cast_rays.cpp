@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/room_scans.hpp"
+#include "apps/bench/worlds/room_scans.hpp"
 #include "mapping/free_space_map.hpp"
-#include "mapping/fused_tree.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway::bench {
 namespace {

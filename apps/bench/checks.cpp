@@ -2,11 +2,11 @@
 // In `detail`: how often ours is wrong against brute force, and what its first stage alone would refuse.
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/brute_force.hpp"
-#include "planning/fcl_octree_space.hpp"
-#include "planning/guarded_body.hpp"
-#include "planning/load_robot.hpp"
-#include "planning/reach.hpp"
+#include "apps/bench/peers/brute_force.hpp"
+#include "planning/robot/reach.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/fcl_octree_space.hpp"
+#include "planning/space/guarded_body.hpp"
 
 namespace clearway::bench {
 namespace {

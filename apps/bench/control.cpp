@@ -9,14 +9,14 @@
 #include <memory>
 #include <numbers>
 
-#include "apps/bench/arm_worlds.hpp"
 #include "apps/bench/bench.hpp"
-#include "apps/bench/fcl_bodies.hpp"
-#include "planning/blocked_octree.hpp"
-#include "planning/control_step.hpp"
-#include "planning/load_robot.hpp"
-#include "planning/obstacle_rows.hpp"
-#include "planning/self_contact.hpp"
+#include "apps/bench/peers/fcl_bodies.hpp"
+#include "apps/bench/worlds/arm_worlds.hpp"
+#include "planning/constraint/control_step.hpp"
+#include "planning/constraint/obstacle_rows.hpp"
+#include "planning/robot/self_contact.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/blocked_octree.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -155,8 +155,8 @@ Outcome evaluate(const HeldOutSequence& sequence, const FurnishedRoom* room, con
   return outcome;
 }
 
-/// The compatible map stands in for OctoMap, being its tree bit for bit (tests/mapping/scan_rays_test); here
-/// a few scans are checked against OctoMap itself: the same answer at every held-out point.
+/// The compatible map stands in for OctoMap, being its tree bit for bit (tests/mapping/scans/scan_rays_test);
+/// here a few scans are checked against OctoMap itself: the same answer at every held-out point.
 bool stands_in_for_octomap(const HeldOutSequence& sequence, double resolution) {
   octomap::OcTree stock(resolution);
   FreeSpaceMap map({.resolution = resolution, .discretize = true, .integration = Integration::compatible});

@@ -9,12 +9,12 @@
 #include <stdexcept>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/field_points.hpp"
-#include "datasets/room.hpp"
-#include "mapping/blocked_field.hpp"
+#include "apps/bench/worlds/field_points.hpp"
+#include "datasets/simulation/room.hpp"
+#include "mapping/field/blocked_field.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
-#include "mapping/fused_tree.hpp"
-#include "mapping/map_file.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "apps/bench/bench.hpp"
-#include "datasets/room.hpp"
-#include "mapping/blocked_field.hpp"
+#include "datasets/simulation/room.hpp"
+#include "mapping/field/blocked_field.hpp"
 #include "mapping/free_space_map.hpp"
-#include "mapping/fused_tree.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "apps/bench/room_scans.hpp"
+#include "apps/bench/worlds/room_scans.hpp"
 #include "mapping/free_space_map.hpp"
 
 namespace clearway::bench {

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/room.hpp"
+#include "datasets/simulation/room.hpp"
 
 namespace clearway::bench {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "mapping/safe_margins.hpp"
+#include "mapping/scans/safe_margins.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "apps/bench/bench.hpp"
-#include "datasets/room.hpp"
-#include "mapping/scan.hpp"
+#include "datasets/simulation/room.hpp"
+#include "mapping/scans/scan.hpp"
 
 namespace clearway::bench {
 

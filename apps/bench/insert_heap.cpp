@@ -11,8 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "mapping/node_pool.hpp"
-#include "mapping/scan_rays.hpp"
+#include "mapping/scans/scan_rays.hpp"
+#include "mapping/voxels/node_pool.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/bench/bench.hpp"
-#include "planning/live_control.hpp"
+#include "planning/constraint/live_control.hpp"
 
 namespace clearway::bench {
 

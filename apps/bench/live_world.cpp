@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "apps/bench/arm_worlds.hpp"
-#include "planning/load_robot.hpp"
+#include "apps/bench/worlds/arm_worlds.hpp"
+#include "planning/robot_files/load_robot.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "apps/bench/live_loop.hpp"
-#include "apps/bench/live_room.hpp"
+#include "apps/bench/worlds/live_room.hpp"
 #include "mapping/free_space_map.hpp"
 
 namespace clearway::bench {

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "apps/bench/bench.hpp"
-#include "mapping/fused_tree.hpp"
-#include "mapping/map_file.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway::bench {
 namespace {

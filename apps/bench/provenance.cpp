@@ -1,9 +1,9 @@
 // What keeping scans costs: inserting with it against without, bytes a scan, a look-up; erasing and undoing.
 
-#include "mapping/provenance.hpp"
+#include "mapping/history/provenance.hpp"
 
 #include "apps/bench/bench.hpp"
-#include "datasets/room.hpp"
+#include "datasets/simulation/room.hpp"
 #include "mapping/free_space_map.hpp"
 
 namespace clearway::bench {

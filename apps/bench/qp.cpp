@@ -2,9 +2,9 @@
 // `detail`: how far a million random programs of many kinds are from the optimality conditions.
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/dense_program.hpp"
-#include "apps/bench/random_programs.hpp"
-#include "planning/quadratic_solver.hpp"
+#include "apps/bench/peers/dense_program.hpp"
+#include "apps/bench/worlds/random_programs.hpp"
+#include "planning/constraint/quadratic_solver.hpp"
 
 namespace clearway::bench {
 namespace {

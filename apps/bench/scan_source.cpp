@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/room_scans.hpp"
-#include "datasets/random_numbers.hpp"
-#include "datasets/recording.hpp"
-#include "mapping/cloud_file.hpp"
+#include "apps/bench/worlds/room_scans.hpp"
+#include "datasets/descriptions/random_numbers.hpp"
+#include "datasets/sources/recording.hpp"
+#include "mapping/files/cloud_file.hpp"
 
 namespace clearway::bench {
 namespace {

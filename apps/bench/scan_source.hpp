@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "mapping/scan.hpp"
+#include "mapping/scans/scan.hpp"
 
 namespace clearway::bench {
 

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/room_scans.hpp"
+#include "apps/bench/worlds/room_scans.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/latest_snapshot.hpp"
 

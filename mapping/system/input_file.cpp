@@ -24,7 +24,8 @@ std::string kind(mode_t mode) {
 
 InputFile::InputFile(const std::filesystem::path& file, const std::string& what)
     : name_(what + " " + quote_path(file.string())),
-      // A pipe without a writer would keep a plain open() waiting; which file it is, is only certain once open.
+      // A pipe without a writer would keep a plain open() waiting; which file it is, is only certain once
+      // open.
       descriptor_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
   if (!descriptor_.is_open()) refuse(errno == ENXIO ? "it is not a regular file" : std::strerror(errno));
   struct stat status {};

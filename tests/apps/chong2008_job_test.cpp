@@ -7,9 +7,9 @@
 #include <map>
 #include <memory>
 
-#include "apps/query.hpp"
-#include "apps/suite_stages.hpp"
-#include "planning/path_check.hpp"
+#include "apps/query/query.hpp"
+#include "apps/suites/suite_stages.hpp"
+#include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {

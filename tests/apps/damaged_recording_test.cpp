@@ -30,6 +30,11 @@ TEST(DamagedRecording, IsToldByInspectPlanAndCheck) {
             std::string::npos);
   EXPECT_NE(run_command({"check", plan, "--map", map, "--robot", "point"}).log.find(words),
             std::string::npos);
+  const auto saved = nlohmann::json::parse(read_file(plan));
+  EXPECT_NE(saved["validation"]["map_caveat"].get<std::string>().find(words), std::string::npos);
+  const auto checked =
+      nlohmann::json::parse(run_command({"check", plan, "--map", map, "--robot", "point", "--json"}).out);
+  EXPECT_NE(checked["map_caveat"].get<std::string>().find(words), std::string::npos);
 }
 
 }  // namespace

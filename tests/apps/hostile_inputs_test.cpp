@@ -5,7 +5,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "apps/failure.hpp"
+#include "apps/console/failure.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {

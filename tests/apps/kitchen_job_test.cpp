@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "mapping/map_file.hpp"
-#include "planning/shape.hpp"
+#include "mapping/files/map_file.hpp"
+#include "planning/geometry/shape.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {

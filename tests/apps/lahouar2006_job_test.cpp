@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "apps/compare_run.hpp"
+#include "apps/compare/compare_run.hpp"
 
 namespace clearway {
 namespace {

@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "apps/suite_reaching.hpp"
-#include "planning/load_robot.hpp"
-#include "planning/path_check.hpp"
-#include "planning/planner.hpp"
+#include "apps/suites/suite_reaching.hpp"
+#include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
-#include "run_command.hpp"
+#include "planning/problem/planner.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/run_command.hpp"
 
 namespace clearway {
 namespace {

@@ -10,13 +10,13 @@
 #include <cerrno>
 #include <random>
 
-#include "datasets/recording.hpp"
+#include "datasets/sources/recording.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
-#include "mapping/map_file.hpp"
-#include "mapping/provenance.hpp"
+#include "mapping/history/provenance.hpp"
 #include "tests/apps/mutated_bytes.hpp"
 #include "tests/apps/run_command.hpp"
-#include "tests/datasets/small_scene.hpp"
+#include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
 namespace {

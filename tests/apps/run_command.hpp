@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/command_line.hpp"
+#include "apps/commands/command_line.hpp"
 
 namespace clearway {
 

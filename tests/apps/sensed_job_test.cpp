@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "apps/compare_run.hpp"
+#include "apps/compare/compare_run.hpp"
 
 namespace clearway {
 namespace {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -49,6 +50,47 @@ TEST(Structure, floors_include_only_the_floors_below_them) {
   EXPECT_GT(includes, 50);
 }
 
+/// Rooms are the folders of a floor, and what lies at its top is one more. Together they form no circle.
+TEST(Structure, rooms_include_each_other_in_no_circle) {
+  std::map<std::string, std::set<std::string>> rooms;
+  for (const auto& [floor, may] : allowed) {
+    for_each_include(floor, [&](const fs::path& file, const std::string& name, bool quoted) {
+      const std::string room = fs::relative(file, CLEARWAY_SOURCE_DIR).parent_path();
+      const std::string other = fs::path(name).parent_path();
+      if (quoted && room != other && other.find('/') != std::string::npos) rooms[room].insert(other);
+      if (quoted && room != other && allowed.count(other) != 0) rooms[room].insert(other);
+    });
+  }
+  EXPECT_GT(rooms.size(), 30U);
+  // What includes nothing that is left goes, until nothing goes any more.
+  for (bool gone = true; gone;) {
+    gone = false;
+    for (auto room = rooms.begin(); room != rooms.end();) {
+      std::erase_if(room->second, [&](const std::string& other) { return !rooms.contains(other); });
+      const bool is_free = room->second.empty();
+      gone = gone || is_free;
+      room = is_free ? rooms.erase(room) : std::next(room);
+    }
+  }
+  for (const auto& [room, others] : rooms) {
+    for (const std::string& other : others) ADD_FAILURE() << room << " includes " << other << ", in a circle";
+  }
+}
+
+TEST(Structure, no_folder_is_a_hall) {
+  std::map<std::string, int> files;
+  for (const auto& [floor, may] : allowed) {
+    for (const std::string& top : {floor, "tests/" + floor}) {
+      for (const auto& entry : fs::recursive_directory_iterator(fs::path(CLEARWAY_SOURCE_DIR) / top)) {
+        const auto extension = entry.path().extension();
+        if (extension == ".hpp" || extension == ".cpp") ++files[entry.path().parent_path()];
+      }
+    }
+  }
+  EXPECT_GT(files.size(), 60U);
+  for (const auto& [folder, count] : files) EXPECT_LE(count, 36) << folder;
+}
+
 /// The one room of mapping that datasets may use: it must not lead it to the rest of mapping.
 TEST(Structure, system_includes_nothing_else_of_ours) {
   for_each_include("mapping/system", [&](const fs::path& file, const std::string& name, bool quoted) {
@@ -62,7 +104,7 @@ TEST(Structure, headers_include_nothing_heavier_than_eigen) {
     for_each_include(floor, [&](const fs::path& file, const std::string& name, bool quoted) {
       if (quoted || file.extension() != ".hpp") return;
       if (name == "nlohmann/json_fwd.hpp" && (floor == "apps" || floor == "planning")) return;  // names alone
-      if (file.parent_path().filename() == "bench") return;  // the benchmarks are a program, no floor
+      if (file.string().find("/apps/bench/") != std::string::npos) return;  // a program, no floor
       EXPECT_FALSE(std::regex_match(name, heavy)) << file << " includes " << name;
       const bool opencv = name.rfind("opencv2/", 0) == 0;
       EXPECT_TRUE(!opencv || (floor == "tracking" && name.starts_with("opencv2/core")))

@@ -13,7 +13,7 @@
 #include <random>
 #include <thread>
 
-#include "mapping/map_file.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/system/interruption.hpp"
 #include "tests/apps/faulty_disk/faulty_disk.hpp"
 #include "tests/apps/run_command.hpp"

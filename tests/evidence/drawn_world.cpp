@@ -10,8 +10,8 @@
 #include <sstream>
 #include <vector>
 
-#include "planning/load_robot.hpp"
-#include "planning/path_check_model.hpp"
+#include "planning/check/path_check_model.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "tests/evidence/random_arm.hpp"
 
 namespace clearway::evidence {

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "planning/configuration_space.hpp"
-#include "tests/planning/random_world.hpp"
+#include "planning/space/configuration_space.hpp"
+#include "tests/worlds/random_world.hpp"
 
 namespace clearway::evidence {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/planning/fcl_truth.hpp"
+#include "tests/worlds/fcl_truth.hpp"
 
 namespace clearway::evidence {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapping/snapshot.hpp"
-#include "planning/kinematics.hpp"
+#include "planning/robot/kinematics.hpp"
 
 namespace clearway::evidence {
 

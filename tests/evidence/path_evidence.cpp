@@ -6,9 +6,9 @@
 #include <functional>
 
 #include "mapping/continued_map.hpp"
-#include "planning/path_check.hpp"
-#include "planning/planner.hpp"
+#include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/problem/planner.hpp"
 #include "tests/evidence/drawn_world.hpp"
 #include "tests/evidence/exact_violation.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planning/configuration_space.hpp"
+#include "planning/space/configuration_space.hpp"
 
 namespace clearway::evidence {
 

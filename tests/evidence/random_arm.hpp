@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tests/planning/random_world.hpp"
+#include "tests/worlds/random_world.hpp"
 
 namespace clearway::evidence {
 

@@ -1,5 +1,5 @@
 // libFuzzer on what a decoding child hands over, which may be a crashing child's last words.
-#include "datasets/frame_bytes.hpp"
+#include "datasets/sources/frame_bytes.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "mapping/map_file.hpp"
+#include "mapping/files/map_file.hpp"
 
 namespace clearway::fuzz {
 

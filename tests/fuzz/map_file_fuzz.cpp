@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <string>
 
-#include "mapping/fused_tree.hpp"
-#include "mapping/map_file.hpp"
-#include "mapping/octree_check.hpp"
-#include "mapping/octree_file.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/files/octree_check.hpp"
+#include "mapping/files/octree_file.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // libFuzzer on painted.csv.
-#include "mapping/painted_csv.hpp"
+#include "mapping/files/painted_csv.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,5 +1,5 @@
 // libFuzzer on plan.json; what is accepted can be written again.
-#include "planning/plan_file.hpp"
+#include "planning/files/plan_file.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

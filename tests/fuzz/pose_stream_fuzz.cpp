@@ -1,5 +1,5 @@
 // libFuzzer on pose files (TUM).
-#include "datasets/pose_stream.hpp"
+#include "datasets/sources/pose_stream.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,5 +1,5 @@
 // libFuzzer on provenance.bin.
-#include "mapping/provenance.hpp"
+#include "mapping/history/provenance.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,7 +1,7 @@
 // libFuzzer on queries.json, with its checksum put right: what is behind it is reached.
-#include "planning/query_record.hpp"
+#include "planning/files/query_record.hpp"
 
-#include "mapping/map_digest.hpp"
+#include "mapping/files/map_digest.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 // libFuzzer on the settings beside a robot file (YAML).
-#include "planning/robot_settings.hpp"
+#include "planning/robot_files/robot_settings.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,5 +1,5 @@
 // libFuzzer on scenes (YAML).
-#include "datasets/scene.hpp"
+#include "datasets/descriptions/scene.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,5 +1,5 @@
 // libFuzzer on the records of our own recordings.
-#include "datasets/sealed_records.hpp"
+#include "datasets/sources/sealed_records.hpp"
 
 #include <fcntl.h>
 

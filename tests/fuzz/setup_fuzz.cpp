@@ -1,5 +1,5 @@
 // libFuzzer on setups (YAML).
-#include "datasets/setup.hpp"
+#include "datasets/descriptions/setup.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,5 +1,5 @@
 // libFuzzer on what exempts pairs of bodies (SRDF).
-#include "planning/contact_exemptions.hpp"
+#include "planning/robot_files/contact_exemptions.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

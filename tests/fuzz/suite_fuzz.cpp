@@ -1,5 +1,5 @@
 // libFuzzer on suites (YAML).
-#include "datasets/suite.hpp"
+#include "datasets/descriptions/suite.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -1,7 +1,7 @@
 // libFuzzer on robot files (URDF).
-#include "planning/robot.hpp"
+#include "planning/robot/robot.hpp"
 
-#include "planning/load_robot.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

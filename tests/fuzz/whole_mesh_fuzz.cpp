@@ -1,5 +1,5 @@
 // libFuzzer on our own look at mesh files, before assimp gets them. The first byte chooses the kind.
-#include "planning/whole_mesh.hpp"
+#include "planning/robot_files/whole_mesh.hpp"
 
 #include <array>
 

@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
-#include "mapping/map_digest.hpp"
-#include "tests/mapping/random_map.hpp"
+#include "mapping/files/map_digest.hpp"
+#include "tests/worlds/random_map.hpp"
 
 namespace clearway {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/mapping/random_map.hpp"
+#include "tests/worlds/random_map.hpp"
 
 namespace clearway {
 namespace {

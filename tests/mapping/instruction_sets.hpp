@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapping/ray_cast.hpp"
+#include "mapping/scans/ray_cast.hpp"
 
 namespace clearway::testing {
 

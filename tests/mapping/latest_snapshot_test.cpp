@@ -6,8 +6,8 @@
 #include <chrono>
 #include <thread>
 
-#include "mapping/fused_tree.hpp"
-#include "tests/mapping/random_map.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/worlds/random_map.hpp"
 
 namespace clearway {
 namespace {

@@ -16,7 +16,7 @@ class AcceptedSurvivors {
   /// @throws std::runtime_error naming the file and line that are not so
   explicit AcceptedSurvivors(const std::filesystem::path& file);
 
-  /// Why the fault is accepted; empty: it is not.
+  /// Why the fault is accepted; empty: it is not. "equivalent: …": it changes no result.
   std::string reason(const Candidate& candidate) const;
 
  private:

@@ -12,50 +12,55 @@ namespace clearway::mutation {
 namespace {
 
 /// Without ".cpp"; a star at the end stands for any rest.
-constexpr const char* deciding[] = {"mapping/voxel_state",
-                                    "mapping/fused_node",
-                                    "mapping/fused_tree_update",
-                                    "mapping/blocked_cells",
-                                    "mapping/blocked_field",
-                                    "mapping/blocked_search",
-                                    "mapping/scan_rays",
-                                    "mapping/safe_scan",
-                                    "mapping/paint_ball",
-                                    "mapping/union_contains",
-                                    "mapping/painted_body",
-                                    "mapping/map_edit",
-                                    "mapping/distance_axes",
-                                    "mapping/distance_layers",
-                                    "mapping/distance_planes",
-                                    "mapping/distance_transform",
-                                    "planning/configuration_space",
-                                    "planning/edge_proof",
-                                    "planning/guarded_body*",
-                                    "planning/self_contact",
-                                    "planning/contact_exemptions",
-                                    "planning/reach",
-                                    "planning/kinematics",
-                                    "planning/path_check*",
-                                    "planning/proximity",
-                                    "planning/verdict",
-                                    "planning/part_policies",
-                                    "planning/cube_gap",
-                                    "planning/gjk",
-                                    "planning/distance",
-                                    "planning/segment_distance",
-                                    "planning/control_rows",
+constexpr const char* deciding[] = {"mapping/voxels/voxel_state",
+                                    "mapping/voxels/fused_node",
+                                    "mapping/voxels/fused_tree_update",
+                                    "mapping/field/blocked_cells",
+                                    "mapping/field/blocked_field",
+                                    "mapping/field/blocked_search",
+                                    "mapping/scans/scan_rays",
+                                    "mapping/scans/safe_scan",
+                                    "mapping/voxels/paint_ball",
+                                    "mapping/volumes/union_contains",
+                                    "mapping/volumes/painted_body",
+                                    "mapping/maps/map_edit",
+                                    "mapping/field/distance_axes",
+                                    "mapping/field/distance_layers",
+                                    "mapping/field/distance_planes",
+                                    "mapping/field/distance_transform",
+                                    "planning/space/configuration_space",
+                                    "planning/space/edge_proof",
+                                    "planning/space/guarded_body*",
+                                    "planning/robot/self_contact",
+                                    "planning/robot_files/contact_exemptions",
+                                    "planning/robot/reach",
+                                    "planning/robot/kinematics",
+                                    "planning/check/path_check*",
+                                    "planning/space/proximity",
+                                    "planning/space/verdict",
+                                    "planning/space/part_policies",
+                                    "planning/geometry/cube_gap",
+                                    "planning/geometry/gjk",
+                                    "planning/geometry/distance",
+                                    "planning/geometry/segment_distance",
+                                    "planning/constraint/control_rows",
                                     "tracking/probe",
                                     "tracking/painting_probe",
                                     "tracking/tag_pose",
                                     "tracking/uncertain_pose",
-                                    "datasets/pose_stream",
-                                    "apps/compare_summary",
-                                    "apps/team_result"};
+                                    "datasets/sources/pose_stream",
+                                    "apps/compare/compare_summary",
+                                    "apps/compare/team_result"};
 
 std::string printed(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   const std::size_t begin = text.find_first_not_of(' ');
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
+}
+
+/// "planning/gjk.cpp" of "planning/geometry/gjk.cpp": a file that moves keeps its faults.
+std::string without_room(const std::filesystem::path& file) {
+  return (*file.begin() / file.filename()).string();
 }
 
 }  // namespace
@@ -106,7 +111,8 @@ std::vector<Candidate> drawn(const std::filesystem::path& repository, const std:
       Candidate candidate{file, line_number(source, fault.at), line_at(source, fault.at), "", fault};
       const std::string was = printed(source.substr(fault.at, fault.length));
       candidate.change = (was.size() > 60 ? was.substr(0, 60) + "…" : was) + " -> " + printed(fault.is);
-      const std::string what = file + "\n" + candidate.text + "\n" + fault.kind + "\n" + candidate.change;
+      const std::string what =
+          without_room(file) + "\n" + candidate.text + "\n" + fault.kind + "\n" + candidate.change;
       const int number = ++on_line[what];
       if (number > 1) candidate.change += " (" + std::to_string(number) + ")";
       list.emplace_back(hash_of(what + std::to_string(number), seed), std::move(candidate));

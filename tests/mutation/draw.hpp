@@ -11,7 +11,7 @@ namespace clearway::mutation {
 
 /// A fault in a file, as reports and the list of accepted survivors name it.
 struct Candidate {
-  std::string file;  ///< relative to the repository, as "planning/gjk.cpp"
+  std::string file;  ///< relative to the repository, as "planning/geometry/gjk.cpp"
   int line = 0;
   std::string text;    ///< of the line
   std::string change;  ///< "was -> is", and which of several on that line: "< -> <= (2)"
@@ -25,8 +25,8 @@ struct Candidate {
 std::vector<std::string> deciding_files(const std::filesystem::path& repository);
 
 /// All faults of these files in the order in which they are tried: a file's are shuffled by the seed and by
-/// what they change, so that a line that moves, or another file's change, does not change them; then the
-/// first of each file, the second of each, and so on.
+/// what they change, so that a line or a file that moves, or another file's change, does not change them;
+/// then the first of each file, the second of each, and so on.
 std::vector<Candidate> drawn(const std::filesystem::path& repository, const std::vector<std::string>& files,
                              std::uint64_t seed);
 

@@ -37,7 +37,8 @@ std::string filter_of(const std::set<fs::path>& files) {
 
 /// The test file of the same name, or of the longest beginning of it, and those that include the header.
 std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) {
-  const fs::path tests = repository / "tests" / source.parent_path();
+  const fs::path floor = repository / "tests" / *source.begin(),
+                 tests = repository / "tests" / source.parent_path();
   std::set<fs::path> files;
   for (std::string stem = source.stem();; stem.resize(stem.rfind('_'))) {
     if (const fs::path mirrored = tests / (stem + "_test.cpp"); fs::exists(mirrored)) {
@@ -47,7 +48,7 @@ std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) 
     if (stem.find('_') == std::string::npos) break;
   }
   const std::string include = "#include \"" + fs::path(source).replace_extension(".hpp").string() + "\"";
-  for (const auto& entry : fs::directory_iterator(tests)) {
+  for (const auto& entry : fs::recursive_directory_iterator(floor)) {
     const std::string name = entry.path().filename();
     if (name.ends_with("_test.cpp") && !name.ends_with("_job_test.cpp") &&
         read_whole(entry.path()).find(include) != std::string::npos)
@@ -91,7 +92,7 @@ TestProgram::TestProgram(const fs::path& repository, const fs::path& build, cons
     const fs::path file = fs::path(entry["file"].get<std::string>()).lexically_relative(repository);
     const std::string command = entry["command"];
     // A source of a floor, as the floor's library has it; tests of the same name are not its.
-    if (file.parent_path() == floor) compile_[file.string()] = command;
+    if (*file.begin() == floor) compile_[file.string()] = command;
   }
 }
 

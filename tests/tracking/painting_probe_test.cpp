@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tests/tracking/tag_scene.hpp"
+#include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "tests/tracking/tag_scene.hpp"
+#include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
 namespace {

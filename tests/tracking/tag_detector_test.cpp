@@ -13,7 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tests/tracking/tag_scene.hpp"
+#include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "tests/tracking/tag_scene.hpp"
+#include "tests/worlds/tag_scene.hpp"
 #include "tracking/tag_detector.hpp"
 
 namespace clearway {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "tests/tracking/tag_scene.hpp"
+#include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
 namespace {

@@ -1,4 +1,4 @@
-// What render_report_page (apps/report_page.cpp) writes into the page, and how to read it.
+// What render_report_page (apps/pages/report_page.cpp) writes into the page, and how to read it.
 
 export interface Place { type: "f32" | "u32" | "u16" | "u8"; offset: number; count: number }
 

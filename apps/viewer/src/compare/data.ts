@@ -1,6 +1,6 @@
-// What to_html (apps/compare_page.cpp) writes into the page.
+// What to_html (apps/compare/compare_page.cpp) writes into the page.
 
-/// As summary_json (apps/compare_summary.cpp) writes it.
+/// As summary_json (apps/compare/compare_summary.cpp) writes it.
 export interface Planner {
   label: string; planner: string; options: Record<string, string>; certified: boolean;
   solved: number; valid: number; total: number;

@@ -1,0 +1,205 @@
+#include "apps/check/check_contract.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "apps/console/parse.hpp"
+#include "apps/query/query.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+
+namespace {
+
+std::string name_of(const std::string& robot) { return std::filesystem::path(robot).stem().string(); }
+
+std::vector<std::string> joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+/// The map's record of the plan's query, or null with a note that says why it does not count.
+const QueryTerms* query_of(const std::optional<QueryRecord>& record, const Plan& plan, const Robot& robot,
+                           const std::string& map_digest, std::vector<std::string>& notes) {
+  if (!record) return nullptr;
+  if (record->map_sha256 != map_digest) {
+    notes.push_back("the folder's record of queries is of another map and does not count");
+    return nullptr;
+  }
+  const QueryTerms* query = record->find(plan.query, plan.start, plan.goals, contract_tolerance);
+  if (!query) {
+    notes.push_back("the plan's query is none of the map's own");
+    return nullptr;
+  }
+  if (name_of(query->robot) == robot.name && query->start.size() == static_cast<Eigen::Index>(robot.dof()))
+    return query;
+  notes.push_back("the map's query '" + query->name + "' is for robot '" + query->robot +
+                  "' and does not count");
+  return nullptr;
+}
+
+/// States a contract term by term.
+class Statement {
+ public:
+  Statement(const CheckOptions& options, const Plan& plan, const Robot& robot, const Snapshot& map,
+            const QueryTerms* query)
+      : options_(options), plan_(plan), robot_(robot), map_(map), query_(query) {}
+
+  Term<double> scale() const {
+    if (options_.robot.scale) return {*options_.robot.scale, TermSource::flag};
+    if (query_) return {query_->scale, TermSource::map};
+    return {robot_.scale, TermSource::by_default};
+  }
+
+  Term<Eigen::Isometry3d> base(std::vector<std::string>& notes) const {
+    if (!options_.robot.base.empty())
+      return {pose_from_numbers(options_.robot.base, "--base"), TermSource::flag};
+    if (query_) return {query_->map_from_base, TermSource::map};
+    if (!plan_.map_from_base.isApprox(robot_.map_from_base, contract_tolerance))
+      notes.push_back("the base is the plan's; by its own settings '" + robot_.name + "' stands at " +
+                      to_text(robot_.map_from_base));
+    return {plan_.map_from_base, TermSource::plan};
+  }
+
+  std::map<std::string, Term<Policy>> policies(std::vector<std::string>& notes) const {
+    const auto by_default = part_policies(robot_, map_, {});
+    std::map<std::string, Term<Policy>> terms;
+    for (const auto& [part, policy] : by_default) terms[part] = {policy, TermSource::by_default};
+    const auto take = [&](const std::map<std::string, Policy>& policies, TermSource source) {
+      for (const auto& [part, policy] : policies) {
+        if (terms.contains(part)) terms[part] = {policy, source};
+      }
+    };
+    take(of_plan(), TermSource::plan);
+    if (query_) take(query_->policies, TermSource::map);
+    const Policies flags = choose_policies(options_.robot.policies, robot_);
+    if (!flags.critical_by_default) {  // --policy P, for all parts
+      for (auto& [part, term] : terms) term = {flags.other.value_or(term.value), TermSource::flag};
+    }
+    take(flags.parts, TermSource::flag);
+    for (const auto& [part, term] : terms) {
+      if (term.source == TermSource::plan && term.value > by_default.at(part))
+        notes.push_back("the policy of " + part + " is the plan's, " + std::string(to_string(term.value)) +
+                        "; by default it is " + std::string(to_string(by_default.at(part))));
+    }
+    return terms;
+  }
+
+  /// At the contract's scale, metres: bit for bit as a robot of that scale has it.
+  double position_accuracy() const { return robot_.position_accuracy * (scale().value / robot_.scale); }
+
+  Term<double> padding() const {
+    if (options_.robot.padding) return {*options_.robot.padding, TermSource::flag};
+    if (query_) return {query_->padding, TermSource::map};
+    const double least = position_accuracy();
+    return plan_.padding < least ? Term<double>{least, TermSource::by_default}
+                                 : Term<double>{plan_.padding, TermSource::plan};
+  }
+
+  Term<double> seen_within() const {
+    if (options_.robot.seen_within) return {*options_.robot.seen_within, TermSource::flag};
+    if (query_) return {query_->seen_within, TermSource::map};
+    return {plan_.seen_within, TermSource::plan};
+  }
+
+  Term<Configuration> start() const {
+    if (!options_.start.empty()) return {configuration(options_.start, "--start"), TermSource::flag};
+    if (query_) return {query_->start, TermSource::map};
+    return {plan_.start, TermSource::plan};
+  }
+
+  Term<std::vector<Configuration>> goals() const {
+    std::vector<Configuration> goals;
+    for (const std::string& goal : options_.goals) goals.push_back(configuration(goal, "--goal"));
+    if (!goals.empty()) return {goals, TermSource::flag};
+    if (query_) return {query_->goals, TermSource::map};
+    return {plan_.goals, TermSource::plan};
+  }
+
+ private:
+  /// @throws std::invalid_argument for a part that the robot does not have.
+  std::map<std::string, Policy> of_plan() const try {
+    part_policies(robot_, map_, {.parts = plan_.policies});
+    return plan_.policies;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(options_.plan.string() + ": field 'policy': " + error.what());
+  }
+
+  Configuration configuration(const std::string& text, const char* flag) const {
+    std::vector<bool> is_prismatic;
+    for (const Joint& joint : robot_.joints) is_prismatic.push_back(joint.kind == JointKind::prismatic);
+    return parse_configuration(text, flag, joint_names(robot_), is_prismatic, options_.degrees);
+  }
+
+  const CheckOptions& options_;
+  const Plan& plan_;
+  const Robot& robot_;
+  const Snapshot& map_;
+  const QueryTerms* query_;
+};
+
+void require_same_joints(const Robot& robot, const Plan& plan, const std::filesystem::path& file) {
+  if (joint_names(robot) == plan.joints) return;
+  throw std::invalid_argument(file.string() + ": field 'joints': the plan is for " +
+                              std::to_string(plan.joints.size()) + " joints that are not those of robot '" +
+                              robot.name + "' (" + std::to_string(robot.dof()) + " joints)");
+}
+
+}  // namespace
+
+std::string_view to_string(TermSource source) {
+  switch (source) {
+    case TermSource::flag:
+      return "flag";
+    case TermSource::map:
+      return "map";
+    case TermSource::plan:
+      return "plan";
+    case TermSource::by_default:
+      break;
+  }
+  return "default";
+}
+
+Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
+                        const Snapshot& map, const std::string& map_digest,
+                        const std::optional<QueryRecord>& record) {
+  require_same_joints(robot, plan, options.plan);
+  Contract contract;
+  const QueryTerms* query = query_of(record, plan, robot, map_digest, contract.notes);
+  if (query) contract.query = query->name;
+  const Statement statement(options, plan, robot, map, query);
+  contract.robot = {options.robot.robot, TermSource::flag};
+  contract.scale = statement.scale();
+  contract.map_from_base = statement.base(contract.notes);
+  contract.policies = statement.policies(contract.notes);
+  contract.padding = statement.padding();
+  contract.seen_within = statement.seen_within();
+  contract.position_accuracy = statement.position_accuracy();
+  contract.demands = options.survey;
+  require_parts(contract.demands.allow_outside, robot, "--allow-outside");
+  if (query) {
+    const std::vector<std::string>& allowed = query->allow_outside;
+    contract.demands.allow_outside.insert(contract.demands.allow_outside.end(), allowed.begin(),
+                                          allowed.end());
+  }
+  contract.map_sha256 = {map_digest, TermSource::flag};
+  contract.start = statement.start();
+  contract.goals = statement.goals();
+  return contract;
+}
+
+Robot robot_of(const Contract& contract, const Robot& robot) {
+  Robot placed = scaled(robot, contract.scale.value / robot.scale);
+  placed.map_from_base = contract.map_from_base.value;
+  return placed;
+}
+
+std::map<std::string, Policy> policies_of(const Contract& contract) {
+  std::map<std::string, Policy> policies;
+  for (const auto& [part, term] : contract.policies) policies[part] = term.value;
+  return policies;
+}
+
+}  // namespace clearway

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/console/commands.hpp"
+#include "mapping/snapshot.hpp"
+#include "planning/files/plan_file.hpp"
+#include "planning/files/query_record.hpp"
+
+namespace clearway {
+
+/// Where a term of the contract comes from: a flag of `check`; the map folder's own record of its queries;
+/// the plan file; or what the robot's settings and the map give by default.
+enum class TermSource { flag, map, plan, by_default };
+std::string_view to_string(TermSource source);  ///< "flag", "map", "plan", "default"
+
+template <typename Value>
+struct Term {
+  Value value;
+  TermSource source = TermSource::by_default;
+};
+
+/// What a path must keep to be called valid, each term with its source. Start and goals may be missing, when
+/// nothing states them: `start` is then of no size.
+struct Contract {
+  Term<std::string> robot;  ///< as named
+  Term<double> scale;
+  Term<Eigen::Isometry3d> map_from_base;
+  std::map<std::string, Term<Policy>> policies;  ///< of every part
+  Term<double> padding;                          ///< metres
+  Term<double> seen_within;                      ///< of parts under known_free, seconds; 0: ever
+  double position_accuracy = 0.0;                ///< of the robot at the contract's scale, metres
+  SurveyDemands demands;                         ///< of the flags; parts outside also of the map's query
+  Term<std::string> map_sha256;
+  Term<Configuration> start;
+  Term<std::vector<Configuration>> goals;
+  std::string query;               ///< name of the map's query that terms are taken from; empty: none
+  std::vector<std::string> notes;  ///< what a reader should know of the sources, one sentence each
+};
+
+/// One thing in which the plan asks for less than the contract, or leaves it.
+struct Deviation {
+  AcceptedTerm term;
+  std::string sentence;  ///< what was expected and what the plan says
+  bool is_accepted = false;
+};
+
+/// States the contract. Each term is taken from the flags; else from the map's record of the plan's query,
+/// when that is of this map and of the robot that --robot names; else from the plan. Three terms do not
+/// follow the plan where it asks for less: the scale is then the robot's own, the padding its position
+/// accuracy, and a part of which the plan says nothing has the policy that it would have by default.
+/// @param robot as --robot names it, with nothing changed
+/// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
+Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
+                        const Snapshot& map, const std::string& map_digest,
+                        const std::optional<QueryRecord>& record);
+
+/// All in which the plan loosens the contract: another robot, scale, base or map; a policy that is looser or
+/// missing, a smaller padding; another start, goals that its legs do not reach one after the other. What the
+/// plan tightens is none.
+std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
+                                  const std::set<AcceptedTerm>& accepted);
+
+/// Takes from the plan what it loosens and the user accepts: scale, base, policies and padding.
+void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract);
+
+/// The robot at the scale and base of the contract.
+Robot robot_of(const Contract& contract, const Robot& robot);
+
+/// The policy of each part.
+std::map<std::string, Policy> policies_of(const Contract& contract);
+
+}  // namespace clearway

@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <cmath>
+
+#include "apps/check/check_contract.hpp"
+#include "apps/console/parse.hpp"
+
+namespace clearway {
+
+namespace {
+
+std::string by(TermSource source) {
+  switch (source) {
+    case TermSource::flag:
+      return "";
+    case TermSource::map:
+      return " by the map's record";
+    case TermSource::plan:
+      return " by the plan itself";
+    case TermSource::by_default:
+      break;
+  }
+  return " by default";
+}
+
+/// Every sentence says what was expected, and what the plan says or does.
+class Comparison {
+ public:
+  Comparison(const Contract& contract, const Plan& plan, const std::set<AcceptedTerm>& accepted)
+      : contract_(contract), plan_(plan), accepted_(accepted) {}
+
+  std::vector<Deviation> run() {
+    compare_robot();
+    compare_policies();
+    compare_padding();
+    compare_seen_within();
+    compare_map();
+    compare_start();
+    compare_goals();
+    return std::move(found_);
+  }
+
+ private:
+  void add(AcceptedTerm term, const std::string& sentence) {
+    found_.push_back({term, sentence, accepted_.contains(term)});
+  }
+
+  void compare_robot() {
+    const auto name = [](const std::string& robot) { return std::filesystem::path(robot).stem(); };
+    if (name(contract_.robot.value) != name(plan_.robot))
+      add(AcceptedTerm::robot,
+          "robot: expected '" + contract_.robot.value + "', the plan is for '" + plan_.robot + "'");
+    const auto& [scale, source] = contract_.scale;
+    if (!(std::abs(plan_.robot_scale - scale) <= contract_tolerance * scale))
+      add(AcceptedTerm::scale, "scale: expected " + significant(scale, 7) + by(source) + ", the plan says " +
+                                   significant(plan_.robot_scale, 7));
+    const Eigen::Isometry3d& base = contract_.map_from_base.value;
+    const double moved = (base.matrix() - plan_.map_from_base.matrix()).cwiseAbs().maxCoeff();
+    if (!(moved <= contract_tolerance))
+      add(AcceptedTerm::base, "base: expected " + to_text(base) + by(contract_.map_from_base.source) +
+                                  ", the plan says " + to_text(plan_.map_from_base));
+  }
+
+  void compare_policies() {
+    for (const auto& [part, term] : contract_.policies) {
+      if (term.source == TermSource::plan || term.source == TermSource::by_default) continue;
+      const auto said = plan_.policies.find(part);
+      if (said != plan_.policies.end() && said->second <= term.value) continue;
+      const std::string says =
+          said == plan_.policies.end() ? "nothing of it" : std::string(to_string(said->second));
+      add(AcceptedTerm::policy, "policy of " + part + ": expected " + std::string(to_string(term.value)) +
+                                    by(term.source) + ", the plan says " + says);
+    }
+  }
+
+  void compare_padding() {
+    const auto& [padding, source] = contract_.padding;
+    if (plan_.padding >= padding) return;
+    add(AcceptedTerm::padding, "padding: expected " + significant(padding * 1000.0) + " mm" + by(source) +
+                                   ", the plan says " + significant(plan_.padding * 1000.0) + " mm");
+  }
+
+  /// By a flag alone the path is checked: whoever planned without it may have kept it all the same.
+  void compare_seen_within() {
+    const auto& [seconds, source] = contract_.seen_within;
+    if (source != TermSource::map || seconds == 0.0) return;
+    if (plan_.seen_within > 0.0 && plan_.seen_within <= seconds) return;
+    add(AcceptedTerm::policy,
+        "seen within: expected " + significant(seconds) + " s" + by(source) + ", the plan says " +
+            (plan_.seen_within > 0.0 ? significant(plan_.seen_within) + " s" : std::string("ever")));
+  }
+
+  void compare_map() {
+    if (contract_.map_sha256.value == plan_.map_sha256) return;
+    add(AcceptedTerm::map, "map: expected one with the sha256 " + contract_.map_sha256.value.substr(0, 16) +
+                               "…, the plan was made on another, " + plan_.map_sha256.substr(0, 16) + "…");
+  }
+
+  void compare_start() {
+    const auto& [start, source] = contract_.start;
+    if (start.size() == 0) {
+      add(AcceptedTerm::goals, "start: expected --start, because neither the map nor the plan says it");
+      return;
+    }
+    if (plan_.start.size() > 0) require_near(start, plan_.start, "start", by(source), "the plan says ");
+    const std::vector<Configuration> path = plan_.waypoints();
+    if (!path.empty()) require_near(start, path.front(), "start", by(source), "the path begins at ");
+  }
+
+  void compare_goals() {
+    const auto& [goals, source] = contract_.goals;
+    if (goals.empty()) {
+      add(AcceptedTerm::goals, "goals: expected --goal, because neither the map nor the plan says one");
+      return;
+    }
+    const std::string count = std::to_string(goals.size());
+    if (!plan_.goals.empty() && plan_.goals.size() != goals.size())
+      add(AcceptedTerm::goals,
+          "goals: expected " + count + by(source) + ", the plan says " + std::to_string(plan_.goals.size()));
+    if (plan_.legs.size() > goals.size())
+      add(AcceptedTerm::goals, "legs: expected " + count + ", one for each goal, the plan has " +
+                                   std::to_string(plan_.legs.size()));
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      const std::string what = "goal " + std::to_string(i + 1) + " of " + count;
+      if (i < plan_.goals.size()) require_near(goals[i], plan_.goals[i], what, by(source), "the plan says ");
+      const bool is_there = i < plan_.legs.size() && !plan_.legs[i].waypoints.empty();
+      if (is_there) {
+        require_near(goals[i], plan_.legs[i].waypoints.back(), what, by(source), "the path ends its leg at ");
+      } else {
+        add(AcceptedTerm::goals, what + ": is not reached, the plan has no leg to it");
+      }
+    }
+  }
+
+  void require_near(const Configuration& expected, const Configuration& found, const std::string& what,
+                    const std::string& source, const std::string& verb) {
+    const double apart = largest_difference(expected, found);
+    if (apart <= contract_tolerance) return;
+    add(AcceptedTerm::goals, what + ": expected " + to_text(expected) + source + ", " + verb +
+                                 to_text(found) + ", " + significant(apart, 3) + " from it");
+  }
+
+  const Contract& contract_;
+  const Plan& plan_;
+  const std::set<AcceptedTerm>& accepted_;
+  std::vector<Deviation> found_;
+};
+
+}  // namespace
+
+std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
+                                  const std::set<AcceptedTerm>& accepted) {
+  return Comparison(contract, plan, accepted).run();
+}
+
+void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract) {
+  for (const Deviation& deviation : found) {
+    if (!deviation.is_accepted) continue;
+    if (deviation.term == AcceptedTerm::scale) contract.scale = {plan.robot_scale, TermSource::plan};
+    if (deviation.term == AcceptedTerm::base) contract.map_from_base = {plan.map_from_base, TermSource::plan};
+    if (deviation.term == AcceptedTerm::padding) contract.padding = {plan.padding, TermSource::plan};
+    if (deviation.term != AcceptedTerm::policy) continue;
+    Term<double>& seen_within = contract.seen_within;
+    const bool is_looser = plan.seen_within == 0.0 || plan.seen_within > seen_within.value;
+    if (seen_within.source == TermSource::map && is_looser)
+      seen_within = {plan.seen_within, TermSource::plan};
+    for (auto& [part, term] : contract.policies) {
+      const auto said = plan.policies.find(part);
+      if (said != plan.policies.end() && said->second > term.value) term = {said->second, TermSource::plan};
+    }
+  }
+}
+
+}  // namespace clearway

@@ -1,0 +1,169 @@
+#include "apps/check/check_report.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "apps/console/parse.hpp"
+#include "apps/query/query.hpp"
+#include "apps/query/survey_figures.hpp"
+
+namespace clearway {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+std::string_view name_of(AcceptedTerm term) {
+  switch (term) {
+    case AcceptedTerm::robot:
+      return "robot";
+    case AcceptedTerm::scale:
+      return "scale";
+    case AcceptedTerm::base:
+      return "base";
+    case AcceptedTerm::policy:
+      return "policy";
+    case AcceptedTerm::padding:
+      return "padding";
+    case AcceptedTerm::map:
+      return "map";
+    case AcceptedTerm::goals:
+      break;
+  }
+  return "goals";
+}
+
+std::string from(TermSource source) { return " (" + std::string(to_string(source)) + ")"; }
+
+Json numbers(const Configuration& q) { return Json(std::vector<double>(q.begin(), q.end())); }
+
+template <typename Value>
+Json term_json(const Value& value, TermSource source) {
+  return {{"value", value}, {"source", to_string(source)}};
+}
+
+Json contract_json(const Contract& contract) {
+  Json json;
+  json["robot"] = term_json(contract.robot.value, contract.robot.source);
+  json["scale"] = term_json(contract.scale.value, contract.scale.source);
+  json["base"] = term_json(numbers_from_pose(contract.map_from_base.value), contract.map_from_base.source);
+  json["policy"] = Json::object();
+  for (const auto& [part, term] : contract.policies)
+    json["policy"][part] = term_json(to_string(term.value), term.source);
+  json["padding_m"] = term_json(contract.padding.value, contract.padding.source);
+  json["seen_within_s"] = term_json(contract.seen_within.value, contract.seen_within.source);
+  json["map_sha256"] = term_json(contract.map_sha256.value, contract.map_sha256.source);
+  json["start"] = term_json(numbers(contract.start.value), contract.start.source);
+  Json goals = Json::array();
+  for (const Configuration& goal : contract.goals.value) goals.push_back(numbers(goal));
+  json["goals"] = term_json(goals, contract.goals.source);
+  json["query"] = contract.query.empty() ? Json(nullptr) : Json(contract.query);
+  json["notes"] = contract.notes;
+  return json;
+}
+
+/// "tool painted, other parts known_free (map)"; where sources differ, one after the other.
+std::string policy_text(const Contract& contract) {
+  std::map<TermSource, std::map<std::string, Policy>> by_source;
+  for (const auto& [part, term] : contract.policies) by_source[term.source][part] = term.value;
+  if (by_source.size() <= 1) {
+    const std::string text = describe_policies(policies_of(contract), 0.0);
+    return by_source.empty() ? text : text + from(by_source.begin()->first);
+  }
+  std::string text;
+  for (const auto& [source, policies] : by_source) {
+    std::string parts;
+    for (const auto& [part, policy] : policies)
+      parts += (parts.empty() ? "" : ", ") + part + " " + std::string(to_string(policy));
+    text += (text.empty() ? "" : "; ") + parts + from(source);
+  }
+  return text;
+}
+
+void append_contract(const Contract& contract, Rows& rows) {
+  rows.emplace_back("robot", contract.robot.value + " at scale " + significant(contract.scale.value) +
+                                 from(contract.scale.source));
+  rows.emplace_back("base", to_text(contract.map_from_base.value) + from(contract.map_from_base.source));
+  rows.emplace_back("policy", policy_text(contract));
+  if (contract.seen_within.value > 0.0)
+    rows.emplace_back("seen within", significant(contract.seen_within.value) +
+                                         " s before the map's newest look" +
+                                         from(contract.seen_within.source));
+  rows.emplace_back("padding", describe_padding(contract.padding.value, contract.position_accuracy,
+                                                from(contract.padding.source)));
+  rows.emplace_back(
+      "map", "sha256 " + contract.map_sha256.value.substr(0, 16) + "…" + from(contract.map_sha256.source));
+  rows.emplace_back("start", to_text(contract.start.value) + from(contract.start.source));
+  for (const Configuration& goal : contract.goals.value)
+    rows.emplace_back("goal", to_text(goal) + from(contract.goals.source));
+  if (!contract.query.empty()) rows.emplace_back("query", "'" + contract.query + "' of the map's record");
+  for (const std::string& note : contract.notes) rows.emplace_back("note", note);
+}
+
+}  // namespace
+
+bool CheckReport::is_valid() const {
+  return path.valid && std::all_of(deviations.begin(), deviations.end(),
+                                   [](const Deviation& deviation) { return deviation.is_accepted; });
+}
+
+std::string_view CheckReport::word() const {
+  if (is_valid()) return "valid";
+  return path.undecided ? "undecided" : "refused";
+}
+
+Rows check_rows(const CheckReport& report) {
+  Rows rows{{"verdict", std::string(report.word())}};
+  for (const Deviation& deviation : report.deviations) {
+    if (deviation.is_accepted)
+      rows.emplace_back("accepted", deviation.sentence);
+    else
+      rows.emplace_back("refused for", deviation.sentence + " (--accept-" +
+                                           std::string(name_of(deviation.term)) + " accepts it)");
+  }
+  if (!report.path.first_contact.empty()) rows.emplace_back("first contact", report.path.first_contact);
+  if (report.path.valid)
+    rows.emplace_back("min. clearance", significant(report.path.min_clearance * 1000.0, 3) + " mm");
+  rows.emplace_back("waypoints", std::to_string(report.waypoints));
+  for (auto& row : survey_figures(report.survey)) rows.push_back(std::move(row));
+  if (report.plan_status != PlanStatus::solved)
+    rows.emplace_back("plan", std::string(to_string(report.plan_status)) + ": not all legs have a path");
+  append_contract(report.contract, rows);
+  rows.emplace_back("map integration", report.map_integration);
+  if (!report.map_caveat.empty()) rows.emplace_back("note", report.map_caveat);
+  rows.emplace_back("checker", report.path.checker);
+  return rows;
+}
+
+Json check_json(const CheckReport& report) {
+  const Contract& contract = report.contract;
+  Json json;
+  json["verdict"] = report.word();
+  json["deviations"] = Json::array();
+  for (const Deviation& deviation : report.deviations)
+    json["deviations"].push_back({{"term", name_of(deviation.term)},
+                                  {"sentence", deviation.sentence},
+                                  {"accepted", deviation.is_accepted}});
+  json["first_contact"] = report.path.first_contact;
+  json["edge"] = report.path.edge;
+  json["parameter"] = report.path.parameter;
+  json["min_clearance_m"] = report.path.min_clearance;
+  for (const auto& [part, term] : contract.policies) json["policy"][part] = to_string(term.value);
+  if (contract.seen_within.value > 0.0) json["seen_within_s"] = contract.seen_within.value;
+  json["padding_m"] = contract.padding.value;
+  json["waypoints"] = report.waypoints;
+  json["plan_status"] = to_string(report.plan_status);
+  json["scale"] = contract.scale.value;
+  json["base"] = numbers_from_pose(contract.map_from_base.value);
+  json["same_map"] = std::none_of(report.deviations.begin(), report.deviations.end(),
+                                  [](const Deviation& d) { return d.term == AcceptedTerm::map; });
+  json["integration"] = report.map_integration;
+  if (!report.map_caveat.empty()) json["map_caveat"] = report.map_caveat;
+  json.update(Json::parse(to_json(report.survey)));
+  json["contract"] = contract_json(contract);
+  json["checker"] = report.path.checker;
+  return json;
+}
+
+}  // namespace clearway

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/check/check_contract.hpp"
+#include "planning/check/path_check.hpp"
+
+namespace clearway {
+
+/// All that `check` found out about a plan.
+struct CheckReport {
+  Contract contract;
+  std::vector<Deviation> deviations;
+  PathVerdict path;   ///< of the plan's waypoints under the contract
+  PathSurvey survey;  ///< what the map knows of where they lead
+  PlanStatus plan_status = PlanStatus::no_path;
+  std::size_t waypoints = 0;
+  std::string map_integration{};  ///< which integration made the map
+  std::string map_caveat{};       ///< what the verdict must say of that, one sentence; may be empty
+
+  /// The path holds, and the plan loosens nothing that the user does not accept.
+  bool is_valid() const;
+  std::string_view word() const;  ///< "valid", "undecided" or "refused"
+};
+
+/// Name and text of each line of the verdict.
+std::vector<std::pair<std::string, std::string>> check_rows(const CheckReport& report);
+
+/// The same as one JSON object: `contract` has `value` and `source` of each term.
+nlohmann::ordered_json check_json(const CheckReport& report);
+
+}  // namespace clearway

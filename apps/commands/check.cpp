@@ -1,0 +1,62 @@
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "apps/check/check_contract.hpp"
+#include "apps/check/check_report.hpp"
+#include "apps/console/commands.hpp"
+#include "apps/console/table.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/maps/map_damage.hpp"
+#include "mapping/maps/map_integration.hpp"
+#include "planning/files/plan_file.hpp"
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+
+namespace {
+
+/// The path itself, under the contract's terms.
+PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const Snapshot& map,
+                            const Plan& plan) {
+  const std::vector<Configuration> waypoints = plan.waypoints();
+  if (!waypoints.empty()) {
+    return check_path(robot_of(contract, robot), map, policies_of(contract), contract.padding.value,
+                      waypoints, 0.0, contract.seen_within.value);
+  }
+  PathVerdict none;
+  none.first_contact = "the plan has no path (status " + std::string(to_string(plan.status())) + ")";
+  return none;
+}
+
+}  // namespace
+
+int run_check(const CheckOptions& options, Console& console) {
+  const Plan plan = load_plan(options.plan);
+  const Robot robot = load_robot(options.robot.robot);
+  const Snapshot map = load_map(options.map);
+  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
+    console.warn("note: " + remark);
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+  CheckReport report;
+  report.contract =
+      state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));
+  report.deviations = deviations(report.contract, plan, options.accepted);
+  adopt_accepted(report.deviations, plan, report.contract);
+  report.path = check_waypoints(report.contract, robot, map, plan);
+  // A path that is malformed (its clearances were not measured) leads nowhere.
+  const auto path = report.path.clearance.empty() ? std::vector<Configuration>{} : plan.waypoints();
+  report.survey = survey_path(robot_of(report.contract, robot), map, policies_of(report.contract), path);
+  refuse_surveyed(report.survey, report.contract.demands, report.path);
+  report.map_integration = to_string(integration_of(map));
+  report.map_caveat = map_caveat(map);
+  report.plan_status = plan.status();
+  report.waypoints = plan.waypoints().size();
+  if (console.json) {
+    console.out() << check_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  } else {
+    print_rows(console.out(), check_rows(report));
+  }
+  return report.is_valid() ? exit_done : exit_no;
+}
+
+}  // namespace clearway

@@ -1,0 +1,52 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/flags.hpp"
+
+namespace clearway {
+
+Command add_check(CLI::App& app, Console& console) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command =
+      add_command(app, "check",
+                  "independent continuous check of a plan against a stated contract (KDL kinematics, FCL "
+                  "geometry)",
+                  console);
+  command->add_option("plan", options->plan, "plan.json")->required()->type_name("PLAN.json");
+  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
+      ->required()
+      ->type_name("MAP");
+  const std::string otherwise = "; default: the map's own query, else ";
+  add_robot_flags(*command, options->robot,
+                  {.scale = otherwise + "the robot's own",
+                   .base = otherwise + "the plan's",
+                   .policy = otherwise + "the plan's",
+                   .padding = otherwise + "the plan's, at least the robot's position accuracy",
+                   .seen_within = otherwise + "the plan's"});
+  add_survey_flags(*command, options->survey);
+  command
+      ->add_option("--start", options->start,
+                   "comma-separated joint values, rad or m" + otherwise + "the plan's")
+      ->type_name("Q");
+  command
+      ->add_option("--goal", options->goals, "the same; each goal is to be reached by a leg, in this order")
+      ->type_name("Q")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
+  const auto accept = [&](const std::string& name, AcceptedTerm term, const std::string& what) {
+    command->add_flag_callback(
+        "--accept-" + name, [options, term] { options->accepted.insert(term); }, what);
+  };
+  accept("robot", AcceptedTerm::robot, "the plan may be for a robot of another name");
+  accept("scale", AcceptedTerm::scale, "the plan's scale counts where it differs");
+  accept("base", AcceptedTerm::base, "the plan's base counts where it differs");
+  accept("policy", AcceptedTerm::policy, "the plan's policies count where they are looser");
+  accept("padding", AcceptedTerm::padding, "the plan's padding counts where it is smaller");
+  accept("map", AcceptedTerm::map, "the plan may be made on another map (another sha256)");
+  accept("goals", AcceptedTerm::goals, "the path may start elsewhere and leave out goals");
+  return [options](Console& c) { return run_check(*options, c); };
+}
+
+}  // namespace clearway

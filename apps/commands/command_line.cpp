@@ -1,0 +1,262 @@
+#include "apps/commands/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <limits>
+#include <ostream>
+#include <stdexcept>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/failure.hpp"
+#include "apps/console/flags.hpp"
+#include "planning/problem/planner.hpp"
+
+namespace clearway {
+
+namespace {
+
+/// "did you mean": the candidate with the smallest edit distance, if it is near.
+std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto edits = [](const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i;
+      for (std::size_t j = 1; j <= b.size(); ++j) {
+        const std::size_t above = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+        diagonal = above;
+      }
+    }
+    return row[b.size()];
+  };
+  std::string best;
+  std::size_t best_edits = 4;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edits(word, candidate);
+    if (distance < best_edits && distance < candidate.size()) {
+      best_edits = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+Command add_replay(CLI::App& app, Console& console) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = add_command(
+      app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
+  command
+      ->add_option("recording", options->recording,
+                   "MRPT rawlog, gzipped or plain; or a .pcd or .ply file, or a folder of them")
+      ->required()
+      ->type_name("RECORDING");
+  command
+      ->add_option("--setup", options->setup,
+                   "tag boards, probe, robot and queries; default: the recording's own")
+      ->type_name("SETUP.yaml");
+  command
+      ->add_option("--out", options->out, "folder for map.ot, painted.csv, report.json, report.html, plans/")
+      ->required()
+      ->check(file_name)
+      ->type_name("DIR");
+  command
+      ->add_option("--resolution", options->resolution,
+                   "edge of a voxel, metres; default: the setup's, else 0.02")
+      ->check(number("a number from 0.0001 to 100", 1e-4, 100.0))
+      ->type_name("M");
+  command
+      ->add_option("--integration", options->integration,
+                   "what a scan frees: safe (nothing beside a surface), or compatible with OctoMap; "
+                   "default: the setup's, else safe")
+      ->check([](const std::string& text) {
+        return text == "safe" || text == "compatible" ? std::string{}
+                                                      : "expected safe or compatible, got '" + text + "'";
+      })
+      ->type_name("MODE");
+  command
+      ->add_option("--threads", options->threads,
+                   "for inserting scans; the map does not depend on it; default: all, at most 8")
+      ->check(number("a whole number from 1 to 64", 1, 64))
+      ->type_name("N");
+  command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->take_all();
+  add_seen_within(*command, options->seen_within, "; default: the queries' own");
+  command->add_flag_callback(
+      "--no-plan", [options] { options->plan = false; }, "stop after the map");
+  command->add_option("--seed", options->seed, "of the planners")->type_name("N")->check(whole_number);
+  command->add_option("--time-limit", options->time_limit, "seconds for each leg of a plan")
+      ->check(positive())
+      ->type_name("S");
+  return [options](Console& c) { return run_replay(*options, c); };
+}
+
+Command add_plan(CLI::App& app, Console& console) {
+  auto options = std::make_shared<PlanOptions>();
+  CLI::App* command = add_command(app, "plan", "one query on a map, in one or several legs", console);
+  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
+      ->type_name("MAP");
+  add_robot_flags(*command, options->robot);
+  add_survey_flags(*command, options->survey);
+  command->get_option("--robot")->required(false);
+  command->add_option("--start", options->start, "comma-separated joint values, rad or m")->type_name("Q");
+  command->add_option("--goal", options->goals, "the same; several goals are legs of one path")
+      ->type_name("Q")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
+  command->add_option("--planner", options->planner, "see `clearway planners`")
+      ->required()
+      ->type_name("NAME");
+  command->add_option("--set", options->settings, "planner option; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_flag("--print-options", options->print_options,
+                    "show the planner's options in force and stop");
+  command->add_option("--payload", options->cost.payload, "mass at the tip for the path cost, full size, kg")
+      ->check(number("a mass from 0 to 1000000000 (kg)", 0.0, 1e9))
+      ->type_name("KG");
+  command
+      ->add_option("--gravity", options->cost.gravity,
+                   "x,y,z for the path cost, map frame, m/s^2 (default: 0,0,-9.81)")
+      ->delimiter(',')
+      ->expected(3)
+      ->allow_extra_args(false)
+      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
+      ->type_name("G");
+  command->add_option("--seed", options->seed, "of the planner")->type_name("N")->check(whole_number);
+  command->add_option("--time-limit", options->time_limit, "seconds for each leg")
+      ->check(positive())
+      ->type_name("S");
+  command->add_option("--out", options->out, "write the plan as JSON")->type_name("FILE")->check(file_name);
+  command->add_option("--csv", options->csv, "write the waypoints as CSV")
+      ->type_name("FILE")
+      ->check(file_name);
+  command
+      ->add_option("--view", options->view, "write a page that shows map and plan in 3D, in time, with plots")
+      ->type_name("FILE.html")
+      ->check(file_name);
+  command
+      ->add_option("--trajectory", options->trajectories,
+                   "write the motion with time, for a plan that is solved and valid: ros (JointTrajectory "
+                   "YAML) or urscript; repeatable")
+      ->type_name("FORMAT FILE")
+      ->expected(1)
+      ->take_all();
+  return [options](Console& c) {
+    if (!options->print_options) {
+      for (const auto& [missing, flag] :
+           {std::pair{options->map.empty(), "--map"}, std::pair{options->robot.robot.empty(), "--robot"},
+            std::pair{options->start.empty(), "--start"}, std::pair{options->goals.empty(), "--goal"}}) {
+        if (missing) throw std::invalid_argument(std::string(flag) + " is required");
+      }
+    }
+    return run_plan(*options, c);
+  };
+}
+
+Command add_simulate(CLI::App& app, Console& console) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* command =
+      add_command(app, "simulate", "render a scene file as a recording with exact truth", console);
+  command->add_option("scene", options->scene, "scene file")->required()->type_name("SCENE.yaml");
+  command->add_option("--out", options->out, "recording to write (.rawlog); truth.json appears beside it")
+      ->required()
+      ->check(file_name)
+      ->type_name("RECORDING");
+  return [options](Console& c) { return run_simulate(*options, c); };
+}
+
+/// CLI11's errors as one sentence of ours.
+int tell_usage_error(const CLI::App& app, const std::vector<std::string>& arguments,
+                     const CLI::ParseError& error, Console& console) {
+  std::string sentence = error.what();
+  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (arguments.empty()) {
+    console.warn(app.help());
+    return exit_bad_input;
+  }
+  const bool known = std::find(names.begin(), names.end(), arguments[0]) != names.end();
+  if (!known && !arguments[0].starts_with('-')) {
+    sentence = "unknown command '" + arguments[0] + "'";
+    const std::string guess = nearest(arguments[0], names);
+    sentence += guess.empty() ? " (see clearway --help)" : "; did you mean '" + guess + "'?";
+  } else if (known) {
+    sentence = arguments[0] + ": " + sentence + " (see clearway " + arguments[0] + " --help)";
+    std::vector<std::string> flags;
+    const CLI::App* command = app.get_subcommand(arguments[0]);
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+    }
+    for (const std::string& argument : arguments) {
+      const std::string flag = argument.substr(0, argument.find('='));
+      if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
+      const std::string guess = nearest(flag, flags);
+      sentence =
+          arguments[0] + ": unknown flag '" + flag + "'" +
+          (guess.empty() ? " (see clearway " + arguments[0] + " --help)" : "; did you mean '" + guess + "'?");
+      break;
+    }
+  }
+  console.warn("clearway: " + sentence);
+  return exit_bad_input;
+}
+
+int run_guarded(const Command& command, Console& console) {
+  try {
+    return command(console);
+  } catch (...) {
+    const Failure failure = failure_of(std::current_exception());
+    console.warn("clearway: " + failure.sentence);
+    return failure.status;
+  }
+}
+
+}  // namespace
+
+int run_command_line(const std::vector<std::string>& arguments, Console& console) {
+  CLI::App app("Paint free space, fuse it with what sensors see, and plan a robot arm inside it.",
+               "clearway");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("clearway ") + CLEARWAY_VERSION);
+  app.get_formatter()->column_width(16);
+  std::vector<std::pair<std::string, Command>> commands = {
+      {"replay", add_replay(app, console)},   {"plan", add_plan(app, console)},
+      {"check", add_check(app, console)},     {"inspect", add_inspect(app, console)},
+      {"compare", add_compare(app, console)}, {"simulate", add_simulate(app, console)},
+  };
+  add_command(app, "robots", "list the robots that come with the program", console);
+  add_command(app, "planners", "list the planners", console);
+  commands.emplace_back("robots", run_robots);
+  commands.emplace_back("planners", run_planners);
+  app.footer(
+      "Each command explains its flags: clearway COMMAND --help\n"
+      "Exit status: 0 done, 1 the answer is no, 2 usage or bad input, 3 damaged input.");
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+    app.parse(reversed);
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = app.get_subcommands();
+    console.out() << (chosen.empty() ? app.help() : chosen.front()->help("clearway"));
+    return exit_done;
+  } catch (const CLI::CallForVersion&) {
+    console.out() << app.version() << '\n';
+    return exit_done;
+  } catch (const CLI::ParseError& error) {
+    return tell_usage_error(app, arguments, error, console);
+  }
+  for (const auto& [name, command] : commands) {
+    if (app.got_subcommand(name)) return run_guarded(command, console);
+  }
+  return exit_bad_input;
+}
+
+}  // namespace clearway

@@ -1,0 +1,58 @@
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/parse.hpp"
+#include "apps/console/table.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/problem/planner.hpp"
+#include "planning/robot/robot.hpp"
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+
+int run_robots(Console& console) {
+  std::vector<std::vector<std::string>> rows{{"robot", "joints", "scale", "description"}};
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const auto& [name, description] : available_robots()) {
+    const Robot robot = load_robot(name);
+    rows.push_back({name, std::to_string(robot.dof()), significant(robot.scale), description});
+    nlohmann::ordered_json entry{{"name", name}, {"description", description}, {"scale", robot.scale}};
+    for (const Joint& joint : robot.joints) {
+      const auto limit = [](double value) {
+        return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+      };
+      entry["joints"].push_back({{"name", joint.name},
+                                 {"kind", joint.kind == JointKind::revolute ? "revolute" : "prismatic"},
+                                 {"lower", limit(joint.lower)},
+                                 {"upper", limit(joint.upper)}});
+    }
+    entry["critical_parts"] = robot.critical_parts;
+    json.push_back(entry);
+  }
+  if (console.json) {
+    console.out() << nlohmann::ordered_json{{"robots", json}}.dump(2) << '\n';
+  } else {
+    print_table(console.out(), rows);
+  }
+  return exit_done;
+}
+
+int run_planners(Console& console) {
+  std::vector<std::vector<std::string>> rows{{"planner", "description"}};
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const PlannerEntry& entry : planner_table()) {
+    rows.push_back({std::string(entry.name), std::string(entry.description)});
+    json.push_back({{"name", entry.name},
+                    {"description", entry.description},
+                    {"options", make_planner(entry.name)->options()}});
+  }
+  if (console.json) {
+    console.out() << nlohmann::ordered_json{{"planners", json}}.dump(2) << '\n';
+  } else {
+    print_table(console.out(), rows);
+  }
+  return exit_done;
+}
+
+}  // namespace clearway

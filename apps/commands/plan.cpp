@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <filesystem>
+#include <ostream>
+#include <stdexcept>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/parse.hpp"
+#include "apps/console/table.hpp"
+#include "apps/pages/map_page.hpp"
+#include "apps/query/advice.hpp"
+#include "apps/query/query.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/maps/map_damage.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "planning/files/trajectory_file.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+
+namespace {
+
+std::vector<std::string> joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+std::vector<bool> prismatic_joints(const Robot& robot) {
+  std::vector<bool> flags;
+  for (const Joint& joint : robot.joints) flags.push_back(joint.kind == JointKind::prismatic);
+  return flags;
+}
+
+int print_planner_options(const PlanOptions& options, Console& console) {
+  const auto planner = make_planner(options.planner, choose_planner_options(options.settings));
+  for (const auto& [key, value] : planner->options()) console.out() << key << ": " << value << '\n';
+  return exit_done;
+}
+
+bool is_solved_and_valid(const Plan& plan) {
+  return plan.status() == PlanStatus::solved && plan.validation.valid;
+}
+
+/// Nothing but a proved path is given time: a controller would follow it.
+void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan, Console& console) {
+  if (options.trajectories.empty()) return;
+  if (!is_solved_and_valid(plan)) {
+    console.warn("clearway: no trajectory was written, because the plan is " +
+                 (plan.status() == PlanStatus::solved
+                      ? "refused by the check"
+                      : "not solved (" + std::string(to_string(plan.status())) + ")"));
+    return;
+  }
+  const Trajectory trajectory = time_path(robot, plan.waypoints());
+  for (const auto& [format, file] : options.trajectories) {
+    save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
+  }
+}
+
+/// Where the plan is written to: every file once.
+void require_files(const PlanOptions& options) {
+  std::vector<std::pair<const char*, std::filesystem::path>> files = {
+      {"--out", options.out}, {"--csv", options.csv}, {"--view", options.view}};
+  for (const auto& [format, file] : options.trajectories) files.emplace_back("--trajectory", file);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto& [flag, file] = files[i];
+    if (file.empty()) continue;
+    require_writable(file);
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto same = [](const std::filesystem::path& path) {
+        return std::filesystem::weakly_canonical(path);
+      };
+      if (same(files[j].second) != same(file)) continue;
+      throw std::invalid_argument(std::string(flag) + ": '" + file.string() + "' is the file of " +
+                                  files[j].first + ", too");
+    }
+  }
+}
+
+/// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is told.
+void tell_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
+                         Console& console) {
+  const bool is_chosen = !options.robot.policies.empty() || !space.robot().critical_parts.empty();
+  if (is_chosen || plan.status() == PlanStatus::solved) return;
+  const bool is_known_free = std::any_of(plan.policies.begin(), plan.policies.end(),
+                                         [](const auto& part) { return part.second == Policy::known_free; });
+  if (!is_known_free) return;
+  console.log("note: " + space.robot().name +
+              " names no critical part, so all of it must lie in known free space; with --policy "
+              "not_occupied unknown "
+              "counts as free");
+}
+
+/// A padding may make the robot's surroundings too large to be looked at: then the flag is named.
+ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
+                                double padding, double seen_within) {
+  require_seen_within(seen_within, map, part_policies(robot, map, policies));  // which no padding mends
+  try {
+    return ConfigurationSpace(robot, map, policies, {.padding = padding, .seen_within = seen_within});
+  } catch (const std::invalid_argument& error) {
+    if (padding == 0.0) throw;
+    throw std::invalid_argument("with --padding " + significant(padding) + " (metres): " + error.what());
+  }
+}
+
+std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
+                      const Configuration& start) {
+  ReportPage page = page_of_map(space.map(), space.robot().name + ", " + plan.planner);
+  page.subtitle = options.map.string();
+  look_from(page, space.map(), space.robot().map_from_base.translation());
+  show_robot(page, space.robot(), start);
+  page.plans.push_back(page_of_plan(plan, space, start, plan.planner));
+  return render_report_page(page);
+}
+
+}  // namespace
+
+int run_plan(const PlanOptions& options, Console& console) {
+  if (options.print_options) return print_planner_options(options, console);
+  // The cheap mistakes are told before the map is read.
+  const PlannerOptions settings = choose_planner_options(options.settings);
+  make_planner(options.planner, settings);
+  const Robot robot = choose_robot(options.robot);
+  for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
+  const auto names = joint_names(robot);
+  const auto prismatic = prismatic_joints(robot);
+  const Configuration start =
+      parse_configuration(options.start, "--start", names, prismatic, options.degrees);
+  std::vector<Configuration> goals;
+  for (const std::string& goal : options.goals) {
+    goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));
+  }
+  const Policies policies = choose_policies(options.robot.policies, robot);
+  require_parts(options.survey.allow_outside, robot, "--allow-outside");
+  require_files(options);
+  const Snapshot map = load_map(options.map);
+  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
+    console.warn("note: " + remark);
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+
+  const double padding = choose_padding(options.robot, robot);
+  const ConfigurationSpace space =
+      padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
+  Query query{space,           options.robot.robot,
+              options.map,     map_sha256(options.map),
+              start,           goals,
+              options.planner, settings,
+              options.seed,    options.time_limit};
+  query.payload = options.cost.payload;
+  query.survey = options.survey;
+  if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
+  Plan plan = solve(query);
+  advise(query, plan);
+  tell_default_policy(options, plan, space, console);
+  const std::string text = to_json(plan);
+  if (!options.out.empty()) save_file(options.out, text);
+  if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
+  if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, start));
+  save_trajectories(options, robot, plan, console);
+  if (console.json) {
+    console.out() << text << '\n';
+  } else {
+    print_rows(console.out(), plan_figures(plan));
+    if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
+    if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
+    for (const auto& [format, file] : options.trajectories) {
+      if (is_solved_and_valid(plan)) console.out() << "  trajectory: " << file << '\n';
+    }
+  }
+  return is_solved_and_valid(plan) ? exit_done : exit_no;
+}
+
+}  // namespace clearway

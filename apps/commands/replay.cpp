@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <memory>
+#include <ostream>
+#include <stdexcept>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/table.hpp"
+#include "apps/fusion/fusion.hpp"
+#include "apps/inspect/map_folder.hpp"
+#include "apps/pages/report.hpp"
+#include "apps/query/advice.hpp"
+#include "apps/query/query.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "planning/files/query_record.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+RobotChoice robot_choice(const RobotSetup& robot) {
+  RobotChoice choice;
+  choice.robot = robot.name;
+  choice.scale = robot.scale;
+  return choice;
+}
+
+Configuration configuration(const std::vector<double>& values) {
+  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+std::vector<Configuration> configurations(const std::vector<std::vector<double>>& list) {
+  std::vector<Configuration> result;
+  for (const auto& values : list) result.push_back(configuration(values));
+  return result;
+}
+
+std::vector<std::string> policy_texts(const QuerySetup& query) {
+  std::vector<std::string> texts;
+  for (const auto& [part, policy] : query.policies)
+    texts.push_back(part == "default" ? policy : part + "=" + policy);
+  return texts;
+}
+
+void require_size(const std::vector<double>& q, const Robot& robot, const QuerySetup& query,
+                  const char* field) {
+  if (q.size() == robot.dof()) return;
+  throw std::invalid_argument("setup, query '" + query.name + "', field '" + field + "': got " +
+                              std::to_string(q.size()) + " values, expected " + std::to_string(robot.dof()) +
+                              " (robot '" + robot.name + "')");
+}
+
+/// A query's name becomes the name of its plans' files.
+void require_file_name(const std::string& name) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  });
+  if (!name.empty() && plain && name.front() != '.') return;
+  throw std::invalid_argument("setup, query '" + name +
+                              "', field 'name': expected letters, digits, '_', '-' and '.' only");
+}
+
+/// All queries of the setup, each with each of its planners, on one map.
+class QueryRunner {
+ public:
+  /// @param folder where the map and the plans are saved
+  QueryRunner(const ReplayOptions& options, const std::filesystem::path& folder, const Fusion& fusion,
+              const Snapshot& map)
+      : options_(options),
+        folder_(folder),
+        setup_(fusion.setup),
+        map_(map),
+        robot_(choose_robot(robot_choice(*setup_.robot))) {
+    robot_.map_from_base = setup_.robot->map_from_base;
+    for (const QuerySetup& query : setup_.queries) {
+      require_file_name(query.name);
+      choose_policies(policy_texts(query), robot_);
+      require_seen_within(query);
+      require_parts(query.allow_outside, robot_, "setup, query '" + query.name + "', field 'allow_outside'");
+      require_size(query.start, robot_, query, "start");
+      for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
+      for (const std::string& planner : planners(query))
+        make_planner(planner, planner_options(query, planner));
+    }
+  }
+
+  /// Plans on the map that was saved in the folder, and records there what was asked.
+  std::vector<ReplayPlan> run(Console& console) {
+    const std::string digest = map_sha256(folder_);
+    std::vector<ReplayPlan> plans;
+    QueryRecord record{digest, {}};
+    for (const QuerySetup& query : setup_.queries) {
+      spaces_.push_back(std::make_unique<ConfigurationSpace>(
+          robot_, map_, choose_policies(policy_texts(query), robot_),
+          SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
+                       .seen_within = seen_within(query)}));
+      record.queries.push_back(terms_of(query, *spaces_.back()));
+    }
+    save_file(folder_ / "queries.json", to_json(record));
+    for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
+      const QuerySetup& query = setup_.queries[i];
+      const Configuration start = configuration(query.start);
+      const std::vector<Configuration> goals = configurations(query.goals);
+      for (const std::string& planner : planners(query)) {
+        console.log("planning '" + query.name + "' with " + planner);
+        Query asked{*spaces_[i],   setup_.robot->name,
+                    "map.ot",      digest,
+                    start,         goals,
+                    planner,       planner_options(query, planner),
+                    options_.seed, options_.time_limit};
+        asked.name = query.name;
+        asked.payload = setup_.robot->payload;
+        asked.survey = SurveyDemands{.allow_outside = query.allow_outside};
+        asked.gravity = setup_.robot->gravity;
+        Plan plan = solve(asked);
+        advise(asked, plan);
+        const std::filesystem::path file =
+            std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
+        save_file(folder_ / file, to_json(plan));
+        plans.push_back({query.name, std::move(plan), start, file, spaces_[i].get()});
+      }
+    }
+    return plans;
+  }
+
+ private:
+  QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space) const {
+    return {.name = query.name,
+            .robot = setup_.robot->name,
+            .scale = robot_.scale,
+            .map_from_base = robot_.map_from_base,
+            .policies = space.policies(),
+            .padding = space.options().padding,
+            .seen_within = space.options().seen_within,
+            .allow_outside = query.allow_outside,
+            .start = configuration(query.start),
+            .goals = configurations(query.goals)};
+  }
+
+  std::vector<std::string> planners(const QuerySetup& query) const {
+    if (!options_.planners.empty()) return options_.planners;
+    return query.planners.empty() ? std::vector<std::string>{"beam", "boundary"} : query.planners;
+  }
+
+  double seen_within(const QuerySetup& query) const {
+    return options_.seen_within.value_or(query.seen_within);
+  }
+
+  void require_seen_within(const QuerySetup& query) const {
+    try {
+      const Policies policies = choose_policies(policy_texts(query), robot_);
+      clearway::require_seen_within(seen_within(query), map_, part_policies(robot_, map_, policies));
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
+    }
+  }
+
+  static PlannerOptions planner_options(const QuerySetup& query, const std::string& planner) {
+    PlannerOptions options;
+    for (const auto& [key, value] : query.options) {
+      const std::size_t dot = key.find('.');
+      if (dot == std::string::npos) {
+        options[key] = value;
+      } else if (key.substr(0, dot) == planner) {
+        options[key.substr(dot + 1)] = value;
+      }
+    }
+    return options;
+  }
+
+  const ReplayOptions& options_;
+  const std::filesystem::path folder_;
+  const Setup& setup_;
+  const Snapshot& map_;
+  Robot robot_;
+  std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
+};
+
+void print_report(const ReplayOptions& options, const ReplayReport& report, const std::string& json,
+                  Console& console) {
+  for (const std::string& warning : report.fusion->warnings) console.warn("warning: " + warning);
+  if (report.fusion->damage) console.warn("clearway: " + *report.fusion->damage);
+  if (console.json) {
+    console.out() << json;
+    return;
+  }
+  print_rows(console.out(), report_figures(report));
+  if (!report.plans.empty()) {
+    console.out() << '\n';
+    print_table(console.out(), plan_table(report));
+    for (const ReplayPlan& entry : report.plans) {
+      if (entry.plan.status() == PlanStatus::solved && entry.plan.validation.valid) continue;
+      console.out() << "  " << entry.query << ", " << entry.plan.planner << ": "
+                    << (entry.plan.status() == PlanStatus::solved ? entry.plan.validation.first_contact
+                                                                  : entry.plan.explanation())
+                    << '\n';
+    }
+  }
+  console.out() << "\n  report: " << (options.out / "report.html").string() << '\n';
+}
+
+}  // namespace
+
+int run_replay(const ReplayOptions& options, Console& console) {
+  for (const std::string& planner : options.planners) make_planner(planner);
+  AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
+  std::filesystem::create_directory(folder.path() / "plans");
+  ReplayReport report;
+  report.recording = options.recording;
+
+  auto begin = Clock::now();
+  Fusion fusion =
+      fuse(options.recording, {options.setup, options.resolution, options.integration, options.threads},
+           console.bar("fusing"));
+  report.fusion = &fusion;
+  report.timings = {{"read", fusion.counts.read_s},
+                    {"track", fusion.counts.track_s},
+                    {"paint", fusion.counts.paint_s},
+                    {"insert", fusion.counts.insert_s},
+                    {"fuse (all of it)", seconds_since(begin)}};
+
+  if (fusion.setup_source == "none")
+    console.log("note: no setup, neither by --setup nor in the recording: no painting and no plans");
+
+  begin = Clock::now();
+  report.map = fusion.map.snapshot();
+  std::unique_ptr<QueryRunner> runner;  // tells mistakes of the setup before anything is written
+  if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty())
+    runner = std::make_unique<QueryRunner>(options, folder.path(), fusion, report.map);
+  save_map(report.map, folder.path());
+  report.provenance = fusion.map.provenance();
+  save_provenance(report.provenance, folder.path());
+  report.timings.emplace_back("save map", seconds_since(begin));
+
+  begin = Clock::now();
+  if (runner) report.plans = runner->run(console);
+  report.timings.emplace_back("plan and check", seconds_since(begin));
+
+  const std::string json = report_json(report);
+  save_file(folder.path() / "report.json", json);
+  save_file(folder.path() / "report.html", report_html(report, json));
+  publish_map_folder(folder, report.map);
+  print_report(options, report, json, console);
+
+  if (fusion.damage) return exit_damaged;
+  const bool all_solved = std::all_of(report.plans.begin(), report.plans.end(), [](const ReplayPlan& entry) {
+    return entry.plan.status() == PlanStatus::solved && entry.plan.validation.valid;
+  });
+  return all_solved ? exit_done : exit_no;
+}
+
+}  // namespace clearway

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "apps/compare/compare_results.hpp"
+
+namespace clearway {
+
+/// A value of a run; nothing where planner or team does not tell it: NULL in the database, empty in the CSV.
+using CompareCell = std::variant<std::monostate, std::int64_t, double, std::string>;
+
+/// What database and CSV hold of every run.
+struct RunColumn {
+  std::string name;
+  const char* sql_type;
+  std::function<CompareCell(const CompareRun& run, const ComparePlanner& who)> cell;
+};
+
+/// In their order; names are unique. Times that a clock took stand in `time_s` and nowhere else.
+const std::vector<RunColumn>& run_columns();
+
+/// The statistics of a plan that have columns, of all its legs together: counts are added up, separations are
+/// the least, all else is the largest.
+std::map<std::string, double> column_statistics(const std::vector<PlanResult>& legs);
+
+}  // namespace clearway

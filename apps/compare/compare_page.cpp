@@ -1,0 +1,130 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/compare/compare_summary.hpp"
+#include "apps/console/parse.hpp"
+#include "apps/pages/page_template.hpp"
+#include "apps/viewer/page_templates.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json run_json(const CompareRun& run, std::size_t problem) {
+  Json json{
+      {"planner", run.planner}, {"problem", problem}, {"run", run.number}, {"status", to_string(run.status)},
+      {"check", run.check},     {"time", run.time},   {"cost", run.cost}};
+  if (!run.is_valid())
+    json["explanation"] = run.is_solved() && !run.contact.empty() ? run.contact : run.explanation;
+  return json;
+}
+
+Json profile_json(const CompareProfile& profile) {
+  Json waypoints = Json::array();
+  for (const Configuration& q : profile.waypoints) {
+    waypoints.push_back(std::vector<double>(q.begin(), q.end()));
+  }
+  return {{"planner", profile.planner}, {"waypoints", waypoints}};
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/// Where the animations are, in words and as files below the folder of results.
+Json pages_json(const CompareExperiment& experiment) {
+  Json pages = Json::array();
+  for (const CompareProblem& problem : experiment.problems)
+    if (!problem.page.empty()) pages.push_back({{"name", problem.name}, {"file", problem.page}});
+  return pages;
+}
+
+/// What the path cost is reckoned with, where that is not the usual.
+std::string loads(const SuiteExperiment& setup) {
+  std::string text;
+  if (setup.payload > 0.0) text += "; payload " + significant(setup.payload) + " kg";
+  if (setup.gravity != SuiteExperiment().gravity) {
+    text += "; gravity (" + significant(setup.gravity.x()) + ", " + significant(setup.gravity.y()) + ", " +
+            significant(setup.gravity.z()) + ") m/s^2";
+  }
+  return text;
+}
+
+std::string team_conditions(const CompareExperiment& experiment) {
+  const SuiteTeams& teams = *experiment.setup.teams;
+  return experiment.setup.name + ": " + counted(experiment.problems.size(), "team") + "; a step every " +
+         significant(1000.0 * teams.period) + " ms, at most " + significant(teams.duration) +
+         " s; joints accelerate by at most " + significant(teams.max_acceleration) + " rad/s^2 (m/s^2)" +
+         loads(experiment.setup) +
+         (std::isfinite(experiment.time_limit)
+              ? "; computed within " + significant(experiment.time_limit) + " s, or ended there"
+              : "");
+}
+
+std::string conditions(const CompareExperiment& experiment) {
+  if (experiment.setup.teams) return team_conditions(experiment);
+  std::string text = experiment.setup.name + ": " + counted(experiment.problems.size(), "problem");
+  if (experiment.setup.runs > 1)
+    text += ", " + counted(static_cast<std::size_t>(experiment.setup.runs), "seed") + " each";
+  text += "; robot " + experiment.setup.robot + ", " + counted(experiment.joints.size(), "joint");
+  if (experiment.scale != 1.0) text += ", scale " + significant(experiment.scale);
+  if (!experiment.problems.empty()) {
+    text += "; voxels of " + significant(1000.0 * experiment.problems.front().resolution) + " mm";
+  }
+  for (const auto& [part, policy] : experiment.setup.policies) text += "; " + part + " " + policy;
+  if (const double padding = experiment.setup.padding.value_or(0.0); padding > 0.0)
+    text += "; padding " + significant(1000.0 * padding) + " mm";
+  return text + loads(experiment.setup) + "; at most " + significant(experiment.time_limit) + " s a leg";
+}
+
+Json experiment_json(const CompareExperiment& experiment) {
+  Json planners = Json::array(), problems = Json::array(), runs = Json::array(), profiles = Json::array();
+  for (std::size_t i = 0; i < experiment.planners.size(); ++i)
+    planners.push_back(summary_json(experiment, i));
+  for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
+    problems.push_back(experiment.problems[i].name);
+    for (const CompareRun& run : experiment.problems[i].runs) runs.push_back(run_json(run, i));
+  }
+  for (const CompareProfile& profile : experiment.profiles) profiles.push_back(profile_json(profile));
+  return {{"name", experiment.setup.name},
+          {"title", experiment.setup.title},
+          {"paper", experiment.setup.paper},
+          {"notes", experiment.setup.notes},
+          {"conditions", conditions(experiment)},
+          {"timeLimit", std::isfinite(experiment.time_limit) ? Json(experiment.time_limit) : Json(nullptr)},
+          {"joints", experiment.joints},
+          {"prismatic", experiment.is_prismatic},
+          {"plots", experiment.setup.plots},
+          {"planners", planners},
+          {"problems", problems},
+          {"runs", runs},
+          {"profiles", profiles},
+          {"pages", pages_json(experiment)},
+          {"table", experiment.setup.teams ? Json(summary_table(experiment)) : Json(nullptr)}};
+}
+
+}  // namespace
+
+std::string to_html(const CompareResults& results) {
+  const std::string title = results.title.empty() ? results.suite : results.title;
+  Json page{
+      {"title", title},
+      {"subtitle",
+       "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
+      {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date + ", on " +
+                    results.host + " (" + results.processor + "), " +
+                    counted(static_cast<std::size_t>(results.jobs), "problem") +
+                    " at a time. Times are wall-clock, of solved runs; cost, length and steps are medians "
+                    "of valid runs. Every path was judged by the independent check, whoever planned it."},
+      {"experiments", Json::array()}};
+  for (const CompareExperiment& experiment : results.experiments) {
+    page["experiments"].push_back(experiment_json(experiment));
+  }
+  return fill_page_template(compare_template(), title,
+                            "<script type=\"application/json\" id=\"page\">" +
+                                script_json(page.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+                                "</script>\n");
+}
+
+}  // namespace clearway

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/descriptions/suite.hpp"
+#include "planning/problem/planner.hpp"
+
+namespace clearway {
+
+/// A planner of an experiment with the options in force.
+struct ComparePlanner {
+  std::string label, planner;
+  PlannerOptions options;
+  bool certified = true;  ///< promises that every path it returns is valid
+};
+
+/// How a run moves in time.
+struct CompareMotion {
+  double time = 0.0;          ///< s, from first to last step
+  double speed = 0.0;         ///< greatest share of a joint's velocity limit
+  double acceleration = 0.0;  ///< greatest share of the acceleration limit
+};
+
+/// What a run of a team has beside its path.
+struct CompareTeamRun {
+  double security_distance = 0.0;  ///< d_s, m
+  double step_bound = 0.0;         ///< m: how much nearer two things can come in one period at most; what is
+                                   ///< sensed: from one scan until the next is known
+  double obstacle_speed = 0.0;     ///< v_obs, m/s: no obstacle is faster
+  double between_robots = 0.0;     ///< m: least separation of robots from each other, by the check
+  std::string outrun;              ///< who could not keep the separation; empty: nobody
+};
+
+/// One planner's answer to one problem with one seed.
+struct CompareRun {
+  std::size_t planner = 0;  ///< index in CompareExperiment::planners
+  int number = 1;           ///< of the runs of this problem, from 1
+  std::uint64_t seed = 1;
+  PlanStatus status = PlanStatus::no_path;
+  std::string explanation;
+  std::size_t legs = 0;        ///< solved
+  std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check;
+                               ///< teams: "outrun" and "unfinished", too (team_result)
+  std::string contact;         ///< what the check found first; empty when valid
+  double cost = 0.0;           ///< J, last segments included, of the legs solved
+  double length = 0.0;         ///< rad (m for sliding joints), joint-space length of the legs solved
+  double min_clearance = 0.0;  ///< m, by the check
+  std::size_t steps = 0, waypoints = 0;
+  std::uint64_t configurations = 0, edges = 0;  ///< checked
+  double time = 0.0;                            ///< s, wall clock, all legs
+  std::string plan_file;                        ///< below the folder of results
+  std::map<std::string, double> statistics;     ///< of those with columns of their own (compare_columns)
+  std::optional<CompareMotion> motion;          ///< of a valid path as time_path times it, or of a team
+  std::optional<CompareTeamRun> team;           ///< teams: then min_clearance is the least separation
+
+  bool is_solved() const { return status == PlanStatus::solved; }
+  bool is_valid() const { return is_solved() && check == "valid"; }
+};
+
+struct CompareProblem {
+  std::string name, world;
+  std::string map_file, map_sha256;
+  double resolution = 0.0;  ///< m
+  Configuration start;
+  std::vector<Configuration> goals;
+  std::vector<CompareRun> runs;  ///< planner by planner, seed by seed
+  std::string page = {};         ///< its animation, below the folder of results; empty: none
+};
+
+/// A path to plot: joint values at each waypoint.
+struct CompareProfile {
+  std::size_t planner = 0;
+  std::vector<Configuration> waypoints;
+};
+
+struct CompareExperiment {
+  SuiteExperiment setup;
+  std::string robot_file;
+  double scale = 1.0, time_limit = 0.0;  ///< as used; s a leg, or a run of a team (infinity: none)
+  std::vector<std::string> joints;
+  std::vector<bool> is_prismatic;
+  std::vector<ComparePlanner> planners;
+  std::vector<CompareProblem> problems;
+  std::vector<CompareProfile> profiles;  ///< first problem, first run of each planner that found a path
+};
+
+/// What `clearway compare` found, and where and when.
+struct CompareResults {
+  std::string suite, title, file;
+  std::uint64_t seed = 1;
+  int jobs = 1;
+  std::string version, commit, host, processor, date;  ///< date: UTC, ISO 8601
+  double time = 0.0;                                   ///< s, all of it
+  std::vector<CompareExperiment> experiments;
+};
+
+/// A planner's runs in one experiment, added up. Times are of solved runs, cost, length and steps of valid
+/// ones; NaN when there is none.
+struct CompareSummary {
+  std::size_t solved = 0, valid = 0, total = 0;
+  std::size_t safe = 0, outrun = 0, refused = 0;  ///< teams: by the check, arrived or not
+  double least_separation = std::numeric_limits<double>::quiet_NaN();  ///< m: of the runs that are not outrun
+  double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
+  double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
+  double motion_median = 0.0;      ///< s, of valid runs
+  double time_median = 0.0, time_p95 = 0.0;  ///< s
+  double cost_median = 0.0;                  ///< J
+  double length_median = 0.0;                ///< rad
+  double steps_median = 0.0;
+  std::map<std::string, std::size_t> unsolved;  ///< by status
+};
+CompareSummary summary(const CompareExperiment& experiment, std::size_t planner);
+
+/// Sentences about paths that their planner promised to be valid and that the check does not hold valid.
+std::vector<std::string> broken_promises(const CompareResults& results);
+
+/// The table of an experiment: a header, then a row for each planner.
+std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment);
+
+/// One row a run. Times stand in the column `time_s` and nowhere else.
+std::string to_csv(const CompareResults& results);
+std::string csv_header();
+std::string csv_rows(const std::string& suite, const std::string& experiment,
+                     const std::vector<ComparePlanner>& planners, const CompareProblem& problem);
+
+/// The same in the format of OMPL's benchmark logs, which ompl_benchmark_statistics reads.
+std::string to_ompl_log(const CompareResults& results);
+
+/// A self-contained page with tables and plots.
+std::string to_html(const CompareResults& results);
+
+/// One JSON object: the summaries.
+std::string to_json(const CompareResults& results);
+
+/// Writes a SQLite database; runs have the columns of compare_columns.hpp.
+void save_database(const CompareResults& results, const std::filesystem::path& file);
+
+}  // namespace clearway

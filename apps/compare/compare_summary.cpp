@@ -1,0 +1,90 @@
+#include "apps/compare/compare_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Nearest rank; NaN for none.
+double quantile(std::vector<double> values, double p) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(p * static_cast<double>(values.size()));
+  return values[std::min(static_cast<std::size_t>(std::max(rank, 1.0)) - 1, values.size() - 1)];
+}
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
+  CompareSummary sum;
+  std::vector<double> times, costs, lengths, steps, motions;
+  for (const CompareProblem& problem : experiment.problems) {
+    for (const CompareRun& run : problem.runs) {
+      if (run.planner != planner) continue;
+      ++sum.total;
+      sum.safe += run.check == "valid";
+      sum.outrun += run.check == "outrun";
+      sum.refused += run.check == "refused";
+      if (run.team && run.check != "outrun" && run.check != "none") {
+        sum.least_separation = std::fmin(sum.least_separation, run.min_clearance);
+        const double shortfall = run.team->security_distance - run.min_clearance;
+        sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
+        sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
+      }
+      if (!run.is_solved()) {
+        ++sum.unsolved[std::string(to_string(run.status))];
+        continue;
+      }
+      ++sum.solved;
+      times.push_back(run.time);
+      if (!run.is_valid()) continue;
+      ++sum.valid;
+      if (run.motion) motions.push_back(run.motion->time);
+      costs.push_back(run.cost);
+      lengths.push_back(run.length);
+      steps.push_back(static_cast<double>(run.steps));
+    }
+  }
+  sum.time_median = quantile(times, 0.5);
+  sum.time_p95 = quantile(times, 0.95);
+  sum.cost_median = quantile(costs, 0.5);
+  sum.length_median = quantile(lengths, 0.5);
+  sum.steps_median = quantile(steps, 0.5);
+  sum.motion_median = quantile(motions, 0.5);
+  return sum;
+}
+
+Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
+  const ComparePlanner& who = experiment.planners[planner];
+  const CompareSummary sum = summary(experiment, planner);
+  const auto of_teams = [&](const Json& value) { return experiment.setup.teams ? value : Json(nullptr); };
+  return {{"label", who.label},
+          {"planner", who.planner},
+          {"options", who.options},
+          {"certified", who.certified},
+          {"solved", sum.solved},
+          {"valid", sum.valid},
+          {"total", sum.total},
+          {"refused", sum.refused},
+          {"time_median_s", number_or_null(sum.time_median)},
+          {"time_p95_s", number_or_null(sum.time_p95)},
+          {"cost_median_joules", number_or_null(sum.cost_median)},
+          {"length_median_rad", number_or_null(sum.length_median)},
+          {"steps_median", number_or_null(sum.steps_median)},
+          {"motion_time_median_s", number_or_null(sum.motion_median)},
+          {"safe", of_teams(sum.safe)},
+          {"outrun", of_teams(sum.outrun)},
+          {"least_separation_m", of_teams(number_or_null(sum.least_separation))},
+          {"below_security_distance_m", of_teams(sum.worst_shortfall)},
+          {"allowed_below_m", of_teams(sum.allowed_shortfall)},
+          {"unsolved", sum.unsolved}};
+}
+
+}  // namespace clearway

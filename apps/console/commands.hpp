@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/console/console.hpp"
+#include "planning/survey/path_survey.hpp"
+
+namespace clearway {
+
+// One struct of options and one function per command; `command_line.cpp` fills the structs from flags.
+// Every function returns an ExitStatus. User's mistakes and damaged files are thrown (std::invalid_argument,
+// std::runtime_error, DamagedFile) and turned into one sentence and a status by run_command_line().
+
+/// Flags that `plan` and `check` share about the robot and what it must keep.
+struct RobotChoice {
+  std::string robot;                       ///< name in datasets/robots, .yaml or .urdf
+  std::optional<double> scale;             ///< replaces the robot's own
+  std::vector<double> base;                ///< x,y,z[,roll,pitch,yaw] of the base in the map; empty: its own
+  std::vector<std::string> policies;       ///< "P" (all parts) or "PART=P"
+  std::optional<double> padding = {};      ///< metres; none: `auto`, the robot's position accuracy
+  std::optional<double> seen_within = {};  ///< seconds, of parts under known_free; none: ever
+};
+
+/// Flags of `plan` about what a path costs.
+struct CostChoice {
+  double payload = 0.0;         ///< kg at the tip, full size
+  std::vector<double> gravity;  ///< x,y,z in the map frame, m/s^2; empty: (0, 0, -9.81)
+};
+
+struct ReplayOptions {
+  std::filesystem::path recording;
+  std::filesystem::path setup;        ///< empty: the one embedded in the recording, if any
+  std::filesystem::path out;          ///< folder, created
+  double resolution = 0.0;            ///< metres; 0: the setup's, else 0.02
+  std::string integration;            ///< "safe" or "compatible"; empty: the setup's, else safe
+  int threads = 0;                    ///< for inserting scans; 0: as many as the machine has, at most 8
+  std::vector<std::string> planners;  ///< replaces the queries' own lists
+  std::optional<double> seen_within;  ///< seconds; replaces the queries' own
+  bool plan = true;
+  std::uint64_t seed = 1;
+  double time_limit = 60.0;  ///< seconds for each leg
+};
+int run_replay(const ReplayOptions& options, Console& console);
+
+struct PlanOptions {
+  std::filesystem::path map;
+  RobotChoice robot;
+  std::string start;
+  std::vector<std::string> goals;
+  bool degrees = false;
+  CostChoice cost;
+  SurveyDemands survey;
+  std::string planner;
+  std::vector<std::string> settings;  ///< "key=value", planner options
+  std::uint64_t seed = 1;
+  double time_limit = 60.0;
+  std::filesystem::path out;  ///< plan.json; empty: none
+  std::filesystem::path csv;
+  std::filesystem::path view;                                     ///< HTML; empty: none
+  std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE)
+  bool print_options = false;
+};
+int run_plan(const PlanOptions& options, Console& console);
+
+/// What a plan may loosen when the user names it (--accept-…).
+enum class AcceptedTerm { robot, scale, base, policy, padding, map, goals };
+
+struct CheckOptions {
+  std::filesystem::path map;
+  RobotChoice robot;
+  std::string start;
+  std::vector<std::string> goals;
+  bool degrees = false;
+  std::set<AcceptedTerm> accepted;
+  SurveyDemands survey;
+  std::filesystem::path plan;
+};
+int run_check(const CheckOptions& options, Console& console);
+
+struct InspectOptions {
+  std::filesystem::path map;
+  std::vector<std::string> at;                              ///< "X,Y,Z"
+  std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
+  std::string clearance;  ///< policy whose clearance the slices show; or empty
+  bool age = false;       ///< slices colour what was seen free by when
+  std::vector<std::filesystem::path> exports;
+  std::filesystem::path view;     ///< HTML
+  bool holes = false;             ///< quality of the painted volumes
+  std::vector<std::string> rays;  ///< "ox,oy,oz,dx,dy,dz"
+  bool conflicts = false;         ///< list them
+  std::filesystem::path diff;     ///< map to compare with; empty: none
+  // A new map made of this one, in this order; all else is then asked of it.
+  std::filesystem::path merge;    ///< map to add; empty: none
+  std::string crop;               ///< "x0,y0,z0,x1,y1,z1"; empty: all of it
+  std::optional<double> coarsen;  ///< edge of a voxel, metres
+  std::filesystem::path save;     ///< folder for the new map; empty: none
+};
+int run_inspect(const InspectOptions& options, Console& console);
+
+struct SimulateOptions {
+  std::filesystem::path scene;
+  std::filesystem::path out;  ///< recording to write
+};
+int run_simulate(const SimulateOptions& options, Console& console);
+
+struct CompareOptions {
+  std::filesystem::path suite;
+  std::filesystem::path out;             ///< folder, created
+  std::vector<std::string> planners;     ///< only those labels or names; empty: all
+  std::vector<std::string> experiments;  ///< only those; empty: all
+  int jobs = 1;                          ///< problems at the same time
+  std::optional<std::uint64_t> seed;     ///< replaces the suite's
+  std::optional<double> time_limit;      ///< replaces all of the suite's, seconds a leg
+  bool keep_maps = false;                ///< also those that generators made
+};
+int run_compare(const CompareOptions& options, Console& console);
+
+int run_robots(Console& console);
+int run_planners(Console& console);
+
+}  // namespace clearway

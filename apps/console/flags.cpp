@@ -1,0 +1,115 @@
+#include "apps/console/flags.hpp"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <limits>
+
+#include "apps/console/parse.hpp"
+
+namespace clearway {
+
+Check number(const std::string& expected, double low, double high) {
+  return [=](const std::string& text) {
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool good =
+        error == std::errc() && stop == text.data() + text.size() && value >= low && value <= high;
+    return good ? std::string() : "expected " + expected + ", got '" + text + "'";
+  };
+}
+
+Check positive() {
+  return number("a positive number up to 1000000000", std::numeric_limits<double>::min(), 1e9);
+}
+
+std::string whole_number(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool good = error == std::errc() && stop == text.data() + text.size();
+  return good ? "" : "expected a whole number from 0 to 18446744073709551615, got '" + text + "'";
+}
+
+std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      Console& console) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->add_flag("--quiet", console.quiet, "no log, no progress; results and warnings still appear");
+  command->add_flag("--json", console.json, "print one JSON object on stdout and nothing else there");
+  command->get_formatter()->column_width(36);
+  return command;
+}
+
+void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note) {
+  command
+      .add_option("--seen-within", seconds,
+                  "under known_free, what was seen free but not in the last S seconds up to the map's newest "
+                  "look counts as unknown; paint does not age" +
+                      note)
+      ->check(positive())
+      ->type_name("S");
+}
+
+namespace {
+
+const std::string default_policy =
+    "; default: painted for critical parts (known_free where the map has no paint), not_occupied for others; "
+    "of a robot "
+    "that names no critical part all are known_free, or not_occupied in a map of obstacles alone";
+
+}  // namespace
+
+void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
+  command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
+      ->required()
+      ->type_name("ROBOT");
+  command.add_option("--scale", choice.scale, "size against the full-size robot" + notes.scale)
+      ->check(positive())
+      ->type_name("S");
+  command
+      .add_option("--base", choice.base,
+                  "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + notes.base)
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
+      ->type_name("POSE");
+  command
+      .add_option(
+          "--policy", choice.policies,
+          "painted, known_free or not_occupied (unknown counts as free) for all parts, or PART=P for one; "
+          "repeatable" +
+              (notes.policy.empty() ? default_policy : notes.policy))
+      ->type_name("[PART=]P")
+      ->allow_extra_args(false)
+      ->take_all();
+  command
+      .add_option_function<std::string>(
+          "--padding",
+          [&choice](const std::string& text) {
+            choice.padding.reset();
+            if (text != "auto") choice.padding = parse_numbers(text, "--padding").front();
+          },
+          "distance that every part keeps, metres; auto: the robot's position accuracy (1 mm at full size "
+          "where its "
+          "settings state none); 0 must be asked for" +
+              (notes.padding.empty() ? std::string("; default: auto") : notes.padding))
+      ->check([](const std::string& text) {
+        return text == "auto" ? std::string() : number("a length from 0 to 100 (metres)", 0.0, 100.0)(text);
+      })
+      ->type_name("auto|M");
+  add_seen_within(command, choice.seen_within, notes.seen_within);
+}
+
+void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
+  command
+      .add_option(
+          "--allow-outside", demands.allow_outside,
+          "a part that may leave the map's bounds although its policy is not_occupied, or all; repeatable")
+      ->type_name("PART|all")
+      ->allow_extra_args(false)
+      ->take_all();
+  command.add_flag("--strict", demands.strict,
+                   "refuse when a body that no joint moves touches occupied voxels");
+}
+
+}  // namespace clearway

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "apps/console/commands.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace clearway {
+
+// What the flags of every command are made of (CLI11). `command_line.cpp` puts the commands together; flags
+// of a command with many questions have a file of their own.
+
+/// A command, ready to run with the options that its flags filled.
+using Command = std::function<int(Console&)>;
+
+/// What an option's text must be; CLI11's own checks let NaN pass and quote limits of 300 digits.
+using Check = std::function<std::string(const std::string&)>;
+
+/// A number in [low, high], called `expected` when it is not.
+Check number(const std::string& expected, double low, double high);
+Check positive();                                   ///< at most 1e9
+std::string whole_number(const std::string& text);  ///< at most 2^64 - 1
+std::string file_name(const std::string& text);
+
+/// A command with the flags that all have: --quiet, --json.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      Console& console);
+
+/// What a flag's help says of its default.
+struct RobotFlagNotes {
+  std::string scale = {}, base = {}, policy = {}, padding = {}, seen_within = {};
+};
+
+/// --seen-within, seconds. @param note of its default
+void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
+
+/// --robot, --scale, --base, --policy, --padding, --seen-within, as `plan` and `check` share them.
+void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
+
+/// --allow-outside and --strict, as `plan` and `check` share them.
+void add_survey_flags(CLI::App& command, SurveyDemands& demands);
+
+Command add_check(CLI::App& app, Console& console);
+Command add_inspect(CLI::App& app, Console& console);
+Command add_compare(CLI::App& app, Console& console);
+
+}  // namespace clearway

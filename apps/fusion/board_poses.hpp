@@ -1,0 +1,54 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/descriptions/setup.hpp"
+#include "datasets/sources/pose_stream.hpp"
+#include "datasets/sources/recording.hpp"
+#include "tracking/tracking_session.hpp"
+
+namespace clearway {
+
+/// Where the boards that carry sensors or the probe were, image by image: map_from_board over time. A pose
+/// counts when it passes the setup's acceptance of reprojection error and ambiguity.
+class BoardPoses {
+ public:
+  /// @throws std::invalid_argument when a sensor is on a board and no board is fixed in the map.
+  explicit BoardPoses(const Setup& setup);
+
+  /// @param painted what the painter made of the image; null: this looks for the tags itself.
+  void take(const Frame& frame, const ImageFrame& image, const TrackedImage* painted);
+  /// No more images will come.
+  void finish() { finished_ = true; }
+
+  /// map_from_board at `time`, interpolated between two images; empty when they do not tell.
+  std::optional<Eigen::Isometry3d> at(const std::string& board, double time) const;
+  /// The one nearest in time.
+  std::optional<Eigen::Isometry3d> nearest(const std::string& board, double time) const;
+
+  /// False while an image to come may still tell more about the board at `time`.
+  bool is_told(const std::string& board, double time) const;
+
+ private:
+  struct Tracked {
+    TagBody body;
+    double max_gap = 0.0;
+    PoseStream poses;
+  };
+  std::vector<TagDetection> detect(const ImageFrame& image);
+
+  std::string probe_board_;  ///< empty without a probe
+  TagBody base_;
+  Eigen::Isometry3d map_from_base_ = Eigen::Isometry3d::Identity();
+  std::optional<CameraIntrinsics> camera_;
+  TrackingOptions options_;
+  std::map<std::string, Tracked> boards_;
+  std::optional<TagDetector> detector_;
+  std::optional<double> last_image_;
+  bool finished_ = false;
+};
+
+}  // namespace clearway

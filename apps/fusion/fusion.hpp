@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/descriptions/setup.hpp"
+#include "mapping/free_space_map.hpp"
+
+namespace clearway {
+
+/// What one pass over a recording met and made of it.
+struct FusionCounts {
+  std::size_t frames = 0, images = 0, scans = 0, odometry = 0;
+  std::size_t detections = 0;  ///< tags seen, over all images
+  std::size_t images_with_tags = 0;
+  std::map<std::string, std::int64_t> samples;  ///< by "accepted" or the reason of refusal
+  std::size_t accepted_outside_volumes = 0;     ///< accepted, but outside every volume's time span
+  std::size_t balls = 0;
+  ScanCounts points;  ///< summed over the scans
+  Eigen::Vector3d scan_origin_sum =
+      Eigen::Vector3d::Zero();          ///< of the scans, metres: from where they looked
+  std::size_t scans_without_pose = 0;   ///< at their time nothing tells where their sensor was: left out
+  std::size_t scans_without_probe = 0;  ///< no image near in time shows the probe: taken as not in the way
+  std::size_t scans_refused = 0;        ///< whose origin was outside the map's key range
+  double painted_radius = 0.0;          ///< r0 of eq. 3, metres
+  double largest_center_sigma = 0.0;    ///< of the accepted samples, worst direction, metres
+  double mean_center_sigma = 0.0;
+  double mean_reprojection_px = 0.0;  ///< of the probe, accepted samples
+  double duration = 0.0;              ///< seconds between first and last frame
+  double read_s = 0.0, track_s = 0.0, paint_s = 0.0, insert_s = 0.0;  ///< time spent
+};
+
+/// What the caller decides about a fusion; what is left out is the setup's, else the default that is named.
+struct FusionOptions {
+  std::filesystem::path
+      setup_file{};           ///< empty: the setup embedded in the recording (its first comment), if any
+  double resolution = 0.0;    ///< metres; 0: the setup's, else 0.02
+  std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
+  int threads = 0;            ///< for inserting scans, in [1, 64]; 0: the machine's, at most 8
+};
+
+/// A recording turned into a map.
+struct Fusion {
+  Setup setup;
+  std::string setup_source;  ///< file, "embedded in the recording" or "none"
+  FreeSpaceMap map;
+  FusionCounts counts;
+  std::optional<std::string>
+      damage;  ///< one sentence when the recording is damaged; what came before it is kept
+  std::vector<std::string> warnings;
+};
+
+/// Recording -> tag poses -> painted balls and integrated scans -> one fused map.
+/// `recording`: a rawlog, or clouds (see frame_source.hpp).
+/// @throws std::invalid_argument: the recording or setup cannot be used (missing, a probe without boards, not
+/// one
+///         tag seen although a probe is set up, ...), in one sentence.
+Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
+            const std::function<void(double)>& progress);
+
+}  // namespace clearway

@@ -1,0 +1,117 @@
+#include "apps/fusion/painter.hpp"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "apps/console/stopwatch.hpp"
+
+namespace clearway {
+
+Camera tracking_camera(const CameraIntrinsics& intrinsics) {
+  return {intrinsics.width, intrinsics.height, intrinsics.fx,        intrinsics.fy,
+          intrinsics.cx,    intrinsics.cy,     intrinsics.distortion};
+}
+
+TagBody tag_body(const BoardSetup& board) {
+  TagBody body{board.name, {}};
+  for (const TagSetup& tag : board.tags) body.tags[tag.id] = {tag.size, tag.board_from_tag};
+  return body;
+}
+
+TrackingOptions tracking_options(const AcceptanceSetup& acceptance) {
+  TrackingOptions options;
+  if (acceptance.max_reprojection_px) options.acceptance.max_rms_px = *acceptance.max_reprojection_px;
+  if (acceptance.min_ambiguity) options.acceptance.min_ambiguity_ratio = *acceptance.min_ambiguity;
+  if (acceptance.max_speed) options.acceptance.max_speed = *acceptance.max_speed;
+  if (acceptance.min_tags)
+    options.acceptance.min_base_tags = options.acceptance.min_probe_tags = *acceptance.min_tags;
+  if (acceptance.pixel_noise) options.pose.pixel_noise = *acceptance.pixel_noise;
+  options.acceptance.fixed_camera = acceptance.fixed_camera;
+  return options;
+}
+
+const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by) {
+  const auto found = std::find_if(setup.boards.begin(), setup.boards.end(),
+                                  [](const BoardSetup& board) { return board.map_from_board.has_value(); });
+  if (found != setup.boards.end()) return *found;
+  throw std::invalid_argument("setup: " + needed_by +
+                              " needs a fixed board to be measured against: expected one of `boards` "
+                              "to have `map_from_board`");
+}
+
+Painter::Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts)
+    : setup_(setup), map_(map), counts_(counts) {
+  base_ = &fixed_board(setup, "a probe");
+  probe_board_ = setup.board(setup.probe->board);
+  volumes_ = setup.volumes;
+  for (const VolumeSetup& volume : volumes_) map_.add_volume(volume.label, volume.critical_parts);
+}
+
+TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, double since_start) {
+  if (!session_) start_session(image);
+  const cv::Mat gray(image.image.height, image.image.width, CV_8UC1,
+                     const_cast<std::uint8_t*>(image.image.pixels.data()));
+  TrackedImage tracked;
+  {
+    const Stopwatch watch(counts_.track_s);
+    tracked = session_->step(gray, frame.time);
+  }
+  counts_.detections += tracked.detections.size();
+  counts_.images_with_tags += tracked.detections.empty() ? 0 : 1;
+  if (tracked.sample.accepted) paint(tracked.sample, frame.sensor, since_start);
+  return tracked;
+}
+
+void Painter::finish() {
+  if (session_) {
+    counts_.samples = session_->probe().counts();
+    counts_.painted_radius = session_->probe().painted_radius();
+  }
+  if (counts_.balls > 0) {
+    counts_.mean_center_sigma /= static_cast<double>(counts_.balls);
+    counts_.mean_reprojection_px /= static_cast<double>(counts_.balls);
+  }
+}
+
+void Painter::start_session(const ImageFrame& image) {
+  const ProbeSetup& probe = *setup_.probe;
+  TrackingSetup tracking;
+  tracking.camera = tracking_camera(setup_.camera ? *setup_.camera : image.intrinsics);
+  tracking.base = tag_body(*base_);
+  tracking.probe = {tag_body(*probe_board_), probe.ball_center, probe.ball_radius};
+  tracking.budget = {probe.robot_error, probe.tracking_error, probe.modelling_error};
+  session_.emplace(tracking, tracking_options(setup_.acceptance));
+}
+
+/// A stroke ends when the hand pauses: when no sample was accepted for a second.
+void Painter::continue_stroke(const std::string& sensor, double since_start) {
+  constexpr double pause = 1.0;
+  const bool goes_on = last_painted_ && since_start - *last_painted_ <= pause;
+  last_painted_ = since_start;
+  if (!goes_on) map_.begin_stroke("stroke " + std::to_string(++strokes_), sensor);
+}
+
+/// The ball in the map frame, into the volumes whose time it is.
+void Painter::paint(const PaintingSample& sample, const std::string& sensor, double since_start) {
+  const Stopwatch watch(counts_.paint_s);
+  continue_stroke(sensor, since_start);
+  const Eigen::Isometry3d map_from_base = base_->map_from_board.value_or(Eigen::Isometry3d::Identity());
+  const Sphere ball{map_from_base * sample.ball.center, sample.ball.radius};
+  bool used = false;
+  for (std::size_t v = 0; v < volumes_.size(); ++v) {
+    if (since_start < volumes_[v].from || since_start > volumes_[v].to) continue;
+    map_.paint(static_cast<int>(v), ball, since_start);
+    used = true;
+  }
+  if (!used) {
+    ++counts_.accepted_outside_volumes;
+    return;
+  }
+  ++counts_.balls;
+  counts_.largest_center_sigma = std::max(counts_.largest_center_sigma, sample.center_sigma);
+  counts_.mean_center_sigma += sample.center_sigma;
+  counts_.mean_reprojection_px += sample.probe ? sample.probe->rms_px : 0.0;
+}
+
+}  // namespace clearway

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "apps/fusion/fusion.hpp"
+#include "datasets/sources/recording.hpp"
+#include "tracking/tracking_session.hpp"
+
+namespace clearway {
+
+Camera tracking_camera(const CameraIntrinsics& intrinsics);
+TagBody tag_body(const BoardSetup& board);
+
+/// What a setup says of accepting a tracked pose; the tracking's own default where it says nothing.
+TrackingOptions tracking_options(const AcceptanceSetup& acceptance);
+
+/// The board that anchors the map frame: the first with a place in it.
+/// @throws std::invalid_argument when there is none; `needed_by` is what needs it.
+const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by);
+
+/// Image -> painted ball: a tracking session, made when the first image tells the camera.
+class Painter {
+ public:
+  /// @pre setup.probe
+  Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts);
+
+  /// Tracks the probe, and paints when the sample is accepted.
+  TrackedImage take(const Frame& frame, const ImageFrame& image, double since_start);
+  void finish();
+
+ private:
+  void start_session(const ImageFrame& image);
+  void continue_stroke(const std::string& sensor, double since_start);
+  void paint(const PaintingSample& sample, const std::string& sensor, double since_start);
+
+  const Setup& setup_;
+  FreeSpaceMap& map_;
+  FusionCounts& counts_;
+  const BoardSetup* base_ = nullptr;
+  const BoardSetup* probe_board_ = nullptr;
+  std::vector<VolumeSetup> volumes_;
+  std::optional<TrackingSession> session_;
+  std::optional<double> last_painted_;  ///< seconds since the start
+  int strokes_ = 0;
+};
+
+}  // namespace clearway

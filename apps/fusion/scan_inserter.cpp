@@ -1,0 +1,146 @@
+#include "apps/fusion/scan_inserter.hpp"
+
+#include <stdexcept>
+
+#include "apps/console/stopwatch.hpp"
+#include "apps/query/query.hpp"
+#include "planning/robot/kinematics.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t most_waiting = 32;
+
+/// The robot's bodies at its setup's joints, as the balls that cover them, grown by the margin.
+std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
+  RobotChoice choice;
+  choice.robot = setup.name;
+  choice.scale = setup.scale;
+  Robot robot = choose_robot(choice);
+  robot.map_from_base = setup.map_from_base;
+  if (setup.joints.size() != robot.dof()) {
+    throw std::invalid_argument("setup, robot, field 'joints': got " + std::to_string(setup.joints.size()) +
+                                " values, expected " + std::to_string(robot.dof()) + " (robot '" +
+                                robot.name + "')");
+  }
+  const Configuration q =
+      Eigen::Map<const Configuration>(setup.joints.data(), static_cast<Eigen::Index>(setup.joints.size()));
+  const LinkPoses poses = forward_kinematics(robot, q);
+  std::vector<Capsule> capsules;
+  for (const Body& body : robot.bodies) {
+    const Eigen::Isometry3d& pose = poses[static_cast<std::size_t>(body.link)];
+    for (const Sphere& ball : body.cover) {
+      const Eigen::Vector3d center = pose * ball.center;
+      capsules.push_back({center, center, ball.radius + setup.self_margin});
+    }
+  }
+  return capsules;
+}
+
+/// The setup's filter; what is in the way is added scan by scan.
+ScanFilter filter_of(const MapSetup& map) {
+  ScanFilter filter;
+  filter.min_range = map.min_range.value_or(0.0);
+  filter.max_range = map.max_range.value_or(0.0);
+  filter.thin_to = map.thin_to;
+  if (map.outliers) {
+    filter.outlier_neighbours = map.outliers->neighbours;
+    filter.outlier_deviations = map.outliers->deviations;
+  }
+  if (map.crop) filter.crop = *map.crop;
+  return filter;
+}
+
+}  // namespace
+
+ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts,
+                           const BoardPoses& boards)
+    : setup_(setup), map_(map), counts_(counts), boards_(boards) {
+  for (const SensorSetup& sensor : setup.sensors) {
+    if (!sensor.poses.empty()) streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap));
+  }
+  if (setup.robot && !setup.robot->joints.empty()) robot_ = robot_capsules(*setup.robot);
+}
+
+void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
+  ++counts_.scans;
+  Waiting waiting{{frame.time, frame.sensor, cloud.world_from_sensor, cloud.points},
+                  setup_.sensor(frame.sensor, cloud.kind)};
+  waiting_.push_back(std::move(waiting));
+  release();
+}
+
+bool ScanInserter::is_ready(const Waiting& waiting) const {
+  const double time = waiting.scan.time;
+  if (waiting.sensor != nullptr && !waiting.sensor->board.empty() &&
+      !boards_.is_told(waiting.sensor->board, time)) {
+    return false;
+  }
+  return !setup_.probe || boards_.is_told(setup_.probe->board, time);
+}
+
+void ScanInserter::release() {
+  while (!waiting_.empty() && (waiting_.size() > most_waiting || is_ready(waiting_.front()))) {
+    insert(waiting_.front());
+    waiting_.pop_front();
+  }
+}
+
+void ScanInserter::finish() {
+  for (Waiting& waiting : waiting_) insert(waiting);
+  waiting_.clear();
+}
+
+/// map_from_sensor when the scan was taken.
+std::optional<Eigen::Isometry3d> ScanInserter::place(const Waiting& waiting) const {
+  const SensorSetup* sensor = waiting.sensor;
+  if (sensor == nullptr) return waiting.scan.map_from_sensor;
+  if (sensor->poses.empty() && sensor->board.empty()) return sensor->mount;
+  const auto carrier = sensor->board.empty() ? streams_.at(sensor->name).at(waiting.scan.time)
+                                             : boards_.at(sensor->board, waiting.scan.time);
+  if (!carrier) return std::nullopt;
+  return *carrier * sensor->mount;
+}
+
+/// The ball, its stick, the board's tags and the hand, where the nearest image saw them.
+void ScanInserter::add_probe(double time, ScanFilter& filter) {
+  const ProbeSetup& probe = *setup_.probe;
+  const auto map_from_board = boards_.nearest(probe.board, time);
+  if (!map_from_board) {
+    ++counts_.scans_without_probe;
+    return;
+  }
+  const double margin = 2.0 * map_.options().resolution;
+  const auto add = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius) {
+    filter.bodies.push_back({*map_from_board * from, *map_from_board * to, radius + margin});
+  };
+  add(probe.ball_center, Eigen::Vector3d::Zero(), probe.ball_radius);
+  for (const TagSetup& tag : setup_.board(probe.board)->tags) {
+    const Eigen::Vector3d center = tag.board_from_tag.translation();
+    add(center, center, 0.75 * std::sqrt(2.0) * tag.size);  // its corners, with the white border
+  }
+  for (const CapsuleSetup& hand : probe.hand) add(hand.from, hand.to, hand.radius);
+}
+
+void ScanInserter::insert(Waiting& waiting) {
+  const Stopwatch watch(counts_.insert_s);
+  const auto map_from_sensor = place(waiting);
+  if (!map_from_sensor) {
+    ++counts_.scans_without_pose;
+    return;
+  }
+  Scan& scan = waiting.scan;
+  scan.map_from_sensor = *map_from_sensor;
+  ScanFilter filter = filter_of(setup_.map);
+  filter.bodies = robot_;
+  if (setup_.probe) add_probe(scan.time, filter);
+  const ScanCounts done = map_.insert(scan, filter);
+  counts_.scan_origin_sum += scan.map_from_sensor.translation();
+  counts_.points.inserted += done.inserted;
+  counts_.points.beyond_range += done.beyond_range;
+  counts_.points.dropped_invalid += done.dropped_invalid;
+  counts_.points.dropped_filter += done.dropped_filter;
+  counts_.scans_refused += done.origin_invalid ? 1 : 0;
+}
+
+}  // namespace clearway

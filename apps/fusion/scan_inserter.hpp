@@ -1,0 +1,47 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/fusion/board_poses.hpp"
+#include "apps/fusion/fusion.hpp"
+
+namespace clearway {
+
+/// Scans -> map: gives each its place (where the recording says, or as the setup's `sensors` do), takes the
+/// robot, the probe and the hand out of it, and inserts it. Scans whose place or probe a later image will
+/// tell wait for that image, 32 of them at most. A scan without a place is counted, never guessed.
+class ScanInserter {
+ public:
+  /// @throws std::invalid_argument: a file of poses that cannot be read, joints that are not the robot's.
+  ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts, const BoardPoses& boards);
+
+  void take(const Frame& frame, const CloudFrame& cloud);
+  /// Inserts the scans for which the images so far tell enough.
+  void release();
+  /// Inserts the rest; no more images will come.
+  void finish();
+
+ private:
+  struct Waiting {
+    Scan scan;
+    const SensorSetup* sensor = nullptr;
+  };
+  bool is_ready(const Waiting& waiting) const;
+  std::optional<Eigen::Isometry3d> place(const Waiting& waiting) const;
+  void insert(Waiting& waiting);
+  void add_probe(double time, ScanFilter& filter);
+
+  const Setup& setup_;
+  FreeSpaceMap& map_;
+  FusionCounts& counts_;
+  const BoardPoses& boards_;
+  std::map<std::string, PoseStream> streams_;  ///< by sensor
+  std::vector<Capsule> robot_;                 ///< map frame
+  std::deque<Waiting> waiting_;
+};
+
+}  // namespace clearway

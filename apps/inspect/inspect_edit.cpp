@@ -1,0 +1,49 @@
+#include "apps/console/parse.hpp"
+#include "apps/inspect/inspect_parts.hpp"
+#include "apps/inspect/map_folder.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/maps/map_edit.hpp"
+#include "mapping/system/folder_place.hpp"
+
+namespace clearway {
+
+namespace {
+
+/// True when both are the same file or folder, or a folder and the map.ot in it.
+bool same_place(const std::filesystem::path& map, const std::filesystem::path& folder) {
+  std::error_code error;
+  const bool same = std::filesystem::equivalent(map, folder, error);
+  return same || std::filesystem::equivalent(map, folder / "map.ot", error);
+}
+
+}  // namespace
+
+Snapshot edited(const InspectOptions& options, const Snapshot& map) {
+  const bool edits = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
+  if (edits && options.save.empty())
+    throw std::invalid_argument("--merge, --crop and --coarsen: expected --save DIR to write the new map to");
+  for (const std::filesystem::path& read : {options.map, options.merge}) {
+    if (!options.save.empty() && !read.empty() && same_place(read, options.save))
+      throw std::invalid_argument("--save " + options.save.string() +
+                                  ": that map was read, expected another folder");
+  }
+  if (!options.save.empty()) place_of_folder(options.save);  // refused before the work
+  Snapshot result = map;
+  if (!options.merge.empty()) result = merge(result, load_map(options.merge));
+  if (!options.crop.empty()) {
+    const std::vector<double> n = parse_numbers(options.crop, "--crop");
+    if (n.size() != 6)
+      throw std::invalid_argument("--crop: expected X0,Y0,Z0,X1,Y1,Z1 in metres, got '" + options.crop + "'");
+    result = crop(result, {Eigen::Vector3d(n[0], n[1], n[2]), Eigen::Vector3d(n[3], n[4], n[5])});
+  }
+  if (options.coarsen) result = coarsen(result, *options.coarsen);
+  return result;
+}
+
+void save_edited(const InspectOptions& options, const Snapshot& map) {
+  AtomicFolder folder(options.save, is_in_map_folder);
+  save_map(map, folder.path());
+  publish_map_folder(folder, map);
+}
+
+}  // namespace clearway

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/console/commands.hpp"
+#include "mapping/history/provenance.hpp"
+#include "mapping/snapshot.hpp"
+
+namespace clearway {
+
+// What `inspect` says, one file a question: `describe_…` finds it out as JSON, `print_…` says it as text.
+// Lengths are metres in the map frame.
+
+/// The map as a whole: where it is from, voxels by state, bounds, painted volumes.
+nlohmann::ordered_json describe_map(const InspectOptions& options, const Snapshot& map);
+void print_map(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// The state of one voxel, why, and how far the nearest blocked voxels are. With `provenance` (may be null)
+/// also which strokes and which scans made it so.
+nlohmann::ordered_json describe_point(const Snapshot& map, const Provenance* provenance,
+                                      const Eigen::Vector3d& point);
+void print_point(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// Quality of each painted volume: exact volume and area, what the voxels lose, sample spacing, holes, necks.
+nlohmann::ordered_json describe_volumes(const Snapshot& map);
+void print_volumes(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// Which strokes and scans made the voxel of a point what it is.
+nlohmann::ordered_json describe_provenance(const Provenance& provenance, const Snapshot& map,
+                                           const Eigen::Vector3d& point);
+/// As rows "painted by stroke", "erased by stroke", "hit by scans", "passed by scans".
+std::vector<std::pair<std::string, std::string>> provenance_rows(const nlohmann::ordered_json& json);
+
+/// Where painted space turned out occupied.
+nlohmann::ordered_json describe_conflicts(const Provenance& provenance);
+void print_conflicts(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// States along the ray "ox,oy,oz,dx,dy,dz". @throws std::invalid_argument for another text.
+nlohmann::ordered_json describe_ray(const Snapshot& map, const std::string& ray);
+void print_ray(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// How a map differs from the one in `other`.
+nlohmann::ordered_json describe_difference(const Snapshot& map, const std::filesystem::path& other);
+void print_difference(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// The map after --merge, --crop and --coarsen; as it is without them. @throws std::invalid_argument.
+Snapshot edited(const InspectOptions& options, const Snapshot& map);
+
+/// Writes the map to --save. @throws std::invalid_argument when that would replace a map that was read.
+void save_edited(const InspectOptions& options, const Snapshot& map);
+
+/// A point or direction as [x, y, z].
+nlohmann::ordered_json to_json(const Eigen::Vector3d& v);
+
+/// "x, y, z" of a point written by to_json.
+std::string point_text(const nlohmann::ordered_json& point);
+
+/// Names as "a, b", or "-".
+std::string join(const nlohmann::ordered_json& names);
+
+/// A length as "12.34 mm".
+std::string millimetres(const nlohmann::ordered_json& metres);
+
+}  // namespace clearway

@@ -1,0 +1,27 @@
+#include "apps/inspect/map_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_file.hpp"
+
+namespace clearway {
+
+bool is_in_map_folder(const std::filesystem::path& relative) {
+  constexpr std::array names = {"map.ot",       "painted.csv", "provenance.bin", "seen.bin",
+                                "queries.json", "report.json", "report.html"};
+  if (std::find(names.begin(), names.end(), relative) != names.end()) return true;
+  return relative.parent_path() == "plans" && relative.extension() == ".json";
+}
+
+void publish_map_folder(AtomicFolder& folder, const Snapshot& map) {
+  load_map(folder.path());  // throws what a later reader would
+  if (map_sha256(folder.path()) != map_sha256(map))
+    throw std::runtime_error("'" + (folder.path() / "map.ot").string() +
+                             "' reads back as another map than was written: is the disk sound?");
+  folder.publish();
+}
+
+}  // namespace clearway

@@ -1,0 +1,184 @@
+#include "apps/pages/map_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "apps/console/parse.hpp"
+#include "apps/pages/plan_motion.hpp"
+#include "apps/query/query.hpp"
+#include "planning/geometry/convex_hull.hpp"
+
+namespace clearway {
+
+namespace {
+
+constexpr std::array<VoxelState, 4> shown = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
+                                             VoxelState::seen_free};
+
+/// Of a path of very many small steps an even choice, ends included.
+std::vector<Configuration> thinned(std::vector<Configuration> path) {
+  constexpr std::size_t most = 600;
+  if (path.size() <= most) return path;
+  std::vector<Configuration> chosen;
+  for (std::size_t i = 0; i < most; ++i) chosen.push_back(path[i * (path.size() - 1) / (most - 1)]);
+  return chosen;
+}
+
+/// The path with configurations inserted so that no joint moves more than the page can interpolate.
+std::vector<Configuration> subdivided(const std::vector<Configuration>& path, const Robot& robot) {
+  std::vector<Configuration> dense;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    double pieces = 1.0;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto index = static_cast<Eigen::Index>(j);
+      const double most = robot.joints[j].kind == JointKind::revolute ? 0.052 : 0.02;
+      pieces = std::max(pieces, std::ceil(std::abs(path[i + 1][index] - path[i][index]) / most));
+    }
+    for (double piece = 0.0; piece < pieces; piece += 1.0) {
+      dense.push_back(path[i] + (path[i + 1] - path[i]) * (piece / pieces));
+    }
+  }
+  if (!path.empty()) dense.push_back(path.back());
+  return dense;
+}
+
+}  // namespace
+
+PageShape page_shape(const Shape& s) {
+  PageShape shape;
+  switch (s.kind()) {
+    case Shape::Kind::sphere:
+      shape.kind = PageShape::Kind::sphere;
+      shape.size.x() = s.radius();
+      break;
+    case Shape::Kind::capsule:
+      shape.kind = PageShape::Kind::capsule;
+      shape.size = {s.radius(), s.length(), 0.0};
+      break;
+    case Shape::Kind::cylinder:
+      shape.kind = PageShape::Kind::cylinder;
+      shape.size = {s.radius(), s.length(), 0.0};
+      break;
+    case Shape::Kind::box:
+      shape.kind = PageShape::Kind::box;
+      shape.size = s.edges();
+      break;
+    case Shape::Kind::convex: {
+      shape.kind = PageShape::Kind::mesh;
+      shape.vertices = s.vertices();
+      shape.triangles = hull_triangles(s.vertices());
+      break;
+    }
+  }
+  return shape;
+}
+
+ReportPage page_of_map(const Snapshot& map, const std::string& title) {
+  ReportPage page;
+  page.title = title;
+  page.resolution = map.resolution();
+  std::array<PageVoxels, shown.size()> sets;
+  for (std::size_t s = 0; s < shown.size(); ++s) {
+    sets[s].state = to_string(shown[s]);
+    sets[s].size = map.resolution();
+  }
+  map.visit_leaves([&](const Voxel& voxel) {
+    const auto at = std::find(shown.begin(), shown.end(), voxel.state);
+    if (at == shown.end()) return;
+    PageVoxels& set = sets[static_cast<std::size_t>(at - shown.begin())];
+    set.centers.push_back(voxel.center.cast<float>());
+    set.sizes.push_back(static_cast<float>(voxel.size));
+  });
+  page.voxels.assign(sets.begin(), sets.end());
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    page.volume_labels.push_back(map.volumes()[v].label);
+    for (const Sphere& ball : map.volumes()[v].balls) {
+      page.balls.push_back({ball.center, ball.radius, static_cast<int>(v)});
+    }
+  }
+  return page;
+}
+
+void look_from(ReportPage& page, const Snapshot& map, const Eigen::Vector3d& from) {
+  Eigen::Vector3d occupied = Eigen::Vector3d::Zero();
+  double weight = 0.0;
+  const double floor = map.bounds().min().z();
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != VoxelState::occupied) return;
+    occupied += (leaf.center.z() - floor) * leaf.center;  // what is high hides more than what is low
+    weight += leaf.center.z() - floor;
+  });
+  if (weight == 0.0) return;
+  const Eigen::Vector2d aside = (from - occupied / weight).head<2>();
+  if (aside.norm() < 0.1 * map.bounds().sizes().head<2>().norm()) return;
+  page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
+}
+
+void show_robot(ReportPage& page, const Robot& robot, const Configuration& home) {
+  page.robot.clear();
+  for (const Body& body : robot.bodies) {
+    PageShape& shape = page.robot.emplace_back(page_shape(body.shape));
+    shape.link_from_shape = body.link_from_shape;
+    shape.link = body.link;
+    shape.part = body.part;
+    shape.critical = std::find(robot.critical_parts.begin(), robot.critical_parts.end(), body.part) !=
+                     robot.critical_parts.end();
+  }
+  page.robot_home = forward_kinematics(robot, home);
+}
+
+PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,
+                      const std::string& name) {
+  const Robot& robot = space.robot();
+  PagePlan shown_plan;
+  shown_plan.name = name;
+  shown_plan.planner = plan.planner;
+  shown_plan.status = to_string(plan.status());
+  shown_plan.explanation = plan.explanation();
+  if (plan.status() == PlanStatus::solved && !plan.validation.valid) {
+    shown_plan.status = "refused by the check";
+    shown_plan.explanation = plan.validation.first_contact;
+  }
+  for (auto& figure : plan_figures(plan)) {  // the page shows these two by themselves
+    if (figure.first != "status" && figure.first != "explanation") shown_plan.figures.push_back(figure);
+  }
+  shown_plan.joints = plan.joints;
+  for (const Joint& joint : robot.joints)
+    shown_plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
+
+  std::vector<Configuration> path = plan.waypoints();
+  if (plan.status() != PlanStatus::solved && !plan.legs.empty()) {
+    const std::vector<Configuration>& explored = plan.legs.back().explored;
+    path.insert(path.end(), explored.begin(), explored.end());
+  }
+  if (show_motion(shown_plan, robot, path).empty())
+    shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
+  for (const PlanResult& leg : plan.legs)
+    if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())
+      shown_plan.security_distance = kept->second;
+  for (const Configuration& q : shown_plan.waypoints) {
+    shown_plan.link_poses.push_back(forward_kinematics(robot, q));
+    shown_plan.clearance.push_back(space.clearance(q));
+    shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
+  }
+  for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.ball);
+  shown_plan.start_poses = forward_kinematics(robot, start);
+  if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(robot, plan.goals.back());
+  return shown_plan;
+}
+
+std::string map_page(const Snapshot& map, const std::string& name) {
+  ReportPage page = page_of_map(map, name.empty() ? "map" : name);
+  const VoxelCounts counts = map.counts();
+  page.subtitle = "voxel map, " + significant(map.resolution() * 1000.0, 4) + " mm";
+  page.figures = {{"resolution", significant(map.resolution() * 1000.0, 4) + " mm"},
+                  {"painted", grouped(counts.painted)},
+                  {"seen free", grouped(counts.seen_free)},
+                  {"occupied", grouped(counts.occupied)},
+                  {"conflict", grouped(counts.conflict)}};
+  return render_report_page(page);
+}
+
+}  // namespace clearway

@@ -1,0 +1,92 @@
+#include "apps/pages/plan_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/console/parse.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t most_waypoints = 1500;
+constexpr double longest_motion = 1200.0;  ///< s
+
+/// A motion along the path takes at least that long, s.
+double least_duration(const Robot& robot, const std::vector<Configuration>& path) {
+  double duration = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    double edge = 0.0;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      edge = std::max(edge, std::abs(path[i][at] - path[i - 1][at]) / velocity_limit(robot, j));
+    }
+    duration += edge;
+  }
+  return duration;
+}
+
+/// Of samples `first` to `last` the greatest change of velocity of each joint since the sample before, over
+/// the period.
+Eigen::VectorXd greatest_acceleration(const std::vector<Eigen::VectorXd>& velocities, std::size_t first,
+                                      std::size_t last, double period) {
+  Eigen::VectorXd greatest = Eigen::VectorXd::Zero(velocities.front().size());
+  for (std::size_t k = first; k <= last; ++k) {
+    const Eigen::VectorXd before = k > 0 ? velocities[k - 1] : Eigen::VectorXd::Zero(greatest.size()).eval();
+    const Eigen::VectorXd change = (velocities[k] - before) / period;
+    greatest = (change.cwiseAbs().array() > greatest.cwiseAbs().array()).select(change, greatest);
+  }
+  return greatest;
+}
+
+std::string percent(double share) { return significant(100.0 * share, 3) + " % of limit"; }
+
+}  // namespace
+
+std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
+                                     const std::vector<Configuration>& positions,
+                                     const std::vector<Eigen::VectorXd>& velocities, double period,
+                                     double max_acceleration) {
+  const std::size_t last = positions.size() - 1;
+  const std::size_t stride = last / most_waypoints + 1;
+  plan.period = period * static_cast<double>(stride);
+  plan.duration = period * static_cast<double>(last);
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    plan.max_speed.push_back(velocity_limit(robot, j));
+    plan.max_acceleration.push_back(max_acceleration);
+  }
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < last; k += stride) shown.push_back(k);
+  shown.push_back(last);
+  std::size_t next = 0;
+  for (const std::size_t k : shown) {
+    plan.waypoints.push_back(positions[k]);
+    plan.speeds.push_back(velocities[k]);
+    plan.accelerations.push_back(greatest_acceleration(velocities, next, k, period));
+    next = k + 1;
+  }
+  return shown;
+}
+
+std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
+                                     const std::vector<Configuration>& path) {
+  const double least = least_duration(robot, path);
+  if (least == 0.0 || least > longest_motion) return {};
+  const TrajectoryOptions options;
+  const Trajectory trajectory = time_path(robot, path, options);
+  std::vector<Configuration> positions;
+  std::vector<Eigen::VectorXd> velocities;
+  for (const TrajectoryPoint& point : trajectory.points) {
+    positions.push_back(point.position);
+    velocities.push_back(point.velocity);
+  }
+  const auto shown =
+      show_motion(plan, robot, positions, velocities, options.sampling_period, options.max_acceleration);
+  const LimitShares shares = limit_shares(robot, trajectory, options);
+  plan.figures.emplace_back("motion", significant(plan.duration) + " s");
+  plan.figures.emplace_back("sampled every", significant(1000.0 * options.sampling_period) + " ms");
+  plan.figures.emplace_back("top joint speed", percent(shares.velocity));
+  plan.figures.emplace_back("top acceleration", percent(shares.acceleration));
+  return shown;
+}
+
+}  // namespace clearway

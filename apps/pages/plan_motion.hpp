@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "apps/pages/report_page.hpp"
+#include "planning/path/trajectory.hpp"
+
+namespace clearway {
+
+/// Gives `plan` time: waypoints, speeds, accelerations and limits of the motion that rests before its first
+/// sample, some 1,500 of them at most, evenly in time but for the last one. Speeds are those at the
+/// waypoints; between two of them the greatest acceleration is kept. Returns which samples are shown.
+/// @param robot of all joints @param velocities of each position, rad/s and m/s
+/// @param period s between two positions
+std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
+                                     const std::vector<Configuration>& positions,
+                                     const std::vector<Eigen::VectorXd>& velocities, double period,
+                                     double max_acceleration);
+
+/// The same for what a controller is given for a path (time_path with its defaults), with figures. Paths of
+/// fewer than two different waypoints, and those that take more than 20 minutes, are left as they are:
+/// nothing is returned.
+std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
+                                     const std::vector<Configuration>& path);
+
+}  // namespace clearway

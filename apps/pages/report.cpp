@@ -1,0 +1,207 @@
+#include "apps/pages/report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "apps/console/parse.hpp"
+#include "apps/inspect/inspect_parts.hpp"
+#include "apps/pages/map_page.hpp"
+
+namespace clearway {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double joules(const Plan& plan) {
+  double sum = 0.0;
+  for (const PlanResult& leg : plan.legs) sum += leg.cost + leg.last_segment_cost;
+  return sum;
+}
+
+int steps(const Plan& plan) {
+  int sum = 0;
+  for (const PlanResult& leg : plan.legs) sum += leg.search_steps;
+  return sum;
+}
+
+Json recording_json(const ReplayReport& report) {
+  const FusionCounts& counts = report.fusion->counts;
+  return {{"file", report.recording.string()},
+          {"duration_s", counts.duration},
+          {"damage", report.fusion->damage ? Json(*report.fusion->damage) : Json(nullptr)},
+          {"setup", report.fusion->setup_source}};
+}
+
+Json tracking_json(const FusionCounts& counts, const Setup& setup) {
+  Json json{{"images", counts.images},
+            {"images_with_tags", counts.images_with_tags},
+            {"detections", counts.detections}};
+  Json refused = Json::object();
+  std::int64_t accepted = 0;
+  for (const auto& [reason, count] : counts.samples) {
+    if (reason == "accepted") {
+      accepted = count;
+    } else if (count > 0) {
+      refused[reason] = count;
+    }
+  }
+  json["accepted"] = accepted;
+  json["refused"] = refused;
+  json["accepted_outside_volumes"] = counts.accepted_outside_volumes;
+  if (setup.probe) {
+    json["error_budget"] = {{"ball_radius_m", setup.probe->ball_radius},
+                            {"robot_error_m", setup.probe->robot_error},
+                            {"tracking_error_m", setup.probe->tracking_error},
+                            {"modelling_error_m", setup.probe->modelling_error},
+                            {"painted_radius_m", counts.painted_radius},
+                            {"largest_center_sigma_m", counts.largest_center_sigma},
+                            {"mean_center_sigma_m", counts.mean_center_sigma},
+                            {"mean_reprojection_px", counts.mean_reprojection_px}};
+  }
+  return json;
+}
+
+Json plan_json(const ReplayPlan& entry) {
+  const Plan& plan = entry.plan;
+  Json json = {{"query", entry.query},
+               {"planner", plan.planner},
+               {"file", entry.file.string()},
+               {"status", to_string(plan.status())},
+               {"explanation", plan.explanation()},
+               {"legs", plan.legs.size()},
+               {"search_steps", steps(plan)},
+               {"cost_joules", joules(plan)},
+               {"time_s", plan.time_s},
+               {"verdict", plan.waypoints().empty() ? "none"
+                           : plan.validation.valid  ? "valid"
+                                                    : "refused"},
+               {"min_clearance_m", plan.validation.min_clearance},
+               {"padding_m", plan.padding}};
+  if (plan.survey) json.update(Json::parse(to_json(*plan.survey)));
+  return json;
+}
+
+}  // namespace
+
+std::string report_json(const ReplayReport& report) {
+  const FusionCounts& counts = report.fusion->counts;
+  const VoxelCounts voxels = report.map.counts();
+  Json json;
+  json["recording"] = recording_json(report);
+  json["frames"] = {{"total", counts.frames},
+                    {"images", counts.images},
+                    {"scans", counts.scans},
+                    {"odometry", counts.odometry}};
+  json["tracking"] = tracking_json(counts, report.fusion->setup);
+  json["balls"] = counts.balls;
+  json["scans"] = {{"count", counts.scans},
+                   {"refused", counts.scans_refused},
+                   {"without_pose", counts.scans_without_pose},
+                   {"without_probe", counts.scans_without_probe},
+                   {"points_inserted", counts.points.inserted},
+                   {"points_beyond_range", counts.points.beyond_range},
+                   {"points_invalid", counts.points.dropped_invalid},
+                   {"points_filtered", counts.points.dropped_filter}};
+  const MapOptions& options = report.fusion->map.options();
+  const bool safe = options.integration == Integration::safe;
+  json["map"] = {{"file", "map.ot"},
+                 {"resolution", report.map.resolution()},
+                 {"integration", safe ? "safe" : "compatible"}};
+  if (safe) json["map"]["safe_band"] = options.margins.band;
+  json["voxels"] = {{"painted", voxels.painted},
+                    {"seen_free", voxels.seen_free},
+                    {"occupied", voxels.occupied},
+                    {"conflict", voxels.conflict}};
+  json["conflicts"] = voxels.conflict;
+  json["conflict_records"] = describe_conflicts(report.provenance);
+  json["volumes"] = Json::array();
+  for (const PaintedVolume& volume : report.map.volumes()) {
+    json["volumes"].push_back(
+        {{"label", volume.label}, {"critical_parts", volume.critical_parts}, {"balls", volume.balls.size()}});
+  }
+  json["painted_volumes"] = describe_volumes(report.map);
+  json["plans"] = Json::array();
+  for (const ReplayPlan& plan : report.plans) json["plans"].push_back(plan_json(plan));
+  json["planning_problem"] = report.planning_problem;
+  json["warnings"] = report.fusion->warnings;
+  for (const auto& [stage, seconds] : report.timings) json["timings_s"][stage] = seconds;
+  return json.dump(2) + "\n";
+}
+
+std::vector<std::pair<std::string, std::string>> report_figures(const ReplayReport& report) {
+  const FusionCounts& counts = report.fusion->counts;
+  const VoxelCounts voxels = report.map.counts();
+  std::vector<std::pair<std::string, std::string>> rows;
+  rows.emplace_back("frames", grouped(counts.frames) + " (" + grouped(counts.images) + " images, " +
+                                  grouped(counts.scans) + " scans, " + grouped(counts.odometry) +
+                                  " odometry), " + significant(counts.duration, 3) + " s");
+  if (report.fusion->setup.probe) {
+    std::string refused;
+    for (const auto& [reason, count] : counts.samples) {
+      if (reason != "accepted" && count > 0) refused += ", " + reason + " " + std::to_string(count);
+    }
+    rows.emplace_back("balls painted",
+                      grouped(counts.balls) + " of r0 = " + significant(counts.painted_radius * 1000.0, 3) +
+                          " mm" + (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
+    rows.emplace_back("centre error",
+                      "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) + " mm, budget " +
+                          significant(report.fusion->setup.probe->tracking_error * 1000.0, 2) + " mm");
+  }
+  rows.emplace_back("points", grouped(counts.points.inserted) + " inserted, " +
+                                  grouped(counts.points.beyond_range) + " beyond range, " +
+                                  grouped(counts.points.dropped_filter) + " filtered, " +
+                                  grouped(counts.points.dropped_invalid) + " invalid");
+  rows.emplace_back("voxels", significant(report.map.resolution() * 1000.0, 4) + " mm: " +
+                                  grouped(voxels.painted) + " painted, " + grouped(voxels.seen_free) +
+                                  " seen free, " + grouped(voxels.occupied) + " occupied");
+  rows.emplace_back("conflicts", grouped(voxels.conflict));
+  return rows;
+}
+
+std::vector<std::vector<std::string>> plan_table(const ReplayReport& report) {
+  std::vector<std::vector<std::string>> rows{
+      {"query", "planner", "status", "steps", "cost J", "time s", "clearance mm", "check"}};
+  for (const ReplayPlan& entry : report.plans) {
+    const Plan& plan = entry.plan;
+    const bool path = !plan.waypoints().empty();
+    rows.push_back({entry.query, plan.planner, std::string(to_string(plan.status())),
+                    path ? grouped(static_cast<std::size_t>(steps(plan))) : "-",
+                    path ? significant(joules(plan), 4) : "-", significant(plan.time_s, 3),
+                    path ? significant(plan.validation.min_clearance * 1000.0, 3) : "-",
+                    !path                   ? "-"
+                    : plan.validation.valid ? "valid"
+                                            : "REFUSED"});
+  }
+  return rows;
+}
+
+std::string report_html(const ReplayReport& report, const std::string& json) {
+  const Setup& setup = report.fusion->setup;
+  ReportPage page =
+      page_of_map(report.map, setup.title.empty() ? report.recording.filename().string() : setup.title);
+  page.subtitle = report.recording.filename().string();
+  page.figures = report_figures(report);
+  const FusionCounts& counts = report.fusion->counts;
+  if (counts.scans > 0)
+    look_from(page, report.map, counts.scan_origin_sum / static_cast<double>(counts.scans));
+  page.warnings = report.fusion->warnings;
+  if (report.fusion->damage) page.warnings.push_back(*report.fusion->damage);
+  if (!report.planning_problem.empty()) page.warnings.push_back(report.planning_problem);
+  if (!report.plans.empty()) {
+    const ReplayPlan& first = report.plans.front();
+    show_robot(page, first.space->robot(), first.start);
+    for (const ReplayPlan& entry : report.plans) {
+      page.plans.push_back(page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
+    }
+    const auto table = plan_table(report);
+    page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});
+  }
+  PageTable timings{"time per stage", {"stage", "s"}, {}};
+  for (const auto& [stage, seconds] : report.timings)
+    timings.rows.push_back({stage, significant(seconds, 3)});
+  page.tables.push_back(timings);
+  page.json = json;
+  return render_report_page(page);
+}
+
+}  // namespace clearway

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/fusion/fusion.hpp"
+#include "mapping/history/provenance.hpp"
+#include "mapping/snapshot.hpp"
+#include "planning/files/plan_file.hpp"
+#include "planning/space/configuration_space.hpp"
+
+namespace clearway {
+
+/// A plan of a replay, with what is needed to show it again.
+struct ReplayPlan {
+  std::string query;
+  Plan plan;
+  Configuration start;
+  std::filesystem::path file;  ///< plans/*.json, relative to the output folder
+  const ConfigurationSpace* space = nullptr;
+};
+
+/// Everything a replay produced; report.json and report.html are two views of it.
+struct ReplayReport {
+  std::filesystem::path recording;
+  const Fusion* fusion = nullptr;
+  Snapshot map;
+  Provenance provenance;
+  std::vector<ReplayPlan> plans;
+  std::string planning_problem;  ///< why queries could not be asked at all; empty when they could
+  std::vector<std::pair<std::string, double>> timings;  ///< stage, seconds
+};
+
+/// report.json (keys fixed by the design page).
+std::string report_json(const ReplayReport& report);
+
+/// report.html, self-contained.
+std::string report_html(const ReplayReport& report, const std::string& json);
+
+/// Name and text of each figure that the terminal and the page show.
+std::vector<std::pair<std::string, std::string>> report_figures(const ReplayReport& report);
+
+/// One row per plan for the terminal: query, planner, status, steps, joules, time, clearance.
+std::vector<std::vector<std::string>> plan_table(const ReplayReport& report);
+
+}  // namespace clearway

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/pages/voxel_faces.hpp"
+#include "mapping/voxels/sphere.hpp"
+
+namespace clearway {
+
+/// A named value of a table of figures, as it is shown.
+using PageFigure = std::pair<std::string, std::string>;
+
+/// One rigid piece of the robot.
+struct PageShape {
+  enum class Kind { sphere, capsule, cylinder, box, mesh } kind = Kind::sphere;
+  /// Metres. sphere: radius; capsule and cylinder: radius, length along z (a capsule's between the centres of
+  /// its caps); box: the three full edges; mesh: unused.
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> vertices;      ///< of a mesh, in the shape's frame
+  std::vector<std::array<int, 3>> triangles;  ///< of a mesh
+  Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
+  int link = 0;           ///< index into the poses of each waypoint
+  std::string part;       ///< the robot part it belongs to, as policies name it
+  bool critical = false;  ///< drawn in the colour of critical parts
+  int group = 0;  ///< of several robots: which one, by its colour; -1: an obstacle that moves; -2: one
+                  ///< that robots know from the map alone
+};
+
+/// Voxels that a map has from some time on, and did not have when the page's map was made.
+struct PageSeen {
+  double time = 0.0;  ///< s
+  std::vector<Eigen::Vector3d> centers;
+};
+
+/// One plan, found or not. All per-waypoint arrays have as many entries as `waypoints`, or none.
+/// The page draws the robot between two waypoints by interpolating each link's pose, so waypoints more than
+/// about 5 degrees apart should be subdivided before.
+struct PagePlan {
+  std::string name, planner;
+  std::string status;       ///< a PlanStatus word; anything but "solved" is shown as a failure
+  std::string explanation;  ///< one or more sentences
+  std::vector<std::string> joints;
+  std::vector<bool> is_prismatic;          ///< per joint: metres, else radians
+  std::vector<Eigen::VectorXd> waypoints;  ///< joint values; may be empty when no path was found
+  std::vector<std::vector<Eigen::Isometry3d>> link_poses;  ///< map_from_link, per waypoint and link
+  std::vector<double>
+      clearance;          ///< metres, below zero in contact; not finite = not known, left out of the plot
+  double period = 0.0;    ///< s between two waypoints, less before the last one; 0: the plan has no time
+  double duration = 0.0;  ///< s, of the whole motion
+  /// With time: of each joint at each waypoint, rad/s (m/s), and the change of speed since the waypoint
+  /// before, of several in between the greatest, rad/s^2 (m/s^2). Else empty.
+  std::vector<Eigen::VectorXd> speeds, accelerations;
+  std::vector<double> max_speed, max_acceleration;  ///< limits of each joint, of a plan with time
+  double security_distance = 0.0;                   ///< m: what was to be kept; 0: nothing was said
+  /// While a map changes: what is blocked anew from time to time, the edge of these voxels, and at each
+  /// waypoint how old the map was, s, and the true distance from what `clearance` has from the map alone, m.
+  /// Else empty.
+  std::vector<PageSeen> seen;
+  double seen_voxel = 0.0;
+  std::vector<double> map_age, true_separation;
+  std::vector<PageFigure> figures;
+  std::vector<Eigen::Vector3d> tip_path;  ///< map frame
+  std::vector<Sphere> to_paint;           ///< where more paint would connect the ends; map frame
+  /// map_from_link at the start and at the goal asked for: the ghosts. Empty: those of the first and last
+  /// waypoint; give both for a plan that found no path.
+  std::vector<Eigen::Isometry3d> start_poses, goal_poses;
+};
+
+/// An exact painted ball.
+struct PageBall {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+  int volume = 0;  ///< index into volume_labels
+};
+
+struct PageTable {
+  std::string name;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// What a report page shows. Everything may be empty but the title.
+struct ReportPage {
+  std::string title, subtitle;
+  std::vector<PageFigure> figures;
+  double iso_azimuth_deg = 35.0;   ///< where the eye of the first view stands: 0 at -y, 90 at +x
+  double resolution = 0.0;         ///< of the map, metres; > 0 when there are voxels
+  std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
+  std::vector<PageBall> balls;
+  std::vector<std::string> volume_labels;
+  std::vector<PageShape> robot;
+  std::vector<Eigen::Isometry3d> robot_home;  ///< map_from_link, drawn when no plan gives a pose
+  std::vector<PagePlan> plans;
+  std::vector<PageTable> tables;
+  std::vector<std::string> warnings;
+  std::string json;  ///< report.json, offered for download byte for byte
+};
+
+/// One HTML file that shows `page` with no network and no other file. Equal pages give equal bytes; strings
+/// that are not UTF-8 get U+FFFD in place of the bytes that are wrong.
+/// @throws std::invalid_argument naming the field whose sizes or indices do not agree.
+std::string render_report_page(const ReportPage& page);
+
+}  // namespace clearway

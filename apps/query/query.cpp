@@ -1,0 +1,243 @@
+#include "apps/query/query.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "apps/console/parse.hpp"
+#include "apps/query/survey_figures.hpp"
+#include "mapping/maps/map_damage.hpp"
+#include "mapping/maps/map_integration.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/files/query_record.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+
+Robot choose_robot(const RobotChoice& choice) {
+  Robot robot = load_robot(choice.robot);
+  if (choice.scale) {
+    if (!std::isfinite(*choice.scale) || *choice.scale <= 0.0) {
+      throw std::invalid_argument("--scale: expected a positive number, got " + significant(*choice.scale));
+    }
+    robot = scaled(robot, *choice.scale / robot.scale);
+  }
+  if (!choice.base.empty()) robot.map_from_base = pose_from_numbers(choice.base, "--base");
+  return robot;
+}
+
+double choose_padding(const RobotChoice& choice, const Robot& robot) {
+  return choice.padding.value_or(robot.position_accuracy);
+}
+
+namespace {
+
+Policy policy_of(const std::string& flag, const std::string& text) {
+  try {
+    return parse_policy(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--policy " + flag + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+Policies choose_policies(const std::vector<std::string>& texts, const Robot& robot) {
+  std::set<std::string> parts;
+  for (const Body& body : robot.bodies) parts.insert(body.part);
+  Policies policies;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      policies.other = policy_of(text, text);
+      policies.critical_by_default = false;
+      continue;
+    }
+    const std::string part = text.substr(0, equals);
+    if (!parts.count(part)) {
+      std::string names;
+      for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
+      throw std::invalid_argument("--policy: robot '" + robot.name + "' has no part '" + part + "' (it has " +
+                                  names + ")");
+    }
+    policies.parts[part] = policy_of(text, text.substr(equals + 1));
+  }
+  return policies;
+}
+
+std::string describe_policies(const std::map<std::string, Policy>& policies, double seen_within) {
+  std::map<Policy, std::size_t> parts;
+  for (const auto& [part, policy] : policies) ++parts[policy];
+  if (parts.empty()) return "-";
+  const Policy usual = std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+                         return a.second < b.second;
+                       })->first;
+  std::string text;
+  for (const auto& [part, policy] : policies) {
+    if (policy != usual) text += part + " " + std::string(to_string(policy)) + ", ";
+  }
+  text += (text.empty() ? "all parts " : "other parts ") + std::string(to_string(usual));
+  return text + (seen_within > 0.0 ? ", seen within " + significant(seen_within) + " s" : "");
+}
+
+PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
+  PlannerOptions options;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw std::invalid_argument("--set: expected key=value, got '" + text + "'");
+    }
+    const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
+    if (value.empty()) {
+      throw std::invalid_argument("--set " + text + ": no value is given, expected " + key + "=value");
+    }
+    const auto [known, is_new] = options.emplace(key, value);
+    if (!is_new) {
+      throw std::invalid_argument("--set: option '" + key + "' is given twice, as '" + known->second +
+                                  "' and as '" + value + "', expected it once");
+    }
+  }
+  return options;
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+Plan empty_plan(const Query& query) {
+  const Robot& robot = query.space.robot();
+  Plan plan;
+  plan.robot = query.robot_name;
+  plan.robot_scale = robot.scale;
+  plan.map_from_base = robot.map_from_base;
+  for (const Joint& joint : robot.joints) plan.joints.push_back(joint.name);
+  plan.planner = query.planner;
+  plan.seed = query.seed;
+  plan.map_file = query.map_file.string();
+  plan.map_sha256 = query.map_digest;
+  plan.map_resolution = query.space.map().resolution();
+  plan.map_integration = to_string(integration_of(query.space.map()));
+  plan.map_caveat = map_caveat(query.space.map());
+  plan.policies = query.space.policies();
+  plan.padding = query.space.options().padding;
+  plan.seen_within = query.space.options().seen_within;
+  plan.position_accuracy = robot.position_accuracy;
+  plan.payload = query.payload;
+  plan.gravity = query.gravity;
+  plan.query = query.name;
+  plan.start = query.start;
+  plan.goals = query.goals;
+  return plan;
+}
+
+/// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
+/// than the way nothing has to move.
+void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
+  if (leg.status != PlanStatus::solved || leg.search_steps > 0 || !in_force.contains("step")) return;
+  if (leg.final_distance == 0.0) return;  // the start is the goal
+  leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
+                     significant(leg.final_distance, 3) + ": " +
+                     (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
+}
+
+}  // namespace
+
+namespace {
+
+/// Adds what the map knows of where the robot goes, and refuses for it.
+void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan& plan) {
+  plan.survey = survey_path(space.robot(), space.map(), plan.policies, plan.waypoints());
+  plan.allow_outside = demands.allow_outside;
+  refuse_surveyed(*plan.survey, demands, plan.validation);
+}
+
+}  // namespace
+
+PathCost path_cost(const Query& query) {
+  const Robot& robot = query.space.robot();
+  return PathCost(robot, {.gravity = robot.map_from_base.linear().transpose() * query.gravity,
+                          .payload_mass = query.payload});
+}
+
+Plan solve(const Query& query) { return solve(query, *make_planner(query.planner, query.options)); }
+
+Plan solve(const Query& query, const Planner& planner) {
+  Plan plan = empty_plan(query);
+  plan.options = planner.options();
+  const PathCost cost = path_cost(query);
+  const auto begin = Clock::now();
+  Configuration from = query.start;
+  for (const Configuration& goal : query.goals) {
+    const auto leg_begin = Clock::now();
+    plan.legs.push_back(planner.plan({query.space, cost, from, goal, query.seed,
+                                      [&] { return seconds_since(leg_begin) > query.time_limit; }}));
+    tell_step_beyond_way(plan.options, plan.legs.back());
+    if (plan.legs.back().status != PlanStatus::solved) break;
+    from = plan.legs.back().waypoints.back();
+  }
+  plan.time_s = seconds_since(begin);
+  const std::vector<Configuration> path = plan.waypoints();
+  if (!path.empty()) {
+    plan.validation = check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path,
+                                 0.0, plan.seen_within);
+  }
+  if (query.survey) survey(*query.survey, query.space, plan);
+  return plan;
+}
+
+namespace {
+
+/// A beam counts what lies within a step of its goal as reached (eq. 11): `check` wants the goal itself.
+void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std::string>>& rows) {
+  for (std::size_t i = 0; i < plan.legs.size() && i < plan.goals.size(); ++i) {
+    if (plan.legs[i].status != PlanStatus::solved) continue;
+    const double missed = largest_difference(plan.legs[i].waypoints.back(), plan.goals[i]);
+    if (missed <= contract_tolerance) continue;
+    rows.emplace_back("goal " + std::to_string(i + 1),
+                      "in reach of one step, not reached: a joint is " + significant(missed, 3) +
+                          " from it; check refuses the plan without --accept-goals");
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) {
+  std::size_t steps = 0, checks = 0;
+  double joules = 0.0, rest = 0.0;
+  for (const PlanResult& leg : plan.legs) {
+    steps += static_cast<std::size_t>(leg.search_steps);
+    checks += leg.configurations_checked;
+    joules += leg.cost + leg.last_segment_cost;
+    rest = leg.final_distance;
+  }
+  std::vector<std::pair<std::string, std::string>> rows{{"status", std::string(to_string(plan.status()))}};
+  if (!plan.explanation().empty()) rows.emplace_back("explanation", plan.explanation());
+  if (!plan.waypoints().empty()) {
+    rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
+    rows.emplace_back("steps", grouped(steps));
+    rows.emplace_back("cost", significant(joules, 5) + " J");
+    rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
+    tell_missed_goals(plan, rows);
+    rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
+    rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
+  }
+  if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
+  if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
+  rows.emplace_back("policy", describe_policies(plan.policies, plan.seen_within));
+  rows.emplace_back("padding", describe_padding(plan.padding, plan.position_accuracy));
+  if (plan.survey) {
+    for (auto& row : survey_figures(*plan.survey)) rows.push_back(std::move(row));
+  }
+  rows.emplace_back("configurations", grouped(checks));
+  rows.emplace_back("time", significant(plan.time_s, 3) + " s");
+  return rows;
+}
+
+}  // namespace clearway

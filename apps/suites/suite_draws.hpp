@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/suites/suite_dice.hpp"
+#include "apps/suites/suite_stages.hpp"
+
+namespace clearway {
+
+/// Evenly within the joint limits, turning joints within a turn.
+Configuration draw_configuration(const Robot& robot, SuiteDice& dice);
+
+/// A box between two corners of a frame, axes as those of the frame. Metres.
+SceneShape box_between(const std::string& name, const Eigen::Isometry3d& map_from_frame,
+                       const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+
+/// The problems of scene number `index` of a generator that draws `each` a scene, the last one with what is
+/// left of its count. They are called SCENE.1, SCENE.2 and so on.
+/// @param draw a problem without a name, or nothing when this draw gave none
+/// @throws std::runtime_error when `most_draws` in a row gave none, naming generator and robot
+std::vector<StageProblem> draw_problems(const SuiteGenerator& generator, std::size_t index, std::size_t each,
+                                        int most_draws, const std::string& scene, const Robot& robot,
+                                        const std::function<std::optional<StageProblem>()>& draw);
+
+}  // namespace clearway

@@ -1,0 +1,169 @@
+#include "apps/suites/suite_stages.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string_view>
+
+#include "apps/suites/suite_reaching.hpp"
+#include "apps/suites/suite_shelves.hpp"
+#include "apps/suites/suite_tunnels.hpp"
+#include "apps/suites/suite_world.hpp"
+#include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_file.hpp"
+
+namespace clearway {
+namespace {
+
+[[noreturn]] void refuse(const Suite& suite, const SuiteExperiment& experiment, const std::string& what) {
+  throw std::invalid_argument("suite '" + suite.name + "', experiment '" + experiment.name + "', " + what);
+}
+
+const SuiteWorld& world_of(const Suite& suite, const SuiteExperiment& experiment) {
+  const auto found = std::find_if(suite.worlds.begin(), suite.worlds.end(),
+                                  [&](const SuiteWorld& world) { return world.name == experiment.world; });
+  if (found == suite.worlds.end()) {
+    refuse(suite, experiment,
+           "field 'world': expected the name of one of the worlds, got '" + experiment.world + "'");
+  }
+  return *found;
+}
+
+/// Draws the worlds and problems of one kind of generator.
+struct Generator {
+  std::string_view kind;
+  std::size_t problems_of_a_stage;
+  SuiteStage (*draw)(const SuiteGenerator&, std::size_t index, const Robot&, const Policies&, double padding);
+};
+
+SuiteStage tunnel_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                        const Policies& policies, double padding) {
+  const Tunnel tunnel = draw_tunnel(generator, index, robot, policies, padding);
+  return {
+      tunnel.world.name, tunnel.map, "", "", {{tunnel.world.name, tunnel.way.front(), {tunnel.way.back()}}}};
+}
+
+SuiteStage shelf_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                       const Policies& policies, double padding) {
+  Shelf shelf = draw_shelf(generator, index, robot, policies, padding);
+  return {shelf.world.name, shelf.map, "", "", std::move(shelf.problems)};
+}
+
+SuiteStage reaching_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                          const Policies& policies, double padding) {
+  ReachingScene scene = draw_reaching(generator, index, robot, policies, padding);
+  return {scene.world.name, scene.map, "", "", std::move(scene.problems)};
+}
+
+/// All kinds.
+constexpr Generator generators[] = {
+    {"tunnels", 1, tunnel_stage},
+    {"shelves", problems_of_a_shelf, shelf_stage},
+    {"shelf", problems_of_a_scene, reaching_stage},
+    {"table", problems_of_a_scene, reaching_stage},
+    {"ladder", problems_of_a_scene, reaching_stage},
+    {"cage", problems_of_a_scene, reaching_stage},
+    {"boxes", problems_of_a_scene, reaching_stage},
+};
+
+std::string generator_kinds() {
+  std::string kinds;
+  for (const Generator& generator : generators)
+    kinds += (kinds.empty() ? "" : ", ") + std::string(generator.kind);
+  return kinds;
+}
+
+const Generator& generator_of(const Suite& suite, const SuiteExperiment& experiment) {
+  for (const Generator& generator : generators)
+    if (generator.kind == experiment.generate->kind) return generator;
+  refuse(suite, experiment,
+         "field 'generate': expected one of the kinds " + generator_kinds() + ", got '" +
+             experiment.generate->kind + "'");
+}
+
+Configuration configuration(const std::vector<double>& values) {
+  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+StageProblem stage_problem(const SuiteProblem& problem) {
+  StageProblem ready{problem.name, configuration(problem.start), {}};
+  for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
+  return ready;
+}
+
+/// A world of the suite without problems.
+SuiteStage stage_of(const SuiteWorld& world, const Robot& robot) {
+  if (!world.map.empty())
+    return {world.name, load_map(world.map), world.map.string(), map_sha256(world.map), {}};
+  const Snapshot map = make_map(world, robot.critical_parts);
+  return {world.name, map, "", map_sha256(map), {}};
+}
+
+void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
+  const auto check = [&](const SuiteProblem& problem, const std::vector<double>& q,
+                         const std::string& field) {
+    if (q.size() == robot.dof()) return;
+    refuse(suite, experiment,
+           "problem '" + problem.name + "', field '" + field + "': got " + std::to_string(q.size()) +
+               " values, expected " + std::to_string(robot.dof()) + ", one for each joint of robot '" +
+               robot.name + "'");
+  };
+  for (const SuiteProblem& problem : experiment.problems) {
+    check(problem, problem.start, "start");
+    for (std::size_t i = 0; i < problem.goals.size(); ++i)
+      check(problem, problem.goals[i], "goals[" + std::to_string(i) + "]");
+  }
+}
+
+}  // namespace
+
+Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
+  Policies policies;
+  for (const auto& [part, policy] : experiment.policies) {
+    if (part == "default") {
+      policies.other = parse_policy(policy);
+      policies.critical_by_default = false;
+      continue;
+    }
+    if (std::none_of(robot.bodies.begin(), robot.bodies.end(),
+                     [&](const Body& body) { return body.part == part; })) {
+      refuse(suite, experiment, "field 'policies': robot '" + robot.name + "' has no part '" + part + "'");
+    }
+    policies.parts[part] = parse_policy(policy);
+  }
+  return policies;
+}
+
+SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot)
+    : suite_(suite), experiment_(experiment), robot_(robot) {
+  static_cast<void>(suite_policies(suite, experiment, robot));
+  if (experiment.generate) {
+    generator_of(suite, experiment);
+  } else {
+    world_of(suite, experiment);
+    require_sizes(suite, experiment, robot);
+  }
+}
+
+std::size_t SuiteStages::size() const {
+  if (!experiment_.generate) return 1;
+  const auto count = static_cast<std::size_t>(experiment_.generate->count);
+  const std::size_t each = generator_of(suite_, experiment_).problems_of_a_stage;
+  return (count + each - 1) / each;
+}
+
+SuiteStage SuiteStages::make(std::size_t index) const {
+  if (index >= size()) throw std::out_of_range("a stage beyond the last one");
+  if (experiment_.generate) {
+    const Policies policies = suite_policies(suite_, experiment_, robot_);
+    const double padding = experiment_.padding.value_or(robot_.position_accuracy);
+    SuiteStage stage =
+        generator_of(suite_, experiment_).draw(*experiment_.generate, index, robot_, policies, padding);
+    stage.digest = map_sha256(stage.map);
+    return stage;
+  }
+  SuiteStage stage = stage_of(world_of(suite_, experiment_), robot_);
+  for (const SuiteProblem& problem : experiment_.problems) stage.problems.push_back(stage_problem(problem));
+  return stage;
+}
+
+}  // namespace clearway

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/descriptions/suite.hpp"
+#include "mapping/snapshot.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/space/configuration_space.hpp"
+
+namespace clearway {
+
+/// A problem of a suite, ready to be planned.
+struct StageProblem {
+  std::string name;
+  Configuration start;
+  std::vector<Configuration> goals;
+};
+
+/// A map of a suite and the problems in it.
+struct SuiteStage {
+  std::string world;
+  Snapshot map;
+  std::string map_file;  ///< empty when the world is made, not loaded
+  std::string digest;    ///< SHA-256 of the map's file form, as map_sha256
+  std::vector<StageProblem> problems;
+};
+
+/// The policies of an experiment for this robot; "default" is that of every part that is not named.
+/// @throws std::invalid_argument naming a part that the robot does not have.
+Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
+
+/// The stages of one experiment, each made when asked for: worlds may be large and many.
+class SuiteStages {
+ public:
+  /// Keeps references to all three. @param robot scaled and placed as the experiment wants it
+  /// @throws std::invalid_argument naming the suite, the experiment, the field and what was expected: a world
+  /// or generator that is not there, a number of joints that does not fit the robot, an unknown part.
+  SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
+
+  std::size_t size() const;
+  /// Deterministic, may be called from any thread. Worlds that are made take up to some seconds each.
+  /// @throws std::invalid_argument or DamagedFile when a map cannot be loaded, std::runtime_error when a
+  /// generator finds no problem for this robot.
+  SuiteStage make(std::size_t index) const;
+
+ private:
+  const Suite& suite_;
+  const SuiteExperiment& experiment_;
+  const Robot& robot_;
+};
+
+}  // namespace clearway

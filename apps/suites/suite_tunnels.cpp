@@ -1,0 +1,186 @@
+#include "apps/suites/suite_tunnels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "apps/suites/suite_dice.hpp"
+#include "apps/suites/suite_world.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr int most_draws = 2000;
+constexpr double degree = std::numbers::pi / 180.0;
+constexpr double widest_turn = 1.2;  ///< rad (or share of m), of a joint between two turns of a way
+
+/// The ball about the robot's critical parts.
+class Hand {
+ public:
+  explicit Hand(const Robot& robot) : robot_(robot) {
+    const std::set<std::string> critical(robot.critical_parts.begin(), robot.critical_parts.end());
+    for (const Body& body : robot.bodies) {
+      if (critical.empty() ? body.link == robot.tip_link : critical.count(body.part) > 0)
+        bodies_.push_back(&body);
+    }
+    if (bodies_.empty()) {
+      throw std::runtime_error("tunnels: robot '" + robot.name +
+                               "' has no critical part and no body at its tip");
+    }
+  }
+
+  Sphere ball(const Configuration& q) const {
+    const LinkPoses poses = forward_kinematics(robot_, q);
+    Eigen::AlignedBox3d box;
+    for (const Body* body : bodies_) box.extend(center(*body, poses));
+    Sphere ball{box.center(), 0.0};
+    for (const Body* body : bodies_) {
+      const double off = (center(*body, poses) - ball.center).norm();
+      ball.radius = std::max(ball.radius, off + body->shape.bounding_radius());
+    }
+    return ball;
+  }
+
+ private:
+  static Eigen::Vector3d center(const Body& body, const LinkPoses& poses) {
+    return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape.translation();
+  }
+
+  const Robot& robot_;
+  std::vector<const Body*> bodies_;
+};
+
+/// A straight piece of a way, cut so that no joint moves by more than `step`.
+std::vector<Configuration> finely(const Configuration& from, const Configuration& to, double step) {
+  const Eigen::VectorXd dq = to - from;
+  const int pieces = std::max(1, static_cast<int>(std::ceil(dq.cwiseAbs().maxCoeff() / step)));
+  std::vector<Configuration> fine;
+  for (int k = 0; k <= pieces; ++k) fine.push_back(from + static_cast<double>(k) / pieces * dq);
+  return fine;
+}
+
+class TunnelDrawer {
+ public:
+  TunnelDrawer(const SuiteGenerator& generator, std::size_t index, const Robot& robot, double padding)
+      : resolution_(generator.resolution),
+        padding_(padding),
+        robot_(robot),
+        hand_(robot),
+        bare_(robot, Snapshot(), {.parts = {}, .critical_by_default = false}),
+        dice_(generator.seed, index) {}
+
+  /// A winding way that the robot can go where nothing is; empty when this draw gave none.
+  std::vector<Configuration> way() {
+    const int turns = dice_.whole(3, 6);
+    std::vector<Configuration> way{anywhere()};
+    if (!bare_.is_free(way.front())) return {};
+    while (static_cast<int>(way.size()) < turns + 2) {
+      const auto next = next_turn(way.back());
+      if (!next) return {};
+      way.push_back(*next);
+    }
+    return way;
+  }
+
+  /// The balls along the hand's way, a stroke for each straight piece.
+  std::vector<std::vector<SuiteBall>> strokes(const std::vector<Configuration>& way) {
+    std::vector<std::vector<SuiteBall>> strokes;
+    for (std::size_t i = 1; i < way.size(); ++i) {
+      auto& stroke = strokes.emplace_back();
+      Eigen::Vector3d last = hand_.ball(way[i - 1]).center;
+      stroke.push_back(painted(hand_.ball(way[i - 1])));
+      for (const Configuration& q : finely(way[i - 1], way[i], 0.1 * degree)) {
+        const Sphere ball = hand_.ball(q);
+        if ((ball.center - last).norm() < painted_radius(ball) / 3.0) continue;
+        stroke.push_back(painted(ball));
+        last = ball.center;
+      }
+    }
+    strokes.back().push_back(painted(hand_.ball(way.back())));
+    return strokes;
+  }
+
+ private:
+  Configuration anywhere() {
+    Configuration q(static_cast<Eigen::Index>(robot_.dof()));
+    for (std::size_t j = 0; j < robot_.dof(); ++j) {
+      const double low = std::max(robot_.joints[j].lower, -std::numbers::pi);
+      const double high = std::min(robot_.joints[j].upper, std::numbers::pi);
+      q[static_cast<Eigen::Index>(j)] = low + dice_.between(0.1, 0.9) * (high - low);
+    }
+    return q;
+  }
+
+  /// A configuration a straight edge away, with the hand clear of where it was painted before.
+  std::optional<Configuration> next_turn(const Configuration& from) {
+    const Sphere hand = hand_.ball(from);
+    for (int attempt = 0; attempt < 30; ++attempt) {
+      Configuration next = from;
+      for (Eigen::Index j = 0; j < next.size(); ++j) {
+        const Joint& joint = robot_.joints[static_cast<std::size_t>(j)];
+        const double most = std::min(widest_turn, 0.3 * (joint.upper - joint.lower));
+        next[j] += dice_.between(-most, most);
+      }
+      if ((hand_.ball(next).center - hand.center).norm() < 2.0 * painted_radius(hand)) continue;
+      if (bare_.is_edge_free(from, next)) return next;
+    }
+    return std::nullopt;
+  }
+
+  double jitter() const { return resolution_ / 2.0; }
+
+  /// Of a ball that holds the hand with a voxel to spare when it is up to a sixth of its radius, and the
+  /// jitter, off the hand; voxels are painted when they lie inside as a whole.
+  double painted_radius(const Sphere& hand) const {
+    return 1.2 * (hand.radius + padding_ + jitter() + (1.0 + std::sqrt(3.0)) * resolution_);
+  }
+
+  SuiteBall painted(const Sphere& hand) {
+    const double most = jitter() / std::sqrt(3.0);
+    const Eigen::Vector3d aside(dice_.between(-most, most), dice_.between(-most, most),
+                                dice_.between(-most, most));
+    return {hand.center + aside, painted_radius(hand)};
+  }
+
+  double resolution_, padding_;
+  const Robot& robot_;
+  Hand hand_;
+  ConfigurationSpace bare_;
+  SuiteDice dice_;
+};
+
+bool is_free_all_along(const ConfigurationSpace& space, const std::vector<Configuration>& way) {
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const auto fine = finely(way[i - 1], way[i], degree);
+    for (std::size_t k = 1; k < fine.size(); ++k)
+      if (!space.is_edge_free(fine[k - 1], fine[k])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Tunnel draw_tunnel(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                   const Policies& policies, double padding) {
+  TunnelDrawer drawer(generator, index, robot, padding);
+  for (int draw = 0; draw < most_draws; ++draw) {
+    Tunnel tunnel;
+    tunnel.way = drawer.way();
+    if (tunnel.way.empty()) continue;
+    tunnel.world.name = "tunnel " + std::to_string(index + 1);
+    tunnel.world.resolution = generator.resolution;
+    tunnel.world.volumes.push_back({"tube", {}, drawer.strokes(tunnel.way)});
+    tunnel.map = make_map(tunnel.world, robot.critical_parts);
+    const ConfigurationSpace space(robot, tunnel.map, policies, {.padding = padding});
+    const Configuration &start = tunnel.way.front(), &goal = tunnel.way.back();
+    if (!space.is_free(start) || !space.is_free(goal) || space.is_edge_free(start, goal)) continue;
+    if (is_free_all_along(space, tunnel.way)) return tunnel;
+  }
+  throw std::runtime_error("tunnels: no tunnel found for robot '" + robot.name + "' in " +
+                           std::to_string(most_draws) + " draws");
+}
+
+}  // namespace clearway

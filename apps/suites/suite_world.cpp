@@ -1,0 +1,41 @@
+#include "apps/suites/suite_world.hpp"
+
+#include <algorithm>
+
+#include "apps/suites/suite_scans.hpp"
+#include "mapping/free_space_map.hpp"
+
+namespace clearway {
+namespace {
+
+bool meets_pocket(const SuiteWorld& world, const SuiteBall& ball) {
+  return std::any_of(world.pockets.begin(), world.pockets.end(), [&](const SuiteBall& pocket) {
+    return (ball.center - pocket.center).norm() < ball.radius + pocket.radius;
+  });
+}
+
+void paint(const SuiteWorld& world, const SuiteVolume& volume, const std::vector<std::string>& critical_parts,
+           FreeSpaceMap& map) {
+  const int index =
+      map.add_volume(volume.label, volume.critical_parts.empty() ? critical_parts : volume.critical_parts);
+  for (const auto& stroke : volume.strokes) {
+    map.begin_stroke(volume.label);
+    for (const SuiteBall& ball : stroke)
+      if (!meets_pocket(world, ball)) map.paint(index, {ball.center, ball.radius});
+    map.end_stroke();
+  }
+}
+
+}  // namespace
+
+Snapshot make_map(const SuiteWorld& world, const std::vector<std::string>& critical_parts) {
+  FreeSpaceMap map({.resolution = world.resolution, .discretize = true});
+  for (const Eigen::Vector3d& sensor : world.sensors) {
+    map.insert(scan_solids(world.solids, sensor, world.sensor_range, world.resolution),
+               {.max_range = world.sensor_range});
+  }
+  for (const SuiteVolume& volume : world.volumes) paint(world, volume, critical_parts, map);
+  return map.snapshot();
+}
+
+}  // namespace clearway

@@ -1,0 +1,48 @@
+#include "datasets/descriptions/query_fields.hpp"
+
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+
+std::map<std::string, std::string> read_options(const YamlFields& fields) {
+  std::map<std::string, std::string> options;
+  for (const auto& key : fields.keys()) options[key] = fields.text_or_numbers(key);
+  return options;
+}
+
+std::map<std::string, std::string> read_policies(const YamlFields& fields) {
+  std::map<std::string, std::string> policies;
+  for (const auto& key : fields.keys()) policies[key] = fields.text(key);
+  for (const auto& [part, policy] : policies)
+    if (policy != "painted" && policy != "known_free" && policy != "not_occupied")
+      fields.fail(part, "expected painted, known_free or not_occupied, got " + quote(policy));
+  return policies;
+}
+
+std::optional<double> read_padding(const YamlFields& fields) {
+  if (!fields.has("padding") || fields.text("padding") == "auto") return std::nullopt;
+  return fields.number("padding", paddings);
+}
+
+void read_legs(const YamlFields& fields, std::vector<double>& start,
+               std::vector<std::vector<double>>& goals) {
+  start = fields.angles("start");
+  goals = fields.lists_of_angles("goals");
+  if (start.empty()) fields.fail("start", "expected a number for each joint");
+  if (goals.empty()) fields.fail("goals", "expected at least one goal");
+}
+
+void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
+               const std::string& key) {
+  std::string plain = name;
+  for (char& c : plain) {
+    const bool is_word = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (!is_word && c != '.' && c != '-' && c != '=') c = '_';
+  }
+  if (taken.insert(plain).second) return;
+  fields.fail(
+      key, "'" + name + "' is given twice; expected names that differ in letters, digits, '.', '-' or '='");
+}
+
+}  // namespace clearway

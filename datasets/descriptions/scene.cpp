@@ -1,0 +1,202 @@
+#include "datasets/descriptions/scene.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <stdexcept>
+
+#include "datasets/descriptions/probe_motion.hpp"
+#include "datasets/descriptions/scene_shape.hpp"
+#include "datasets/descriptions/setup_camera.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double default_start_time = 1577836800;  // 2020-01-01
+constexpr Bounds grey_levels{0, 255};
+
+/// A pose that looks from `eye` at `target`. `forward_axis` is the sensor's own axis that looks (0 = x with z
+/// up, 2 = z with y down).
+Eigen::Isometry3d read_look_at(const YamlFields& fields, int forward_axis) {
+  const Eigen::Vector3d eye = fields.vector("eye"), target = fields.vector("target");
+  const Eigen::Vector3d up = fields.has("up") ? fields.vector("up") : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d forward = (target - eye).normalized();
+  const Eigen::Vector3d right = forward.cross(up.normalized());
+  if (!(right.norm() > 1e-6)) fields.fail("target", "expected a point away from the eye, not along 'up'");
+  const Eigen::Vector3d right_unit = right.normalized(), down = forward.cross(right_unit);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = eye;
+  if (forward_axis == 2)
+    pose.linear() << right_unit, down, forward;
+  else
+    pose.linear() << forward, -right_unit, -down;
+  fields.finish();
+  return pose;
+}
+
+Eigen::Isometry3d read_view(const YamlFields& fields, const std::string& key, int forward_axis) {
+  if (fields.has("look_at") == fields.has_angles(key))
+    fields.fail("look_at", "expected either '" + key + "' or 'look_at: {eye, target}'");
+  return fields.has("look_at") ? read_look_at(fields.map("look_at"), forward_axis) : fields.pose(key);
+}
+
+SceneCamera read_scene_camera(const YamlFields& fields) {
+  SceneCamera camera;
+  camera.map_from_camera = read_view(fields, "map_from_camera", 2);
+  camera.rate_hz = fields.number("rate_hz", {0.1, 1000}, camera.rate_hz);
+  camera.noise_sigma = fields.number("noise_sigma", grey_levels, camera.noise_sigma);
+  camera.blur_px = fields.number("blur_px", {0, 20}, camera.blur_px);
+  camera.exposure = fields.number("exposure", {0, 1}, camera.exposure);
+  fields.finish();
+  return camera;
+}
+
+SceneDepth read_depth(const YamlFields& fields) {
+  SceneDepth depth;
+  depth.intrinsics = read_camera(fields.map("intrinsics"));
+  for (const auto& entry : fields.list_of_maps("poses")) {
+    depth.map_from_sensor.push_back(read_view(entry, "pose", 0));
+    entry.finish();
+  }
+  if (depth.map_from_sensor.empty()) fields.fail("poses", "expected at least one pose");
+  depth.noise_constant = fields.number("noise_constant", {0, 10}, depth.noise_constant);
+  depth.noise_quadratic = fields.number("noise_quadratic", {0, 10}, depth.noise_quadratic);
+  depth.dropout = fields.number("dropout", {0, 1}, depth.dropout);
+  depth.max_range = fields.number("max_range", positive, depth.max_range);
+  depth.unit = fields.number("unit", {1e-6, 1}, depth.unit);
+  if (depth.max_range > 65535 * depth.unit)
+    fields.fail("unit", "expected at least max_range / 65535, because ranges are stored in 16 bits");
+  fields.finish();
+  return depth;
+}
+
+SceneStroke read_stroke(const YamlFields& fields) {
+  SceneStroke stroke;
+  const Eigen::Matrix3d usual =
+      fields.has_angles("orientation") ? fields.rotation("orientation") : Eigen::Matrix3d::Identity();
+  for (const auto& entry : fields.list_of_maps("waypoints")) {
+    const Eigen::Vector3d ball = entry.vector("ball");
+    const Eigen::Matrix3d turn = entry.has_angles("orientation") ? entry.rotation("orientation") : usual;
+    if (!stroke.waypoints.empty() && (stroke.waypoints.back().ball - ball).norm() < 1e-6)
+      entry.fail("ball", "expected a point away from the waypoint before");
+    stroke.waypoints.push_back({ball, Eigen::Quaterniond(turn)});
+    entry.finish();
+  }
+  if (stroke.waypoints.size() < 2) fields.fail("waypoints", "expected at least two");
+  stroke.speed = fields.optional_number("speed", {1e-4, 100});
+  stroke.duration = fields.optional_number("duration", {1e-3, 3600});
+  if (stroke.speed.has_value() == stroke.duration.has_value())
+    fields.fail("speed", "expected either speed or duration");
+  stroke.wobble = fields.angle("wobble", 0);
+  stroke.wobble_hz = fields.number("wobble_hz", {0, 100}, stroke.wobble_hz);
+  fields.finish();
+  return stroke;
+}
+
+std::filesystem::path expanded(std::string path, const std::filesystem::path& folder) {
+  const std::string variable = "${MRPT_DATASETS}";
+  if (const auto at = path.find(variable); at != std::string::npos) {
+    const char* given = std::getenv("CLEARWAY_MRPT_DATASETS");
+    path.replace(at, variable.size(), given ? given : "/usr/share/mrpt/datasets");
+  }
+  return folder / path;  // an absolute path stays as it is
+}
+
+SceneInclude read_include(const YamlFields& fields, const std::filesystem::path& folder) {
+  SceneInclude include;
+  include.recording = expanded(fields.file("recording"), folder);
+  include.world_from_map = fields.pose("world_from_map", include.world_from_map);
+  include.sensors = fields.texts("sensors");
+  fields.finish();
+  return include;
+}
+
+/// A picture takes 13 bytes for a pixel and thread while it is drawn; the truth about it stays in memory.
+void require_size(const YamlFields& fields, const std::string& key, const CameraIntrinsics& camera) {
+  constexpr double most_pixels = 8e6;
+  if (static_cast<double>(camera.width) * camera.height > most_pixels)
+    fields.fail(key, "expected pictures of at most 8,000,000 pixels, got " + std::to_string(camera.width) +
+                         " x " + std::to_string(camera.height));
+}
+
+void check_sizes(const YamlFields& fields, const Scene& scene) {
+  constexpr size_t most_waypoints = 10'000;
+  constexpr double most_pictures = 1e5;
+  if (scene.depth) require_size(fields, "depth", scene.depth->intrinsics);
+  if (!scene.camera) return;
+  require_size(fields, "camera", *scene.setup.camera);
+  if (scene.stroke->waypoints.size() > most_waypoints)
+    fields.fail("stroke",
+                "expected at most 10,000 waypoints, got " + std::to_string(scene.stroke->waypoints.size()));
+  const double pictures = ProbeMotion(*scene.stroke, *scene.setup.probe).duration() * scene.camera->rate_hz;
+  if (!(pictures <= most_pictures))
+    fields.fail("stroke", "expected a stroke of at most 100,000 pictures at " +
+                              std::to_string(scene.camera->rate_hz) + " Hz, got " + std::to_string(pictures));
+}
+
+void check_parts_fit(const YamlFields& fields, const Scene& scene) {
+  if (scene.camera.has_value() != scene.stroke.has_value())
+    fields.fail("camera", "expected camera and stroke together, or neither");
+  if (scene.camera && !scene.setup.camera) fields.fail("setup", "expected a setup with a camera");
+  if (scene.camera && !scene.setup.probe) fields.fail("setup", "expected a setup with a probe");
+  if (scene.camera && scene.setup.board(scene.setup.probe->board)->map_from_board)
+    fields.fail("setup", "expected the probe's board to have no map_from_board");
+  std::set<std::string> names;
+  for (const auto& shape : scene.shapes)
+    if (!names.insert(shape.name).second)
+      fields.fail("shapes", "expected each name once, '" + shape.name + "' is given twice");
+}
+
+}  // namespace
+
+SceneShape read_scene_shape(const YamlFields& fields) {
+  SceneShape shape;
+  shape.name = fields.text("name");
+  const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("sphere");
+  if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder and sphere beside it");
+  if (fields.has("box")) {
+    shape.geometry = BoxShape{Eigen::Vector3d(fields.numbers("box", positive, 3).data())};
+  } else if (fields.has("cylinder")) {
+    const auto values = fields.numbers("cylinder", positive, 2);
+    shape.geometry = CylinderShape{values[0], values[1]};
+  } else {
+    shape.geometry = BallShape{fields.number("sphere", positive)};
+  }
+  shape.map_from_shape = fields.pose("pose", shape.map_from_shape);
+  shape.grey = fields.number("grey", grey_levels, shape.grey);
+  fields.finish();
+  return shape;
+}
+
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  const YamlFields fields(text, "scene " + quote_path(name));
+  Scene scene;
+  scene.name = name;
+  const auto setup_file = expanded(fields.file("setup"), folder);
+  const std::string kind = setup_file.extension();
+  if (kind != ".yaml" && kind != ".yml")
+    fields.fail("setup", "expected the name of a .yaml file, got " + quote(fields.file("setup")));
+  scene.setup_text = read_text(setup_file, "setup");
+  scene.setup = parse_setup(scene.setup_text, setup_file.string());
+  for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));
+  if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"));
+  if (fields.has("depth")) scene.depth = read_depth(fields.map("depth"));
+  if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));
+  for (const auto& entry : fields.list_of_maps("include"))
+    scene.includes.push_back(read_include(entry, folder));
+  scene.seed = fields.seed("seed", 1);
+  scene.start_time = fields.number("start_time", {0, 1e10}, default_start_time);
+  scene.background = fields.number("background", grey_levels, scene.background);
+  check_parts_fit(fields, scene);
+  check_sizes(fields, scene);
+  fields.finish();
+  return scene;
+}
+
+Scene load_scene(const std::filesystem::path& file) {
+  return parse_scene(read_text(file, "scene"), file.string(), file.parent_path());
+}
+
+}  // namespace clearway

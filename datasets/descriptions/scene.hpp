@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "datasets/descriptions/setup.hpp"
+
+namespace clearway {
+
+struct BoxShape {
+  Eigen::Vector3d size;  ///< m, centred on the shape's origin
+};
+struct CylinderShape {
+  double radius, length;  ///< m, along z, centred on the shape's origin
+};
+struct BallShape {
+  double radius;  ///< m
+};
+
+/// A solid thing of the scene.
+struct SceneShape {
+  std::string name;
+  std::variant<BoxShape, CylinderShape, BallShape> geometry;
+  Eigen::Isometry3d map_from_shape = Eigen::Isometry3d::Identity();
+  double grey = 160;  ///< 0 black to 255 white, before shading
+};
+
+/// The still camera that watches the boards; its intrinsics are the setup's.
+struct SceneCamera {
+  Eigen::Isometry3d map_from_camera = Eigen::Isometry3d::Identity();  ///< optical frame: z forward
+  double rate_hz = 15;
+  double noise_sigma = 2;  ///< grey levels
+  double blur_px = 0.6;    ///< sigma of the lens blur
+  double exposure = 0;     ///< s, the probe is smeared over that time
+};
+
+/// The depth camera: one image from each pose, of the shapes alone (not of boards and probe).
+struct SceneDepth {
+  CameraIntrinsics intrinsics;
+  std::vector<Eigen::Isometry3d> map_from_sensor;  ///< x forward, y left, z up
+  double noise_constant = 0, noise_quadratic = 0;  ///< sigma = constant + quadratic * range^2, m and 1/m
+  double dropout = 0;                              ///< share of pixels without a return
+  double max_range = 5;                            ///< m
+  double unit = 1e-3;                              ///< m per stored step
+};
+
+/// How the probe is moved: its ball runs through the waypoints at constant speed (centripetal Catmull-Rom
+/// curve), its board turns between theirs and wobbles about the ball like a hand.
+struct SceneStroke {
+  struct Waypoint {
+    Eigen::Vector3d ball;               ///< m, in the map frame
+    Eigen::Quaterniond map_from_probe;  ///< of the probe's board
+  };
+  std::vector<Waypoint> waypoints;
+  std::optional<double> speed, duration;  ///< m/s or s, exactly one of them
+  double wobble = 0;                      ///< rad, amplitude
+  double wobble_hz = 0.5;
+};
+
+/// Frames copied from another recording.
+struct SceneInclude {
+  std::filesystem::path recording;
+  Eigen::Isometry3d world_from_map = Eigen::Isometry3d::Identity();  ///< our map frame in its world
+  std::vector<std::string> sensors;  ///< labels or cloud kinds to copy; empty: every cloud
+};
+
+/// A world with exact truth, from which `simulate` makes a recording.
+struct Scene {
+  std::string name;
+  Setup setup;
+  std::string setup_text;  ///< stored in the recording, so that it explains itself
+  std::vector<SceneShape> shapes;
+  std::optional<SceneCamera> camera;
+  std::optional<SceneDepth> depth;
+  std::optional<SceneStroke> stroke;
+  std::vector<SceneInclude> includes;
+  uint64_t seed = 1;
+  double start_time = 0;   ///< s since 1970 of the first frame
+  double background = 40;  ///< grey where no ray meets anything
+};
+
+/// Reads a scene and the setup it names. See datasets/FORMATS.md for the file. `${MRPT_DATASETS}` in the path
+/// of an included recording is the environment's CLEARWAY_MRPT_DATASETS, or /usr/share/mrpt/datasets.
+/// @throws std::invalid_argument, one sentence naming file, line, key and what was expected.
+Scene load_scene(const std::filesystem::path& file);
+
+/// The same from text; `folder` is what relative paths start from.
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+
+}  // namespace clearway

@@ -1,0 +1,256 @@
+#include "datasets/descriptions/setup.hpp"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "datasets/descriptions/query_fields.hpp"
+#include "datasets/descriptions/setup_camera.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+MapSetup read_map(const YamlFields& fields) {
+  MapSetup map;
+  map.resolution = fields.optional_number("resolution", {1e-4, 100});
+  map.max_range = fields.optional_number("max_range", positive);
+  map.min_range = fields.optional_number("min_range", not_negative);
+  map.thin_to = fields.number("thin_to", not_negative, 0);
+  if (fields.has("outliers")) {
+    const YamlFields outliers = fields.map("outliers");
+    map.outliers.emplace();
+    map.outliers->neighbours = outliers.integer("neighbours", {1, 1000}, map.outliers->neighbours);
+    map.outliers->deviations = outliers.number("deviations", not_negative, map.outliers->deviations);
+    outliers.finish();
+  }
+  if (fields.has("discretize")) map.discretize = fields.boolean("discretize");
+  if (fields.has("integration")) {
+    map.integration = fields.text("integration");
+    if (map.integration != "safe" && map.integration != "compatible")
+      fields.fail("integration", "expected safe or compatible");
+  }
+  map.safe_band = fields.optional_number("safe_band", not_negative);
+  if (fields.has("crop")) {
+    const auto values = fields.numbers("crop", within_reach, 6);
+    map.crop.emplace(Eigen::Vector3d(values.data()), Eigen::Vector3d(values.data() + 3));
+    if ((map.crop->sizes().array() <= 0).any())
+      fields.fail("crop", "expected [xmin, ymin, zmin, xmax, ymax, zmax] with each min below its max");
+  }
+  // A scan takes some bytes for each voxel that its rays pass.
+  constexpr double most_voxels = 10'000;
+  if (map.resolution && map.max_range && *map.max_range / *map.resolution > most_voxels)
+    fields.fail("max_range", "expected at most 10,000 voxels of 'resolution', got " +
+                                 std::to_string(*map.max_range / *map.resolution));
+  fields.finish();
+  return map;
+}
+
+BoardSetup read_board(const YamlFields& fields) {
+  BoardSetup board;
+  board.name = fields.text("name");
+  for (const auto& entry : fields.list_of_maps("tags")) {
+    TagSetup tag;
+    tag.id = entry.integer("id", {0, 586});
+    tag.size = entry.number("size", positive);
+    tag.board_from_tag = entry.pose("pose", tag.board_from_tag);
+    entry.finish();
+    board.tags.push_back(tag);
+  }
+  if (board.tags.empty()) fields.fail("tags", "expected at least one tag");
+  if (fields.has_angles("map_from_board")) board.map_from_board = fields.pose("map_from_board");
+  fields.finish();
+  return board;
+}
+
+std::vector<BoardSetup> read_boards(const YamlFields& fields) {
+  std::vector<BoardSetup> boards;
+  std::set<std::string> names;
+  std::set<int> ids;
+  for (const auto& entry : fields.list_of_maps("boards")) {
+    boards.push_back(read_board(entry));
+    if (!names.insert(boards.back().name).second) entry.fail("name", "this board is given twice");
+    for (const auto& tag : boards.back().tags)
+      if (!ids.insert(tag.id).second)
+        entry.fail("tags", "tag " + std::to_string(tag.id) + " is used twice; expected each id once");
+  }
+  return boards;
+}
+
+SensorSetup read_sensor(const YamlFields& fields, const Setup& setup, const std::filesystem::path& folder) {
+  SensorSetup sensor;
+  sensor.name = fields.text("name");
+  sensor.mount = fields.pose("pose", sensor.mount);
+  if (fields.has("poses")) sensor.poses = folder / fields.file("poses");
+  sensor.board = fields.text("board", "");
+  if (!sensor.board.empty()) {
+    if (!setup.board(sensor.board))
+      fields.fail("board", "expected the name of one of the boards, got '" + sensor.board + "'");
+    if (setup.board(sensor.board)->map_from_board)
+      fields.fail("board", "expected a board that moves; give the sensor's fixed place as its pose");
+    if (!sensor.poses.empty()) fields.fail("poses", "expected either a board or a file of poses");
+  }
+  sensor.max_gap = fields.number("max_gap", positive, sensor.max_gap);
+  fields.finish();
+  return sensor;
+}
+
+std::vector<SensorSetup> read_sensors(const YamlFields& fields, const Setup& setup,
+                                      const std::filesystem::path& folder) {
+  std::vector<SensorSetup> sensors;
+  std::set<std::string> names;
+  for (const auto& entry : fields.list_of_maps("sensors")) {
+    sensors.push_back(read_sensor(entry, setup, folder));
+    if (!names.insert(sensors.back().name).second) entry.fail("name", "this sensor is given twice");
+  }
+  return sensors;
+}
+
+ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
+  ProbeSetup probe;
+  probe.board = fields.text("board");
+  if (!setup.board(probe.board))
+    fields.fail("board", "expected the name of one of the boards, got '" + probe.board + "'");
+  probe.ball_center = fields.vector("ball_center");
+  probe.ball_radius = fields.number("ball_radius", positive);
+  probe.robot_error = fields.number("robot_error", not_negative, 0);
+  probe.tracking_error = fields.number("tracking_error", not_negative, 0);
+  probe.modelling_error = fields.number("modelling_error", not_negative, 0);
+  for (const auto& entry : fields.list_of_maps("hand")) {
+    probe.hand.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", positive)});
+    entry.finish();
+  }
+  if (probe.painted_radius() <= 0)
+    fields.fail("ball_radius",
+                "expected more than the sum of robot_error, tracking_error and modelling_error");
+  fields.finish();
+  return probe;
+}
+
+std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
+  std::vector<VolumeSetup> volumes;
+  std::set<std::string> labels;
+  for (const auto& entry : fields.list_of_maps("volumes")) {
+    VolumeSetup volume;
+    volume.label = entry.text("label");
+    if (!labels.insert(volume.label).second) entry.fail("label", "this label is given twice");
+    volume.critical_parts = entry.texts("critical_parts");
+    volume.from = entry.number("from", not_negative, volume.from);
+    volume.to = entry.number("to", not_negative, volume.to);
+    if (volume.to <= volume.from) entry.fail("to", "expected a time after 'from'");
+    entry.finish();
+    volumes.push_back(volume);
+  }
+  if (volumes.size() > 15) fields.fail("volumes", "expected at most 15 of them");
+  if (volumes.empty()) volumes.push_back({.label = "free", .critical_parts = {}});
+  return volumes;
+}
+
+AcceptanceSetup read_acceptance(const YamlFields& fields) {
+  AcceptanceSetup acceptance;
+  acceptance.max_reprojection_px = fields.optional_number("max_reprojection_px", positive);
+  acceptance.min_ambiguity = fields.optional_number("min_ambiguity", not_negative);
+  if (fields.has("min_tags")) acceptance.min_tags = fields.integer("min_tags", {1, 100});
+  acceptance.max_speed = fields.optional_number("max_speed", positive);
+  acceptance.pixel_noise = fields.optional_number("pixel_noise", positive);
+  if (fields.has("fixed_camera")) acceptance.fixed_camera = fields.boolean("fixed_camera");
+  fields.finish();
+  return acceptance;
+}
+
+RobotSetup read_robot(const YamlFields& fields) {
+  RobotSetup robot;
+  robot.name = fields.file("name");
+  robot.map_from_base = fields.pose("base", robot.map_from_base);
+  robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  if (fields.has_angles("joints")) robot.joints = fields.angles("joints");
+  robot.payload = fields.number("payload", not_negative, robot.payload);
+  if (fields.has("gravity")) robot.gravity = fields.vector("gravity");
+  robot.self_margin = fields.number("self_margin", not_negative, robot.self_margin);
+  fields.finish();
+  return robot;
+}
+
+QuerySetup read_query(const YamlFields& fields) {
+  QuerySetup query;
+  query.name = fields.text("name");
+  read_legs(fields, query.start, query.goals);
+  for (std::size_t i = 0; i < query.goals.size(); ++i) {
+    const std::size_t size = query.goals[i].size();
+    if (size == query.start.size()) continue;
+    fields.fail("", "the start has " + std::to_string(query.start.size()) + " numbers and goals[" +
+                        std::to_string(i) + "] has " + std::to_string(size) +
+                        ", expected as many numbers in both, one for each joint of the robot");
+  }
+  query.planners = fields.texts("planners");
+  if (fields.has("policies")) query.policies = read_policies(fields.map("policies"));
+  if (fields.has("options")) query.options = read_options(fields.map("options"));
+  query.padding = read_padding(fields);
+  query.allow_outside = fields.texts("allow_outside");
+  query.seen_within = fields.number("seen_within", not_negative, 0);
+  fields.finish();
+  return query;
+}
+
+}  // namespace
+
+CameraIntrinsics read_camera(const YamlFields& fields) {
+  CameraIntrinsics camera;
+  camera.width = fields.integer("width", {1, 20000});
+  camera.height = fields.integer("height", {1, 20000});
+  camera.fx = fields.number("fx", positive);
+  camera.fy = fields.number("fy", positive);
+  camera.cx = fields.number("cx", within_reach);
+  camera.cy = fields.number("cy", within_reach);
+  if (fields.has("distortion")) {
+    const auto values = fields.numbers("distortion", within_reach, 5);
+    std::copy(values.begin(), values.end(), camera.distortion.begin());
+  }
+  fields.finish();
+  return camera;
+}
+
+const BoardSetup* Setup::board(const std::string& name) const {
+  const auto found =
+      std::find_if(boards.begin(), boards.end(), [&](const BoardSetup& board) { return board.name == name; });
+  return found == boards.end() ? nullptr : &*found;
+}
+
+const SensorSetup* Setup::sensor(const std::string& label, const std::string& kind) const {
+  for (const std::string& name : {label, kind}) {
+    for (const SensorSetup& sensor : sensors) {
+      if (sensor.name == name) return &sensor;
+    }
+  }
+  return nullptr;
+}
+
+Setup parse_setup(const std::string& text, const std::string& name) {
+  const YamlFields fields(text, "setup " + quote_path(name));
+  Setup setup;
+  setup.title = fields.prose("title", "");
+  if (fields.has("map")) setup.map = read_map(fields.map("map"));
+  if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
+  setup.boards = read_boards(fields);
+  setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());
+  if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
+  setup.volumes = read_volumes(fields);
+  if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
+  if (fields.has("robot")) setup.robot = read_robot(fields.map("robot"));
+  for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
+  fields.finish();
+  return setup;
+}
+
+std::string read_text(const std::filesystem::path& file, const std::string& what) {
+  return read_input(file, what, 4U << 20U);
+}
+
+Setup load_setup(const std::filesystem::path& file) {
+  return parse_setup(read_text(file, "setup"), file.string());
+}
+
+}  // namespace clearway

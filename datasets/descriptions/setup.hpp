@@ -1,0 +1,152 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/sources/recording.hpp"
+
+namespace clearway {
+
+/// Statistical outlier removal: points whose mean distance to their neighbours is that many standard
+/// deviations above the scan's mean.
+struct OutlierSetup {
+  int neighbours = 20;
+  double deviations = 2.0;
+};
+
+/// How sensors and painting become voxels. What is left out is the mapping's own default.
+struct MapSetup {
+  std::optional<double> resolution;            ///< m, edge of a voxel
+  std::optional<double> min_range, max_range;  ///< m, returns outside are dropped
+  std::optional<Eigen::AlignedBox3d> crop;     ///< in the map frame; nothing outside is mapped
+  double thin_to = 0;                          ///< m, one point per cube of this side; 0 = keep all
+  std::optional<OutlierSetup> outliers;        ///< left out: all points count
+  std::optional<bool> discretize;              ///< one ray per end voxel: faster, same end voxels
+  std::optional<std::string> integration;      ///< "safe" or "compatible": what a scan frees
+  std::optional<double> safe_band;  ///< m, around a scan's hits, which safe integration does not free
+};
+
+/// A tag36h11 tag. Its frame: origin in the middle of the tag, x right and y up as one faces it, z out of the
+/// tag towards the viewer.
+struct TagSetup {
+  int id = 0;
+  double size = 0;  ///< m, outer edge of the black border (8 cells)
+  Eigen::Isometry3d board_from_tag = Eigen::Isometry3d::Identity();
+};
+
+/// Tags that move as one rigid body. A board with `map_from_board` is fixed and anchors the map frame.
+struct BoardSetup {
+  std::string name;
+  std::vector<TagSetup> tags;
+  std::optional<Eigen::Isometry3d> map_from_board;
+};
+
+/// A capsule on a board: radius around the segment from `from` to `to`, metres, in the board's frame.
+struct CapsuleSetup {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  double radius = 0;
+};
+
+/// Where the scans of one sensor come from, when it is not where the recording says. One of three: fixed in
+/// the map (`mount` = map_from_sensor); on a body whose poses a file gives (`mount` = body_from_sensor); or
+/// on a board that the camera tracks (`mount` = board_from_sensor).
+struct SensorSetup {
+  std::string name;             ///< label of the sensor in the recording, or a kind of cloud
+  std::filesystem::path poses;  ///< TUM format, map_from_body; empty: no file
+  std::string board;            ///< empty: no board
+  Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
+  double max_gap = 0.5;  ///< s between the two poses around a scan, at most
+};
+
+/// The probe: a ball on a stick on a board.
+struct ProbeSetup {
+  std::string board;
+  Eigen::Vector3d ball_center = Eigen::Vector3d::Zero();            ///< m, in the board's frame
+  double ball_radius = 0;                                           ///< m
+  double robot_error = 0, tracking_error = 0, modelling_error = 0;  ///< m
+  std::vector<CapsuleSetup> hand;  ///< what holds it; scans must not see it, nor the ball and its stick
+
+  /// Radius that is painted, eq. 3: r0 = r - (robot + tracking + modelling error).
+  double painted_radius() const { return ball_radius - robot_error - tracking_error - modelling_error; }
+};
+
+/// A painted volume (CFV) and when in the recording it was painted.
+struct VolumeSetup {
+  std::string label;
+  std::vector<std::string> critical_parts;  ///< empty: the robot's own choice
+  double from = 0;                          ///< s after the first frame
+  double to = std::numeric_limits<double>::infinity();
+};
+
+/// When a tracked sample is good enough to paint with. What is left out is the tracking's own default.
+struct AcceptanceSetup {
+  std::optional<double> max_reprojection_px;
+  std::optional<double> min_ambiguity;  ///< error of the second pose over that of the first
+  std::optional<int> min_tags;
+  std::optional<double> max_speed;    ///< m/s of the ball
+  std::optional<double> pixel_noise;  ///< standard deviation of a tag corner, px
+  bool fixed_camera = false;          ///< camera and base board stand still: the board's pose is averaged
+};
+
+struct RobotSetup {
+  std::string name;  ///< in datasets/robots, or a URDF path
+  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  std::optional<double> scale;
+  std::vector<double> joints;  ///< where it stands while scans are taken; empty: it is not in their way
+  double payload = 0;          ///< kg at the tip, full size, for the path cost
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
+  double self_margin = 0.02;                 ///< m, points this near to its bodies are its own
+};
+
+/// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.
+struct QuerySetup {
+  std::string name;
+  std::vector<double> start;
+  std::vector<std::vector<double>> goals;
+  std::vector<std::string> planners;            ///< empty: the command's default
+  std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
+  std::map<std::string, std::string> options;   ///< "key" for each planner, "planner.key" for one
+  std::optional<double> padding;                ///< m, distance that every body keeps; none: `auto`
+  std::vector<std::string> allow_outside;       ///< parts that may leave the map's bounds, or "all"
+  double seen_within = 0;                       ///< s, how long a look counts under known_free; 0: ever
+};
+
+/// Everything about a teaching session that is not in the sensors' data. See datasets/FORMATS.md for the
+/// file.
+struct Setup {
+  std::string title;  ///< shown on the report page
+  MapSetup map;
+  std::optional<CameraIntrinsics> camera;  ///< overrides the recording's
+  std::vector<BoardSetup> boards;
+  std::vector<SensorSetup> sensors;  ///< those that are not where the recording says
+  std::optional<ProbeSetup> probe;
+  std::vector<VolumeSetup> volumes;  ///< never empty: by default one, "free", over everything
+  AcceptanceSetup acceptance;
+  std::optional<RobotSetup> robot;
+  std::vector<QuerySetup> queries;
+
+  /// The board of that name; null when there is none.
+  const BoardSetup* board(const std::string& name) const;
+  /// The sensor of that label, else of that kind; null: where the recording says.
+  const SensorSetup* sensor(const std::string& label, const std::string& kind) const;
+};
+
+/// Reads a setup from YAML text; `name` is what errors call it. @throws std::invalid_argument, one sentence
+/// naming the file, the line, the key and what was expected: unknown keys (with the nearest known one),
+/// numbers that are not finite or out of range, tag ids used twice, a probe or sensor without its board.
+/// Files that it names are relative to the folder of `name`.
+Setup parse_setup(const std::string& text, const std::string& name);
+
+/// The same from a file. @throws std::invalid_argument also when it cannot be read.
+Setup load_setup(const std::filesystem::path& file);
+
+/// A whole text file. @throws std::invalid_argument, saying `what` it should have been, when it cannot be
+/// read or is larger than 4 MB.
+std::string read_text(const std::filesystem::path& file, const std::string& what);
+
+}  // namespace clearway

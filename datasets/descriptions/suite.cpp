@@ -1,0 +1,185 @@
+#include "datasets/descriptions/suite.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "datasets/descriptions/query_fields.hpp"
+#include "datasets/descriptions/scene_shape.hpp"
+#include "datasets/descriptions/suite_limits.hpp"
+#include "datasets/descriptions/suite_strokes.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr Bounds resolutions{1e-4, 100};
+
+SuiteVolume read_volume(const YamlFields& fields) {
+  SuiteVolume volume;
+  volume.label = fields.text("label");
+  volume.critical_parts = fields.texts("critical_parts");
+  for (const auto& entry : fields.list_of_maps("strokes")) volume.strokes.push_back(read_suite_stroke(entry));
+  if (volume.strokes.empty()) fields.fail("strokes", "expected at least one stroke");
+  fields.finish();
+  return volume;
+}
+
+void read_made_world(const YamlFields& fields, SuiteWorld& world) {
+  world.resolution = fields.number("resolution", resolutions, world.resolution);
+  std::set<std::string> names, labels;
+  for (const auto& entry : fields.list_of_maps("solids")) {
+    world.solids.push_back(read_scene_shape(entry));
+    take_name(names, world.solids.back().name, entry, "name");
+  }
+  if (fields.has("sensors"))
+    for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
+      world.sensors.emplace_back(at.data());
+  world.sensor_range = fields.number("sensor_range", positive, world.sensor_range);
+  for (const auto& entry : fields.list_of_maps("volumes")) {
+    world.volumes.push_back(read_volume(entry));
+    take_name(labels, world.volumes.back().label, entry, "label");
+  }
+  if (world.volumes.size() > 15) fields.fail("volumes", "expected at most 15 of them");
+  if (fields.has("pockets")) world.pockets = read_balls(fields, "pockets");
+  if (!world.solids.empty() && world.sensors.empty())
+    fields.fail("sensors", "expected at least one sensor that looks at the solids");
+  if (world.sensors.empty() && world.volumes.empty())
+    fields.fail("volumes", "expected a map, or sensors or volumes to make one of");
+}
+
+SuiteWorld read_world(const YamlFields& fields, const std::filesystem::path& folder) {
+  SuiteWorld world;
+  world.name = fields.text("name");
+  if (fields.has("map"))
+    world.map = folder / fields.file("map");
+  else
+    read_made_world(fields, world);
+  fields.finish();
+  require_size(fields, world);
+  return world;
+}
+
+std::vector<SuiteProblem> read_problems(const YamlFields& fields) {
+  std::vector<SuiteProblem> problems;
+  std::set<std::string> names;
+  for (const auto& entry : fields.list_of_maps("problems")) {
+    SuiteProblem& problem = problems.emplace_back();
+    problem.name = entry.text("name");
+    take_name(names, problem.name, entry, "name");
+    read_legs(entry, problem.start, problem.goals);
+    entry.finish();
+  }
+  if (problems.empty()) fields.fail("problems", "expected at least one problem");
+  return problems;
+}
+
+SuiteGenerator read_generator(const YamlFields& fields) {
+  SuiteGenerator generator;
+  generator.kind = fields.text("kind");
+  generator.count = fields.integer("count", {1, 100000});
+  generator.seed = fields.seed("seed", 1);
+  // Scenes are as large as the arm that they are for, a metre or so.
+  generator.resolution = fields.number("resolution", {0.002, 100}, generator.resolution);
+  fields.finish();
+  return generator;
+}
+
+std::vector<SuitePlanner> read_planners(const YamlFields& fields) {
+  std::vector<SuitePlanner> planners;
+  std::set<std::string> labels;
+  for (const auto& entry : fields.list_of_maps("planners")) {
+    SuitePlanner& planner = planners.emplace_back();
+    planner.planner = entry.text("planner");
+    planner.label = entry.text("label", planner.planner);
+    take_name(labels, planner.label, entry, entry.has("label") ? "label" : "planner");
+    if (entry.has("options")) planner.options = read_options(entry.map("options"));
+    entry.finish();
+  }
+  return planners;
+}
+
+void require_world(const YamlFields& fields, const Suite& suite, const std::string& name) {
+  std::string names;
+  for (const SuiteWorld& world : suite.worlds) {
+    if (world.name == name) return;
+    if (names.size() > 200 && !names.ends_with("…")) names += ", …";
+    if (!names.ends_with("…")) names += (names.empty() ? "" : ", ") + world.name;
+  }
+  if (names.empty()) fields.fail("world", "got '" + name + "', but the suite has no 'worlds'");
+  fields.fail("world", "expected the name of one of the suite's worlds (" + names + "), got '" + name + "'");
+}
+
+/// The world and the problems in it, or the generator of both.
+void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& experiment) {
+  if (fields.has("generate") + fields.has("problems") + fields.has("teams") != 1)
+    fields.fail("problems", "expected one of: 'world' and 'problems'; 'generate'; 'teams'");
+  if (fields.has("generate")) experiment.generate = read_generator(fields.map("generate"));
+  const bool is_team =
+      fields.has("teams") || (experiment.generate && experiment.generate->kind == "crossings");
+  if (is_team) experiment.teams = read_suite_teams(fields);
+  if (!is_team) experiment.robot = fields.file("robot");
+  if (experiment.generate || (is_team && !fields.has("world"))) return;
+  experiment.world = fields.text("world");
+  require_world(fields, suite, experiment.world);
+  if (!is_team) experiment.problems = read_problems(fields);
+}
+
+SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
+                                const std::vector<SuitePlanner>& usual) {
+  SuiteExperiment experiment;
+  experiment.name = fields.text("name");
+  experiment.title = fields.prose("title", experiment.name);
+  experiment.paper = fields.prose("paper", "");
+  experiment.notes = fields.prose("notes", "");
+  experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
+  experiment.payload = fields.number("payload", not_negative, experiment.payload);
+  if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
+  read_tasks(fields, suite, experiment);
+  for (const char* key : {"scale", "payload"})
+    if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
+  if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
+  experiment.padding = read_padding(fields);
+  experiment.planners = fields.has("planners") ? read_planners(fields) : usual;
+  if (experiment.planners.empty()) fields.fail("planners", "expected at least one planner");
+  experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);
+  experiment.time_limit = fields.optional_number("time_limit", positive);
+  experiment.plots = fields.texts("plots");
+  for (const char* key : {"padding", "runs"})
+    if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
+  fields.finish();
+  require_size(fields, experiment);
+  return experiment;
+}
+
+}  // namespace
+
+Suite parse_suite(const std::string& text, const std::string& name) {
+  const YamlFields fields(text, "suite " + quote_path(name));
+  const std::filesystem::path file = name;
+  Suite suite;
+  suite.name = fields.text("name", file.stem().string());
+  suite.title = fields.prose("title", suite.name);
+  suite.seed = fields.seed("seed", 1);
+  suite.time_limit = fields.number("time_limit", positive, suite.time_limit);
+  std::set<std::string> worlds, experiments;
+  for (const auto& entry : fields.list_of_maps("worlds")) {
+    suite.worlds.push_back(read_world(entry, file.parent_path()));
+    take_name(worlds, suite.worlds.back().name, entry, "name");
+  }
+  const auto usual = read_planners(fields);
+  for (const auto& entry : fields.list_of_maps("experiments")) {
+    suite.experiments.push_back(read_experiment(entry, suite, usual));
+    take_name(experiments, suite.experiments.back().name, entry, "name");
+  }
+  if (suite.experiments.empty()) fields.fail("experiments", "expected at least one experiment");
+  fields.finish();
+  return suite;
+}
+
+Suite load_suite(const std::filesystem::path& file) {
+  return parse_suite(read_text(file, "suite"), file.string());
+}
+
+}  // namespace clearway

@@ -1,0 +1,312 @@
+#include "datasets/descriptions/yaml_fields.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+
+#include "datasets/descriptions/yaml_gate.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+/// Whole numbers are told digit by digit, never as 1e+06.
+std::string shown_number(double value) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  if (value == std::round(value) && std::abs(value) < 1e15) out << std::fixed << std::setprecision(0);
+  out << value;
+  return out.str();
+}
+
+std::string shown_node(const YAML::Node& node) {
+  if (node.IsScalar()) return quote(node.Scalar());
+  return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
+}
+
+std::string expectation(Bounds bounds, const std::string& kind = "number") {
+  if (std::isinf(bounds.low) && std::isinf(bounds.high)) return "a finite " + kind;
+  const std::string high = shown_number(bounds.high);
+  if (bounds.low == tiny) return "a positive " + kind + " up to " + high;
+  return "a " + kind + " from " + shown_number(bounds.low) + " to " + high;
+}
+
+/// A finite number that is the whole text of a scalar.
+std::optional<double> parsed_number(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  const std::string& text = node.Scalar();
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  double value = 0;
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+  const bool good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+  return good ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+std::string nearest_word(const std::string& word, const std::set<std::string>& known) {
+  constexpr size_t longest = 100;
+  if (word.size() > longest) return "";
+  std::string nearest;
+  size_t smallest = std::max<size_t>(2, word.size() / 2) + 1;
+  for (const auto& candidate : known) {
+    std::vector<size_t> row(candidate.size() + 1);
+    for (size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= word.size(); ++i) {
+      size_t diagonal = std::exchange(row[0], i);
+      for (size_t j = 1; j < row.size(); ++j) {
+        const size_t changed = diagonal + (word[i - 1] != candidate[j - 1]);
+        diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, changed}));
+      }
+    }
+    if (row.back() < smallest) {
+      smallest = row.back();
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+YamlFields::YamlFields(const std::string& text, const std::string& name) : name_(name) {
+  require_yaml(text, name);
+  try {
+    node_ = std::make_shared<YAML::Node>(YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    throw std::invalid_argument(name + ", line " + std::to_string(error.mark.line + 1) + ": not valid YAML.");
+  }
+  check_map();
+}
+
+YamlFields::YamlFields(const YAML::Node& node, const std::string& name, const std::string& path)
+    : node_(std::make_shared<YAML::Node>(node)), name_(name), path_(path) {
+  check_map();
+}
+
+void YamlFields::check_map() const {
+  if (node_->IsNull()) return;
+  // Of a file that is none of ours, such as one that a scene names by mistake, nothing is shown.
+  const bool is_file = path_.empty();
+  if (!node_->IsMap())
+    fail("", "expected a map of keys and values" + (is_file ? "" : ", got " + shown_node(*node_)));
+  std::set<std::string> seen;
+  for (const auto& entry : *node_) {
+    if (!entry.first.IsScalar()) fail("", "expected plain words as keys");
+    if (!seen.insert(entry.first.Scalar()).second) fail(entry.first.Scalar(), "this key is given twice");
+  }
+}
+
+void YamlFields::fail(const std::string& key, const std::string& what) const {
+  YAML::Mark mark = node_->Mark();
+  if (node_->IsMap() && !key.empty())
+    for (const auto& entry : *node_)
+      if (entry.first.IsScalar() && entry.first.Scalar() == key) mark = entry.second.Mark();
+  const std::string line = mark.is_null() ? "" : ", line " + std::to_string(mark.line + 1);
+  const std::string plain_key = key.empty() ? "" : shortened(key);
+  const std::string where = path_ + (path_.empty() || key.empty() ? "" : ".") + plain_key;
+  throw std::invalid_argument(name_ + line + (where.empty() ? "" : ", " + where) + ": " + what + ".");
+}
+
+YAML::Node YamlFields::find(const std::string& key) const {
+  asked_.insert(key);
+  if (node_->IsMap())
+    for (const auto& entry : *node_)
+      if (entry.first.Scalar() == key) return entry.second;
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+YAML::Node YamlFields::required(const std::string& key) const {
+  YAML::Node node = find(key);
+  if (!node.IsDefined() || node.IsNull()) fail(key, "this key is missing");
+  return node;
+}
+
+bool YamlFields::has(const std::string& key) const {
+  const YAML::Node node = find(key);
+  return node.IsDefined() && !node.IsNull();
+}
+
+double YamlFields::number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const {
+  const std::optional<double> value = parsed_number(node);
+  if (!value || *value < bounds.low || *value > bounds.high)
+    fail(key, "expected " + expectation(bounds) + ", got " + shown_node(node));
+  return *value;
+}
+
+double YamlFields::number(const std::string& key, Bounds bounds) const {
+  return number_of(required(key), key, bounds);
+}
+
+double YamlFields::number(const std::string& key, Bounds bounds, double otherwise) const {
+  return has(key) ? number(key, bounds) : otherwise;
+}
+
+std::optional<double> YamlFields::optional_number(const std::string& key, Bounds bounds) const {
+  if (!has(key)) return std::nullopt;
+  return number(key, bounds);
+}
+
+int YamlFields::integer(const std::string& key, Bounds bounds) const {
+  const YAML::Node node = required(key);
+  const std::optional<double> value = parsed_number(node);
+  if (!value || *value != std::round(*value) || *value < bounds.low || *value > bounds.high)
+    fail(key, "expected " + expectation(bounds, "whole number") + ", got " + shown_node(node));
+  return static_cast<int>(*value);
+}
+
+int YamlFields::integer(const std::string& key, Bounds bounds, int otherwise) const {
+  return has(key) ? integer(key, bounds) : otherwise;
+}
+
+std::uint64_t YamlFields::seed(const std::string& key, std::uint64_t otherwise) const {
+  if (!has(key)) return otherwise;
+  const YAML::Node node = find(key);
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size())
+    fail(key, "expected a whole number from 0 to 18446744073709551615, got " + shown_node(node));
+  return value;
+}
+
+bool YamlFields::boolean(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (node.IsScalar() && node.Scalar() == "true") return true;
+  if (node.IsScalar() && node.Scalar() == "false") return false;
+  fail(key, "expected true or false, got " + shown_node(node));
+}
+
+std::string YamlFields::text(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsScalar() || node.Scalar().empty())
+    fail(key, "expected a word or text, got " + shown_node(node));
+  return checked_text(node.Scalar(), key, 80);
+}
+
+std::string YamlFields::checked_text(const std::string& text, const std::string& key, size_t longest) const {
+  if (text.size() > longest)
+    fail(key, "expected at most " + std::to_string(longest) + " characters, got " + quote(text));
+  if (plain(text) != text) fail(key, "expected no control characters, got " + quote(text));
+  return text;
+}
+
+std::string YamlFields::file(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsScalar() || node.Scalar().empty()) fail(key, "expected a file, got " + shown_node(node));
+  return checked_text(node.Scalar(), key, 255);
+}
+
+std::string YamlFields::prose(const std::string& key, const std::string& otherwise) const {
+  if (!has(key)) return otherwise;
+  const YAML::Node node = required(key);
+  if (!node.IsScalar()) fail(key, "expected a text, got " + shown_node(node));
+  std::string words = node.Scalar();
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  std::replace(words.begin(), words.end(), '\t', ' ');
+  checked_text(words, key, 10'000);
+  return node.Scalar();
+}
+
+std::string YamlFields::text(const std::string& key, const std::string& otherwise) const {
+  return has(key) ? text(key) : otherwise;
+}
+
+std::string YamlFields::text_or_numbers(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence()) return text(key);
+  std::string result;
+  for (const auto& item : node) {
+    number_of(item, key, {});
+    result += (result.empty() ? "" : ", ") + item.Scalar();
+  }
+  if (result.empty()) fail(key, "expected a word, a number or a list of numbers, got an empty list");
+  return result;
+}
+
+std::vector<std::string> YamlFields::texts(const std::string& key) const {
+  std::vector<std::string> result;
+  if (!has(key)) return result;
+  const YAML::Node node = find(key);
+  if (!node.IsSequence()) fail(key, "expected a list of words, got " + shown_node(node));
+  for (const auto& item : node) {
+    if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown_node(item) + " in it");
+    result.push_back(checked_text(item.Scalar(), key, 80));
+  }
+  return result;
+}
+
+std::vector<double> YamlFields::numbers_of(const YAML::Node& node, const std::string& key,
+                                           Bounds bounds) const {
+  if (!node.IsSequence()) fail(key, "expected a list of numbers, got " + shown_node(node));
+  std::vector<double> result;
+  for (const auto& item : node) result.push_back(number_of(item, key, bounds));
+  return result;
+}
+
+std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds) const {
+  return numbers_of(required(key), key, bounds);
+}
+
+std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds, size_t size) const {
+  auto result = numbers(key, bounds);
+  if (result.size() != size)
+    fail(key, "expected " + std::to_string(size) + " numbers, got " + std::to_string(result.size()));
+  return result;
+}
+
+std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string& key, Bounds bounds,
+                                                              size_t size) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence()) fail(key, "expected a list of lists of numbers, got " + shown_node(node));
+  std::vector<std::vector<double>> result;
+  for (const auto& item : node) {
+    result.push_back(numbers_of(item, key, bounds));
+    if (result.back().size() != size)
+      fail(key, "expected " + std::to_string(size) + " numbers in each of its lists, got " +
+                    std::to_string(result.back().size()));
+  }
+  return result;
+}
+
+Eigen::Vector3d YamlFields::vector(const std::string& key) const {
+  return Eigen::Vector3d(numbers(key, within_reach, 3).data());
+}
+
+YamlFields YamlFields::map(const std::string& key) const {
+  return YamlFields(required(key), name_, path_ + (path_.empty() ? "" : ".") + key);
+}
+
+std::vector<YamlFields> YamlFields::list_of_maps(const std::string& key) const {
+  std::vector<YamlFields> result;
+  if (!has(key)) return result;
+  const YAML::Node node = find(key);
+  if (!node.IsSequence()) fail(key, "expected a list, got " + shown_node(node));
+  const std::string path = path_ + (path_.empty() ? "" : ".") + key;
+  for (const auto& item : node)
+    result.push_back(YamlFields(item, name_, path + "[" + std::to_string(result.size()) + "]"));
+  return result;
+}
+
+std::vector<std::string> YamlFields::keys() const {
+  std::vector<std::string> result;
+  if (node_->IsMap())
+    for (const auto& entry : *node_) result.push_back(entry.first.Scalar());
+  asked_.insert(result.begin(), result.end());
+  return result;
+}
+
+void YamlFields::finish() const {
+  if (!node_->IsMap()) return;
+  for (const auto& entry : *node_) {
+    const std::string key = entry.first.Scalar();
+    if (asked_.contains(key)) continue;
+    const std::string nearest = nearest_word(key, asked_);
+    fail(key, "unknown key" + (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
+  }
+}
+
+}  // namespace clearway

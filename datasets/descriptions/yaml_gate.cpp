@@ -1,0 +1,110 @@
+#include "datasets/descriptions/yaml_gate.hpp"
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace clearway {
+namespace {
+
+constexpr size_t deepest = 32, most_nodes = 250'000;
+
+[[noreturn]] void refuse(const std::string& name, const YAML::Mark& mark, const std::string& what) {
+  throw std::invalid_argument(name + ", line " + std::to_string(mark.line + 1) + ", column " +
+                              std::to_string(mark.column + 1) + ": " + what + ".");
+}
+
+/// Counts what a document would become, before it becomes anything.
+class Counter : public YAML::EventHandler {
+ public:
+  explicit Counter(const std::string& name) : name_(name) {}
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { leaf(mark, anchor); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                const std::string&) override {
+    leaf(mark, anchor);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto found = sizes_.find(anchor);
+    if (found == sizes_.end()) refuse(name_, mark, "expected an alias of what is complete before it");
+    add(mark, found->second);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    begin(mark, anchor);
+  }
+  void OnSequenceEnd() override { end(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    begin(mark, anchor);
+  }
+  void OnMapEnd() override { end(); }
+
+ private:
+  void add(const YAML::Mark& mark, size_t nodes) {
+    nodes_ += nodes;
+    if (nodes_ > most_nodes)
+      refuse(name_, mark, "expected at most 250,000 words, lists and maps, repeated ones included");
+  }
+  void leaf(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    add(mark, 1);
+    if (anchor != 0) sizes_[anchor] = 1;
+  }
+  void begin(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    if (open_.size() >= deepest) refuse(name_, mark, "expected at most 32 lists and maps inside each other");
+    open_.emplace_back(anchor, nodes_);
+    add(mark, 1);
+  }
+  void end() {
+    const auto [anchor, before] = open_.back();
+    open_.pop_back();
+    if (anchor != 0) sizes_[anchor] = nodes_ - before;
+  }
+
+  const std::string& name_;
+  size_t nodes_ = 0;
+  std::vector<std::pair<YAML::anchor_t, size_t>> open_;
+  std::map<YAML::anchor_t, size_t> sizes_;  ///< of what is complete
+};
+
+/// yaml-cpp's words for the common mistakes, and ours.
+constexpr std::array<std::pair<std::string_view, const char*>, 9> mistakes = {
+    {{"end of map not found", "expected the next key of the same map, as far to the right as the one before"},
+     {"end of map flow not found", "expected ',' or '}'"},
+     {"end of sequence not found", "expected the next '-' of the same list"},
+     {"end of sequence flow not found", "expected ',' or ']'"},
+     {"illegal map value", "expected no second ': ' in a value without quotes"},
+     {"illegal block entry", "expected no list here: '-' begins one on a line of its own"},
+     {"illegal flow end", "expected no ']' or '}' here"},
+     {"the referenced anchor is not defined", "expected an alias of what is named before it"},
+     {"block entry", "expected a value before the next '-'"}}};
+
+std::string expected(const std::string& message) {
+  for (const auto& [theirs, ours] : mistakes)
+    if (std::string_view(message).starts_with(theirs)) return std::string("not valid YAML, ") + ours;
+  return "not valid YAML, expected keys and values, lists or texts";
+}
+
+}  // namespace
+
+void require_yaml(const std::string& text, const std::string& name) {
+  std::istringstream stream(text);
+  Counter counter(name);
+  try {
+    YAML::Parser parser(stream);
+    parser.HandleNextDocument(counter);
+  } catch (const YAML::Exception& error) {
+    refuse(name, error.mark, expected(error.msg));
+  }
+}
+
+}  // namespace clearway

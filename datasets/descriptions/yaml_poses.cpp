@@ -1,0 +1,78 @@
+#include <yaml-cpp/yaml.h>
+
+#include <numbers>
+
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+std::string shown_node(const YAML::Node& node) { return node.IsScalar() ? quote(node.Scalar()) : "a map"; }
+
+}  // namespace
+
+Eigen::Matrix3d rotation_from_rpy(double roll, double pitch, double yaw) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+std::string YamlFields::degrees_key(const std::string& key) const {
+  const bool radians = has(key), degrees = has(key + "_deg");
+  if (radians && degrees) fail(key, "given in radians and, as " + key + "_deg, in degrees; expected one");
+  return degrees ? key + "_deg" : key;
+}
+
+bool YamlFields::has_angles(const std::string& key) const { return has(degrees_key(key)); }
+
+std::vector<double> YamlFields::angles(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  auto result = numbers(given, within_reach);
+  if (given != key)
+    for (double& value : result) value *= degree;
+  return result;
+}
+
+std::vector<std::vector<double>> YamlFields::lists_of_angles(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  const YAML::Node node = required(given);
+  if (!node.IsSequence()) fail(given, "expected a list of lists of numbers, got " + shown_node(node));
+  std::vector<std::vector<double>> result;
+  for (const auto& item : node) {
+    result.push_back(numbers_of(item, given, within_reach));
+    if (given != key)
+      for (double& value : result.back()) value *= degree;
+  }
+  return result;
+}
+
+double YamlFields::angle(const std::string& key, double otherwise) const {
+  const std::string given = degrees_key(key);
+  return has(given) ? number(given, within_reach) * (given != key ? degree : 1) : otherwise;
+}
+
+Eigen::Isometry3d YamlFields::pose(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  const auto values = numbers(given, within_reach, 6);
+  const double unit = given != key ? degree : 1;
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.translation() = Eigen::Vector3d(values.data());
+  result.linear() = rotation_from_rpy(values[3] * unit, values[4] * unit, values[5] * unit);
+  return result;
+}
+
+Eigen::Isometry3d YamlFields::pose(const std::string& key, const Eigen::Isometry3d& otherwise) const {
+  return has_angles(key) ? pose(key) : otherwise;
+}
+
+Eigen::Matrix3d YamlFields::rotation(const std::string& key) const {
+  const auto values = angles(key);
+  if (values.size() != 3) fail(key, "expected [roll, pitch, yaw]");
+  return rotation_from_rpy(values[0], values[1], values[2]);
+}
+
+}  // namespace clearway

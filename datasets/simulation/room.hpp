@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "datasets/descriptions/scene.hpp"
+#include "datasets/simulation/noisy_depth.hpp"
+#include "datasets/simulation/surface.hpp"
+#include "datasets/sources/recording.hpp"
+
+namespace clearway {
+
+/// What else a frame's pose and pixels get wrong. Separate from the range noise of FurnishedRoom's own.
+struct RoomErrors {
+  DepthNoise depth = DepthNoise::structured_light();
+  double pose_shift = 0.0;  ///< sigma an axis of the error of each frame's stated position, metres
+  double pose_turn = 0.0;   ///< sigma an axis of the error of its stated direction, radians
+};
+
+/// A furnished room of 5 x 4 x 2.6 m, seen by a depth camera that walks round it: generated frames with exact
+/// truth, for benchmarks and evaluations. Map frame: z up, floor at z = 0, origin in the middle of the floor.
+class FurnishedRoom {
+ public:
+  /// @param frames poses on the walk (one full round). @param seed of the noise.
+  /// @param noise scales the noise of the range, 1 is a structured-light camera's
+  ///        (sigma = 1.2 mm + 1.9 mm/m^2 * range^2; Nguyen et al. 2012), 0 none.
+  FurnishedRoom(std::size_t frames, std::uint64_t seed, double noise);
+  /// The same walk with a camera's other errors as well.
+  FurnishedRoom(std::size_t frames, std::uint64_t seed, const RoomErrors& errors);
+
+  std::size_t frames() const { return scene_.depth->map_from_sensor.size(); }
+  const SceneDepth& camera() const { return *scene_.depth; }
+
+  /// Frame `index`: 640 x 480 pixels less those without return, sensor frame (x forward, y left, z up).
+  /// Its pose is the stated one, wrong by the pose errors asked for.
+  CloudFrame frame(std::size_t index) const;
+
+  /// The pose that frame `index` comes with: the camera's own, wrong by the pose errors asked for.
+  Eigen::Isometry3d stated_pose(std::size_t index) const;
+
+  /// Where the ray of frame `index` through `direction` (sensor frame, unit length) truly meets something:
+  /// the range, infinite for nowhere, and the normal in the map frame. From the true pose.
+  Hit truth(std::size_t index, const Eigen::Vector3d& direction) const;
+
+  /// Distance from a point to the nearest wall or thing, metres; negative inside of one.
+  double distance_to_solid(const Eigen::Vector3d& point) const;
+  /// True when the point lies inside a wall or a thing.
+  bool is_solid(const Eigen::Vector3d& point) const;
+  const std::vector<SceneShape>& shapes() const { return scene_.shapes; }
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+
+ private:
+  Scene scene_;
+  std::uint64_t seed_;
+  std::optional<RoomErrors> errors_;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,153 @@
+#include "datasets/simulation/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clearway {
+namespace {
+
+/// A meeting in the surface's own frame.
+struct LocalHit {
+  double along;
+  int part;
+  Eigen::Vector3d normal;
+  double grey;  ///< negative: the surface's own
+};
+
+struct LocalRay {
+  Eigen::Vector3d origin, direction;
+  double limit;  ///< meetings must come before it
+};
+
+constexpr double nearest_allowed = 1e-9;
+constexpr double tag_white = 235, tag_black = 25, tag_back = 120;
+
+/// Slabs; from inside, the far side is met.
+bool meet(const BoxShape& box, const LocalRay& ray, LocalHit& hit) {
+  const Eigen::Array3d half = box.size.array() / 2, inverse = ray.direction.array().inverse();
+  const Eigen::Array3d low = (-half - ray.origin.array()) * inverse;
+  const Eigen::Array3d high = (half - ray.origin.array()) * inverse;
+  int enter_axis, leave_axis;
+  const double enter = low.min(high).maxCoeff<Eigen::PropagateNumbers>(&enter_axis);
+  const double leave = low.max(high).minCoeff<Eigen::PropagateNumbers>(&leave_axis);
+  if (!(enter <= leave)) return false;
+  const bool outside = enter > nearest_allowed;
+  const int axis = outside ? enter_axis : leave_axis;
+  hit.along = outside ? enter : leave;
+  if (!(hit.along > nearest_allowed && hit.along < ray.limit)) return false;
+  const bool positive_side = (ray.direction[axis] < 0) == outside;
+  hit.normal = Eigen::Vector3d::Zero();
+  hit.normal[axis] = positive_side ? 1 : -1;
+  hit.part = 2 * axis + positive_side;
+  return true;
+}
+
+bool meet(const BallShape& ball, const LocalRay& ray, LocalHit& hit) {
+  const double a = ray.direction.squaredNorm(), b = ray.origin.dot(ray.direction);
+  const double c = ray.origin.squaredNorm() - ball.radius * ball.radius, under_root = b * b - a * c;
+  if (under_root < 0) return false;
+  const double root = std::sqrt(under_root);
+  hit.along = (-b - root) / a;
+  if (hit.along <= nearest_allowed) hit.along = (-b + root) / a;
+  if (!(hit.along > nearest_allowed && hit.along < ray.limit)) return false;
+  hit.normal = (ray.origin + hit.along * ray.direction) / ball.radius;
+  hit.part = 0;
+  return true;
+}
+
+bool meet(const CylinderShape& cylinder, const LocalRay& ray, LocalHit& hit) {
+  const auto origin = ray.origin.head<2>(), direction = ray.direction.head<2>();
+  const double a = direction.squaredNorm(), b = origin.dot(direction);
+  const double c = origin.squaredNorm() - cylinder.radius * cylinder.radius, half = cylinder.length / 2;
+  double best = ray.limit;
+  const auto offer = [&](double along, int part) {
+    if (!(along > nearest_allowed && along < best)) return;
+    best = hit.along = along;
+    hit.part = part;
+  };
+  if (const double under_root = b * b - a * c; a > 0 && under_root >= 0) {
+    for (double sign : {-1.0, 1.0}) {
+      const double along = (-b + sign * std::sqrt(under_root)) / a;
+      if (std::abs(ray.origin.z() + along * ray.direction.z()) <= half) offer(along, 0);
+    }
+  }
+  if (ray.direction.z() != 0) {
+    for (int side : {-1, 1}) {
+      const double along = (side * half - ray.origin.z()) / ray.direction.z();
+      if ((origin + along * direction).squaredNorm() <= cylinder.radius * cylinder.radius)
+        offer(along, side + 2);
+    }
+  }
+  if (!(best < ray.limit)) return false;
+  const Eigen::Vector3d point = ray.origin + best * ray.direction;
+  hit.normal = hit.part == 0 ? Eigen::Vector3d(point.x(), point.y(), 0).normalized()
+                             : Eigen::Vector3d(0, 0, hit.part - 2);
+  return true;
+}
+
+bool meet(const TagShape& tag, const LocalRay& ray, LocalHit& hit) {
+  hit.along = -ray.origin.z() / ray.direction.z();
+  if (!(hit.along > nearest_allowed && hit.along < ray.limit)) return false;
+  const Eigen::Vector3d point = ray.origin + hit.along * ray.direction;
+  const double cell = tag.size / 8, x = point.x() / cell + 5, y = 5 - point.y() / cell;
+  if (!(x >= 0 && x < 10 && y >= 0 && y < 10)) return false;
+  const bool front = ray.origin.z() > 0;
+  const bool white = tag.cells[static_cast<size_t>(y) * 10 + static_cast<size_t>(x)];
+  hit.part = !front ? 2 : white;
+  hit.grey = !front ? tag_back : white ? tag_white : tag_black;
+  hit.normal = Eigen::Vector3d::UnitZ();
+  return true;
+}
+
+double reach_of(const BoxShape& box) { return box.size.norm() / 2; }
+double reach_of(const CylinderShape& cylinder) { return std::hypot(cylinder.radius, cylinder.length / 2); }
+double reach_of(const BallShape& ball) { return ball.radius; }
+double reach_of(const TagShape& tag) { return tag.size * 10 / 8 / std::sqrt(2); }
+
+}  // namespace
+
+Surface::Surface(const SceneShape& shape)
+    : map_from_surface_(shape.map_from_shape),
+      surface_from_map_(shape.map_from_shape.inverse()),
+      grey_(shape.grey) {
+  std::visit(
+      [this](const auto& geometry) {
+        geometry_ = geometry;
+        reach_ = reach_of(geometry);
+      },
+      shape.geometry);
+}
+
+Surface::Surface(const TagShape& tag, const Eigen::Isometry3d& map_from_tag)
+    : geometry_(tag),
+      map_from_surface_(map_from_tag),
+      surface_from_map_(map_from_tag.inverse()),
+      grey_(0),
+      reach_(reach_of(tag)) {}
+
+bool Surface::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const {
+  const Eigen::Vector3d to_center = center() - origin;
+  const double ahead = to_center.dot(direction);
+  if ((to_center.squaredNorm() - 1.000001 * reach_ * reach_) * direction.squaredNorm() > ahead * ahead)
+    return false;  // the ray passes by the ball around it
+  const LocalRay ray{surface_from_map_ * origin, surface_from_map_.linear() * direction, nearest.along};
+  LocalHit hit{0, 0, Eigen::Vector3d::Zero(), grey_};
+  if (!std::visit([&](const auto& geometry) { return clearway::meet(geometry, ray, hit); }, geometry_))
+    return false;
+  nearest.along = hit.along;
+  nearest.part = hit.part;
+  nearest.grey = hit.grey;
+  const Eigen::Vector3d normal = map_from_surface_.linear() * hit.normal;
+  nearest.normal = normal.dot(direction) > 0 ? Eigen::Vector3d(-normal) : normal;
+  return true;
+}
+
+CastResult cast_ray(std::span<const Surface* const> surfaces, const Eigen::Vector3d& origin,
+                    const Eigen::Vector3d& direction) {
+  CastResult result;
+  for (size_t i = 0; i < surfaces.size(); ++i)
+    if (surfaces[i]->meet(origin, direction, result.hit)) result.index = static_cast<int>(i);
+  return result;
+}
+
+}  // namespace clearway

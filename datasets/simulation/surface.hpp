@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <limits>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "datasets/descriptions/scene.hpp"
+
+namespace clearway {
+
+/// A printed tag with its quiet zone: opaque, grey from behind. Frame as in TagSetup.
+struct TagShape {
+  double size;  ///< m, outer edge of the black border
+  std::array<bool, 100> cells;
+};
+
+/// Where a ray meets a surface.
+struct Hit {
+  double along = std::numeric_limits<double>::infinity();  ///< in lengths of the ray's direction
+  int part = 0;     ///< face or colour: neighbours with another part have an edge between them
+  double grey = 0;  ///< before shading
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, in the map frame, towards the viewer
+};
+
+/// Something a ray can meet, in the map frame.
+class Surface {
+ public:
+  explicit Surface(const SceneShape& shape);
+  Surface(const TagShape& tag, const Eigen::Isometry3d& map_from_tag);
+
+  /// Puts the first meeting in front of `nearest.along` into `nearest` and returns true, or leaves it alone.
+  bool meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const;
+
+  /// Ball around all of it.
+  Eigen::Vector3d center() const { return map_from_surface_.translation(); }
+  double reach() const { return reach_; }
+
+ private:
+  std::variant<BoxShape, CylinderShape, BallShape, TagShape> geometry_;
+  Eigen::Isometry3d map_from_surface_, surface_from_map_;
+  double grey_, reach_;
+};
+
+/// The nearest of `surfaces` along the ray and its index, -1 for none.
+struct CastResult {
+  Hit hit;
+  int index = -1;
+};
+CastResult cast_ray(std::span<const Surface* const> surfaces, const Eigen::Vector3d& origin,
+                    const Eigen::Vector3d& direction);
+
+}  // namespace clearway

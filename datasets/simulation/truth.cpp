@@ -1,0 +1,146 @@
+#include "datasets/simulation/truth.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/sources/lens.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// [x, y, z, qw, qx, qy, qz]
+Json to_json(const Eigen::Isometry3d& pose) {
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0) q.coeffs() *= -1;
+  const auto& t = pose.translation();
+  return {t.x(), t.y(), t.z(), q.w(), q.x(), q.y(), q.z()};
+}
+
+Json to_json(const CameraIntrinsics& camera) {
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"distortion", camera.distortion}};
+}
+
+Json to_json(const SceneShape& shape) {
+  Json json{{"name", shape.name}};
+  if (const auto* box = std::get_if<BoxShape>(&shape.geometry)) json["box"] = to_json(box->size);
+  if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
+    json["cylinder"] = {cylinder->radius, cylinder->length};
+  if (const auto* ball = std::get_if<BallShape>(&shape.geometry)) json["sphere"] = ball->radius;
+  json["map_from_shape"] = to_json(shape.map_from_shape);
+  json["grey"] = shape.grey;
+  return json;
+}
+
+/// One tag as a camera sees it.
+struct SeenTag {
+  const CameraIntrinsics& camera;
+  const Eigen::Isometry3d& map_from_camera;
+  Eigen::Isometry3d map_from_tag;
+  double size;
+
+  Eigen::Vector3d in_map(double x, double y) const { return map_from_tag * Eigen::Vector3d(x, y, 0); }
+  bool in_image(const Eigen::Vector3d& point, Eigen::Vector2d& pixel) const {
+    const Eigen::Vector3d seen = map_from_camera.inverse() * point;
+    if (!(seen.z() > 1e-6)) return false;
+    pixel = project(camera, seen);
+    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 &&
+           pixel.y() <= camera.height - 1;
+  }
+
+  /// Faces the camera, and a 10 x 10 grid over the tag and its quiet zone is in the image with nothing
+  /// before.
+  bool fully_visible(std::span<const Surface* const> surfaces) const {
+    const Eigen::Vector3d eye = map_from_camera.translation();
+    if ((map_from_tag.inverse() * eye).z() <= 0) return false;
+    const double half = size * 5 / 8;
+    for (int i = 0; i < 10; ++i) {
+      for (int j = 0; j < 10; ++j) {
+        const Eigen::Vector3d point = in_map(half * (i / 4.5 - 1) * 0.999, half * (j / 4.5 - 1) * 0.999);
+        Eigen::Vector2d pixel;
+        if (!in_image(point, pixel)) return false;
+        if (cast_ray(surfaces, eye, point - eye).hit.along < 1 - 1e-6) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Pixels of the corners of the black border: top left, top right, bottom right, bottom left of the tag as
+  /// one reads it. Null when a corner is behind the camera.
+  Json corners() const {
+    const double h = size / 2;
+    Json json = Json::array();
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(-h, h), Eigen::Vector2d(h, h), Eigen::Vector2d(h, -h), Eigen::Vector2d(-h, -h)}) {
+      const Eigen::Vector3d seen = map_from_camera.inverse() * in_map(corner.x(), corner.y());
+      if (!(seen.z() > 1e-6)) return nullptr;
+      const Eigen::Vector2d pixel = project(camera, seen);
+      json.push_back({pixel.x(), pixel.y()});
+    }
+    return json;
+  }
+};
+
+}  // namespace
+
+struct Truth::State {
+  const Scene& scene;
+  Json json;
+};
+
+Truth::Truth(const Scene& scene) : state_(new State{scene, {}}) {
+  Json& json = state_->json;
+  json["format"] = "clearway truth 1";
+  json["scene"] = std::filesystem::path(scene.name).filename().string();
+  json["seed"] = scene.seed;
+  if (scene.camera) json["camera"] = to_json(*scene.setup.camera);
+  json["shapes"] = Json::array();
+  for (const auto& shape : scene.shapes) json["shapes"].push_back(to_json(shape));
+  json["depth"] = Json::array();
+  json["frames"] = Json::array();
+}
+
+Truth::~Truth() = default;
+
+void Truth::add_image(double time, const ProbeMotion::State& probe, std::span<const Surface> still,
+                      std::span<const Surface> moving) {
+  const Scene& scene = state_->scene;
+  std::vector<const Surface*> surfaces;
+  for (const auto& surface : still) surfaces.push_back(&surface);
+  for (const auto& surface : moving) surfaces.push_back(&surface);
+  Json tags = Json::array();
+  for (const auto& board : scene.setup.boards) {
+    const bool on_probe = board.name == scene.setup.probe->board;
+    if (!on_probe && !board.map_from_board) continue;
+    const Eigen::Isometry3d map_from_board = on_probe ? probe.map_from_probe : *board.map_from_board;
+    for (const auto& tag : board.tags) {
+      const SeenTag seen{*scene.setup.camera, scene.camera->map_from_camera,
+                         map_from_board * tag.board_from_tag, tag.size};
+      tags.push_back({{"id", tag.id},
+                      {"board", board.name},
+                      {"fully_visible", seen.fully_visible(surfaces)},
+                      {"corners", seen.corners()}});
+    }
+  }
+  state_->json["frames"].push_back({{"time", time},
+                                    {"map_from_camera", to_json(scene.camera->map_from_camera)},
+                                    {"map_from_probe", to_json(probe.map_from_probe)},
+                                    {"ball", to_json(probe.map_ball)},
+                                    {"tags", tags}});
+}
+
+void Truth::add_depth(double time, const Eigen::Isometry3d& map_from_sensor) {
+  state_->json["depth"].push_back({{"time", time}, {"map_from_sensor", to_json(map_from_sensor)}});
+}
+
+std::string Truth::json() const { return state_->json.dump(1) + "\n"; }
+
+}  // namespace clearway

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "datasets/descriptions/probe_motion.hpp"
+#include "datasets/simulation/surface.hpp"
+
+namespace clearway {
+
+/// Collects what is true of a simulated recording and tells it as JSON; the file is described in
+/// datasets/FORMATS.md.
+class Truth {
+ public:
+  explicit Truth(const Scene& scene);
+  ~Truth();
+
+  void add_image(double time, const ProbeMotion::State& probe, std::span<const Surface> still,
+                 std::span<const Surface> moving);
+  void add_depth(double time, const Eigen::Isometry3d& map_from_sensor);
+  std::string json() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,145 @@
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "datasets/sources/record_seal.hpp"
+#include "datasets/sources/recording.hpp"
+#include "mapping/system/atomic_file.hpp"
+
+namespace clearway {
+namespace {
+
+/// Collects what MRPT serialises.
+struct ByteSink {
+  std::string bytes;
+  size_t Write(const void* data, size_t size) {
+    bytes.append(static_cast<const char*>(data), size);
+    return size;
+  }
+  size_t Read(void*, size_t) { throw std::logic_error("written only"); }
+  std::string getStreamDescription() const { return "memory"; }
+};
+
+mrpt::poses::CPose3D mrpt_pose(const Eigen::Isometry3d& pose) {
+  mrpt::math::CMatrixDouble44 matrix;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) matrix(row, column) = pose(row, column);
+  return mrpt::poses::CPose3D(matrix);
+}
+
+mrpt::img::TCamera mrpt_camera(const CameraIntrinsics& camera) {
+  mrpt::img::TCamera result;
+  result.ncols = static_cast<uint32_t>(camera.width);
+  result.nrows = static_cast<uint32_t>(camera.height);
+  result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
+  const auto& d = camera.distortion;
+  result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
+  return result;
+}
+
+mrpt::obs::CObservation::Ptr observation(const ImageFrame& frame) {
+  const auto& image = frame.image;
+  if (image.width <= 0 || image.height <= 0 ||
+      image.pixels.size() != static_cast<size_t>(image.width) * static_cast<size_t>(image.height))
+    throw std::invalid_argument("an image to record has " + std::to_string(image.pixels.size()) +
+                                " pixels; expected width times height of them.");
+  auto result = std::make_shared<mrpt::obs::CObservationImage>();
+  result->image.resize(image.width, image.height, mrpt::img::CH_GRAY);
+  for (int row = 0; row < image.height; ++row)
+    std::memcpy(result->image.ptrLine<uint8_t>(row), image.pixels.data() + size_t(row) * image.width,
+                static_cast<size_t>(image.width));
+  result->cameraParams = mrpt_camera(frame.intrinsics);
+  result->cameraPose = mrpt_pose(frame.world_from_sensor);
+  return result;
+}
+
+mrpt::obs::CObservation::Ptr observation(const CloudFrame& frame) {
+  auto result = std::make_shared<mrpt::obs::CObservation3DRangeScan>();
+  result->hasPoints3D = true;
+  for (const auto& point : frame.points) {
+    result->points3D_x.push_back(point.x());
+    result->points3D_y.push_back(point.y());
+    result->points3D_z.push_back(point.z());
+  }
+  result->points3D_idxs_x.resize(frame.points.size());
+  result->points3D_idxs_y.resize(frame.points.size());
+  result->maxRange = static_cast<float>(frame.max_range);
+  result->sensorPose = mrpt_pose(frame.world_from_sensor);
+  return result;
+}
+
+mrpt::obs::CObservation::Ptr observation(const OdometryFrame& frame) {
+  auto result = std::make_shared<mrpt::obs::CObservationOdometry>();
+  result->odometry = mrpt::poses::CPose2D(mrpt_pose(frame.world_from_robot));
+  return result;
+}
+
+mrpt::obs::CObservation::Ptr observation(const CommentFrame& frame) {
+  auto result = std::make_shared<mrpt::obs::CObservationComment>();
+  result->text = frame.text;
+  return result;
+}
+
+mrpt::obs::CObservation::Ptr observation(const DepthImage& depth) {
+  const auto& camera = depth.intrinsics;
+  if (camera.width <= 0 || camera.height <= 0 ||
+      depth.ranges.size() != static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height))
+    throw std::invalid_argument("a depth image to record has " + std::to_string(depth.ranges.size()) +
+                                " ranges; expected width times height of them.");
+  auto result = std::make_shared<mrpt::obs::CObservation3DRangeScan>();
+  result->hasRangeImage = true;
+  result->range_is_depth = false;
+  result->rangeUnits = static_cast<float>(depth.unit);
+  result->rangeImage_setSize(camera.height, camera.width);
+  for (int row = 0; row < camera.height; ++row)
+    for (int column = 0; column < camera.width; ++column) {
+      const double steps = std::round(depth.ranges[size_t(row) * camera.width + column] / depth.unit);
+      result->rangeImage(row, column) = static_cast<uint16_t>(steps > 0 && steps <= 65535 ? steps : 0);
+    }
+  result->cameraParams = result->cameraParamsIntensity = mrpt_camera(camera);
+  result->maxRange = static_cast<float>(depth.max_range);
+  result->sensorPose = mrpt_pose(depth.world_from_sensor);
+  return result;
+}
+
+}  // namespace
+
+struct RecordingWriter::State {
+  explicit State(const std::filesystem::path& target) : file(target) {}
+
+  void append(double time, const std::string& sensor, mrpt::obs::CObservation& observation) {
+    observation.timestamp = mrpt::Clock::fromDouble(time);
+    observation.sensorLabel = sensor;
+    ByteSink sink;
+    mrpt::serialization::archiveFrom(sink) << observation;
+    file.append(sealed_record(sink.bytes, {.index = count++, .time = time}));
+  }
+
+  AtomicFile file;
+  std::uint32_t count = 0;
+};
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
+RecordingWriter::~RecordingWriter() = default;
+
+void RecordingWriter::write(const Frame& frame) {
+  const auto object = std::visit([](const auto& content) { return observation(content); }, frame.content);
+  state_->append(frame.time, frame.sensor, *object);
+}
+
+void RecordingWriter::write(double time, const std::string& sensor, const DepthImage& depth) {
+  state_->append(time, sensor, *observation(depth));
+}
+
+void RecordingWriter::finish() {
+  state_->file.append(sealed_record("", {.index = state_->count, .is_end = true}));
+  state_->file.finish();
+}
+
+}  // namespace clearway

@@ -1,0 +1,187 @@
+#include "mapping/field/blocked_cells.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "mapping/system/on_threads.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+
+namespace clearway {
+
+BlockedCells::BlockedCells(const Eigen::Vector3i& size, bool blocked)
+    : size_(size),
+      lanes_((size.x() + 31) / 32),
+      words_(static_cast<std::size_t>(lanes_) * static_cast<std::size_t>(size.y()) *
+             static_cast<std::size_t>(size.z())) {
+  if (blocked) fill(Eigen::Vector3i::Zero(), size, true);
+}
+
+unsigned BlockedCells::around(int x, int y, int z) const {
+  const auto word = [&](int lane) { return lane < 0 || lane >= lanes_ ? 0U : row(lane, z)[y]; };
+  const int lane = x >> 5;
+  const unsigned bit = static_cast<unsigned>(x) & 31U;
+  const std::uint32_t here = row(lane, z)[y];
+  const unsigned before = bit > 0 ? here >> (bit - 1) : word(lane - 1) >> 31U;
+  const unsigned after = bit < 31 ? here >> (bit + 1) : word(lane + 1);
+  return (before & 1U) | (here >> bit & 1U) << 1U | (after & 1U) << 2U;
+}
+
+void BlockedCells::fill(const Eigen::Vector3i& low, const Eigen::Vector3i& high, bool blocked) {
+  for (int lane = low.x() >> 5; lane << 5 < high.x(); ++lane) {
+    const int first = std::max(low.x() - (lane << 5), 0);
+    const int end = std::min(high.x() - (lane << 5), 32);
+    const auto mask = static_cast<std::uint32_t>((std::uint64_t{1} << end) - (std::uint64_t{1} << first));
+    for (int z = low.z(); z < high.z(); ++z) {
+      std::uint32_t* words = &words_[index(lane, z)];
+      for (int y = low.y(); y < high.y(); ++y) words[y] = blocked ? words[y] | mask : words[y] & ~mask;
+    }
+  }
+}
+
+void BlockedCells::block_where_both(const BlockedCells& a, const BlockedCells& b) {
+  for (std::size_t i = 0; i < words_.size(); ++i) words_[i] |= a.words_[i] & b.words_[i];
+}
+
+std::size_t BlockedCells::count() const {
+  std::size_t sum = 0;
+  for (const std::uint32_t word : words_) sum += static_cast<std::size_t>(std::popcount(word));
+  return sum;
+}
+
+std::ptrdiff_t BlockedCells::count_beyond(const BlockedCells& other) const {
+  std::ptrdiff_t sum = 0;
+  for (std::size_t i = 0; i < words_.size(); ++i) {
+    if (words_[i] != other.words_[i]) sum += std::popcount(words_[i]) - std::popcount(other.words_[i]);
+  }
+  return sum;
+}
+
+namespace {
+
+/// What a requirement forbids of a tree, in a block of cells. An inner node knows the highest log-odds below
+/// it and the volumes that contain all of it, which often decides about the whole cube.
+class TreeReader {
+ public:
+  /// @param first_lane, end_lane which words along x to fill in: threads may do different ones.
+  TreeReader(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+             BlockedCells& cells, int first_lane, int end_lane)
+      : tree_(tree),
+        requirement_(requirement),
+        unknown_blocked_(!allows(requirement, VoxelState::unknown, 0)),
+        first_(first),
+        low_(32 * first_lane, 0, 0),
+        high_(std::min(32 * end_lane, cells.size().x()), cells.size().y(), cells.size().z()),
+        cells_(cells) {}
+
+  /// Fills in what is stored; the rest stays.
+  void read(const FusedNode* node, const CellCube& cube) {
+    if (node == nullptr || is_outside(cube)) return;
+    const bool allowed = is_allowed(*node);
+    if (allowed || !node->has_children()) {
+      if (allowed == unknown_blocked_) fill(cube, !allowed);
+      return;
+    }
+    for (unsigned i = 0; i < 8; ++i) read(node->child(i), cube.child(i));
+  }
+
+  /// Fills in what differs between two versions of the tree.
+  void follow(const FusedNode* before, const FusedNode* now) { follow(before, now, CellCube{}, false); }
+
+ private:
+  /// @param inside known to lie in the block.
+  void follow(const FusedNode* before, const FusedNode* now, const CellCube& cube, bool inside) {
+    if (before == now) return;
+    const bool was_allowed = is_allowed(before), allowed = is_allowed(now);
+    if (was_allowed && allowed) return;
+    if (!inside) {
+      if (is_outside(cube)) return;
+      inside = is_inside(cube);
+    }
+    const bool before_splits = before != nullptr && !was_allowed && before->has_children();
+    const bool now_splits = now != nullptr && !allowed && now->has_children();
+    if (!before_splits && !now_splits) {
+      if (was_allowed != allowed) fill(cube, !allowed);
+      return;
+    }
+    // Where one version is allowed as a whole it stands for each of its parts.
+    std::array<const FusedNode*, 8> was{}, is{};
+    for (unsigned i = 0; i < 8; ++i) {
+      was[i] = before_splits ? before->child(i) : before;
+      is[i] = now_splits ? now->child(i) : now;
+      if (was[i] == is[i]) continue;
+      __builtin_prefetch(was[i]);  // all at once: most of the time goes into waiting for memory
+      __builtin_prefetch(is[i]);
+    }
+    for (unsigned i = 0; i < 8; ++i) {
+      if (was[i] != is[i]) follow(was[i], is[i], cube.child(i), inside);
+    }
+  }
+
+  bool is_outside(const CellCube& cube) const {
+    const Eigen::Array3i corner = (cube.corner - first_).array();
+    return (corner + cube.edge <= low_.array()).any() || (corner >= high_.array()).any();
+  }
+  bool is_inside(const CellCube& cube) const {
+    const Eigen::Array3i corner = (cube.corner - first_).array();
+    return (corner >= low_.array()).all() && (corner + cube.edge <= high_.array()).all();
+  }
+  bool is_allowed(const FusedNode* node) const {
+    return node == nullptr ? !unknown_blocked_ : is_allowed(*node);
+  }
+
+  /// True when all of the cube is allowed; for an inner node false may mean "in part".
+  bool is_allowed(const FusedNode& node) const {
+    if (requirement_.policy == Policy::not_occupied) {  // what the lines below say, in short
+      return !(node.observed() && tree_.isNodeOccupied(node));
+    }
+    const bool says_for_all = !node.has_children() || node.painted() != 0;
+    return says_for_all && allows(requirement_, tree_.state(node), node.painted());
+  }
+
+  void fill(const CellCube& cube, bool blocked) {
+    const Eigen::Vector3i corner = cube.corner - first_;
+    if (cube.edge == 1) return cells_.set(corner.x(), corner.y(), corner.z(), blocked);
+    cells_.fill(corner.cwiseMax(low_), (corner.array() + cube.edge).matrix().cwiseMin(high_), blocked);
+  }
+
+  const FusedTree& tree_;
+  Requirement requirement_;
+  bool unknown_blocked_;
+  Eigen::Vector3i first_, low_, high_;
+  BlockedCells& cells_;
+};
+
+/// Reads with so many threads, each a part of the lanes.
+template <class Read>
+void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                BlockedCells& cells, int threads, const Read& read) {
+  const int parts = std::clamp(threads, 1, cells.lanes());
+  on_threads(static_cast<std::size_t>(parts), [&](std::size_t i) {
+    const int part = static_cast<int>(i);
+    TreeReader reader(tree, requirement, first, cells, part * cells.lanes() / parts,
+                      (part + 1) * cells.lanes() / parts);
+    read(reader);
+  });
+}
+
+}  // namespace
+
+BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
+                           const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads) {
+  BlockedCells cells(size, !allows(requirement, VoxelState::unknown, 0));
+  read_lanes(tree, requirement, first, cells, threads,
+             [&](TreeReader& reader) { reader.read(tree.getRoot(), CellCube{}); });
+  return cells;
+}
+
+BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
+                           const Eigen::Vector3i& first, const FusedTree& before,
+                           const BlockedCells& cells_before, int threads) {
+  BlockedCells cells = cells_before;
+  read_lanes(tree, requirement, first, cells, threads,
+             [&](TreeReader& reader) { reader.follow(before.getRoot(), tree.getRoot()); });
+  return cells;
+}
+
+}  // namespace clearway

@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "mapping/field/blocked_field.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double farthest_cell = 1 << 28;
+
+constexpr double cells_of_a_tile = double{TiledCells::nx} * TiledCells::ny * TiledCells::nz;
+
+/// Bytes that a tile of cells takes: its distances, its place among the tiles, its bits.
+constexpr double bytes_of_a_tile(bool updatable) {
+  return (updatable ? 2.0 : 1.0) * (TiledCells::tile_bytes + 56.0) + cells_of_a_tile / 8.0;
+}
+
+double bytes_of(const Eigen::Array3d& size, bool updatable) {
+  const double tiles = std::ceil(size.x() / TiledCells::nx) * std::ceil(size.y() / TiledCells::ny) *
+                       std::ceil(size.z() / TiledCells::nz);
+  return tiles * bytes_of_a_tile(updatable);
+}
+
+[[noreturn]] void refuse_size(const Eigen::Vector3d& size, double bytes, double resolution,
+                              std::size_t limit) {
+  const double cells = std::cbrt(static_cast<double>(limit) * cells_of_a_tile / bytes_of_a_tile(false));
+  const double edge = std::max(1.0, std::floor(cells) - TiledCells::nx) * resolution;
+  const auto text = [](double value) {
+    std::string digits = std::to_string(value);
+    return digits.substr(0, digits.find('.') + 3);
+  };
+  throw std::invalid_argument("region of " + text(size.x()) + " x " + text(size.y()) + " x " +
+                              text(size.z()) + " m needs " + text(bytes / (1U << 20U)) +
+                              " MiB at a resolution of " + text(resolution * 1000.0) +
+                              " mm, more than the limit of " + std::to_string(limit >> 20U) +
+                              " MiB: a cube of " + text(edge) + " m would fit");
+}
+
+}  // namespace
+
+FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance,
+                         std::size_t memory_limit) {
+  if (!(max_distance > 0.0)) {
+    throw std::invalid_argument("distance field: max_distance is " + std::to_string(max_distance) +
+                                ", expected metres > 0");
+  }
+  if (region.isEmpty() || !region.min().allFinite() || !region.max().allFinite()) {
+    throw std::invalid_argument(
+        "distance field: the region is empty or not finite, expected min <= max in metres");
+  }
+  const Eigen::Array3d low = (region.min().array() / resolution).floor();
+  const Eigen::Array3d high = (region.max().array() / resolution).ceil().max(low + 1.0);
+  if (low.minCoeff() < -farthest_cell || high.maxCoeff() > farthest_cell) {
+    throw std::invalid_argument("distance field: the region reaches beyond " +
+                                std::to_string(farthest_cell * resolution) + " m from the origin");
+  }
+  const Eigen::Array3d size = high - low;
+  const double bytes = bytes_of(size, false);
+  if (bytes > static_cast<double>(memory_limit)) {
+    refuse_size(region.sizes(), bytes, resolution, memory_limit);
+  }
+  return {low.matrix().cast<int>(), size.matrix().cast<int>(), resolution,
+          std::min(max_distance, 89.0 * resolution)};
+}
+
+std::size_t field_bytes(const FieldRegion& region, bool updatable) {
+  return static_cast<std::size_t>(bytes_of(region.size.cast<double>().array(), updatable));
+}
+
+}  // namespace clearway

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "mapping/voxels/voxel_state.hpp"
+
+namespace clearway {
+
+class SeenStamps;
+
+/// Refuses a `seen_within` that a map cannot answer.
+/// @param seen of the map; null when it does not know when its voxels were seen
+/// @throws std::invalid_argument when it is not >= 0 and finite, and, unless it is 0, when the map knows no
+///         times or only longer periods.
+void require_seen_within(double seen_within, const SeenStamps* seen);
+
+}  // namespace clearway

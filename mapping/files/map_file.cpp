@@ -1,0 +1,123 @@
+#include "mapping/files/map_file.hpp"
+
+#include <fstream>
+#include <utility>
+
+#include "mapping/files/cloud_file.hpp"
+#include "mapping/files/map_digest.hpp"
+#include "mapping/files/octree_file.hpp"
+#include "mapping/files/painted_csv.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* map_name = "map.ot";
+constexpr const char* painted_name = "painted.csv";
+
+/// A directory stands for its map.ot.
+fs::path map_file_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw std::invalid_argument("map '" + path.string() + "' does not exist");
+  if (!fs::is_directory(path, error)) return path;
+  if (fs::exists(path / map_name, error)) return path / map_name;
+  throw std::invalid_argument("map directory '" + path.string() + "' holds no " + map_name);
+}
+
+std::string read_bytes(const fs::path& file) {
+  constexpr std::size_t largest = std::size_t{8} << 30U;
+  return read_input(file, "map file", largest);
+}
+
+/// A voxel may only be painted by a volume that is known.
+void check_masks(const FusedTree& tree, std::size_t volumes, const fs::path& file) {
+  unsigned seen = 0;
+  tree.visit_leaves([&](const FusedNode& node, const CellCube&) { seen |= node.painted(); });
+  if (seen >> volumes == 0) return;
+  throw DamagedFile("'" + file.string() + "' is damaged: voxels are painted by a volume that is not listed");
+}
+
+Snapshot load_octree(const fs::path& file, bool in_directory) {
+  OctreeContent content = parse_octree(read_bytes(file), file);
+  const fs::path painted = file.parent_path() / painted_name;
+  std::error_code error;
+  if (!content.has_volumes && in_directory && fs::exists(painted, error)) {
+    content.volumes = parse_painted(read_bytes(painted), painted);
+  }
+  if (content.has_volumes) check_masks(*content.tree, content.volumes.size(), file);
+  return {std::move(content.tree), std::move(content.volumes), std::move(content.seen)};
+}
+
+/// Our own files say so in their second line.
+bool is_ours(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string first, second;
+  return std::getline(stream, first) && std::getline(stream, second) &&
+         second.starts_with("# clearway seal ");
+}
+
+/// Whether a painted.csv says what the map says, be it in an earlier version's columns.
+bool is_copy(const std::string& text, const Snapshot& map) {
+  const std::string sealed = format_painted(map.volumes());
+  return text == sealed || format_painted(parse_painted(text, painted_name)) == sealed;
+}
+
+}  // namespace
+
+Snapshot load_map(const fs::path& path, double cloud_resolution) {
+  const fs::path file = map_file_of(path);
+  const std::string kind = file.extension().string();
+  if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
+  if (kind == ".pcd" || kind == ".ply") {
+    require_input(file, "map file");
+    return {tree_of_cloud(read_cloud(file), cloud_resolution, file), {}};
+  }
+  throw std::invalid_argument("map '" + path.string() +
+                              "' is of an unknown kind: expected a directory or a .ot, " +
+                              ".bt, .pcd or .ply file");
+}
+
+std::string painted_csv_remark(const fs::path& path, const Snapshot& map) {
+  std::error_code error;
+  const fs::path painted = path / painted_name;
+  if (!fs::is_directory(path, error) || !fs::exists(painted, error)) return "";
+  const std::string name = "'" + plain(painted.string()) + "'";
+  if (!is_ours(path / map_name))
+    return "the painted volumes are those of " + name + ", because map.ot holds none";
+  try {
+    if (is_copy(read_bytes(painted), map)) return "";
+  } catch (const std::exception&) {  // damaged, or not a file: it is not used either way
+  }
+  return name + " differs from the painted volumes in map.ot and is not used";
+}
+
+void save_map(const Snapshot& map, const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (!fs::is_directory(directory)) {
+    throw std::runtime_error("cannot write '" + directory.string() +
+                             "': it is not a directory and cannot be made one");
+  }
+  // map.ot alone holds everything, so that a cut between the two files loses nothing.
+  save_file(directory / map_name, format_fused_tree(map.tree(), map.volumes(), map.seen()));
+  save_file(directory / painted_name, format_painted(map.volumes()));
+}
+
+void export_map(const Snapshot& map, const fs::path& file) {
+  const std::string kind = file.extension().string();
+  if (kind == ".ot") return save_file(file, format_color_tree(map.tree()));
+  if (kind == ".bt") return save_file(file, format_binary_tree(map.tree()));
+  if (kind == ".pcd") return save_file(file, format_pcd(occupied_centers(map.tree(), file)));
+  if (kind == ".ply") return save_file(file, format_ply(occupied_centers(map.tree(), file)));
+  throw std::invalid_argument("cannot export to '" + file.string() +
+                              "': expected a .ot, .bt, .pcd or .ply file");
+}
+
+std::string map_sha256(const fs::path& path) { return sha256(read_bytes(map_file_of(path))); }
+
+}  // namespace clearway

@@ -1,0 +1,113 @@
+#include "mapping/files/octree_check.hpp"
+
+#include <zlib.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "mapping/files/map_file.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::string_view text_header = "# Octomap OcTree file";
+constexpr std::string_view binary_header = "# Octomap OcTree binary file";
+constexpr std::size_t longest_foreign_header = 1U << 20U;
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
+  throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
+}
+
+template <class Number>
+bool parse(std::string_view text, Number& value) {
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  return end.ec == std::errc() && end.ptr == text.data() + text.size();
+}
+
+bool is_known(std::string_view type) {
+  return type == FusedTree::type_name || type == "OcTree" || type == "ColorOcTree" || type == "OcTreeStamped";
+}
+
+CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& file) {
+  CheckedOctree tree;
+  bool has_size = false, has_resolution = false;
+  std::size_t at = 0;
+  for (bool first = true;; first = false) {
+    const auto end = bytes.find('\n', at);
+    if (end == std::string_view::npos) refuse(file, "the OctoMap header is cut off");
+    const std::string_view line = bytes.substr(at, end - at);
+    at = end + 1;
+    const auto space = line.find(' ');
+    const std::string_view key = line.substr(0, space);
+    const std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
+    if (first) {
+      tree.binary = line == binary_header;
+      if (!tree.binary && line != text_header) refuse(file, "it does not start with an OctoMap header");
+    } else if (line == "data") {
+      break;
+    } else if (key == "id") {
+      tree.type = value;
+    } else if (key == "size") {
+      has_size = parse(value, tree.nodes);
+    } else if (key == "res") {
+      has_resolution = parse(value, tree.resolution);
+    } else if (!line.starts_with('#')) {
+      refuse(file, "its header holds a line that is none of id, size, res and data");
+    }
+  }
+  if (!has_size) refuse(file, "its header lacks the number of nodes ('size')");
+  if (!has_resolution || !(tree.resolution >= 1e-4 && tree.resolution <= 100.0)) {
+    refuse(file, "its resolution ('res') is not a number in [0.0001, 100] m");
+  }
+  tree.header = bytes.substr(0, at);
+  tree.data = bytes.substr(at);
+  return tree;
+}
+
+}  // namespace
+
+std::string octree_header(bool binary, std::string_view type, std::size_t nodes, double resolution) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), resolution);
+  return std::string(binary ? binary_header : text_header) + "\nid " + std::string(type) + "\nsize " +
+         std::to_string(nodes) + "\nres " + std::string(digits.data(), end.ptr) + "\ndata\n";
+}
+
+CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file) {
+  CheckedOctree tree = parse_header(bytes, file);
+  const bool fused = tree.type == FusedTree::type_name;
+  if (fused && !is_sealed(bytes)) refuse(file, "its checksum does not match its content");
+  if (!fused && tree.header.size() > longest_foreign_header) refuse(file, "its header is longer than 1 MiB");
+  if (!tree.binary && !is_known(tree.type)) {
+    refuse(file, "its tree type " + quote(tree.type) +
+                     " is none of ClearwayFusedTree, OcTree, ColorOcTree, OcTreeStamped");
+  }
+  return tree;
+}
+
+std::string seal_line(std::string_view before, std::string_view after) {
+  auto checksum = crc32_z(0, nullptr, 0);
+  for (const std::string_view part : {before, after}) {
+    checksum = crc32_z(checksum, reinterpret_cast<const Bytef*>(part.data()), part.size());
+  }
+  std::array<char, 64> line{};
+  const std::size_t length = before.size() + after.size();
+  std::snprintf(line.data(), line.size(), "# clearway seal crc32 %08lx bytes %020zu\n", checksum, length);
+  return line.data();
+}
+
+bool is_sealed(std::string_view bytes) {
+  const auto first = bytes.find('\n');
+  if (first == std::string_view::npos) return false;
+  const auto second = bytes.find('\n', first + 1);
+  if (second == std::string_view::npos) return false;
+  const std::string_view before = bytes.substr(0, first + 1);
+  const std::string_view after = bytes.substr(second + 1);
+  return bytes.substr(first + 1, second - first) == seal_line(before, after);
+}
+
+}  // namespace clearway

@@ -1,0 +1,168 @@
+#include "mapping/files/octree_file.hpp"
+
+#include <octomap/ColorOcTree.h>
+#include <octomap/OcTree.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "mapping/files/map_file.hpp"
+#include "mapping/files/octree_check.hpp"
+#include "mapping/files/octree_reader.hpp"
+#include "mapping/files/painted_csv.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
+constexpr std::string_view integration_comment = "# clearway integration ";
+constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
+constexpr std::string_view painted_comment = "# clearway painted ";
+constexpr std::string_view seen_comment = "# clearway seen_bytes ";
+
+/// The rest of each header line that starts with `prefix`, one a line.
+std::string comments(std::string_view header, std::string_view prefix) {
+  std::string found;
+  while (!header.empty()) {
+    const auto end = header.find('\n');
+    const std::string_view line = header.substr(0, end + 1);
+    if (line.starts_with(prefix)) found += line.substr(prefix.size());
+    header.remove_prefix(line.size());
+  }
+  return found;
+}
+
+void restore_threshold(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, threshold_comment);
+  float log_odds = 0.0F;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), log_odds);
+  if (end.ec != std::errc() || !std::isfinite(log_odds)) {
+    throw DamagedFile("'" + file.string() + "' is damaged: its header lacks occupied_log_odds");
+  }
+  tree.set_occupied_log_odds(log_odds);
+}
+
+/// Files from before maps knew it do not say.
+void restore_integration(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, integration_comment);
+  if (text.empty()) return;
+  using enum MapIntegration;
+  for (const MapIntegration each : {none, safe, unknown, compatible}) {
+    if (text != std::string(to_string(each)) + "\n") continue;
+    tree.set_integration(each);
+    return;
+  }
+  throw DamagedFile("'" + file.string() + "' is damaged: its header names no integration that is known");
+}
+
+/// Takes the look times off the end of the data; null when the header names none.
+std::shared_ptr<const SeenStamps> take_seen(CheckedOctree& checked, const std::filesystem::path& file) {
+  const std::string text = comments(checked.header, seen_comment);
+  if (text.empty()) return nullptr;
+  std::size_t size = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), size);
+  if (end.ec != std::errc() || size > checked.data.size())
+    throw DamagedFile("'" + file.string() + "' is damaged: its header's seen_bytes are not there");
+  const std::string_view bytes = checked.data.substr(checked.data.size() - size);
+  checked.data.remove_suffix(size);
+  return std::make_shared<const SeenStamps>(parse_seen(bytes, file));
+}
+
+void restore_damage(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, damage_comment);
+  if (text.empty()) return;
+  std::uint64_t records = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), records);
+  if (end.ec != std::errc() || *end.ptr != '\n')
+    throw DamagedFile("'" + file.string() +
+                      "' is damaged: its header does not say how many records were read");
+  tree.set_records_before_damage(records);
+}
+
+}  // namespace
+
+std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
+                              const SeenStamps* seen) {
+  const std::string header = octree_header(false, tree.getTreeType(), tree.size(), tree.getResolution());
+  const auto first_line = header.find('\n') + 1;
+
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), tree.getOccupancyThresLog());
+  std::ostringstream rest;
+  rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
+  rest << integration_comment << to_string(tree.integration()) << "\n";
+  if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
+  std::istringstream painted(format_painted(volumes));
+  for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
+  const std::string looks = seen == nullptr ? std::string() : format_seen(*seen);
+  if (!looks.empty()) rest << seen_comment << looks.size() << "\n";
+  rest << header.substr(first_line);
+  tree.writeData(rest);
+  rest << looks;
+
+  const std::string before = header.substr(0, first_line);
+  const std::string after = std::move(rest).str();
+  return before + seal_line(before, after) + after;
+}
+
+OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file) {
+  CheckedOctree checked = check_octree(bytes, file);
+  const bool is_ours = !checked.binary && checked.type == FusedTree::type_name;
+  const auto seen = is_ours ? take_seen(checked, file) : nullptr;
+  const std::shared_ptr<FusedTree> tree = read_tree(checked, file);
+  tree->set_integration(MapIntegration::unknown);
+  if (!is_ours) return {tree, {}, false};
+  restore_threshold(*tree, checked.header, file);
+  restore_integration(*tree, checked.header, file);
+  restore_damage(*tree, checked.header, file);
+  return {tree, parse_painted(comments(checked.header, painted_comment), file), true, seen};
+}
+
+std::string format_color_tree(const FusedTree& tree) {
+  MirrorTree<octomap::ColorOcTree> colored(tree.getResolution());
+  const float threshold = tree.getOccupancyThresLog();
+  colored.mirror(tree, [&](const FusedNode& from, octomap::ColorOcTreeNode& to) {
+    to.setLogOdds(from.observed() ? from.getLogOdds() - threshold : tree.getClampingThresMinLog());
+    switch (tree.state(from)) {
+      case VoxelState::painted:
+        to.setColor(60, 180, 75);
+        break;
+      case VoxelState::seen_free:
+        to.setColor(90, 150, 230);
+        break;
+      case VoxelState::occupied:
+        to.setColor(90, 90, 90);
+        break;
+      case VoxelState::conflict:
+        to.setColor(220, 40, 40);
+        break;
+      case VoxelState::unknown:
+        break;
+    }
+  });
+  if (colored.getRoot() != nullptr) colored.updateInnerOccupancy();
+  std::ostringstream stream;
+  stream << octree_header(false, colored.getTreeType(), colored.size(), colored.getResolution());
+  colored.writeData(stream);
+  return std::move(stream).str();
+}
+
+std::string format_binary_tree(const FusedTree& tree) {
+  MirrorTree<octomap::OcTree> binary(tree.getResolution());
+  binary.mirror(tree, [&](const FusedNode& from, octomap::OcTreeNode& to) {
+    const VoxelState state = tree.state(from);
+    const bool blocked = state == VoxelState::occupied || state == VoxelState::conflict;
+    to.setLogOdds(blocked ? binary.getClampingThresMaxLog() : binary.getClampingThresMinLog());
+  });
+  binary.prune();
+  std::ostringstream stream;
+  stream << octree_header(true, binary.getTreeType(), binary.size(), binary.getResolution());
+  if (binary.getRoot() != nullptr) binary.writeBinaryNode(stream, binary.getRoot());
+  return std::move(stream).str();
+}
+
+}  // namespace clearway

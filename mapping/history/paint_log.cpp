@@ -1,0 +1,131 @@
+#include "mapping/history/paint_log.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <tuple>
+
+namespace clearway {
+namespace {
+
+bool less(const Sphere& a, const Sphere& b) {
+  const auto tied = [](const Sphere& s) {
+    return std::tie(s.center.x(), s.center.y(), s.center.z(), s.radius);
+  };
+  return tied(a) < tied(b);
+}
+
+/// Balls of one list but not of the other.
+std::vector<Sphere> difference(std::vector<Sphere> before, std::vector<Sphere> now) {
+  std::sort(before.begin(), before.end(), less);
+  std::sort(now.begin(), now.end(), less);
+  std::vector<Sphere> changed;
+  std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(),
+                                std::back_inserter(changed), less);
+  return changed;
+}
+
+/// Shrinks the balls of a volume and removes those of which nothing is left.
+PaintLog::Change erase_from(PaintedVolume& volume, const Sphere& eraser) {
+  PaintLog::Change change;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < volume.balls.size(); ++i) {
+    const std::optional<Sphere> left = shrunk(volume.balls[i], eraser);
+    if (!left || left->radius != volume.balls[i].radius) change.balls.push_back(volume.balls[i]);
+    if (!left) {
+      ++change.removed;
+      continue;
+    }
+    if (left->radius != volume.balls[i].radius) {
+      ++change.shrunk;
+      change.balls.push_back(*left);
+    }
+    volume.balls[kept] = *left;
+    volume.times[kept] = volume.times[i];
+    volume.stroke_of[kept++] = volume.stroke_of[i];
+  }
+  volume.balls.resize(kept);
+  volume.times.resize(kept);
+  volume.stroke_of.resize(kept);
+  return change;
+}
+
+}  // namespace
+
+int PaintLog::add_volume(const std::string& label, const std::vector<std::string>& critical_parts) {
+  volumes_.push_back({label, critical_parts});
+  numbers_.emplace_back();
+  return static_cast<int>(volumes_.size()) - 1;
+}
+
+int PaintLog::begin_stroke(const std::string& label, const std::string& source) {
+  strokes_.push_back({label, source});
+  open_ = static_cast<int>(strokes_.size()) - 1;
+  return open_;
+}
+
+void PaintLog::paint(int volume, const Sphere& ball, double time) {
+  events_.push_back({volume, open_, false, ball, time});
+  apply(events_.back());
+}
+
+PaintLog::Change PaintLog::erase(int volume, const Sphere& eraser, double time) {
+  events_.push_back({volume, open_, true, eraser, time});
+  Change change = erase_from(volumes_[static_cast<std::size_t>(volume)], eraser);
+  change.volume = volume;
+  return change;
+}
+
+void PaintLog::apply(const PaintEvent& event) {
+  const auto index = static_cast<std::size_t>(event.volume);
+  PaintedVolume& volume = volumes_[index];
+  if (event.erases) {
+    erase_from(volume, event.ball);
+    return;
+  }
+  int local = -1;
+  if (event.stroke >= 0) {
+    std::vector<int>& numbers = numbers_[index];
+    const auto found = std::find(numbers.begin(), numbers.end(), event.stroke);
+    local = static_cast<int>(found - numbers.begin());
+    if (found == numbers.end()) {
+      const Stroke& stroke = strokes_[static_cast<std::size_t>(event.stroke)];
+      numbers.push_back(event.stroke);
+      volume.strokes.push_back({stroke.label, stroke.source});
+    }
+  }
+  volume.add(event.ball, event.time, local);
+}
+
+void PaintLog::rebuild(int volume) {
+  const auto index = static_cast<std::size_t>(volume);
+  volumes_[index] = {volumes_[index].label, volumes_[index].critical_parts};
+  numbers_[index].clear();
+  for (const PaintEvent& event : events_) {
+    if (event.volume == volume) apply(event);
+  }
+}
+
+std::vector<PaintLog::Change> PaintLog::undo(int stroke) {
+  end_stroke();
+  std::vector<Change> changes;
+  for (std::size_t v = 0; v < volumes_.size(); ++v) {
+    const int volume = static_cast<int>(v);
+    const auto undone = [&](const PaintEvent& e) { return e.volume == volume && e.stroke == stroke; };
+    const auto kept = std::remove_if(events_.begin(), events_.end(), undone);
+    if (kept == events_.end()) continue;
+    events_.erase(kept, events_.end());
+    const std::vector<Sphere> before = volumes_[v].balls;
+    rebuild(volume);
+    changes.push_back({volume, difference(before, volumes_[v].balls)});
+  }
+  return changes;
+}
+
+int PaintLog::last_stroke() const {
+  int last = -1;
+  for (const PaintEvent& event : events_) last = std::max(last, event.stroke);
+  return last;
+}
+
+}  // namespace clearway

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "mapping/voxels/painted_volume.hpp"
+
+namespace clearway {
+
+/// One ball that was painted into a volume, or one that erased from it.
+struct PaintEvent {
+  int volume = 0;
+  int stroke = -1;  ///< index into PaintLog::strokes, -1 for none
+  bool erases = false;
+  Sphere ball;
+  double time = 0.0;  ///< seconds
+};
+
+/// Everything that was painted and erased and not undone, in order, and the volumes that this makes: an
+/// eraser shrinks the balls painted before it (see `shrunk`), later balls are whole. Knows no voxels.
+class PaintLog {
+ public:
+  /// Balls of one volume that changed: as they were before, and as they are now.
+  struct Change {
+    int volume = 0;
+    std::vector<Sphere> balls{};
+    std::size_t shrunk = 0, removed = 0;  ///< of the volume's balls
+  };
+
+  /// Precondition: the label is new.
+  int add_volume(const std::string& label, const std::vector<std::string>& critical_parts);
+
+  /// What follows belongs to a new stroke; returns its number. Ends the open one.
+  int begin_stroke(const std::string& label, const std::string& source);
+  void end_stroke() { open_ = -1; }
+  int open_stroke() const { return open_; }  ///< -1 for none
+
+  void paint(int volume, const Sphere& ball, double time);
+  Change erase(int volume, const Sphere& eraser, double time);
+  /// Takes a stroke out, as if it had never been; later strokes stay. Ends the open one.
+  std::vector<Change> undo(int stroke);
+
+  const std::vector<PaintedVolume>& volumes() const { return volumes_; }
+  const std::vector<PaintEvent>& events() const { return events_; }
+  /// All strokes by number, undone ones too; without their time spans, which the volumes' strokes have.
+  const std::vector<Stroke>& strokes() const { return strokes_; }
+  /// The last stroke that holds any event, -1 when there is none.
+  int last_stroke() const;
+
+ private:
+  void apply(const PaintEvent& event);
+  void rebuild(int volume);
+
+  std::vector<PaintedVolume> volumes_;
+  std::vector<std::vector<int>> numbers_;  ///< of each volume's strokes: their numbers here
+  std::vector<PaintEvent> events_;
+  std::vector<Stroke> strokes_;
+  int open_ = -1;
+};
+
+}  // namespace clearway

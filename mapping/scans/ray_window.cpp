@@ -1,0 +1,129 @@
+#include "mapping/scans/ray_window.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+namespace clearway {
+namespace {
+
+constexpr int line = 64;
+
+struct Layout {
+  Eigen::Vector3i corner, size;
+  std::int64_t stride_y, stride_z;
+};
+
+Layout layout_of(const Eigen::AlignedBox3i& box) {
+  Layout result;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int grain = axis == 0 ? line : ScanTile::edge;
+    const int first = (box.min()[axis] - RayWindow::margin) & ~(grain - 1);
+    const int last = (box.max()[axis] + RayWindow::margin) | (grain - 1);
+    result.corner[axis] = first;
+    result.size[axis] = last - first + 1;
+  }
+  const std::int64_t lines = (result.size.x() / line) | 1;
+  result.stride_y = lines * line;
+  result.stride_z = ((lines * result.size.y()) | 1) * line;
+  return result;
+}
+
+/// Sixteen words of 4 x 4 x 4 cells from 16 masks of 64 cells along x, row (y, z) at y + 4 z.
+void arrange(const std::uint64_t (&masks)[16], std::uint64_t* words) {
+  // Two cells along x of each row lie side by side in a word, and 4 rows (2 in y, 2 in z) fill a byte.
+  const auto spread = [](std::uint64_t v) {
+    v &= 0xffffU;
+    v = (v | v << 24U) & 0x000000ff000000ffU;
+    v = (v | v << 12U) & 0x000f000f000f000fU;
+    return (v | v << 6U) & 0x0303030303030303U;
+  };
+  for (unsigned group = 0; group < 4; ++group) {          // 16 cells along x: four words
+    for (unsigned quarter = 0; quarter < 4; ++quarter) {  // 2 x 2 rows: 16 bits of each word
+      std::uint64_t bits = 0;
+      for (unsigned row = 0; row < 4; ++row) {
+        const unsigned y = (quarter & 1U) * 2 + (row & 1U), z = (quarter >> 1U) * 2 + (row >> 1U);
+        bits |= spread(masks[y + 4 * z] >> 16 * group) << 2 * row;
+      }
+      for (unsigned word = 0; word < 4; ++word)
+        words[4 * group + word] |= (bits >> 16 * word & 0xffffU) << 16 * quarter;
+    }
+  }
+}
+
+bool collect_portable(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z,
+                      std::uint64_t* words) {
+  std::uint64_t masks[16], any = 0;
+  for (unsigned row = 0; row < 16; ++row) {
+    std::uint8_t* const bytes = first + (row & 3U) * stride_y + (row >> 2U) * stride_z;
+    std::uint64_t mask = 0;
+    for (unsigned i = 0; i < 8; ++i) {
+      std::uint64_t eight;
+      std::memcpy(&eight, bytes + 8 * i, 8);
+      mask |= eight * 0x0102040810204080U >> 56U << 8 * i;  // one bit a byte, side by side
+    }
+    if (mask != 0) std::memset(bytes, 0, line);
+    masks[row] = mask;
+    any |= mask;
+  }
+  if (any != 0) arrange(masks, words);
+  return any != 0;
+}
+
+#ifdef __x86_64__
+__attribute__((target("avx512f,avx512bw"))) bool collect_avx512(std::uint8_t* first, std::int64_t stride_y,
+                                                                std::int64_t stride_z, std::uint64_t* words) {
+  std::uint64_t masks[16], any = 0;
+  for (unsigned row = 0; row < 16; ++row) {
+    std::uint8_t* const bytes = first + (row & 3U) * stride_y + (row >> 2U) * stride_z;
+    const __m512i cells = _mm512_load_si512(bytes);
+    masks[row] = _mm512_test_epi8_mask(cells, cells);
+    any |= masks[row];
+  }
+  if (any == 0) return false;
+  for (unsigned row = 0; row < 16; ++row)
+    _mm512_store_si512(first + (row & 3U) * stride_y + (row >> 2U) * stride_z, _mm512_setzero_si512());
+  arrange(masks, words);
+  return true;
+}
+#endif
+
+}  // namespace
+
+std::int64_t RayWindow::bytes_of(const Eigen::AlignedBox3i& box) {
+  const Layout layout = layout_of(box);
+  return layout.stride_z * layout.size.z();
+}
+
+void RayWindow::cover(const Eigen::AlignedBox3i& box) {
+  const Layout layout = layout_of(box);
+  corner_ = layout.corner;
+  size_ = layout.size;
+  stride_[1] = layout.stride_y;
+  stride_[2] = layout.stride_z;
+  const std::int64_t bytes = layout.stride_z * size_.z();
+  if (bytes <= capacity_) return;
+  constexpr std::size_t page = std::size_t{1} << 21U;
+  const std::size_t wanted = (static_cast<std::size_t>(bytes) + page - 1) / page * page;
+  capacity_ = 0;
+  cells_.reset();
+  cells_.reset(static_cast<std::uint8_t*>(std::aligned_alloc(page, wanted)));
+  if (cells_ == nullptr) throw std::bad_alloc();
+  std::memset(cells_.get(), 0, wanted);
+  capacity_ = static_cast<std::int64_t>(wanted);
+}
+
+bool collect_words(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z, InstructionSet set,
+                   std::uint64_t* words) {
+#ifdef __x86_64__
+  if (set == InstructionSet::avx512) return collect_avx512(first, stride_y, stride_z, words);
+#endif
+  (void)set;
+  return collect_portable(first, stride_y, stride_z, words);
+}
+
+}  // namespace clearway

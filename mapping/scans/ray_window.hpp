@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+
+#include "mapping/scans/ray_start.hpp"
+#include "mapping/voxels/scan_grid.hpp"
+
+namespace clearway {
+
+/// One byte a cell over a box of cells, 1 where a ray passed. Rows run along x; a step along an axis is the
+/// addition of a constant to an index. Rows and layers hold an odd number of cache lines, so that rays along
+/// y and z do not fall into one cache set. All bytes are 0 between scans.
+class RayWindow {
+ public:
+  static constexpr std::int64_t most_cells = std::int64_t{1} << 27U;
+  /// Cells left free beside the rays' own: rounding may carry a ray past its end, by one cell an axis.
+  static constexpr int margin = 2;
+
+  /// Bytes that a window over `box` (cells, inclusive) takes.
+  static std::int64_t bytes_of(const Eigen::AlignedBox3i& box);
+
+  /// Covers the cells of `box` (inclusive) and the margin.
+  void cover(const Eigen::AlignedBox3i& box);
+
+  std::int64_t index(const Eigen::Vector3i& cell) const {
+    const Eigen::Vector3i local = cell - corner_;
+    return local.x() + local.y() * stride_[1] + local.z() * stride_[2];
+  }
+  std::int64_t stride(std::size_t axis) const { return stride_[axis]; }
+  std::uint8_t* cells() { return cells_.get(); }
+
+  /// First cell, a multiple of 64 along x and of 32 along y and z; the window holds whole tiles.
+  const Eigen::Vector3i& corner() const { return corner_; }
+  /// Cells along each axis, multiples of 64 and 32.
+  const Eigen::Vector3i& size() const { return size_; }
+
+ private:
+  struct Free {
+    void operator()(std::uint8_t* memory) const { std::free(memory); }
+  };
+  std::unique_ptr<std::uint8_t, Free> cells_;
+  std::int64_t capacity_ = 0;
+  Eigen::Vector3i corner_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();
+  std::int64_t stride_[3] = {1, 0, 0};
+};
+
+/// Reads the bytes of 64 x 4 x 4 cells from `first` on, clears them, and returns them as 16 words of
+/// 4 x 4 x 4 cells in ScanTile's order, added (by OR) to `words`. False when all were 0.
+bool collect_words(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z, InstructionSet set,
+                   std::uint64_t* words);
+
+/// Sixteen rays side by side, each a RayState; what the walkers of each instruction set take.
+struct RayPack {
+  static constexpr std::size_t size = 16;
+  alignas(64) double next[3][size];
+  alignas(64) double delta[3][size];
+  alignas(64) std::int64_t step[3][size];  ///< of the window's index
+  alignas(64) std::int64_t at[size];       ///< index of the present cell
+  alignas(64) std::int64_t end[size];
+  alignas(64) double reach[size];
+  alignas(64) std::int64_t safe[size];  ///< steps that cannot end the ray, whatever the rounding
+  unsigned active;                      ///< bit i: lane i holds a ray
+  std::int64_t origin;                  ///< index of the origin's cell; idle lanes mark it again
+};
+
+/// Fills a pack with rays that end inside of the window; those that end in the origin's cell stay idle.
+void fill_pack(const RayStarter& starter, const RayWindow& window,
+               const std::array<RayEnd, RayPack::size>& rays, InstructionSet set, RayPack& pack);
+
+// Mark with 1 the bytes of all cells that the rays of a pack free, the origin's left out.
+void walk_pack_avx2(RayPack& pack, std::uint8_t* cells);
+void walk_pack_avx512(RayPack& pack, std::uint8_t* cells);
+
+}  // namespace clearway

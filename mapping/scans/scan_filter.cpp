@@ -1,0 +1,132 @@
+#include "mapping/scans/scan_filter.hpp"
+
+#include <pcl/filters/statistical_outlier_removal.h>
+#include <pcl/filters/voxel_grid.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace clearway {
+namespace {
+
+void check_length(double value, const char* name) {
+  if (std::isfinite(value) && value >= 0.0) return;
+  throw std::invalid_argument(std::string("scan filter: ") + name + " is " + std::to_string(value) +
+                              ", expected a finite length >= 0 in metres");
+}
+
+void check_filter(const ScanFilter& filter) {
+  check_length(filter.min_range, "min_range");
+  check_length(filter.max_range, "max_range");
+  check_length(filter.thin_to, "thin_to");
+  check_length(filter.outlier_deviations, "outlier_deviations");
+  if (filter.outlier_neighbours < 0 || filter.outlier_neighbours > 1000) {
+    throw std::invalid_argument("scan filter: outlier_neighbours is " +
+                                std::to_string(filter.outlier_neighbours) + ", expected 0 to 1000");
+  }
+  for (const Capsule& body : filter.bodies) {
+    if (!body.a.allFinite() || !body.b.allFinite()) {
+      throw std::invalid_argument(
+          "scan filter: a body's axis is not finite, expected metres in the map frame");
+    }
+    check_length(body.radius, "a body's radius");
+  }
+}
+
+bool is_dropped(const Eigen::Vector3d& point, double range, const ScanFilter& filter) {
+  if (range < filter.min_range) return true;
+  if (!filter.crop.isEmpty() && !filter.crop.contains(point)) return true;
+  return std::any_of(filter.bodies.begin(), filter.bodies.end(),
+                     [&](const Capsule& body) { return contains(body, point); });
+}
+
+/// pcl::VoxelGrid counts cubes in 32 bits; a wider cloud would overflow.
+bool can_be_thinned(const std::vector<Eigen::Vector3f>& points, double edge) {
+  Eigen::AlignedBox3d box;
+  for (const auto& point : points) box.extend(point.cast<double>());
+  const Eigen::Array3d cubes = box.sizes().array() / edge + 2.0;
+  const double farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff() / edge;
+  return cubes.prod() < 2.0e9 && farthest < 2.0e9;
+}
+
+void thin(std::vector<Eigen::Vector3f>& points, double edge) {
+  if (points.empty() || !can_be_thinned(points, edge)) return;
+  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  cloud->reserve(points.size());
+  for (const auto& point : points) cloud->push_back({point.x(), point.y(), point.z()});
+  pcl::VoxelGrid<pcl::PointXYZ> grid;
+  const auto leaf = static_cast<float>(edge);
+  grid.setLeafSize(leaf, leaf, leaf);
+  grid.setInputCloud(cloud);
+  pcl::PointCloud<pcl::PointXYZ> thinned;
+  grid.filter(thinned);
+  points.clear();
+  for (const auto& point : thinned) points.emplace_back(point.x, point.y, point.z);
+}
+
+/// Drops the points that stand apart from the others. Rays beyond max_range end nowhere and stay.
+void drop_outliers(FilteredPoints& scan, const ScanFilter& filter) {
+  const double limit = filter.max_range > 0.0 ? filter.max_range : std::numeric_limits<double>::infinity();
+  const auto is_hit = [&](const Eigen::Vector3f& point) {
+    return (point.cast<double>() - scan.origin).norm() <= limit;
+  };
+  const auto middle = std::stable_partition(scan.points.begin(), scan.points.end(), is_hit);
+  const auto hits = static_cast<std::size_t>(middle - scan.points.begin());
+  if (hits <= static_cast<std::size_t>(filter.outlier_neighbours)) return;
+  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (auto it = scan.points.begin(); it != middle; ++it) cloud->push_back({it->x(), it->y(), it->z()});
+  pcl::StatisticalOutlierRemoval<pcl::PointXYZ> removal;
+  removal.setInputCloud(cloud);
+  removal.setMeanK(filter.outlier_neighbours);
+  removal.setStddevMulThresh(filter.outlier_deviations);
+  pcl::Indices kept;
+  removal.filter(kept);
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(kept.size() + scan.points.size() - hits);
+  for (const auto index : kept) points.push_back(scan.points[static_cast<std::size_t>(index)]);
+  points.insert(points.end(), middle, scan.points.end());
+  scan.dropped_filter += scan.points.size() - points.size();
+  scan.points = std::move(points);
+}
+
+}  // namespace
+
+bool contains(const Capsule& capsule, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d axis = capsule.b - capsule.a;
+  const double length_squared = axis.squaredNorm();
+  const double along = length_squared > 0.0 ? axis.dot(point - capsule.a) / length_squared : 0.0;
+  const Eigen::Vector3d nearest = capsule.a + std::clamp(along, 0.0, 1.0) * axis;
+  return (point - nearest).squaredNorm() <= capsule.radius * capsule.radius;
+}
+
+FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
+  check_filter(filter);
+  FilteredPoints result;
+  result.origin = scan.map_from_sensor.translation();
+  result.points.reserve(scan.points.size());
+  for (const Eigen::Vector3f& measured : scan.points) {
+    const Eigen::Vector3d point = scan.map_from_sensor * measured.cast<double>();
+    const Eigen::Vector3f stored = point.cast<float>();  // OctoMap's own precision
+    if (!stored.allFinite()) {
+      ++result.dropped_invalid;
+    } else if (is_dropped(point, (point - result.origin).norm(), filter)) {
+      ++result.dropped_filter;
+    } else {
+      result.points.push_back(stored);
+    }
+  }
+  if (filter.thin_to > 0.0) {
+    const std::size_t before = result.points.size();
+    thin(result.points, filter.thin_to);
+    result.dropped_filter += before - result.points.size();
+  }
+  if (filter.outlier_neighbours > 0) drop_outliers(result, filter);
+  return result;
+}
+
+}  // namespace clearway

@@ -1,0 +1,200 @@
+#include "mapping/scans/scan_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/scans/point_batch.hpp"
+#include "mapping/scans/safe_scan.hpp"
+#include "mapping/scans/scan_filter.hpp"
+#include "mapping/system/on_threads.hpp"
+
+namespace clearway {
+namespace {
+
+using octomap::point3d;
+
+/// A coordinate that no point's cell has.
+constexpr int no_cell = 65536;
+
+/// Decides point by point where its ray ends, and whether that is a hit.
+class EndChooser {
+ public:
+  EndChooser(const FusedTree& tree, const Eigen::Vector3f& origin, double max_range,
+             const ScanInsertion& insertion, ChosenEnds& chosen)
+      : tree_(tree),
+        origin_(origin.x(), origin.y(), origin.z()),
+        max_range_(max_range),
+        insertion_(insertion),
+        out_(chosen) {}
+
+  void add(const PointBatch& points, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if ((points.has_cell >> i & 1U) == 0) {
+        add_without_cell(points.point(i), (points.finite >> i & 1U) != 0);
+      } else if (insertion_.discretize) {
+        add_cell(points.cell(i));
+      } else {
+        add_point(points.point(i), points.cell(i), false);
+      }
+    }
+  }
+
+ private:
+  /// Beyond the tree; its ray may still end at max_range.
+  void add_without_cell(const Eigen::Vector3f& point, bool finite) {
+    if (finite && is_beyond(point)) {
+      add_beyond(point, Eigen::Vector3i::Constant(no_cell), false);
+    } else {
+      ++out_.counts.dropped_invalid;
+    }
+  }
+
+  void add_cell(const Eigen::Vector3i& cell) {
+    if (cell == last_cell_) {
+      ++*last_count_;
+      return;
+    }
+    last_cell_ = cell;
+    const bool repeated = !(max_range_ > 0.0 ? out_.seen : out_.hits).set_occupied(cell);
+    if (repeated && max_range_ == 0.0) {
+      last_count_ = &out_.counts.inserted;
+      ++*last_count_;
+      return;
+    }
+    const Eigen::Array3d centre = (cell.cast<double>().array() + 0.5) * tree_.getResolution();  // keyToCoord
+    last_count_ = add_point(centre.cast<float>(), cell, repeated);
+  }
+
+  /// Returns what counts points like this one.
+  std::size_t* add_point(const Eigen::Vector3f& point, const Eigen::Vector3i& cell, bool repeated) {
+    if (is_beyond(point)) return add_beyond(point, cell, repeated);
+    ++out_.counts.inserted;
+    if (repeated) return &out_.counts.inserted;
+    push({point, reach(point)}, cell);
+    if (cell != last_hit_) out_.hits.set_occupied(cell);
+    last_hit_ = cell;
+    return &out_.counts.inserted;
+  }
+
+  std::size_t* add_beyond(const Eigen::Vector3f& point, const Eigen::Vector3i& cell, bool repeated) {
+    const point3d way = point3d(point.x(), point.y(), point.z()) - origin_;
+    const point3d end = origin_ + way.normalized() * static_cast<float>(max_range_);
+    const bool inside = tree_.cell({end.x(), end.y(), end.z()}).has_value();
+    std::size_t* const count = inside ? &out_.counts.beyond_range : &out_.counts.dropped_invalid;
+    ++*count;
+    if (inside && !repeated) push({{end.x(), end.y(), end.z()}}, cell);
+    return count;
+  }
+
+  void push(const RayEnd& end, const Eigen::Vector3i& cell) {
+    out_.ends.push_back(end);
+    if (insertion_.discretize) out_.cells.push_back(cell);
+  }
+
+  /// How far the ray of a hit frees.
+  float reach(const Eigen::Vector3f& point) const {
+    if (insertion_.integration == Integration::compatible) return std::numeric_limits<float>::infinity();
+    const double length = (point3d(point.x(), point.y(), point.z()) - origin_).norm();
+    return static_cast<float>(std::max(0.0, length - insertion_.margins.trim(length)));
+  }
+
+  bool is_beyond(const Eigen::Vector3f& point) const {
+    return max_range_ > 0.0 && (point3d(point.x(), point.y(), point.z()) - origin_).norm() > max_range_;
+  }
+
+  const FusedTree& tree_;
+  point3d origin_;
+  double max_range_;
+  const ScanInsertion& insertion_;
+  ChosenEnds& out_;
+  Eigen::Vector3i last_cell_ = Eigen::Vector3i::Constant(no_cell), last_hit_ = last_cell_;
+  std::size_t* last_count_ = nullptr;
+};
+
+/// Adds to the first share those ends of another one that it does not have yet.
+void join(const ScanInsertion& insertion, double max_range, ChosenEnds& other, ChosenEnds& first) {
+  if (insertion.discretize) {
+    ScanGrid& seen = max_range > 0.0 ? first.seen : first.hits;
+    for (std::size_t i = 0; i < other.ends.size(); ++i) {
+      const Eigen::Vector3i& cell = other.cells[i];
+      if (cell.x() == no_cell || seen.set_occupied(cell)) first.ends.push_back(other.ends[i]);
+    }
+  } else {
+    first.ends.insert(first.ends.end(), other.ends.begin(), other.ends.end());
+  }
+  for (const ScanTile* from : other.hits.tiles()) {
+    ScanTile& to = first.hits.tile(from->corner);
+    for (std::size_t i = 0; i < ScanTile::words; ++i) to.occupied[i] |= from->occupied[i];
+  }
+  first.counts.inserted += other.counts.inserted;
+  first.counts.beyond_range += other.counts.beyond_range;
+  first.counts.dropped_invalid += other.counts.dropped_invalid;
+}
+
+/// True when the filter keeps every point, so that scans need not go through filter_points.
+bool keeps_all(const ScanFilter& filter) {
+  return filter.min_range == 0.0 && filter.thin_to == 0.0 && filter.crop.isEmpty() && filter.bodies.empty() &&
+         filter.outlier_neighbours == 0 && std::isfinite(filter.max_range) && filter.max_range >= 0.0;
+}
+
+}  // namespace
+
+ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter,
+                      const ScanInsertion& insertion, ScanWorkspace& workspace, ScanCounts& counts) {
+  workspace.grid.clear();
+  workspace.chosen.ends.clear();
+  counts = {};
+  const bool whole = keeps_all(filter);
+  const FilteredPoints kept = whole ? FilteredPoints{} : filter_points(scan, filter);
+  const Eigen::Vector3d origin = scan.map_from_sensor.translation();
+  workspace.chosen.origin = origin.cast<float>();
+  if (!origin.allFinite() || !tree.cell(workspace.chosen.origin.cast<double>())) {
+    counts.dropped_invalid = scan.points.size();
+    counts.origin_invalid = true;
+    return workspace.chosen;
+  }
+  const std::vector<Eigen::Vector3f>& points = whole ? scan.points : kept.points;
+  const Eigen::Isometry3d pose = whole ? scan.map_from_sensor : Eigen::Isometry3d::Identity();
+  const auto workers = static_cast<std::size_t>(insertion.threads);
+  std::vector<ChosenEnds>& shares = workspace.shares;
+  shares.resize(workers);
+  std::swap(shares[0].hits, workspace.grid);
+  std::swap(shares[0].ends, workspace.chosen.ends);
+  on_threads(workers, [&](std::size_t worker) {
+    ChosenEnds& share = shares[worker];
+    share.clear();
+    EndChooser chooser(tree, workspace.chosen.origin, filter.max_range, insertion, share);
+    PointBatch batch;
+    const std::size_t last = points.size() * (worker + 1) / workers;
+    for (std::size_t at = points.size() * worker / workers; at < last; at += PointBatch::size) {
+      const std::size_t count = std::min(PointBatch::size, last - at);
+      place_points(points.data() + at, count, pose, 1.0 / tree.getResolution(), insertion.instructions,
+                   batch);
+      chooser.add(batch, count);
+    }
+  });
+  for (std::size_t i = 1; i < workers; ++i) join(insertion, filter.max_range, shares[i], shares[0]);
+  counts = shares[0].counts;
+  counts.dropped_invalid += kept.dropped_invalid;
+  counts.dropped_filter = kept.dropped_filter;
+  std::swap(shares[0].hits, workspace.grid);
+  std::swap(shares[0].ends, workspace.chosen.ends);
+  return workspace.chosen;
+}
+
+ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
+                       const ScanInsertion& insertion, ScanWorkspace& workspace) {
+  ScanCounts counts;
+  const ScanRays& rays = choose_rays(tree, scan, filter, insertion, workspace, counts);
+  cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
+            workspace.grid);
+  if (insertion.integration == Integration::safe) {
+    const double band = insertion.margins.band, resolution = tree.getResolution();
+    spare_surfaces(workspace.grid, {growth_of(band, resolution), clear_growth_of(band, resolution)},
+                   insertion.threads);
+  }
+  tree.update(workspace.grid, insertion.integration, insertion.threads);
+  return counts;
+}
+
+}  // namespace clearway

@@ -1,0 +1,120 @@
+// Erasing and undoing: FusedTree's descent that paints and unpaints until the voxels agree with a list of
+// balls again. Like painting it goes to single voxels, never through a node that stands for many.
+
+#include <algorithm>
+
+#include "mapping/voxels/ball_cells.hpp"
+
+namespace clearway {
+
+namespace {
+
+using Balls = std::vector<const Sphere*>;
+
+Balls pointers(const std::vector<Sphere>& balls) {
+  Balls result;
+  result.reserve(balls.size());
+  for (const Sphere& ball : balls) result.push_back(&ball);
+  return result;
+}
+
+Balls covering_some_voxel(const Balls& balls, const CellCube& cube, double resolution) {
+  Balls result;
+  for (const Sphere* ball : balls) {
+    if (covers_some_voxel(*ball, cube, resolution)) result.push_back(ball);
+  }
+  return result;
+}
+
+bool nothing_known(const FusedNode& node) {
+  return !node.has_children() && !node.observed() && node.painted() == 0;
+}
+
+}  // namespace
+
+/// The part of the work that lies in one cube.
+struct FusedTree::Repainting {
+  CellCube cube;
+  Balls changed;  ///< where voxels may have changed; of those that cover some voxel of the cube
+  Balls balls;    ///< of the volume, likewise
+  std::uint16_t bit = 0;
+  RepaintTally* tally = nullptr;
+};
+
+RepaintTally FusedTree::repaint(int volume, const std::vector<Sphere>& changed,
+                                const std::vector<Sphere>& balls) {
+  RepaintTally tally;
+  const CellCube whole;
+  const Balls where = covering_some_voxel(pointers(changed), whole, resolution);
+  if (where.empty()) return tally;
+  const Repainting work{whole, where, covering_some_voxel(pointers(balls), whole, resolution),
+                        static_cast<std::uint16_t>(1U << volume), &tally};
+  if (work.balls.empty() && root == nullptr) return tally;
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  repaint_cube(top, created, work);
+  if (nothing_known(top)) release_root();
+  return tally;
+}
+
+/// Precondition: every voxel of the volume outside of the changed balls agrees with the balls.
+void FusedTree::repaint_cube(FusedNode& node, bool just_created, const Repainting& work) {
+  const auto covers_all = [&](const Sphere* ball) { return covers(*ball, work.cube, resolution); };
+  if (work.balls.empty()) return repaint_all(node, false, work.cube, work);
+  if (std::any_of(work.balls.begin(), work.balls.end(), covers_all))
+    return repaint_all(node, true, work.cube, work);
+  for (unsigned i = 0; i < 8; ++i) {
+    Repainting part{work.cube.child(i), {}, {}, work.bit, work.tally};
+    part.changed = covering_some_voxel(work.changed, part.cube, resolution);
+    if (part.changed.empty()) continue;
+    part.balls = covering_some_voxel(work.balls, part.cube, resolution);
+    if (part.balls.empty() && !may_be_painted(node, i, just_created, work.bit)) continue;
+    bool created = false;
+    FusedNode& child = child_for_writing(node, i, just_created, created);
+    repaint_cube(child, created, part);
+    if (nothing_known(child)) remove_child(node, i);
+    just_created = !node.has_children();
+  }
+  if (node.has_children() && !pruneNode(&node)) node.updateOccupancyChildren();
+}
+
+/// Puts the volume's paint on every voxel of the cube, or takes it off.
+void FusedTree::repaint_all(FusedNode& node, bool paint, const CellCube& cube, const Repainting& work) {
+  if (!node.has_children()) {
+    const bool was_painted = (node.painted() & work.bit) != 0;
+    if (was_painted != paint) (paint ? work.tally->painted : work.tally->unpainted) += cube.volume();
+    paint ? node.add_paint(work.bit) : node.remove_paint(work.bit);
+    return;
+  }
+  for (unsigned i = 0; i < 8; ++i) {
+    if (!paint && !nodeChildExists(&node, i)) continue;
+    bool created = false;
+    FusedNode& child = child_for_writing(node, i, false, created);
+    repaint_all(child, paint, cube.child(i), work);
+    if (nothing_known(child)) remove_child(node, i);
+  }
+  if (node.has_children() && !pruneNode(&node)) node.updateOccupancyChildren();
+}
+
+/// False when no voxel of a child can carry the paint `bit`: nothing is stored for it, or a pruned `node`
+/// says so for all.
+bool FusedTree::may_be_painted(const FusedNode& node, unsigned index, bool just_created,
+                               std::uint16_t bit) const {
+  if (!node.has_children()) return !just_created && (node.painted() & bit) != 0;
+  return nodeChildExists(&node, index);
+}
+
+/// Takes a leaf away, and the child array with the last one.
+void FusedTree::remove_child(FusedNode& node, unsigned index) {
+  FusedNode::release(static_cast<FusedNode*>(node.children[index]));
+  node.children[index] = nullptr;
+  --tree_size;
+  size_changed = true;
+  for (unsigned i = 0; i < 8; ++i) {
+    if (node.child(i) != nullptr) return;
+  }
+  node.drop_children();
+  node.forget();
+}
+
+}  // namespace clearway

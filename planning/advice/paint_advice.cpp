@@ -1,0 +1,174 @@
+#include "planning/advice/paint_advice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <locale>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include "planning/beam/beam_guided.hpp"
+#include "planning/beam/via_beam.hpp"
+#include "planning/robot/reach.hpp"
+#include "planning/routes/free_route.hpp"
+#include "planning/routes/hand.hpp"
+#include "planning/space/guarded_body.hpp"
+#include "planning/space/joint_weights.hpp"
+
+namespace clearway {
+namespace {
+
+using Path = std::vector<Configuration>;
+
+/// The same space where unknown counts as free for every part.
+ConfigurationSpace relaxed(const ConfigurationSpace& space) {
+  Policies policies;
+  for (const auto& [part, policy] : space.policies()) policies.parts[part] = Policy::not_occupied;
+  SpaceOptions options = space.options();
+  options.seen_within = 0.0;  // asked of known_free alone
+  return {space.robot(), space.map(), policies, options};
+}
+
+/// A body that has to stay in painted or known space.
+struct BoundBody {
+  GuardedBody guarded;
+  double radius;  ///< of a ball about the middle of its shape that holds it
+};
+
+std::vector<BoundBody> bound_bodies(const ConfigurationSpace& space) {
+  const Robot& robot = space.robot();
+  std::vector<BoundBody> bodies;
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    const Body& body = robot.bodies[i];
+    const BlockedSpace* blocked = space.blocked_space(static_cast<int>(i));
+    if (blocked == nullptr || space.policies().at(body.part) == Policy::not_occupied) continue;
+    const std::shared_ptr<const BlockedSpace> borrowed(std::shared_ptr<void>(), blocked);
+    Eigen::AlignedBox3d reach = reach_box(robot, body);
+    const double beyond = space.options().padding + space.map().resolution();
+    reach.min().array() -= beyond, reach.max().array() += beyond;
+    bodies.push_back({GuardedBody(body, borrowed, reach), body.shape.bounding_radius()});
+  }
+  return bodies;
+}
+
+/// Balls that hold the bodies wherever they leave their space along the path, or come within half a voxel of
+/// leaving it. A ball that lies within a voxel of one advised before is left out: that one is made a voxel
+/// larger for it.
+std::vector<PaintHint> missing_paint(const ConfigurationSpace& space, const Path& path) {
+  const Robot& robot = space.robot();
+  const std::vector<BoundBody> bodies = bound_bodies(space);
+  const double voxel = space.map().resolution(), margin = space.options().padding + 0.5 * voxel;
+  const double larger = margin + (std::sqrt(3.0) + 1.0) * voxel;
+  std::vector<PaintHint> hints;
+  const auto look = [&](const Configuration& q) {
+    const LinkPoses poses = forward_kinematics(robot, q);
+    for (const auto& [guarded, radius] : bodies) {
+      const Body& body = guarded.body();
+      const Eigen::Isometry3d& pose = poses[static_cast<std::size_t>(body.link)];
+      if (guarded.is_clear(pose, margin)) continue;
+      const Sphere ball{pose * body.link_from_shape.translation(), radius + larger};
+      const bool known = std::any_of(hints.begin(), hints.end(), [&](const PaintHint& hint) {
+        return hint.part == body.part && hint.ball.radius >= ball.radius &&
+               (hint.ball.center - ball.center).norm() <= voxel;
+      });
+      if (!known) hints.push_back({ball, body.part});
+    }
+  };
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Eigen::VectorXd edge = path[i] - path[i - 1];
+    const int pieces = 1 + static_cast<int>(space.motion_bound(edge.cwiseAbs()) / (0.5 * voxel));
+    for (int k = 0; k < pieces; ++k) look(path[i - 1] + edge * (static_cast<double>(k) / pieces));
+  }
+  if (!path.empty()) look(path.back());
+  return hints;
+}
+
+/// A path in the relaxed space along the route for the hand that keeps to the paint where it can.
+Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
+  const Robot& robot = strict.space.robot();
+  const Hand hand = find_hand(strict.space);
+  const BlockedSpace& paint = hand.blocked(strict.space);
+  const BlockedSpace& open = hand.blocked(free.space);
+  const double voxel = strict.space.map().resolution();
+  const Eigen::Vector3d from = hand.position(robot, strict.start), to = hand.position(robot, strict.goal);
+  Eigen::AlignedBox3d bounds = reach_box(robot, robot.bodies[static_cast<std::size_t>(hand.body)]);
+  Eigen::AlignedBox3d about = strict.space.map().bounds();
+  about.extend(from).extend(to);
+  about.min().array() -= 4.0 * hand.outer_radius, about.max().array() += 4.0 * hand.outer_radius;
+  bounds = bounds.intersection(about);
+  const HandRoute route = free_route(
+      open, bounds, from, to, hand.inner_radius, 2.0 * voxel,
+      [&](const Eigen::Vector3d& point) {
+        const double clearance = paint.clearance(point), most = paint.max_distance();
+        return clearance >= std::min(hand.outer_radius, most)   ? 1.0
+               : clearance >= std::min(hand.inner_radius, most) ? 5.0
+                                                                : 30.0;
+      },
+      free.out_of_time);
+  if (route.points.empty()) return {};
+  return search_via_regions(free, hand, route, joint_weights(free.space, 0.0), {}).waypoints;
+}
+
+void write_ball(std::ostream& text, const Sphere& ball) {
+  text << std::lround(100.0 * ball.radius) << " cm around (" << std::setprecision(2) << ball.center.x()
+       << ", " << ball.center.y() << ", " << ball.center.z() << ')';
+}
+
+}  // namespace
+
+std::string PaintAdvice::sentence() const {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::fixed;
+  if (way_exists) text << "beam_guided finds a path that needs no more paint.";
+  if (balls.empty()) return text.str();
+  if (way_exists) text << ' ';
+  text << "Painting would connect start and goal: ";
+  std::size_t strokes = 0;
+  for (std::size_t i = 0; i < balls.size();) {  // balls that follow each other and overlap are one stroke
+    std::size_t last = i;
+    while (last + 1 < balls.size() && balls[last + 1].part == balls[i].part &&
+           (balls[last + 1].ball.center - balls[last].ball.center).norm() < balls[last].ball.radius) {
+      ++last;
+    }
+    if (strokes++ > 0) text << "; ";
+    write_ball(text, balls[i].ball);
+    if (last > i)
+      text << " and on to (" << balls[last].ball.center.x() << ", " << balls[last].ball.center.y() << ", "
+           << balls[last].ball.center.z() << ')';
+    text << " for " << balls[i].part;
+    i = last + 1;
+    if (strokes == 4 && i < balls.size()) {
+      text << "; and " << balls.size() - i << " balls more";
+      break;
+    }
+  }
+  text << '.';
+  return text.str();
+}
+
+PaintAdvice advise_paint(const Planner& planner, const PlanProblem& problem, bool follows_lattice) {
+  PaintAdvice advice;
+  const auto is_bound = [](const auto& entry) { return entry.second != Policy::not_occupied; };
+  const auto& policies = problem.space.policies();
+  if (std::none_of(policies.begin(), policies.end(), is_bound)) return advice;
+  const ConfigurationSpace open = relaxed(problem.space);
+  const PlanProblem free{open, problem.cost, problem.start, problem.goal, problem.seed, problem.out_of_time};
+  if (check_ends(free).status != PlanStatus::solved) return advice;
+
+  if (dynamic_cast<const BeamGuided*>(&planner) == nullptr) {
+    advice.way_exists = BeamGuided({}).plan(problem).status == PlanStatus::solved;
+  }
+  const PlanResult own = planner.plan(free);
+  std::optional<std::vector<PaintHint>> ours, other;
+  if (own.status == PlanStatus::solved) ours = missing_paint(problem.space, own.waypoints);
+  const Path near_paint = path_near_paint(problem, free);
+  if (!near_paint.empty()) other = missing_paint(problem.space, near_paint);
+  const bool takes_other =
+      other && !other->empty() && (!ours || (!follows_lattice && 2 * other->size() < ours->size()));
+  if (takes_other || ours) advice.balls = takes_other ? std::move(*other) : std::move(*ours);
+  return advice;
+}
+
+}  // namespace clearway

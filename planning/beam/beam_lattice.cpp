@@ -1,0 +1,125 @@
+#include "planning/beam/beam_lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "mapping/system/number_text.hpp"
+#include "planning/problem/option_reader.hpp"
+#include "planning/space/joint_weights.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kDefaultTurn = 0.5 * kDegree;  ///< the paper's epsilon for all joints
+constexpr double kDefaultSlide = 0.005;         ///< metres, full size
+
+double given_step(const std::vector<double>& steps, std::size_t joint, const char* name, std::size_t dof) {
+  if (steps.size() != 1 && steps.size() != dof) {
+    throw std::invalid_argument(
+        "beam: option '" + std::string(name) + "' has " + std::to_string(steps.size()) +
+        " values: expected one, or one for each of the " + std::to_string(dof) + " joints");
+  }
+  return steps.size() == 1 ? steps[0] : steps[joint];
+}
+
+double step_of(const Robot& robot, std::size_t j, const BeamOptions& options) {
+  const Joint& joint = robot.joints[j];
+  const bool turns = joint.kind == JointKind::revolute;
+  if (turns && !options.step_deg.empty())
+    return kDegree * given_step(options.step_deg, j, "step_deg", robot.dof());
+  if (!options.step.empty()) return given_step(options.step, j, "step", robot.dof());
+  if (joint.step > 0.0) return joint.step;
+  return turns ? kDefaultTurn : kDefaultSlide * robot.scale;
+}
+
+/// A joint that slides without limits below joints that turn: neither the scale between radians and metres
+/// nor how far a step moves the robot has a bound.
+void refuse_unlimited_reach(const ConfigurationSpace& space) {
+  if (joint_reach(space).allFinite()) return;
+  for (const Joint& joint : space.robot().joints) {
+    if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
+      continue;
+    throw std::invalid_argument(
+        "beam: joint '" + joint.name +
+        "' slides without limits, so that it has no scale against the joints that turn "
+        "(option 'prismatic_scale'): expected joint limits");
+  }
+}
+
+}  // namespace
+
+BeamOptions read_beam_options(const std::string& planner, const PlannerOptions& given,
+                              std::map<std::string, std::string>& in_force) {
+  OptionReader reader(planner, given);
+  BeamOptions options;
+  options.width = reader.integer("width", options.width, 1, 100000);
+  options.step = reader.numbers_or_auto("step", 1e-6, 10.0);
+  options.step_deg = reader.numbers_or_auto("step_deg", 1e-4, 180.0);
+  options.max_steps = reader.integer_or_auto("max_steps", 1, 100000000);
+  options.last_segment = reader.flag("last_segment", options.last_segment);
+  options.node_only = reader.flag("node_only", options.node_only);
+  options.prismatic_scale = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
+  reader.refuse_unknown();
+  in_force = reader.in_force();
+  return options;
+}
+
+Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
+    : start_(problem.start),
+      goal_(problem.goal),
+      weight_(joint_weights(problem.space, options.prismatic_scale)) {
+  const Robot& robot = problem.space.robot();
+  refuse_unlimited_reach(problem.space);
+  const auto n = static_cast<Eigen::Index>(robot.dof());
+  step_.resize(n), lower_.resize(n), upper_.resize(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto joint = static_cast<std::size_t>(j);
+    step_[j] = step_of(robot, joint, options);
+    lower_[j] = robot.joints[joint].lower;
+    upper_[j] = robot.joints[joint].upper;
+    if (upper_[j] - lower_[j] < step_[j]) {
+      throw std::invalid_argument("beam: joint '" + robot.joints[joint].name + "' moves by " +
+                                  short_text(upper_[j] - lower_[j]) +
+                                  " at most, expected at least its step, " + short_text(step_[j]));
+    }
+  }
+}
+
+Configuration Lattice::configuration(const LatticeIndex& node) const {
+  Configuration q(dof());
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = value(j, node[static_cast<std::size_t>(j)]);
+  return q;
+}
+
+bool Lattice::keeps_limits(const LatticeIndex& node) const {
+  for (Eigen::Index j = 0; j < dof(); ++j) {
+    const double q = value(j, node[static_cast<std::size_t>(j)]);
+    if (!(q >= lower_[j] && q <= upper_[j])) return false;
+  }
+  return true;
+}
+
+double Lattice::distance_term(Eigen::Index joint, int index) const {
+  const double difference = weight_[joint] * (value(joint, index) - goal_[joint]);
+  return difference * difference;
+}
+
+double Lattice::squared_distance(const LatticeIndex& node) const {
+  double sum = 0.0;
+  for (Eigen::Index j = 0; j < dof(); ++j) sum += distance_term(j, node[static_cast<std::size_t>(j)]);
+  return sum;
+}
+
+bool Lattice::reaches_goal(const LatticeIndex& node) const {
+  const Configuration q = configuration(node);
+  return ((q - goal_).array().abs() <= (1.0 + 1e-9) * step_.array()).all();
+}
+
+double Lattice::longest_ramp() const {
+  return dof() == 0 ? 0.0 : ((goal_ - start_).array().abs() / step_.array()).maxCoeff();
+}
+
+}  // namespace clearway

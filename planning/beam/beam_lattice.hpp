@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "planning/problem/planner.hpp"
+
+namespace clearway {
+
+/// Options of the beam search; `clearway plan --print-options` prints their text forms.
+struct BeamOptions {
+  int width = 10;                ///< k, the maximum width of the beam
+  std::vector<double> step;      ///< epsilon_j, rad or m, one or one per joint; empty: the robot's own
+  std::vector<double> step_deg;  ///< the same in degrees, for revolute joints
+  int max_steps = 0;             ///< 0: 20 max_j |dq_j| / epsilon_j + 200
+  bool last_segment = true;      ///< append the certified segment to the exact goal
+  bool node_only = false;        ///< check nodes only, as the paper does: paths are then not certified
+  double prismatic_scale = 0.0;  ///< rad per metre in eq. 10; 0: see joint_weights
+};
+
+/// @throws std::invalid_argument as OptionReader does.
+BeamOptions read_beam_options(const std::string& planner, const PlannerOptions& given,
+                              std::map<std::string, std::string>& in_force);
+
+/// A node of the lattice: q_j = start_j + index_j epsilon_j.
+using LatticeIndex = std::vector<int>;
+
+/// The state lattice around the start, Chong et al. 2008, eq. 4-6, with the measures of eq. 10 and 11.
+class Lattice {
+ public:
+  /// @throws std::invalid_argument when the number of steps given does not fit the robot, or a joint moves
+  /// less than its step.
+  Lattice(const PlanProblem& problem, const BeamOptions& options);
+
+  Eigen::Index dof() const { return start_.size(); }
+  double step(Eigen::Index joint) const { return step_[joint]; }  ///< epsilon_j
+  double value(Eigen::Index joint, int index) const { return start_[joint] + index * step_[joint]; }
+  Configuration configuration(const LatticeIndex& node) const;
+  bool keeps_limits(const LatticeIndex& node) const;
+
+  /// One joint's share of the squared dist_to_goal: (w_j (q_j - q_jG))^2 where index_j = `index`.
+  double distance_term(Eigen::Index joint, int index) const;
+  /// Squared dist_to_goal, eq. 10, summed in joint order.
+  double squared_distance(const LatticeIndex& node) const;
+  /// Eq. 11: |q_j - q_jG| <= epsilon_j for all j (1e-9 epsilon_j granted for rounding).
+  bool reaches_goal(const LatticeIndex& node) const;
+
+  /// max_j |q_jG - q_jS| / epsilon_j: the fewest steps that scenario 1 of the paper needs, within one.
+  double longest_ramp() const;
+
+ private:
+  Configuration start_, goal_;
+  Eigen::VectorXd step_, weight_, lower_, upper_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,99 @@
+#include "planning/boundary/boundary.hpp"
+
+#include "mapping/system/number_text.hpp"
+#include "planning/boundary/boundary_controller.hpp"
+#include "planning/problem/option_reader.hpp"
+
+namespace clearway {
+namespace {
+
+/// The motion of one query.
+class BoundaryMotion {
+ public:
+  BoundaryMotion(const PlanProblem& problem, const BoundaryOptions& given)
+      : problem_(problem),
+        options_(resolve(given.local, problem)),
+        max_steps_(resolve_max_steps(given.local, options_, problem)),
+        motion_(problem, options_),
+        controller_(problem.space.robot(), given, options_) {}
+
+  PlanResult run(const PlanResult& ends) {
+    std::string failure;
+    while (failure.empty() && !motion_.is_at_goal()) {
+      if (problem_.out_of_time()) return finish(ends, PlanStatus::timed_out, "Out of time.");
+      failure = motion_.steps() >= max_steps_ ? stopped("Reached max_steps") : advance();
+    }
+    const std::string solved =
+        "Reached the goal after " + counted_deadlocks(controller_.counts().deadlocks) + ".";
+    return finish(ends, failure.empty() ? PlanStatus::solved : PlanStatus::no_path,
+                  failure.empty() ? solved : failure);
+  }
+
+ private:
+  /// One step. Returns why the motion ends, or nothing.
+  std::string advance() {
+    constraints_ = constraints_at(problem_.space, motion_.position(), options_);
+    const Eigen::VectorXd wanted = step_to_goal(options_, motion_.position(), problem_.goal);
+    local_ = local_step(constraints_, wanted, options_);
+    motion_.note(constraints_, local_);
+    const BoundaryChoice choice =
+        controller_.next(constraints_, local_, wanted, motion_.position(), problem_.goal);
+    if (!choice.why.empty()) return stopped(choice.why);
+    if (motion_.take(choice.step)) return "";
+    return stopped(choice.is_local ? "The next local step could not be certified free"
+                                   : "The next step along the boundary could not be certified free");
+  }
+
+  std::string stopped(const std::string& why) const {
+    return why + ", after " + std::to_string(motion_.steps()) + " steps and " +
+           counted_deadlocks(controller_.counts().deadlocks) + ", " + short_text(motion_.distance_to_goal()) +
+           " from the goal in joint space: " +
+           holding_back(problem_.space, constraints_, local_.multipliers) + ".";
+  }
+
+  PlanResult finish(const PlanResult& ends, PlanStatus status, const std::string& explanation) const {
+    PlanResult result = motion_.result(ends, status, explanation);
+    const BoundaryController::Counts& counts = controller_.counts();
+    result.statistics["steps_local"] = counts.local;
+    result.statistics["steps_boundary"] = counts.boundary;
+    result.statistics["deadlocks"] = counts.deadlocks;
+    result.statistics["constraint_switches"] = counts.switches;
+    result.statistics["boundaries_lost"] = counts.lost;
+    result.statistics["vertices_relaxed"] = counts.relaxed;
+    return result;
+  }
+
+  const PlanProblem& problem_;
+  const DamperOptions options_;
+  const int max_steps_;
+  CertifiedMotion motion_;
+  BoundaryController controller_;
+  StepConstraints constraints_;
+  LocalStep local_;
+};
+
+}  // namespace
+
+BoundaryOptions read_boundary_options(OptionReader& reader) {
+  BoundaryOptions options;
+  options.local = read_constraint_options(reader);
+  options.enter_ratio = reader.number("enter_ratio", options.enter_ratio, 0.0, 0.99);
+  options.leave_ratio = reader.number("leave_ratio", options.leave_ratio, 0.01, 1.0);
+  options.upper = reader.choice("side", "upper", {"upper", "lower"}) == "upper";
+  return options;
+}
+
+Boundary::Boundary(const PlannerOptions& options) {
+  OptionReader reader("boundary", options);
+  options_ = read_boundary_options(reader);
+  reader.refuse_unknown();
+  in_force_ = reader.in_force();
+}
+
+PlanResult Boundary::plan(const PlanProblem& problem) const {
+  const PlanResult ends = check_ends(problem);
+  if (ends.status != PlanStatus::solved) return ends;
+  return BoundaryMotion(problem, options_).run(ends);
+}
+
+}  // namespace clearway

@@ -1,0 +1,128 @@
+#include "planning/boundary/boundary_plus.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "planning/boundary/plus_search.hpp"
+#include "planning/path/any_angle.hpp"
+#include "planning/path/path_pieces.hpp"
+#include "planning/path/rounded_corners.hpp"
+#include "planning/path/shortcut.hpp"
+#include "planning/problem/option_reader.hpp"
+
+namespace clearway {
+namespace {
+
+/// Shortens a path a few attempts at a time, so that the deadline is kept.
+std::vector<Configuration> shortened(const PlanProblem& problem, std::vector<Configuration> path,
+                                     const Eigen::VectorXd& weight, int attempts) {
+  constexpr int at_once = 10;
+  for (int done = 0; done < attempts && !problem.out_of_time(); done += at_once) {
+    path = shortcut(problem.space, std::move(path), weight, problem.seed + static_cast<std::uint64_t>(done),
+                    std::min(at_once, attempts - done));
+  }
+  return path;
+}
+
+/// As for `constraint`, but the automatic influence is shorter (rows cost as many voxels as they look at) and
+/// the automatic step longer.
+DamperOptions damper_of(const BoundaryPlusOptions& options, const PlanProblem& problem) {
+  constexpr double influence_share = 0.75;
+  ConstraintOptions local = options.local;
+  if (local.influence_distance == 0.0)
+    local.influence_distance = influence_share * resolve(local, problem).influence_distance;
+  DamperOptions damper = resolve(local, problem);
+  if (local.max_step == 0.0) damper.max_step *= options.stride;
+  return damper;
+}
+
+PlanResult failed(const PlanProblem& problem, const PlusSearch& search, PlanResult result) {
+  result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
+  result.explored = search.explored();
+  result.final_distance = (problem.goal - result.explored.back()).norm();
+  result.explanation = "Stuck after " + search.effort() + ".";
+  return result;
+}
+
+void refuse_contradictions(const BoundaryPlusOptions& chosen, const PlannerOptions& given) {
+  const auto refuse = [](const std::string& what) { throw std::invalid_argument("boundary_plus: " + what); };
+  if (chosen.local_steps == 0 && chosen.planes > 0) {
+    refuse("option 'planes' is " + std::to_string(chosen.planes) +
+           " and 'local_steps' 0: planes begin at deadlocks of the local method, expected planes 0");
+  }
+  if (chosen.local_steps == 0 && chosen.planes == 0 && chosen.max_samples == 0) {
+    refuse(
+        "options 'local_steps', 'planes' and 'max_samples' are all 0: expected one stage beside the straight "
+        "edge");
+  }
+  if (chosen.local.max_step > 0.0 && given.count("stride") > 0) {
+    refuse(
+        "options 'max_step' and 'stride' are both given: stride multiplies the automatic max_step, expected "
+        "one of them");
+  }
+}
+
+/// The figures of the local method in force, as `constraint` tells them.
+void add_figures(const DamperOptions& damper, PlanResult& result) {
+  result.statistics["max_step"] = damper.max_step;
+  result.statistics["influence_distance_m"] = damper.influence_distance;
+  result.statistics["security_distance_m"] = damper.security_distance;
+  result.statistics["xi_m"] = damper.xi;
+}
+
+}  // namespace
+
+BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
+  OptionReader reader("boundary_plus", options);
+  options_.local.max_step = reader.number_or_auto("max_step", 0.0, 10.0);
+  options_.local.influence_distance = reader.number_or_auto("influence_distance", 0.0, 1e3);
+  options_.local.security_distance = reader.number_or_auto("security_distance", 0.0, 1e3);
+  options_.local.xi = reader.number_or_auto("xi", 0.0, 1e3);
+  options_.local.prismatic_scale = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
+  options_.stride = reader.number("stride", options_.stride, 0.1, 10.0);
+  options_.local_steps = reader.integer("local_steps", options_.local_steps, 0, 1000000);
+  options_.planes = reader.integer("planes", options_.planes, 0, 1000);
+  options_.plane_steps = reader.integer("plane_steps", options_.plane_steps, 1, 1000000);
+  options_.max_samples = reader.integer("max_samples", options_.max_samples, 0, 100000000);
+  options_.guided_share = reader.number("guided_share", options_.guided_share, 0.0, 1.0);
+  options_.shortcuts = reader.integer("shortcuts", options_.shortcuts, 0, 1000000);
+  options_.smooth = reader.flag("smooth", options_.smooth);
+  reader.refuse_unknown();
+  refuse_contradictions(options_, options);
+  in_force_ = reader.in_force();
+}
+
+PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
+  PlanResult result = check_ends(problem);
+  if (result.status != PlanStatus::solved) return result;
+  const DamperOptions damper = damper_of(options_, problem);
+  PlusSearch search(problem, options_, damper);
+  const PlusStage stage = search.solve();
+  search.add_statistics(result);
+  add_figures(damper, result);
+  if (stage == PlusStage::none) return failed(problem, search, std::move(result));
+  result.statistics["solved_by"] = static_cast<double>(stage);
+  std::vector<Configuration> path =
+      shortened(problem, search.trees().path(), damper.weight, options_.shortcuts);
+  if (options_.smooth) {
+    path = rounded_corners(problem, path, damper.weight, {.least_clearance = damper.security_distance},
+                           result.edges_checked);
+  }
+  if (!is_certified(problem.space, path, result.edges_checked)) {
+    result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
+    result.explanation = "The path found could not be certified free.";
+    result.explored = std::move(path);
+    return result;
+  }
+  result.explanation = stage == PlusStage::straight_edge
+                           ? "The straight way is free."
+                           : "Start and goal were joined by " + search.how() + ".";
+  result.statistics["deadline_hit"] = problem.out_of_time() ? 1.0 : 0.0;
+  result.statistics["sharpest_turn_rad"] = sharpest_turn(path, damper.weight);
+  result.search_steps = static_cast<int>(path.size()) - 1;
+  result.cost = sampled_cost(problem.cost, path, damper.weight, AnyAngleOptions().cost_step);
+  result.waypoints = std::move(path);
+  return result;
+}
+
+}  // namespace clearway

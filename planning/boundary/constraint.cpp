@@ -1,0 +1,50 @@
+#include "planning/boundary/constraint.hpp"
+
+#include "mapping/system/number_text.hpp"
+#include "planning/boundary/certified_motion.hpp"
+#include "planning/problem/option_reader.hpp"
+
+namespace clearway {
+namespace {
+
+/// A step shorter than this share of the wanted one is a deadlock.
+constexpr double kDeadlock = 1e-4;
+
+}  // namespace
+
+Constraint::Constraint(const PlannerOptions& options) {
+  OptionReader reader("constraint", options);
+  options_ = read_constraint_options(reader);
+  reader.refuse_unknown();
+  in_force_ = reader.in_force();
+}
+
+PlanResult Constraint::plan(const PlanProblem& problem) const {
+  const PlanResult ends = check_ends(problem);
+  if (ends.status != PlanStatus::solved) return ends;
+  const DamperOptions options = resolve(options_, problem);
+  const int max_steps = resolve_max_steps(options_, options, problem);
+  CertifiedMotion motion(problem, options);
+  CreepWatch watch(options.max_step);
+  while (!motion.is_at_goal()) {
+    if (problem.out_of_time()) return motion.result(ends, PlanStatus::timed_out, "Out of time.");
+    const StepConstraints constraints = constraints_at(problem.space, motion.position(), options);
+    const Eigen::VectorXd wanted = step_to_goal(options, motion.position(), problem.goal);
+    const LocalStep local = local_step(constraints, wanted, options);
+    motion.note(constraints, local);
+    const auto stop = [&](const std::string& why) {
+      return motion.result(ends, PlanStatus::no_path,
+                           why + " after " + std::to_string(motion.steps()) + " steps, " +
+                               short_text(motion.distance_to_goal()) + " from the goal in joint space: " +
+                               holding_back(problem.space, constraints, local.multipliers) + ".");
+    };
+    const bool is_creeping = watch.is_creeping(motion.distance_to_goal());
+    if (is_creeping || local.step.norm() < kDeadlock * wanted.norm())
+      return stop("Deadlock of the local method");
+    if (motion.steps() >= max_steps) return stop("Reached max_steps");
+    if (!motion.take(local.step)) return stop("The next step could not be certified free");
+  }
+  return motion.result(ends, PlanStatus::solved, "Reached the goal by local steps alone.");
+}
+
+}  // namespace clearway

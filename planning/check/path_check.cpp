@@ -1,0 +1,278 @@
+#include "planning/check/path_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "mapping/stamps/seen_stamps.hpp"
+#include "planning/check/path_check_links.hpp"
+#include "planning/check/path_check_model.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double finest_step = 1e-6;        ///< joint-space length (rad, m) at which an advance has stalled
+constexpr double probe_step = 1e-4;         ///< how far past a stall a contact is looked for
+constexpr double most_cells_at_once = 3e7;  ///< of one block of voxels; longer paths are checked in pieces
+
+struct Contact {
+  int edge = 0;
+  double parameter = 0.0;
+  bool undecided = false;
+  std::string what;
+};
+
+using check::Item;
+using check::Nearest;
+
+class Checker {
+ public:
+  Checker(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+          double padding, const std::vector<Configuration>& path, double cap, double seen_within)
+      : robot_(robot),
+        map_(map),
+        padding_(padding),
+        seen_within_(seen_within),
+        path_(path),
+        cap_(cap),
+        arm_(robot),
+        fcl_(robot),
+        tasks_(check::list_tasks(robot, map, policies, arm_)) {
+    verdict_.clearance.assign(path.size(), cap);
+    least_ = measured_ = cap;
+  }
+
+  PathVerdict run() {
+    const int edges =
+        std::max<int>(1, static_cast<int>(path_.size()) - 1);  // a lone waypoint: an edge to itself
+    check_edges(0, edges);
+    verdict_.valid = !contact_;
+    verdict_.min_clearance = contact_ ? 0.0 : least_;
+    if (contact_) {
+      verdict_.undecided = contact_->undecided;
+      verdict_.edge = contact_->edge;
+      verdict_.parameter = contact_->parameter;
+      std::ostringstream text;
+      text.imbue(std::locale::classic());
+      text << "edge " << contact_->edge << " at " << contact_->parameter << ": " << contact_->what;
+      verdict_.first_contact = text.str();
+    }
+    return verdict_;
+  }
+
+ private:
+  const Configuration& start(int edge) const { return path_[static_cast<std::size_t>(edge)]; }
+  Eigen::VectorXd step(int edge) const {
+    const auto end = std::min(static_cast<std::size_t>(edge) + 1, path_.size() - 1);
+    return path_[end] - start(edge);
+  }
+
+  void check_edges(int first, int last) {
+    std::vector<Eigen::AlignedBox3d> boxes;
+    double most = 0.0;
+    for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
+      Eigen::AlignedBox3d box;
+      for (int edge = first; edge < last; ++edge) {
+        box.extend(
+            check::swept_box(arm_, fcl_, tasks_, group, start(edge), step(edge), 10.0 * map_.resolution()));
+      }
+      box.min().array() -= cap_ + padding_ + 2 * map_.resolution();
+      box.max().array() += cap_ + padding_ + 2 * map_.resolution();
+      boxes.push_back(box);
+      most = std::max(most, (box.sizes() / map_.resolution()).prod());
+    }
+    if (most > most_cells_at_once && last - first > 1) {
+      const int middle = first + (last - first) / 2;
+      check_edges(first, middle);
+      if (!contact_) check_edges(middle, last);
+      return;
+    }
+    cells_.clear();
+    for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
+      cells_.emplace_back(map_, tasks_.groups[group].policy, tasks_.groups[group].volumes, boxes[group],
+                          seen_within_);
+    }
+    for (int edge = first; edge < last && !contact_; ++edge) {
+      for (const Item& item : tasks_.items) advance(item, edge);
+    }
+    if (!contact_ && last + 1 == static_cast<int>(path_.size())) measure_waypoint(path_.size() - 1);
+  }
+
+  /// Conservative advancement: from each place the item moves on by less than its certified distance. Keeps
+  /// the first contact over all items of the edge.
+  void advance(const Item& item, int edge) {
+    const Eigen::VectorXd dq = step(edge), abs_dq = dq.cwiseAbs();
+    const double rate = (1.0 + 1e-9) * (item.other ? arm_.approach(item.body, *item.other, abs_dq)
+                                                   : arm_.motion(item.body, abs_dq));
+    const double keep = item.other ? 0.0 : padding_;
+    const double length = dq.norm();
+    for (double t = 0.0;;) {
+      if (contact_ && contact_->edge == edge && contact_->parameter <= t) return;
+      Nearest near = nearest(item, start(edge) + t * dq);
+      if (t == 0.0 && !item.other) note_clearance(static_cast<std::size_t>(edge), near.distance);
+      const double room = near.distance - keep;
+      // On to where the proof has fallen to 0.8 of the least distance measured so far, not to nothing.
+      if (!item.other) measured_ = std::min(measured_, near.distance);
+      const double spend = item.other ? room : std::min(near.distance - 0.8 * measured_, room);
+      const double ahead = rate > 0.0 ? 0.9 * spend / rate : 1.0;
+      if (room <= 0.0 || (t + ahead < 1.0 && ahead * length < finest_step))
+        return stall(item, edge, t, length, near);
+      if (!item.other) least_ = std::min(least_, near.distance - std::min(ahead, 1.0 - t) * rate);
+      t += ahead;
+      if (t >= 1.0) return;
+    }
+  }
+
+  void stall(const Item& item, int edge, double t, double length, Nearest near);
+
+  Nearest nearest(const Item& item, const Configuration& q) {
+    arm_.place(q, poses_);
+    if (item.other)
+      return {fcl_.distance(item.body, poses_[item.body], *item.other, poses_[*item.other]), {}};
+    const Eigen::Isometry3d& pose = poses_[item.body];
+    return check::nearest_voxel(fcl_, item.body, pose, inner_point(item.body, pose), cells_[item.group],
+                                cap_ + padding_);
+  }
+
+  /// A point inside the body: the centre of its frame, or of a hull's corners.
+  Eigen::Vector3d inner_point(std::size_t body, const Eigen::Isometry3d& pose) const {
+    const std::vector<Eigen::Vector3d>& corners = robot_.bodies[body].shape.vertices();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& corner : corners) sum += corner;
+    return corners.empty() ? Eigen::Vector3d(pose.translation())
+                           : pose * (sum / static_cast<double>(corners.size()));
+  }
+
+  void note_clearance(std::size_t waypoint, double distance) {
+    double& known = verdict_.clearance[waypoint];
+    known = std::min(known, distance);
+  }
+
+  void measure_waypoint(std::size_t waypoint) {
+    for (const Item& item : tasks_.items) {
+      if (!item.other) note_clearance(waypoint, nearest(item, path_[waypoint]).distance);
+    }
+  }
+
+  std::string describe(const Item& item, const Nearest& near) const;
+  std::string last_look(const Eigen::Vector3d& cube) const;
+
+  const Robot& robot_;
+  const Snapshot& map_;
+  double padding_;
+  double seen_within_;
+  const std::vector<Configuration>& path_;
+  double cap_;
+  check::KdlArm arm_;
+  check::FclBodies fcl_;
+  check::Tasks tasks_;
+  std::vector<check::BlockedCells> cells_;  ///< of the edges at hand, one for each group
+  check::BodyPoses poses_;
+  PathVerdict verdict_;
+  std::optional<Contact> contact_;
+  double least_ = 0.0;     ///< proved over all that was passed so far
+  double measured_ = 0.0;  ///< at the places where the advance stood
+};
+
+/// The advance came to rest before a contact, or so near to one that nothing more can be proved: whether
+/// something does touch within a short way tells which.
+void Checker::stall(const Item& item, int edge, double t, double length, Nearest near) {
+  const double keep = item.other ? 0.0 : padding_;
+  const Eigen::VectorXd dq = step(edge);
+  bool touches = near.distance <= keep;
+  for (int i = 1; i <= 10 && !touches && length > 0.0; ++i) {
+    const double at = std::min(1.0, t + i * probe_step / 10.0 / length);
+    const Nearest there = nearest(item, start(edge) + at * dq);
+    touches = there.distance <= keep;
+    if (touches) near = there;
+  }
+  if (contact_ && contact_->edge == edge && contact_->parameter <= t) return;
+  contact_ =
+      Contact{edge, t, !touches, describe(item, near) + (touches ? "" : " (too near to prove it does not)")};
+}
+
+std::string Checker::describe(const Item& item, const Nearest& near) const {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << robot_.bodies[item.body].part;
+  if (item.other) {
+    text << " touches " << robot_.bodies[*item.other].part;
+  } else if (near.cube) {
+    const Policy policy = tasks_.groups[item.group].policy;
+    const std::string_view state = to_string(map_.state(*near.cube));
+    text << (padding_ > 0.0 ? " comes too near to " : " touches ") << "a voxel that is " << state << ", at ("
+         << near.cube->x() << ", " << near.cube->y() << ", " << near.cube->z() << "); its policy is "
+         << to_string(policy);
+    if (policy == Policy::known_free && seen_within_ > 0.0 && map_.state(*near.cube) == VoxelState::seen_free)
+      text << ", seen within " << seen_within_ << " s: " << last_look(*near.cube);
+  } else {
+    text << " comes too near to a blocked voxel";
+  }
+  return text.str();
+}
+
+/// When a voxel was last seen, in words.
+std::string Checker::last_look(const Eigen::Vector3d& cube) const {
+  const auto seen = map_.last_seen(cube);
+  if (!seen) return "it was last seen nobody knows when";
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << "it was last seen " << map_.seen()->newest() - *seen << " s before the newest look";
+  return text.str();
+}
+
+/// Empty, or why these waypoints are no path of this robot.
+std::string malformed(const Robot& robot, const std::vector<Configuration>& path, int& edge) {
+  if (path.empty()) return "the path has no waypoints";
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    edge = static_cast<int>(i);
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << "waypoint " << i << ": ";
+    if (path[i].size() != static_cast<Eigen::Index>(robot.dof())) {
+      text << "has " << path[i].size() << " values, but " << robot.name << " has " << robot.dof()
+           << " joints";
+      return text.str();
+    }
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const double value = path[i][static_cast<Eigen::Index>(j)];
+      const Joint& joint = robot.joints[j];
+      if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) continue;
+      text << "joint " << joint.name << " is " << value << ", outside its limits " << joint.lower << " to "
+           << joint.upper;
+      return text.str();
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+                       double padding, const std::vector<Configuration>& waypoints, double distance_cap,
+                       double seen_within) {
+  if (!std::isfinite(padding) || padding < 0.0)
+    throw std::invalid_argument("padding must be a finite length not below 0, in metres");
+  if (!std::isfinite(distance_cap) || distance_cap < 0.0)
+    throw std::invalid_argument("distance_cap must be a finite length not below 0, in metres");
+  require_seen_within(seen_within, map, policies);
+  if (distance_cap == 0.0) distance_cap = 0.2 * robot.scale;
+  PathVerdict verdict;
+  verdict.first_contact = malformed(robot, waypoints, verdict.edge);
+  if (!verdict.first_contact.empty()) return verdict;
+  verdict.edge = -1;
+  try {
+    if (!robot.source.empty()) check::require_same_poses(robot, check::KdlArm(robot));
+    return Checker(robot, map, policies, padding, waypoints, distance_cap, seen_within).run();
+  } catch (const check::FileDisagrees& error) {
+    verdict.first_contact = error.what();
+    return verdict;
+  }
+}
+
+}  // namespace clearway

@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <kdl/frames.hpp>
+#include <kdl/segment.hpp>
+
+#include "planning/check/path_check_links.hpp"
+#include "planning/check/path_check_model.hpp"
+
+namespace clearway::check {
+namespace {
+
+KDL::Vector vector_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+KDL::Frame frame_of(const Eigen::Isometry3d& pose) {
+  const Eigen::Matrix3d& r = pose.linear();
+  return {KDL::Rotation(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)),
+          vector_of(pose.translation())};
+}
+
+Eigen::Isometry3d isometry_of(const KDL::Frame& frame) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    pose.translation()[i] = frame.p(i);
+    for (int k = 0; k < 3; ++k) pose.linear()(i, k) = frame.M(i, k);
+  }
+  return pose;
+}
+
+/// A link as KDL sees it: a joint about an axis of the parent's frame, then the fixed frame of the link. KDL
+/// takes an offset of its own back out of the fixed frame, so mimic factors are applied to the joint's value.
+KDL::Segment segment_of(const Robot& robot, const Link& link) {
+  const KDL::Frame tip = frame_of(link.parent_from_link);
+  if (link.joint < 0) return KDL::Segment(link.name, KDL::Joint(link.name, KDL::Joint::None), tip);
+  const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
+  const auto kind = joint.kind == JointKind::revolute ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
+  return KDL::Segment(link.name, KDL::Joint(joint.name, tip.p, tip.M * vector_of(joint.axis), kind), tip);
+}
+
+/// Distance of the shape's farthest point from its origin.
+double extent(const Shape& shape) {
+  double farthest = shape.radius() + shape.length() / 2;
+  if (shape.kind() == Shape::Kind::box) farthest = shape.edges().norm() / 2;
+  if (shape.kind() == Shape::Kind::convex) {
+    farthest = 0.0;
+    for (const Eigen::Vector3d& v : shape.vertices()) farthest = std::max(farthest, v.norm());
+  }
+  return farthest;
+}
+
+}  // namespace
+
+KdlLinks links_of_robot(const Robot& robot) {
+  KdlLinks links;
+  for (const Link& link : robot.links) {
+    links.segments.push_back(std::make_shared<KDL::Segment>(segment_of(robot, link)));
+    links.parent.push_back(link.parent);
+    links.joint.push_back(link.joint);
+    links.multiplier.push_back(link.multiplier);
+    links.offset.push_back(link.offset);
+    links.is_turned.push_back(false);
+  }
+  for (const Body& body : robot.bodies) links.link_from_body.push_back(body.link_from_shape);
+  return links;
+}
+
+struct KdlArm::Chains {
+  KdlLinks links;
+  KDL::Frame base;
+  std::vector<int> body_link;
+  std::vector<KDL::Frame> link_from_body;
+  /// For each body and link on its chain: metres a point of the body moves at most per unit of the joint.
+  std::vector<std::vector<double>> reach;
+
+  /// Sum over the links above `body`, without those that are above `other` too.
+  double sum(std::size_t body, int other, const Eigen::VectorXd& abs_dq) const {
+    std::vector<bool> shared(links.segments.size(), false);
+    for (int i = other; i >= 0; i = links.parent[static_cast<std::size_t>(i)])
+      shared[static_cast<std::size_t>(i)] = true;
+    double total = 0.0;
+    for (int i = body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
+      const auto link = static_cast<std::size_t>(i);
+      if (links.joint[link] >= 0 && !shared[link]) total += reach[body][link] * abs_dq[links.joint[link]];
+    }
+    return total;
+  }
+
+  std::vector<KDL::Frame> place(const KDL::Frame& root, const Eigen::VectorXd& q) const;
+  void place_bodies(const std::vector<KDL::Frame>& frames, BodyPoses& poses) const;
+
+  /// @param farthest from the origin of the body's link to its farthest point
+  std::vector<double> reach_of(int body_link_index, double farthest, const std::vector<Joint>& joints) const {
+    std::vector<double> result(links.segments.size(), 0.0);
+    double from_here = farthest;  // from the origin of the link at hand to the body's farthest point
+    for (int i = body_link_index; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
+      const auto link = static_cast<std::size_t>(i);
+      if (links.joint[link] >= 0) {
+        const Joint& joint = joints[static_cast<std::size_t>(links.joint[link])];
+        const bool turns = links.segments[link]->getJoint().getType() == KDL::Joint::RotAxis;
+        result[link] = std::abs(links.multiplier[link]) * (turns ? from_here : 1.0);
+        if (!turns) {
+          from_here +=
+              std::abs(links.offset[link]) +
+              std::abs(links.multiplier[link]) * std::max(std::abs(joint.lower), std::abs(joint.upper));
+        }
+      }
+      from_here += links.segments[link]->pose(0.0).p.Norm();
+    }
+    return result;
+  }
+};
+
+KdlArm::KdlArm(const Robot& robot) : chains_(std::make_unique<Chains>()) {
+  Chains& chains = *chains_;
+  chains.links = robot.source.empty() ? links_of_robot(robot) : links_of_file(robot);
+  chains.base = frame_of(robot.map_from_base);
+  for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+    const Eigen::Isometry3d& link_from_body = chains.links.link_from_body[b];
+    chains.body_link.push_back(robot.bodies[b].link);
+    chains.link_from_body.push_back(frame_of(link_from_body));
+    chains.reach.push_back(
+        chains.reach_of(robot.bodies[b].link,
+                        link_from_body.translation().norm() + extent(robot.bodies[b].shape), robot.joints));
+  }
+}
+
+KdlArm::~KdlArm() = default;
+
+std::vector<KDL::Frame> KdlArm::Chains::place(const KDL::Frame& root, const Eigen::VectorXd& q) const {
+  std::vector<KDL::Frame> frames(links.segments.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int parent = links.parent[i], joint = links.joint[i];
+    const KDL::Frame& from_parent = parent < 0 ? root : frames[static_cast<std::size_t>(parent)];
+    const double value = joint < 0 ? 0.0 : links.multiplier[i] * q[joint] + links.offset[i];
+    frames[i] = from_parent * links.segments[i]->pose(value);
+  }
+  return frames;
+}
+
+void KdlArm::Chains::place_bodies(const std::vector<KDL::Frame>& frames, BodyPoses& poses) const {
+  poses.resize(body_link.size());
+  for (std::size_t b = 0; b < poses.size(); ++b)
+    poses[b] = isometry_of(frames[static_cast<std::size_t>(body_link[b])] * link_from_body[b]);
+}
+
+void KdlArm::place(const Eigen::VectorXd& q, BodyPoses& poses) const {
+  chains_->place_bodies(chains_->place(chains_->base, q), poses);
+}
+
+void KdlArm::place_on_base(const Eigen::VectorXd& q, std::vector<Eigen::Isometry3d>& links,
+                           BodyPoses& bodies) const {
+  const std::vector<KDL::Frame> frames = chains_->place(KDL::Frame::Identity(), q);
+  chains_->place_bodies(frames, bodies);
+  links.clear();
+  for (const KDL::Frame& frame : frames) links.push_back(isometry_of(frame));
+}
+
+bool KdlArm::is_turned(std::size_t link) const { return chains_->links.is_turned[link]; }
+
+double KdlArm::motion(std::size_t body, const Eigen::VectorXd& abs_dq) const {
+  return chains_->sum(body, -1, abs_dq);
+}
+
+double KdlArm::approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs_dq) const {
+  return chains_->sum(a, chains_->body_link[b], abs_dq) + chains_->sum(b, chains_->body_link[a], abs_dq);
+}
+
+bool KdlArm::is_moved(std::size_t body) const {
+  for (int i = chains_->body_link[body]; i >= 0; i = chains_->links.parent[static_cast<std::size_t>(i)]) {
+    if (chains_->links.joint[static_cast<std::size_t>(i)] >= 0) return true;
+  }
+  return false;
+}
+
+}  // namespace clearway::check

@@ -1,0 +1,47 @@
+#pragma once
+
+// Private to path_check: what its kinematics are made of, from a robot in memory or from its file.
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "planning/robot/robot.hpp"
+
+namespace KDL {
+class Segment;
+}
+
+namespace clearway::check {
+
+/// Links as KDL sees them, one for each of Robot::links and in its order, and where the bodies are on them.
+struct KdlLinks {
+  std::vector<std::shared_ptr<const KDL::Segment>> segments;
+  std::vector<int> parent;                 ///< -1 for the root
+  std::vector<int> joint;                  ///< of the configuration; -1: fixed
+  std::vector<double> multiplier, offset;  ///< value of a link's joint = multiplier * q + offset
+  /// A mimic joint about another axis than its master's: Robot's frame of the link is turned (read_urdf).
+  std::vector<bool> is_turned;
+  std::vector<Eigen::Isometry3d> link_from_body;  ///< of each of Robot::bodies
+};
+
+/// The robot is not what its file says it is: the sentence names the link, joint or body.
+class FileDisagrees : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// @throws FileDisagrees with `what` after the names of the robot and its URDF.
+[[noreturn]] void disagree(const Robot& robot, const std::string& what);
+
+/// From the robot's own links, for robots that were made in memory.
+KdlLinks links_of_robot(const Robot& robot);
+
+/// From the robot's URDF at the robot's scale, read by urdfdom and kdl_parser. Nothing of the robot is used
+/// but the names and the order of its links, joints and bodies.
+/// @throws FileDisagrees for links, joints, limits or bodies that are not those of the robot;
+/// std::invalid_argument when the file can no longer be read.
+KdlLinks links_of_file(const Robot& robot);
+
+}  // namespace clearway::check

@@ -1,0 +1,53 @@
+#include <algorithm>
+#include <cmath>
+
+#include "planning/check/path_check_model.hpp"
+
+namespace clearway::check {
+
+Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+                 const KdlArm& arm) {
+  Tasks tasks;
+  for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+    if (!arm.is_moved(i)) continue;
+    const std::string& part = robot.bodies[i].part;
+    Group group;
+    if (const auto policy = policies.find(part); policy != policies.end()) group.policy = policy->second;
+    const std::uint16_t volumes = map.volumes_of_part(part);
+    if (group.policy == Policy::painted && volumes != 0) group.volumes = volumes;
+    auto known = std::find(tasks.groups.begin(), tasks.groups.end(), group);
+    if (known == tasks.groups.end()) known = tasks.groups.insert(tasks.groups.end(), group);
+    tasks.items.push_back({i, std::nullopt, static_cast<std::size_t>(known - tasks.groups.begin())});
+  }
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t a = 0; a < robot.bodies.size(); ++a) {
+    for (std::size_t b = a + 1; b < robot.bodies.size(); ++b) {
+      const auto pair = std::pair(static_cast<int>(a), static_cast<int>(b));
+      const bool exempt = std::find(robot.exempt.begin(), robot.exempt.end(), pair) != robot.exempt.end();
+      if (!exempt && arm.approach(a, b, one) > 0.0) tasks.items.push_back({a, b, 0});
+    }
+  }
+  return tasks;
+}
+
+Eigen::AlignedBox3d swept_box(const KdlArm& arm, const FclBodies& bodies, const Tasks& tasks,
+                              std::size_t group, const Eigen::VectorXd& start, const Eigen::VectorXd& step,
+                              double spacing) {
+  const auto counts = [&](const Item& item) { return !item.other && item.group == group; };
+  double motion = 0.0;
+  for (const Item& item : tasks.items) {
+    if (counts(item)) motion = std::max(motion, arm.motion(item.body, step.cwiseAbs()));
+  }
+  const int pieces = std::clamp(static_cast<int>(std::ceil(motion / spacing)), 1, 10000);
+  Eigen::AlignedBox3d box;
+  BodyPoses poses;
+  for (int k = 0; k <= pieces; ++k) {
+    arm.place(start + step * k / pieces, poses);
+    for (const Item& item : tasks.items) {
+      if (counts(item)) box.extend(bounds(bodies, item.body, poses[item.body], motion / (2 * pieces)));
+    }
+  }
+  return box;
+}
+
+}  // namespace clearway::check

@@ -1,0 +1,209 @@
+#include <tinyxml2.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <kdl/tree.hpp>
+#include <kdl_parser/kdl_parser.hpp>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+#include "planning/check/path_check_links.hpp"
+#include "planning/robot_files/robot_settings.hpp"
+#include "planning/robot_files/urdf_document.hpp"
+#include "planning/robot_files/urdf_messages.hpp"
+
+namespace clearway::check {
+namespace {
+
+constexpr std::size_t most_joints = 500;  ///< urdfdom and kdl_parser walk a chain recursively
+constexpr double tolerance = 1e-9;        ///< of limits, rad or m
+constexpr double most_turn = 1e3;         ///< beyond both ways (Gazebo writes 1e16) a joint turns without end
+
+std::filesystem::path file_of(const Robot& robot) {
+  const bool is_urdf = robot.source.extension() == ".urdf";
+  return urdf_of(robot.source, is_urdf ? RobotSettings{} : read_robot_settings(robot.source));
+}
+
+/// What else urdfdom reads of a joint (dynamics, calibration) it may refuse, and it moves nothing.
+bool is_read_of_joint(const std::string& element, bool is_fixed) {
+  if (element == "origin" || element == "parent" || element == "child") return true;
+  return !is_fixed && (element == "axis" || element == "limit" || element == "mimic");
+}
+
+/// The file's joints and links alone. A body's shape becomes a ball, because urdfdom knows no capsules and
+/// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
+std::string bare_text(const Robot& robot) {
+  const std::string text = read_text(file_of(robot));
+  tinyxml2::XMLDocument xml;
+  xml.Parse(text.data(), text.size());
+  tinyxml2::XMLElement* root = xml.FirstChildElement("robot");
+  if (xml.Error() || !root) disagree(robot, "it is no robot's XML");
+  root->DeleteAttribute("version");  // urdfdom 3.0 knows 1.0 alone
+  std::size_t joints = 0;
+  for (auto* element = root->FirstChildElement(); element;) {
+    auto* const next = element->NextSiblingElement();
+    const std::string name = element->Name();
+    const bool is_fixed = element->Attribute("type", "fixed") != nullptr;
+    joints += name == "joint";
+    if (name != "joint" && name != "link") root->DeleteChild(element);
+    for (auto* part = name == "link" || name == "joint" ? element->FirstChildElement() : nullptr; part;) {
+      auto* const following = part->NextSiblingElement();
+      const std::string kind = part->Name();
+      if (name == "joint") {
+        if (!is_read_of_joint(kind, is_fixed)) element->DeleteChild(part);
+      } else if (kind != "collision") {
+        element->DeleteChild(part);
+      } else if (auto* geometry = part->FirstChildElement("geometry")) {
+        geometry->DeleteChildren();
+        geometry->InsertNewChildElement("sphere")->SetAttribute("radius", "1");
+      }
+      part = following;
+    }
+    element = next;
+  }
+  if (joints > most_joints) disagree(robot, "it has more than 500 joints");
+  tinyxml2::XMLPrinter printer;
+  xml.Print(&printer);
+  return printer.CStr();
+}
+
+/// The file's model with its lengths at the robot's scale.
+urdf::ModelInterfaceSharedPtr scaled_model(const Robot& robot) {
+  const auto scale = [&](urdf::Vector3& length) {
+    length.x *= robot.scale, length.y *= robot.scale, length.z *= robot.scale;
+  };
+  const std::string text = bare_text(robot);
+  const KeptMessages messages;
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
+  if (!model || !model->getRoot()) disagree(robot, "urdfdom refuses it: " + messages.first);
+  for (auto& [name, joint] : model->joints_) {
+    scale(joint->parent_to_joint_origin_transform.position);
+    if (joint->type != urdf::Joint::PRISMATIC) continue;
+    if (joint->limits) joint->limits->lower *= robot.scale, joint->limits->upper *= robot.scale;
+    if (joint->mimic) joint->mimic->offset *= robot.scale;
+  }
+  for (auto& [name, link] : model->links_) {
+    for (auto& collision : link->collision_array) scale(collision->origin.position);
+  }
+  return model;
+}
+
+Eigen::Isometry3d isometry(const urdf::Pose& pose) {
+  Eigen::Quaterniond turn;
+  pose.rotation.getQuaternion(turn.x(), turn.y(), turn.z(), turn.w());
+  Eigen::Isometry3d result(turn.normalized());
+  result.translation() << pose.position.x, pose.position.y, pose.position.z;
+  return result;
+}
+
+Eigen::Vector3d axis_of(const urdf::Joint& joint) {
+  return Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z).normalized();
+}
+
+class FileReader {
+ public:
+  explicit FileReader(const Robot& robot) : robot_(robot), model_(scaled_model(robot)) {
+    if (!kdl_parser::treeFromUrdfModel(*model_, tree_)) disagree(robot, "kdl_parser refuses it");
+    if (model_->links_.size() != robot.links.size())
+      disagree(robot, "it has " + std::to_string(model_->links_.size()) + " links, not " +
+                          std::to_string(robot.links.size()));
+  }
+
+  KdlLinks links() {
+    for (const Link& link : robot_.links) add_link(link);
+    add_bodies();
+    return std::move(links_);
+  }
+
+ private:
+  void add_link(const Link& link) {
+    const auto element = tree_.getSegment(link.name);
+    if (element == tree_.getSegments().end()) disagree(robot_, "it has no link '" + link.name + "'");
+    links_.segments.push_back(std::make_shared<KDL::Segment>(GetTreeElementSegment(element->second)));
+    const bool is_root = element == tree_.getRootSegment();
+    links_.parent.push_back(is_root ? -1 : index_of(GetTreeElementParent(element->second)->first));
+    links_.joint.push_back(-1);
+    links_.multiplier.push_back(1.0);
+    links_.offset.push_back(0.0);
+    links_.is_turned.push_back(false);
+    const urdf::JointSharedPtr joint = model_->links_.at(link.name)->parent_joint;
+    if (joint && joint->type != urdf::Joint::FIXED) add_joint(*joint);
+  }
+
+  int index_of(const std::string& link) const {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      if (robot_.links[i].name == link) return static_cast<int>(i);
+    disagree(robot_, "link '" + link + "' is none of the robot's");
+  }
+
+  void add_joint(const urdf::Joint& joint) {
+    const std::string master = joint.mimic ? joint.mimic->joint_name : joint.name;
+    const auto known = std::find_if(robot_.joints.begin(), robot_.joints.end(),
+                                    [&](const Joint& other) { return other.name == master; });
+    if (known == robot_.joints.end() || !model_->getJoint(master))
+      disagree(robot_, "joint '" + master + "' is none of the robot's");
+    links_.joint.back() = static_cast<int>(known - robot_.joints.begin());
+    if (joint.mimic) {
+      links_.multiplier.back() = joint.mimic->multiplier;
+      links_.offset.back() = joint.mimic->offset;
+      links_.is_turned.back() = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
+    }
+    require_limits(joint, *known);
+  }
+
+  /// The robot's limits keep what the file allows, of a mimic joint what its master makes of them.
+  void require_limits(const urdf::Joint& joint, const Joint& mover) const {
+    if (joint.type == urdf::Joint::CONTINUOUS) return;
+    if (!joint.limits) disagree(robot_, "joint '" + joint.name + "' has no limits");
+    const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -most_turn &&
+                         joint.limits->upper > most_turn;
+    if (endless) return;
+    for (const double end : {mover.lower, mover.upper}) {
+      const double factor = links_.multiplier.back();
+      const double value = (factor == 0.0 ? 0.0 : factor * end) + links_.offset.back();
+      const double least = joint.limits->lower - tolerance, most = joint.limits->upper + tolerance;
+      if (value >= least && value <= most) continue;
+      std::ostringstream text;
+      text.imbue(std::locale::classic());
+      text << "joint '" << joint.name << "' may move to " << value << ", its limits there are "
+           << joint.limits->lower << " to " << joint.limits->upper;
+      disagree(robot_, text.str());
+    }
+  }
+
+  void add_bodies() {
+    std::map<int, std::size_t> seen;
+    for (const Body& body : robot_.bodies) {
+      const std::string& link = robot_.links[static_cast<std::size_t>(body.link)].name;
+      const auto& collisions = model_->links_.at(link)->collision_array;
+      const std::size_t number = seen[body.link]++;
+      if (number >= collisions.size())
+        disagree(robot_, "link '" + link + "' has only " + std::to_string(collisions.size()) + " bodies");
+      links_.link_from_body.push_back(isometry(collisions[number]->origin));
+    }
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const auto& collisions = model_->links_.at(robot_.links[i].name)->collision_array;
+      if (seen[static_cast<int>(i)] != collisions.size())
+        disagree(robot_, "link '" + robot_.links[i].name + "' has " + std::to_string(collisions.size()) +
+                             " bodies, not " + std::to_string(seen[static_cast<int>(i)]));
+    }
+  }
+
+  const Robot& robot_;
+  urdf::ModelInterfaceSharedPtr model_;
+  KDL::Tree tree_;
+  KdlLinks links_;
+};
+
+}  // namespace
+
+void disagree(const Robot& robot, const std::string& what) {
+  throw FileDisagrees("robot '" + robot.name + "' is not what its file " + file_of(robot).string() +
+                      " says, read again: " + what);
+}
+
+KdlLinks links_of_file(const Robot& robot) { return FileReader(robot).links(); }
+
+}  // namespace clearway::check

@@ -1,0 +1,179 @@
+#include "planning/files/plan_file.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "mapping/system/number_text.hpp"
+#include "planning/files/json_field.hpp"
+#include "planning/problem/option_reader.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double length_of(const std::vector<Configuration>& path) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
+  return length;
+}
+
+std::string verdict_of(const PathVerdict& validation) {
+  if (validation.valid) return "valid";
+  if (validation.undecided) return "undecided";
+  return validation.first_contact.empty() ? "not_checked" : "refused";
+}
+
+Json validation_json(const Plan& plan) {
+  const PathVerdict& validation = plan.validation;
+  const std::string verdict = verdict_of(validation);
+  Json json = {
+      {"verdict", verdict}, {"min_clearance_m", validation.min_clearance}, {"checker", validation.checker}};
+  if (!validation.first_contact.empty()) {
+    json["first_contact"] = validation.first_contact;
+    json["edge"] = validation.edge;
+    json["parameter"] = validation.parameter;
+  }
+  if (!validation.clearance.empty()) json["clearance_m"] = validation.clearance;
+  if (plan.survey) json.update(Json::parse(to_json(*plan.survey)));
+  return json;
+}
+
+/// `first` is the index of the leg's first waypoint in the whole path.
+Json leg_json(const PlanResult& leg, std::size_t first) {
+  Json json = {{"status", to_string(leg.status)}, {"explanation", leg.explanation}};
+  if (leg.waypoints.empty()) {
+    json["waypoints"] = nullptr;
+    json["explored"] = json_of(leg.explored);
+  } else {
+    json["waypoints"] = {first, first + leg.waypoints.size() - 1};
+  }
+  json["cost_joules"] = leg.cost;
+  json["last_segment"] = leg.last_segment;
+  json["last_segment_joules"] = leg.last_segment_cost;
+  json["length_rad"] = length_of(leg.waypoints);
+  json["final_distance_rad"] = leg.final_distance;
+  json["search_steps"] = leg.search_steps;
+  json["checks"] = leg.configurations_checked;
+  json["edges_checked"] = leg.edges_checked;
+  json["statistics"] = leg.statistics;
+  return json;
+}
+
+Json legs_json(const std::vector<PlanResult>& legs) {
+  Json json = Json::array();
+  std::size_t first = 0;
+  for (const PlanResult& leg : legs) {
+    json.push_back(leg_json(leg, first));
+    if (!leg.waypoints.empty()) first += leg.waypoints.size() - 1;
+  }
+  return json;
+}
+
+Json paint_json(const std::vector<PaintHint>& hints) {
+  Json json = Json::array();
+  for (const auto& [ball, part] : hints) {
+    json.push_back(
+        {{"part", part}, {"center", json_of(Eigen::VectorXd(ball.center))}, {"radius", ball.radius}});
+  }
+  return json;
+}
+
+template <typename Value>
+Value total(const std::vector<PlanResult>& legs, Value PlanResult::*figure) {
+  Value sum{};
+  for (const PlanResult& leg : legs) sum += leg.*figure;
+  return sum;
+}
+
+/// A CSV field: quoted when it holds a comma, a quote or a line break.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+PlanStatus Plan::status() const {
+  for (const PlanResult& leg : legs) {
+    if (leg.status != PlanStatus::solved) return leg.status;
+  }
+  return legs.empty() ? PlanStatus::no_path : PlanStatus::solved;
+}
+
+std::string Plan::explanation() const {
+  const bool is_solved = status() == PlanStatus::solved;
+  std::string text;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    if (legs[i].explanation.empty() || (!is_solved && legs[i].status == PlanStatus::solved)) continue;
+    text += text.empty() ? "" : " ";
+    if (goals.size() > 1) text += "Leg " + std::to_string(i + 1) + ": ";
+    text += legs[i].explanation;
+  }
+  return text;
+}
+
+std::vector<Configuration> Plan::waypoints() const {
+  std::vector<Configuration> path;
+  for (const PlanResult& leg : legs) {
+    if (leg.waypoints.empty()) break;
+    const bool is_joined = !path.empty() && path.back() == leg.waypoints.front();
+    path.insert(path.end(), leg.waypoints.begin() + (is_joined ? 1 : 0), leg.waypoints.end());
+  }
+  return path;
+}
+
+std::string to_json(const Plan& plan) {
+  const std::vector<Configuration> path = plan.waypoints();
+  Json json = {
+      {"robot", plan.robot},
+      {"joints", plan.joints},
+      {"planner", plan.planner},
+      {"options", plan.options},
+      {"seed", plan.seed},
+      {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}, {"resolution", plan.map_resolution}}},
+      {"policy", json_of(plan.policies)},
+      {"status", to_string(plan.status())},
+      {"explanation", plan.explanation()},
+      {"waypoints", json_of(path)},
+      {"cost_joules", total(plan.legs, &PlanResult::cost)},
+      {"length_rad", length_of(path)},
+      {"search_steps", total(plan.legs, &PlanResult::search_steps)},
+      {"legs", legs_json(plan.legs)},
+      {"time_s", plan.time_s},
+      {"checks", total(plan.legs, &PlanResult::configurations_checked)},
+      {"validation", validation_json(plan)},
+      {"last_segment_joules", total(plan.legs, &PlanResult::last_segment_cost)},
+      {"edges_checked", total(plan.legs, &PlanResult::edges_checked)},
+      {"goals", json_of(plan.goals)},
+      {"scale", plan.robot_scale},
+      {"base", json_of(plan.map_from_base)},
+      {"padding_m", plan.padding},
+      {"position_accuracy_m", plan.position_accuracy},
+      {"allow_outside", plan.allow_outside},
+      {"payload_kg", plan.payload},
+      {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
+  if (!plan.query.empty()) json["query"] = plan.query;
+  if (plan.start.size() > 0) json["start"] = json_of(plan.start);
+  if (plan.seen_within > 0.0) json["seen_within_s"] = plan.seen_within;
+  if (!plan.map_integration.empty()) json["map"]["integration"] = plan.map_integration;
+  if (!plan.map_caveat.empty()) json["validation"]["map_caveat"] = plan.map_caveat;
+  if (!plan.paint.empty()) json["paint"] = paint_json(plan.paint);
+  // Bytes that are not UTF-8 (a file name) are replaced rather than refused.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_csv(const Plan& plan) {
+  std::string text;
+  for (const std::string& joint : plan.joints) text += (text.empty() ? "" : ",") + csv_field(joint);
+  text += "\n";
+  for (const Configuration& q : plan.waypoints()) {
+    text += to_text(std::vector<double>(q.begin(), q.end())) + "\n";
+  }
+  return text;
+}
+
+}  // namespace clearway

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planning/advice/paint_advice.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/problem/planner.hpp"
+#include "planning/survey/path_survey.hpp"
+
+namespace clearway {
+
+/// One plan of one or several legs, as plan.json stores it (keys fixed by the design page).
+struct Plan {
+  std::string robot;  ///< name or path, as given
+  double robot_scale = 1.0;
+  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  std::vector<std::string> joints;
+  std::string planner;
+  PlannerOptions options;
+  std::uint64_t seed = 1;
+  std::string map_file, map_sha256;
+  double map_resolution = 0.0;
+  std::string map_integration{};  ///< which integration made the map; empty: not told
+  std::string map_caveat{};       ///< what a verdict on the map must say of it, one sentence; may be empty
+  std::map<std::string, Policy> policies;    ///< per part
+  double padding = 0.0;                      ///< metres
+  double position_accuracy = 0.0;            ///< of the robot at its scale, metres; 0: not known
+  double seen_within = 0.0;                  ///< of parts under known_free, seconds; 0: ever
+  double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
+  std::vector<PlanResult> legs;              ///< each starts where the one before it ended
+  std::string query;                         ///< its name in the map folder's record; empty: none
+  Configuration start;                       ///< as asked; of no size when the file does not say
+  std::vector<Configuration> goals;          ///< as asked
+  double time_s = 0.0;
+  std::vector<PaintHint> paint;      ///< of a plan that is not solved: where painting would help
+  PathVerdict validation;            ///< of the whole path; `valid == false` and empty contact: not checked
+  std::optional<PathSurvey> survey;  ///< what the map knows of where the robot goes
+  std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
+
+  PlanStatus status() const;  ///< of the first leg that is not solved, else solved
+  std::string explanation() const;
+  std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
+};
+
+/// plan.json text, keys in fixed order, numbers with full precision.
+std::string to_json(const Plan& plan);
+
+/// @throws std::invalid_argument naming file, field and what was expected.
+Plan load_plan(const std::filesystem::path& file);
+
+/// Waypoints as CSV with a header of joint names.
+std::string to_csv(const Plan& plan);
+
+}  // namespace clearway

@@ -1,0 +1,123 @@
+#include "planning/files/query_record.hpp"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/system/input_file.hpp"
+#include "planning/files/json_field.hpp"
+#include "planning/files/json_text.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* format = "clearway queries 1";
+constexpr std::size_t most_bytes = 16U << 20;
+
+Json terms_json(const QueryTerms& query) {
+  return {{"name", query.name},
+          {"robot", query.robot},
+          {"scale", query.scale},
+          {"base", json_of(query.map_from_base)},
+          {"policy", json_of(query.policies)},
+          {"padding_m", query.padding},
+          {"seen_within_s", query.seen_within},
+          {"allow_outside", query.allow_outside},
+          {"start", json_of(query.start)},
+          {"goals", json_of(query.goals)}};
+}
+
+QueryTerms terms_of(const JsonField& field) {
+  QueryTerms query;
+  query.name = field.at("name").text();
+  query.robot = field.at("robot").text();
+  query.scale = scale_of(field.at("scale"));
+  query.map_from_base = pose_of(field.at("base"));
+  query.policies = policies_of(field.at("policy"));
+  query.padding = padding_of(field.at("padding_m"));
+  if (field.has("seen_within_s")) query.seen_within = seen_within_of(field.at("seen_within_s"));
+  if (field.has("allow_outside")) {
+    for (const JsonField& part : field.at("allow_outside").items())
+      query.allow_outside.push_back(part.text());
+  }
+  const std::size_t joints = field.at("start").items().size();
+  query.start = field.at("start").numbers(joints);
+  query.goals = field.at("goals").vectors(joints);
+  return query;
+}
+
+/// The checksum is of the file's text with zeros in its own place.
+const std::string no_checksum(64, '0');
+
+/// @throws std::invalid_argument for what is no JSON with a checksum.
+bool is_whole(std::string text, const std::string& file) {
+  require_json(text, file);
+  const Json json = Json::parse(text);
+  const std::string checksum = JsonField(json, file).at("sha256").text();
+  const std::size_t place = text.rfind(checksum);
+  if (checksum.size() != no_checksum.size() || place == std::string::npos) return false;
+  return sha256(text.replace(place, checksum.size(), no_checksum)) == checksum;
+}
+
+void require_whole(const std::string& text, const std::string& file) {
+  try {
+    if (is_whole(text, file)) return;
+  } catch (const std::invalid_argument&) {
+    // Something of the file is no longer what was written: that is all there is to say.
+  }
+  throw DamagedFile(file + ": is damaged: its checksum does not match its content");
+}
+
+}  // namespace
+
+double largest_difference(const Configuration& a, const Configuration& b) {
+  if (a.size() != b.size() || !a.allFinite() || !b.allFinite())
+    return std::numeric_limits<double>::infinity();
+  return a.size() == 0 ? 0.0 : (a - b).cwiseAbs().maxCoeff();
+}
+
+const QueryTerms* QueryRecord::find(const std::string& name, const Configuration& start,
+                                    const std::vector<Configuration>& goals, double tolerance) const {
+  for (const QueryTerms& query : queries) {
+    if (!name.empty() && query.name == name) return &query;
+  }
+  for (const QueryTerms& query : queries) {
+    bool is_equal = query.goals.size() == goals.size() && largest_difference(query.start, start) <= tolerance;
+    for (std::size_t i = 0; is_equal && i < goals.size(); ++i)
+      is_equal = largest_difference(query.goals[i], goals[i]) <= tolerance;
+    if (is_equal) return &query;
+  }
+  return nullptr;
+}
+
+std::string to_json(const QueryRecord& record) {
+  Json json = {{"format", format}, {"map_sha256", record.map_sha256}, {"queries", Json::array()}};
+  for (const QueryTerms& query : record.queries) json["queries"].push_back(terms_json(query));
+  json["sha256"] = no_checksum;
+  // Bytes that are not UTF-8 (a robot's path) are replaced rather than refused.
+  std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string checksum = sha256(text);
+  return text.replace(text.rfind(no_checksum), checksum.size(), checksum);
+}
+
+std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
+  const std::filesystem::path file = map / "queries.json";
+  std::error_code error;
+  if (!std::filesystem::is_directory(map, error) || !std::filesystem::exists(file, error)) return {};
+  const std::string text = read_input(file, "queries", most_bytes);
+  require_whole(text, file.string());
+  const Json json = Json::parse(text);
+  const JsonField root(json, file.string());
+  if (root.at("format").text() != format) root.at("format").refuse("'" + std::string(format) + "'");
+  QueryRecord record;
+  record.map_sha256 = root.at("map_sha256").text();
+  for (const JsonField& query : root.at("queries").items()) record.queries.push_back(terms_of(query));
+  return record;
+}
+
+}  // namespace clearway

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/voxels/voxel_state.hpp"
+#include "planning/robot/kinematics.hpp"
+
+namespace clearway {
+
+/// A query as it was asked, before any planner answered: what a plan for it is held to.
+struct QueryTerms {
+  std::string name;
+  std::string robot;   ///< name or path, as given
+  double scale = 1.0;  ///< against the full-size robot
+  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  std::map<std::string, Policy> policies;       ///< of every part
+  double padding = 0.0;                         ///< metres
+  double seen_within = 0.0;                     ///< of parts under known_free, seconds; 0: ever
+  std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
+  Configuration start;
+  std::vector<Configuration> goals;
+};
+
+/// Start, goals and base count as kept within this, in radians and metres; scales within this share.
+constexpr double contract_tolerance = 1e-6;
+
+/// The record that a map folder keeps of its queries, in DIR/queries.json. It holds for one map.
+struct QueryRecord {
+  std::string map_sha256;
+  std::vector<QueryTerms> queries;
+
+  /// The query of that name, else the one with that start and these goals (each value within `tolerance`, rad
+  /// or m); null when there is none.
+  const QueryTerms* find(const std::string& name, const Configuration& start,
+                         const std::vector<Configuration>& goals, double tolerance) const;
+};
+
+/// Largest difference of any value; infinite when the sizes differ or a value is not finite.
+double largest_difference(const Configuration& a, const Configuration& b);
+
+/// The text of queries.json: the queries, the digest of their map and a checksum over both.
+std::string to_json(const QueryRecord& record);
+
+/// The record of a map folder; nothing when `map` is no folder or holds none.
+/// @throws DamagedFile when the checksum does not match, std::invalid_argument naming the field that is
+/// wrong.
+std::optional<QueryRecord> load_query_record(const std::filesystem::path& map);
+
+}  // namespace clearway

@@ -1,0 +1,116 @@
+#include "planning/files/trajectory_file.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
+#include "planning/problem/option_reader.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t ur_joints = 6;
+
+/// Never an integer, never an exponent: YAML 1.1 readers take 1e-05 for a word.
+std::string decimal(double value) {
+  char buffer[512];
+  std::string text(buffer,
+                   std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed).ptr);
+  return text.find('.') == std::string::npos ? text + ".0" : text;
+}
+
+std::string list(const Configuration& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + decimal(value);
+  return "[" + text + "]";
+}
+
+/// A name in double quotes, line breaks and control characters escaped; YAML reads JSON's quotes.
+std::string quoted(const std::string& name) {
+  return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string heading(const Plan& plan, const Trajectory& trajectory) {
+  return "# robot: " + quoted(plan.robot) + ", scale " + to_text(plan.robot_scale) +
+         "\n# planner: " + quoted(plan.planner) + ", seed " + std::to_string(plan.seed) +
+         "\n# map: " + quoted(plan.map_file) + ", sha256 " + quoted(plan.map_sha256) +
+         "\n# points: " + std::to_string(trajectory.points.size()) + ", one every " +
+         to_text(trajectory.sampling_period) + " s\n";
+}
+
+std::string no_refusal(const Robot&) { return {}; }
+
+std::string write_ros(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
+  std::string text = "# trajectory_msgs/JointTrajectory\n" + heading(plan, trajectory);
+  text += "header:\n  frame_id: " + quoted(robot.links.front().name) + "\njoint_names:\n";
+  for (const Joint& joint : robot.joints) text += "  - " + quoted(joint.name) + "\n";
+  text += "points:\n";
+  for (const TrajectoryPoint& point : trajectory.points) {
+    const long long nanoseconds = std::llround(point.time * 1e9);
+    text += "  - positions: " + list(point.position) + "\n    velocities: " + list(point.velocity) +
+            "\n    time_from_start: {sec: " + std::to_string(nanoseconds / 1'000'000'000) +
+            ", nanosec: " + std::to_string(nanoseconds % 1'000'000'000) + "}\n";
+  }
+  return text;
+}
+
+std::string urscript_refusal(const Robot& robot) {
+  std::size_t revolute = 0;
+  for (const Joint& joint : robot.joints) revolute += joint.kind == JointKind::revolute ? 1 : 0;
+  if (robot.dof() == ur_joints && revolute == ur_joints) return {};
+  return "urscript drives six revolute joints, robot '" + robot.name + "' has " +
+         std::to_string(robot.dof()) + " joints, " + std::to_string(revolute) + " of them revolute";
+}
+
+std::string write_urscript(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
+  std::string joints;
+  for (const Joint& joint : robot.joints) joints += (joints.empty() ? "" : ", ") + quoted(joint.name);
+  std::string text =
+      heading(plan, trajectory) + "# joints, base first: " + joints +
+      "\ndef clearway_path():\n"
+      "  # Ends here when the arm is not at the start of the path: the way to it is not checked.\n"
+      "  local start = " +
+      list(trajectory.points.front().position) +
+      "\n  local actual = get_actual_joint_positions()\n"
+      "  local joint = 0\n"
+      "  while joint < 6:\n"
+      "    if norm(actual[joint] - start[joint]) > 0.01:\n"
+      "      popup(\"The arm is not at the start of the path.\", title=\"Clearway\", error=True, "
+      "blocking=True)\n"
+      "      halt\n"
+      "    end\n"
+      "    joint = joint + 1\n"
+      "  end\n";
+  const std::string timing =
+      ", t=" + decimal(trajectory.sampling_period) + ", lookahead_time=0.03, gain=300)\n";
+  for (const TrajectoryPoint& point : trajectory.points) text += "  servoj(" + list(point.position) + timing;
+  return text + "  stopj(5.0)\nend\n";
+}
+
+}  // namespace
+
+const std::vector<TrajectoryFormat>& trajectory_formats() {
+  static const std::vector<TrajectoryFormat> table = {
+      {"ros", "YAML of a trajectory_msgs/JointTrajectory", no_refusal, write_ros},
+      {"urscript", "a URScript program that streams with servoj", urscript_refusal, write_urscript},
+  };
+  return table;
+}
+
+const TrajectoryFormat& trajectory_format(std::string_view name, const Robot& robot) {
+  std::vector<std::string> names;
+  for (const TrajectoryFormat& format : trajectory_formats()) {
+    names.emplace_back(format.name);
+    if (format.name != name) continue;
+    const std::string refusal = format.refusal(robot);
+    if (!refusal.empty()) throw std::invalid_argument("trajectory: " + refusal);
+    return format;
+  }
+  throw std::invalid_argument("trajectory: unknown format '" + std::string(name) + "'; did you mean '" +
+                              nearest_name(name, names) + "'?");
+}
+
+}  // namespace clearway

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planning/files/plan_file.hpp"
+#include "planning/path/trajectory.hpp"
+
+namespace clearway {
+
+/// A form in which a robot's controller takes a trajectory.
+struct TrajectoryFormat {
+  std::string_view name;
+  std::string_view description;
+  /// Empty, or why the robot cannot be driven so: one sentence.
+  std::string (*refusal)(const Robot& robot);
+  /// The text of the file; `plan` is where the trajectory comes from, named in its heading.
+  std::string (*write)(const Robot& robot, const Plan& plan, const Trajectory& trajectory);
+};
+
+/// The explicit table of formats:
+/// - `ros`: YAML of a trajectory_msgs/JointTrajectory (ROS 2 field names), frame_id the robot's root link;
+/// - `urscript`: a program `clearway_path()` for Universal Robots controllers that streams the points with
+///   servoj; for robots of six revolute joints. It stops with a message when the arm is not within 0.01 rad
+///   of the start. servoj follows with a lag and rounds corners by what `lookahead_time` smooths.
+/// Every number reads back to the same double.
+const std::vector<TrajectoryFormat>& trajectory_formats();
+
+/// The format `name` for the robot. @throws std::invalid_argument when there is no such format, naming the
+/// nearest one, or the robot cannot be driven so.
+const TrajectoryFormat& trajectory_format(std::string_view name, const Robot& robot);
+
+}  // namespace clearway

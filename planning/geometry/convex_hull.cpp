@@ -1,0 +1,104 @@
+#include "planning/geometry/convex_hull.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <tuple>
+
+extern "C" {
+#include <libqhull_r/libqhull_r.h>
+}
+
+namespace clearway {
+namespace {
+
+void remove_doubles(std::vector<Eigen::Vector3d>& points) {
+  const auto key = [](const Eigen::Vector3d& p) { return std::tuple(p.x(), p.y(), p.z()); };
+  std::sort(points.begin(), points.end(),
+            [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return key(a) < key(b); });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+}
+
+/// Runs qhull on `coordinates` (x, y, z of `count` points) and hands its state to `read`; nothing is read
+/// when qhull refuses. Qhull reports to /dev/null: libraries are silent.
+template <typename Read>
+void run_qhull(std::vector<double>& coordinates, int count, const char* options, const Read& read) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence(std::fopen("/dev/null", "w"), &std::fclose);
+  if (!silence) return;
+  qhT state;
+  QHULL_LIB_CHECK
+  qh_zero(&state, silence.get());
+  std::string command = std::string("qhull ") + options;
+  if (qh_new_qhull(&state, 3, count, coordinates.data(), False, command.data(), nullptr, silence.get()) ==
+      0) {
+    read(state);
+  }
+  qh_freeqhull(&state, !qh_ALL);
+  int current = 0, total = 0;
+  qh_memfreeshort(&state, &current, &total);
+}
+
+/// Indices of hull corners, or nothing when qhull refuses.
+std::vector<int> qhull_corners(std::vector<double>& coordinates, int count) {
+  std::vector<int> corners;
+  run_qhull(coordinates, count, "Qc", [&](qhT& state) {
+    for (vertexT* vertex = state.vertex_list; vertex && vertex->next; vertex = vertex->next) {
+      corners.push_back(qh_pointid(&state, vertex->point));
+    }
+    // Points that qhull set aside as coplanar within its rounding: kept, so that the hull never shrinks.
+    for (facetT* facet = state.facet_list; facet && facet->next; facet = facet->next) {
+      if (!facet->coplanarset) continue;
+      for (void** point = &facet->coplanarset->e[0].p; *point; ++point) {
+        corners.push_back(qh_pointid(&state, static_cast<pointT*>(*point)));
+      }
+    }
+  });
+  return corners;
+}
+
+std::vector<double> flattened(const std::vector<Eigen::Vector3d>& points) {
+  std::vector<double> coordinates;
+  coordinates.reserve(points.size() * 3);
+  for (const Eigen::Vector3d& p : points) coordinates.insert(coordinates.end(), {p.x(), p.y(), p.z()});
+  return coordinates;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> hull_corners(std::vector<Eigen::Vector3d> points) {
+  remove_doubles(points);
+  if (points.size() < 9) return points;
+  std::vector<double> coordinates = flattened(points);
+  std::vector<int> corners = qhull_corners(coordinates, static_cast<int>(points.size()));
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  if (corners.size() < 4 || corners.front() < 0 || corners.back() >= static_cast<int>(points.size()))
+    return points;
+  std::vector<Eigen::Vector3d> hull;
+  hull.reserve(corners.size());
+  for (int i : corners) hull.push_back(points[static_cast<std::size_t>(i)]);
+  return hull;
+}
+
+std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d>& points) {
+  std::vector<std::array<int, 3>> triangles;
+  if (points.size() < 4) return triangles;
+  std::vector<double> coordinates = flattened(points);
+  run_qhull(coordinates, static_cast<int>(points.size()), "Qt", [&](qhT& state) {
+    for (facetT* facet = state.facet_list; facet && facet->next; facet = facet->next) {
+      std::array<int, 3> corners{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        corners[i] = qh_pointid(&state, static_cast<vertexT*>(facet->vertices->e[i].p)->point);
+      }
+      const auto at = [&](std::size_t i) { return points[static_cast<std::size_t>(corners[i])]; };
+      const Eigen::Vector3d outward(facet->normal[0], facet->normal[1], facet->normal[2]);
+      if ((at(1) - at(0)).cross(at(2) - at(0)).dot(outward) < 0.0) std::swap(corners[1], corners[2]);
+      triangles.push_back(corners);
+    }
+  });
+  return triangles;
+}
+
+}  // namespace clearway

@@ -1,0 +1,82 @@
+#include "planning/problem/planner.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "mapping/system/number_text.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+namespace {
+
+/// A joint's value with the unit of its kind: "2.793 rad (160 degrees)", "0.5 m".
+std::string with_unit(const Joint& joint, double value) {
+  if (joint.kind == JointKind::prismatic) return short_text(value) + " m";
+  return short_text(value) + " rad (" + short_text(value * 180.0 / std::numbers::pi) + " degrees)";
+}
+
+/// "joint joint1 is at 6.981 rad (400 degrees), 4.189 rad (240 degrees) above its upper limit, 2.793 rad ..."
+std::string limit_sentence(const Robot& robot, const std::string& name, const Configuration& q) {
+  const auto found = std::find_if(robot.joints.begin(), robot.joints.end(),
+                                  [&](const Joint& joint) { return joint.name == name; });
+  const Joint& joint = *found;
+  const double value = q[found - robot.joints.begin()];
+  const bool is_above = value > joint.upper;
+  const double limit = is_above ? joint.upper : joint.lower;
+  return "joint " + name + " is at " + with_unit(joint, value) + ", " +
+         with_unit(joint, is_above ? value - limit : limit - value) +
+         (is_above ? " above its upper limit, " : " below its lower limit, ") + with_unit(joint, limit);
+}
+
+/// Why `q` cannot be an end of a path; empty when it can.
+std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
+  const auto dof = static_cast<Eigen::Index>(space.robot().dof());
+  if (q.size() != dof) {
+    return "it has " + std::to_string(q.size()) + " values, expected " + std::to_string(dof) + " for robot " +
+           space.robot().name;
+  }
+  const Verdict verdict = space.check(q);
+  if (verdict.is_free()) return {};
+  const bool is_past_limit = verdict.obstruction == Obstruction::joint_limit;
+  return is_past_limit ? limit_sentence(space.robot(), verdict.other, q) : verdict.sentence();
+}
+
+}  // namespace
+
+std::string_view to_string(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::solved:
+      return "solved";
+    case PlanStatus::start_invalid:
+      return "start_invalid";
+    case PlanStatus::goal_invalid:
+      return "goal_invalid";
+    case PlanStatus::no_path:
+      return "no_path";
+    case PlanStatus::timed_out:
+      return "timed_out";
+  }
+  return "no_path";
+}
+
+PlanResult check_ends(const PlanProblem& problem) {
+  PlanResult result;
+  result.status = PlanStatus::solved;
+  result.configurations_checked = 1;
+  std::string why = refusal(problem.space, problem.start);
+  if (!why.empty()) {
+    result.status = PlanStatus::start_invalid;
+    if (const std::string empty = empty_volume_sentence(problem.space); !empty.empty()) why = empty;
+    result.explanation = "The start is not free: " + why + ".";
+    return result;
+  }
+  ++result.configurations_checked;
+  why = refusal(problem.space, problem.goal);
+  if (!why.empty()) {
+    result.status = PlanStatus::goal_invalid;
+    result.explanation = "The goal is not free: " + why + ".";
+  }
+  return result;
+}
+
+}  // namespace clearway

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planning/problem/path_cost.hpp"
+#include "planning/space/configuration_space.hpp"
+
+namespace clearway {
+
+enum class PlanStatus { solved, start_invalid, goal_invalid, no_path, timed_out };
+std::string_view to_string(PlanStatus status);
+
+/// One query. The planner keeps nothing between calls; the deadline and the seed are passed in.
+struct PlanProblem {
+  const ConfigurationSpace& space;
+  const PathCost& cost;
+  Configuration start;
+  Configuration goal;
+  std::uint64_t seed = 1;
+  std::function<bool()> out_of_time = [] { return false; };
+};
+
+/// Everything one query told us.
+struct PlanResult {
+  PlanStatus status = PlanStatus::no_path;
+  std::string explanation;               ///< one or two sentences: where it stopped and why
+  std::vector<Configuration> waypoints;  ///< start first; empty unless solved
+  std::vector<Configuration>
+      explored;                    ///< unless solved: the path to the best node or the trace of the motion
+  double cost = 0.0;               ///< joules, eq. 9, of the waypoints without the last segment
+  double last_segment_cost = 0.0;  ///< joules of the segment to the exact goal, when appended
+  bool last_segment = false;       ///< the last edge goes from the lattice (eq. 11) to the exact goal
+  double final_distance = 0.0;     ///< ||q_end - goal|| before the last segment
+  int search_steps = 0;            ///< edges, the last segment not counted
+  std::uint64_t configurations_checked = 0;
+  std::uint64_t edges_checked = 0;
+  std::map<std::string, double> statistics;  ///< planner's own figures, by name
+};
+
+/// A planner: a question answered. Thread safe.
+class Planner {
+ public:
+  virtual ~Planner() = default;
+  virtual PlanResult plan(const PlanProblem& problem) const = 0;
+  /// The options in force, by name, as printed by --print-options and stored in plan.json.
+  virtual std::map<std::string, std::string> options() const = 0;
+};
+
+using PlannerOptions = std::map<std::string, std::string>;
+
+/// Checks start and goal as every planner must: status solved when both are fine, else start_invalid or
+/// goal_invalid with the sentence. Called by planners first.
+PlanResult check_ends(const PlanProblem& problem);
+
+}  // namespace clearway

@@ -1,0 +1,130 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/puma_branches.hpp"
+
+namespace clearway {
+namespace {
+
+double fold_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+/// Which of the eight branches `near` itself stands on: the one that its own tip pose leads back to.
+std::size_t branch_of(const Robot& robot, const Configuration& near) {
+  const auto branches = puma_branches(robot, tip_pose(robot, near), near[3]);
+  std::size_t best = 0;
+  double least = 1e300;
+  for (std::size_t i = 0; i < branches.size(); ++i) {
+    if (!branches[i]) continue;
+    double error = 0.0;
+    for (Eigen::Index j = 0; j < near.size(); ++j) error += std::abs(fold_angle((*branches[i])[j] - near[j]));
+    if (error < least) {
+      least = error;
+      best = i;
+    }
+  }
+  return best;
+}
+
+/// Position error in the first three rows, rotation vector of the orientation error in the last three, map
+/// frame.
+Eigen::Matrix<double, 6, 1> pose_error(const Eigen::Isometry3d& wanted, const Eigen::Isometry3d& is) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(wanted.linear() * is.linear().transpose()));
+  Eigen::Matrix<double, 6, 1> error;
+  error << wanted.translation() - is.translation(), turn.angle() * turn.axis();
+  return error;
+}
+
+void clamp_to_limits(const Robot& robot, Configuration& q) {
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    double& value = q[static_cast<Eigen::Index>(j)];
+    value = std::clamp(value, robot.joints[j].lower, robot.joints[j].upper);
+  }
+}
+
+/// Levenberg-Marquardt on the pose error, orientation weighted by the robot's size, steps clamped into the
+/// limits; a step that does not help is tried again with more damping.
+bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOptions& options, double size,
+             Configuration& q) {
+  const Eigen::Index rows = options.position_only ? 3 : 6;
+  Eigen::Matrix<double, 6, 1> weights;
+  weights << 1.0, 1.0, 1.0, size, size, size;
+  LinkPoses poses = forward_kinematics(robot, q);
+  const auto tip = [&] { return poses[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip; };
+  Eigen::Matrix<double, 6, 1> error = pose_error(wanted, tip());
+  const auto cost = [&] { return error.cwiseProduct(weights).head(rows).squaredNorm(); };
+  double damping = 1e-3, last = cost();
+  for (int i = 0; i < options.max_iterations; ++i) {
+    const bool there = error.head<3>().norm() <= options.position_tolerance;
+    if (there && (options.position_only || error.tail<3>().norm() <= options.orientation_tolerance))
+      return true;
+    const Eigen::MatrixXd j = weights.head(rows).asDiagonal() *
+                              jacobian(robot, poses, robot.tip_link, tip().translation()).topRows(rows);
+    Eigen::MatrixXd normal = j.transpose() * j;
+    normal.diagonal().array() += damping * size * size;
+    const Configuration old = q;
+    q += normal.ldlt().solve(j.transpose() * error.cwiseProduct(weights).head(rows));
+    clamp_to_limits(robot, q);
+    forward_kinematics(robot, q, poses);
+    error = pose_error(wanted, tip());
+    if (const double now = cost(); now < last) {
+      last = now;
+      damping = std::max(damping / 5.0, 1e-12);
+      continue;
+    }
+    q = old;
+    forward_kinematics(robot, q, poses);
+    error = pose_error(wanted, tip());
+    damping *= 4.0;
+    if (damping > 1e6) break;
+  }
+  return false;
+}
+
+/// A length typical of the arm: what a rotation is worth against a translation.
+double arm_size(const Robot& robot) {
+  double size = robot.link_from_tip.translation().norm();
+  for (int i = robot.tip_link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
+    size += robot.links[static_cast<std::size_t>(i)].parent_from_link.translation().norm();
+  }
+  return size > 0.0 ? size / 2 : 1.0;
+}
+
+/// `near` first, then seeded random starts within the limits.
+std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& wanted,
+                                                        const Configuration& near, const IkOptions& options) {
+  const double size = arm_size(robot);
+  std::mt19937_64 random(options.seed);
+  for (int start = 0; start <= options.restarts; ++start) {
+    Configuration q = near;
+    for (std::size_t j = 0; start > 0 && j < robot.dof(); ++j) {
+      const Joint& joint = robot.joints[j];
+      const double here = near[static_cast<Eigen::Index>(j)];
+      const double lower = std::isfinite(joint.lower) ? joint.lower : here - std::numbers::pi;
+      const double upper = std::isfinite(joint.upper) ? joint.upper : here + std::numbers::pi;
+      q[static_cast<Eigen::Index>(j)] =
+          lower + (upper - lower) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+    }
+    clamp_to_limits(robot, q);
+    if (descend(robot, wanted, options, size, q)) return q;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
+                                                const Configuration& near, const IkOptions& options) {
+  if (near.size() != static_cast<Eigen::Index>(robot.dof()) || !near.allFinite()) return std::nullopt;
+  if (!map_from_tip.matrix().allFinite()) return std::nullopt;
+  if (robot.inverse_kinematics != "puma" || options.position_only) {
+    return numeric_inverse_kinematics(robot, map_from_tip, near, options);
+  }
+  const auto solution = puma_branches(robot, map_from_tip, near[3])[branch_of(robot, near)];
+  return solution ? unwrapped_within_limits(robot, *solution, near) : std::nullopt;
+}
+
+}  // namespace clearway

@@ -1,0 +1,79 @@
+#include "planning/robot/kinematics.hpp"
+
+#include <cmath>
+#include <locale>
+#include <sstream>
+
+#include "planning/robot/link_pose.hpp"
+
+namespace clearway {
+void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& map_from_link) {
+  map_from_link.resize(robot.links.size());
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const Link& link = robot.links[i];
+    const Eigen::Isometry3d& map_from_parent =
+        link.parent < 0 ? robot.map_from_base : map_from_link[static_cast<std::size_t>(link.parent)];
+    place_link(map_from_parent, pose_on_parent(robot, link, link.joint < 0 ? 0.0 : q[link.joint]),
+               map_from_link[i]);
+  }
+}
+
+LinkPoses forward_kinematics(const Robot& robot, const Configuration& q) {
+  LinkPoses poses;
+  forward_kinematics(robot, q, poses);
+  return poses;
+}
+
+Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q) {
+  return forward_kinematics(robot, q)[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip;
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const LinkPoses& map_from_link,
+                                                  int link, const Eigen::Vector3d& point) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> columns =
+      Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, static_cast<Eigen::Index>(robot.dof()));
+  for (int i = link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
+    const Link& mover = robot.links[static_cast<std::size_t>(i)];
+    if (mover.joint < 0) continue;
+    const Joint& joint = robot.joints[static_cast<std::size_t>(mover.joint)];
+    const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d axis = mover.multiplier * (pose.linear() * joint.axis);
+    if (joint.kind == JointKind::revolute) {
+      columns.col(mover.joint).head<3>() += axis.cross(point - pose.translation());
+      columns.col(mover.joint).tail<3>() += axis;
+    } else {
+      columns.col(mover.joint).head<3>() += axis;
+    }
+  }
+  return columns;
+}
+
+std::string limit_violation(const Robot& robot, const Configuration& q) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  if (q.size() != static_cast<Eigen::Index>(robot.dof())) {
+    text << "the configuration has " << q.size() << " values, but " << robot.name << " has " << robot.dof()
+         << " joints";
+    return text.str();
+  }
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const Joint& joint = robot.joints[j];
+    const double value = q[static_cast<Eigen::Index>(j)];
+    const char* unit = joint.kind == JointKind::revolute ? " rad" : " m";
+    if (!std::isfinite(value)) {
+      text << "joint " << joint.name << " is " << value << ", expected a finite number";
+    } else if (value < joint.lower) {
+      text << "joint " << joint.name << " is " << value << unit << ", below its lower limit " << joint.lower
+           << unit;
+    } else if (value > joint.upper) {
+      text << "joint " << joint.name << " is " << value << unit << ", above its upper limit " << joint.upper
+           << unit;
+    } else {
+      continue;
+    }
+    return text.str();
+  }
+  return {};
+}
+
+}  // namespace clearway

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+using Configuration = Eigen::VectorXd;
+using LinkPoses = std::vector<Eigen::Isometry3d>;
+
+/// Poses of all links in the map frame, `map_from_link[i]`. @pre q.size() == robot.dof()
+void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& map_from_link);
+LinkPoses forward_kinematics(const Robot& robot, const Configuration& q);
+
+/// map_from_tip at q.
+Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q);
+
+/// Linear (rows 0-2) and angular (rows 3-5) velocity Jacobian, map frame, of the point `point` (map frame)
+/// that moves with `link`, given the link poses at q.
+Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const LinkPoses& map_from_link,
+                                                  int link, const Eigen::Vector3d& point);
+
+/// Empty when q has the right size, is finite and keeps the joint limits; else one sentence naming the joint,
+/// the value and the limit.
+std::string limit_violation(const Robot& robot, const Configuration& q);
+
+struct IkOptions {
+  double position_tolerance = 1e-6;     ///< metres
+  double orientation_tolerance = 1e-6;  ///< radians
+  int max_iterations = 200;
+  int restarts = 16;  ///< seeded random restarts of the numeric solver
+  std::uint64_t seed = 1;
+  bool position_only = false;  ///< ignore orientation (arms with fewer than 6 joints)
+};
+
+/// A configuration that puts the tip at `map_from_tip`, near `near`; within limits. Geometric for "puma"
+/// (Craig 1989, the arm configuration of `near` is kept), damped least squares with limits otherwise.
+/// Empty when out of reach.
+std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
+                                                const Configuration& near, const IkOptions& options = {});
+
+/// All geometric solutions of a PUMA-like 6R arm (spherical wrist) within limits, up to 8, in fixed order.
+std::vector<Configuration> puma_inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip);
+
+}  // namespace clearway

@@ -1,0 +1,84 @@
+#include "planning/robot/mimic_joints.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const MimicJoint& mimic, const std::string& why) {
+  throw std::invalid_argument(file.string() + ": joint " + quote(mimic.joint.name) + " mimics " +
+                              quote(mimic.master) + why);
+}
+
+/// Index of the joint that `mimic` follows.
+std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic,
+                      const std::vector<MimicJoint>& mimics, const Robot& robot) {
+  if (mimic.master == mimic.joint.name) refuse(file, mimic, ", itself: expected another joint");
+  const bool follows = std::any_of(mimics.begin(), mimics.end(),
+                                   [&](const MimicJoint& m) { return m.joint.name == mimic.master; });
+  if (follows) refuse(file, mimic, ", which mimics another joint: expected one that mimics none");
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  const auto found = std::find(names.begin(), names.end(), mimic.master);
+  if (found == names.end()) {
+    const std::string nearest = nearest_name(mimic.master.substr(0, 100), names);
+    refuse(file, mimic,
+           ", which is no joint that moves" +
+               (nearest.empty() ? std::string() : ", did you mean " + quote(nearest) + "?"));
+  }
+  const auto master = static_cast<std::size_t>(found - names.begin());
+  if (robot.joints[master].kind != mimic.joint.kind)
+    refuse(file, mimic, ", expected a joint of the same kind: one of them turns and the other slides");
+  return master;
+}
+
+/// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own.
+void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimic, const Link& link,
+                       Joint& master) {
+  double lower = (mimic.joint.lower - link.offset) / link.multiplier;
+  double upper = (mimic.joint.upper - link.offset) / link.multiplier;
+  if (link.multiplier < 0.0) std::swap(lower, upper);
+  master.lower = std::max(master.lower, lower);
+  master.upper = std::min(master.upper, upper);
+  if (master.lower > master.upper) refuse(file, mimic, " and is never within its own limits");
+}
+
+/// Makes the master's axis, read in the frame of the link, mean the link's own axis.
+void turn_link_frame(int index, const Eigen::Vector3d& master_axis, const Eigen::Vector3d& own_axis,
+                     Robot& robot) {
+  Link& link = robot.links[static_cast<std::size_t>(index)];
+  if (master_axis.isApprox(own_axis, 1e-12)) return;
+  if (master_axis.isApprox(-own_axis, 1e-12)) {
+    link.multiplier = -link.multiplier;
+    link.offset = -link.offset;
+    return;
+  }
+  const Eigen::Isometry3d old_from_new(Eigen::Quaterniond::FromTwoVectors(master_axis, own_axis));
+  const Eigen::Isometry3d new_from_old = old_from_new.inverse();
+  link.parent_from_link = link.parent_from_link * old_from_new;
+  link.center_of_mass = new_from_old * link.center_of_mass;
+  for (Link& child : robot.links) {
+    if (child.parent == index) child.parent_from_link = new_from_old * child.parent_from_link;
+  }
+  for (Body& body : robot.bodies) {
+    if (body.link == index) body.link_from_shape = new_from_old * body.link_from_shape;
+  }
+}
+
+}  // namespace
+
+void resolve_mimics(const std::filesystem::path& file, const std::vector<MimicJoint>& mimics, Robot& robot) {
+  for (const MimicJoint& mimic : mimics) {
+    const std::size_t master = master_of(file, mimic, mimics, robot);
+    Link& link = robot.links[static_cast<std::size_t>(mimic.link)];
+    link.joint = static_cast<int>(master);
+    keep_mimic_limits(file, mimic, link, robot.joints[master]);
+    turn_link_frame(mimic.link, robot.joints[master].axis, mimic.joint.axis, robot);
+  }
+}
+
+}  // namespace clearway

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+/// A joint of a URDF that follows another one: its link holds multiplier and offset.
+struct MimicJoint {
+  int link = 0;
+  Joint joint;         ///< its own axis and limits
+  std::string master;  ///< the joint that it names
+};
+
+/// Lets the links of mimic joints follow their masters. A master's limits are narrowed so that its followers
+/// keep their own; where the axes differ, the follower's link frame is turned so that they agree.
+/// @throws std::invalid_argument in one sentence naming `file` and joint, when a master is missing, fixed, of
+///         another kind or a mimic joint itself, or no value of it keeps its follower's limits.
+void resolve_mimics(const std::filesystem::path& file, const std::vector<MimicJoint>& mimics, Robot& robot);
+
+}  // namespace clearway

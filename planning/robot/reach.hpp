@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+/// Bounds on where bodies can be and how far joints can throw them, over all configurations within the
+/// limits. Upper bounds: a little too large, never too small.
+
+/// A box in the map frame that holds the body in every configuration. The z extent of planar arms and of
+/// sliding robots stays exact: rotations about one common axis are followed as such.
+Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body);
+
+/// Largest distance of any point of the body from the axis of the (revolute) joint that moves `link`, which
+/// must lie on the body's chain; metres per radian of that joint. For a prismatic joint 1.
+double lever(const Robot& robot, int link, const Body& body);
+
+/// True when some joint moves the link against the map.
+bool is_moved(const Robot& robot, int link);
+
+}  // namespace clearway

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mapping/voxels/sphere.hpp"
+#include "mapping/voxels/voxel_state.hpp"
+#include "planning/geometry/shape.hpp"
+
+namespace clearway {
+
+enum class JointKind { revolute, prismatic };
+
+/// An actuated joint. Units: radians or metres.
+struct Joint {
+  std::string name;
+  JointKind kind = JointKind::revolute;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, in the frame of the joint's link
+  double lower = 0.0, upper = 0.0;                  ///< limits; for an unlimited joint -infinity, infinity
+  double max_velocity = 0.0;                        ///< rad/s or m/s; 0 when the URDF gives none
+  double friction = 0.0;                            ///< mu_j of Chong et al. 2008, eq. 8
+  double step = 0.0;  ///< epsilon_j, eq. 4: default perturbation of the beam search
+};
+
+/// A rigid link. Links are stored parents first; link 0 is the root.
+struct Link {
+  std::string name;
+  int parent = -1;                                                     ///< index, -1 for the root
+  Eigen::Isometry3d parent_from_link = Eigen::Isometry3d::Identity();  ///< at joint value 0
+  int joint = -1;  ///< actuated joint that moves this link against its parent; -1: fixed
+  double multiplier = 1.0, offset = 0.0;  ///< joint value used = multiplier * q + offset (URDF mimic)
+  double mass = 0.0;                      ///< kg
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  ///< link frame
+};
+
+/// One convex collision body on a link. `part` is the name by which policies and painted volumes refer to it.
+struct Body {
+  std::string part;
+  int link = 0;
+  Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
+  Shape shape = Shape::sphere(1.0);
+  std::vector<Sphere> cover;  ///< balls in the LINK frame whose union contains the body
+};
+
+/// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the
+/// accuracy of a pose that was computed and not taught only that it is several times worse. Metres.
+constexpr double default_position_accuracy = 1e-3;
+
+/// A robot: a kinematic tree with bodies, masses and limits, at some scale and place. Plain data.
+struct Robot {
+  std::string name;
+  std::vector<Joint> joints;  ///< actuated, in configuration order
+  std::vector<Link> links;
+  std::vector<Body> bodies;
+  std::vector<std::pair<int, int>> exempt;  ///< pairs of bodies (first < second) never tested for contact
+  int tip_link = 0;                         ///< frame of the end effector, W'
+  Eigen::Isometry3d link_from_tip = Eigen::Isometry3d::Identity();  ///< tip frame on tip_link
+  std::vector<std::string> critical_parts;     ///< parts that `painted` is the default policy for
+  std::string inverse_kinematics = "numeric";  ///< "numeric" or "puma" (geometric, Craig)
+  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  double position_accuracy = default_position_accuracy;  ///< metres, at this scale: the default padding
+  double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
+  std::filesystem::path source;
+
+  std::size_t dof() const { return joints.size(); }
+};
+
+/// The same robot `factor` times as large: lengths, prismatic limits and accuracy by factor, masses by
+/// factor^3.
+Robot scaled(const Robot& robot, double factor);
+
+}  // namespace clearway

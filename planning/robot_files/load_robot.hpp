@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+/// Loads a robot. `name_or_path` is a name in datasets/robots (a .yaml there: urdf, scale, tip, critical
+/// parts, friction, steps, exempt pairs, inverse kinematics) or the path of a .yaml or .urdf; for a .urdf a
+/// .srdf and a .yaml of the same stem beside it are honoured.
+/// Meshes (DAE, OBJ, PLY, STL through assimp) become their convex hulls; package:// is searched upwards.
+/// @throws std::invalid_argument in one sentence naming file and element: no joints, NaN, bodies of no size,
+///         axis zero, lower > upper, loops, misspelt names, numbers that no robot has, ...
+/// @throws DamagedFile when a mesh file is not whole or has no usable geometry.
+Robot load_robot(const std::string& name_or_path);
+
+/// Names in datasets/robots with one line of description each, sorted.
+std::vector<std::pair<std::string, std::string>> available_robots();
+
+/// The folder of robots, scenes and setups: $CLEARWAY_DATASETS, or the one the program was built with.
+std::filesystem::path datasets_folder();
+
+}  // namespace clearway

@@ -1,0 +1,93 @@
+#include "planning/robot_files/mesh_reader.hpp"
+
+#include <assimp/MemoryIOWrapper.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <stdexcept>
+
+#include "planning/geometry/convex_hull.hpp"
+#include "planning/robot_files/whole_mesh.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double most_metres = 1000.0;
+
+/// Shows assimp one file and no other: what a mesh refers to is not there.
+class OneFile : public Assimp::IOSystem {
+ public:
+  OneFile(std::string name, const std::string& content) : name_(std::move(name)), content_(content) {}
+  bool Exists(const char* name) const override { return name_ == name; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char*) override {
+    if (!Exists(name)) return nullptr;
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(content_.data()),
+                                      content_.size());
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  std::string name_;
+  const std::string& content_;
+};
+
+/// assimp's text would name its own source files: ours does not repeat it.
+[[noreturn]] void refuse(const Assimp::Importer& importer, const std::string& kind) {
+  try {
+    if (importer.GetException()) std::rethrow_exception(importer.GetException());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+  }
+  throw std::runtime_error("it cannot be read as ." + kind);
+}
+
+std::vector<Eigen::Vector3d> vertices_of(const aiScene& scene) {
+  std::vector<Eigen::Vector3d> vertices;
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[i];
+    for (unsigned k = 0; k < mesh.mNumVertices; ++k) {
+      vertices.emplace_back(mesh.mVertices[k].x, mesh.mVertices[k].y, mesh.mVertices[k].z);
+    }
+  }
+  return vertices;
+}
+
+}  // namespace
+
+bool are_sensible(const std::vector<Eigen::Vector3d>& points) {
+  return std::all_of(points.begin(), points.end(), [](const Eigen::Vector3d& point) {
+    return point.allFinite() && point.cwiseAbs().maxCoeff() <= most_metres;
+  });
+}
+
+std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
+                                          const Eigen::Vector3d& scale) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error("it cannot be opened for reading");
+  const std::string content{std::istreambuf_iterator<char>(stream), {}};
+  check_mesh_is_whole(content, kind);
+
+  Assimp::Importer importer;
+  const std::string name = "mesh." + kind;
+  importer.SetIOHandler(new OneFile(name, content));  // which it will delete
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(name, aiProcess_PreTransformVertices);
+  if (!scene) refuse(importer, kind);
+  std::vector<Eigen::Vector3d> vertices = vertices_of(*scene);
+  importer.FreeScene();
+  if (vertices.empty()) throw std::runtime_error("it holds no vertices");
+  for (Eigen::Vector3d& vertex : vertices) vertex = vertex.cwiseProduct(scale);
+  if (!are_sensible(vertices))
+    throw std::runtime_error("it has a vertex that is not finite or farther than 1 km from the origin");
+  return hull_corners(std::move(vertices));
+}
+
+}  // namespace clearway

@@ -1,0 +1,218 @@
+#include "planning/robot_files/robot_settings.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/urdf_document.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double default_friction = 0.1;
+constexpr double default_step_rad = 0.5 * std::numbers::pi / 180.0;
+constexpr double default_step_m = 0.01;
+constexpr double most_position_accuracy = 1.0;  ///< metres; no robot is as coarse as that
+
+/// One mapping of the file; knows where it is, so that refusals can say so.
+class Section {
+ public:
+  Section(const std::filesystem::path& file, std::string path, const YAML::Node& node,
+          const std::vector<std::string>& keys)
+      : file_(file), path_(std::move(path)), node_(node) {
+    if (!node.IsMap()) refuse("", "a mapping of keys to values");
+    for (const auto& entry : node) {
+      const std::string key = entry.first.as<std::string>("");
+      if (keys.empty() || std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+      throw std::invalid_argument(file.string() + ": unknown key " + quote(path_ + key) + ", did you mean '" +
+                                  nearest_name(key, keys) + "'?");
+    }
+  }
+
+  bool has(const std::string& key) const { return static_cast<bool>(node_[key]); }
+  YAML::Node node(const std::string& key) const { return node_[key]; }
+
+  std::string text(const std::string& key, const std::string& fallback) const {
+    if (!has(key)) return fallback;
+    if (!node_[key].IsScalar()) refuse(key, "a text");
+    return node_[key].Scalar();
+  }
+
+  double number(const std::string& key, double fallback, double above) const {
+    return has(key) ? number(key, node_[key], above) : fallback;
+  }
+
+  double number(const std::string& key, const YAML::Node& value, double above) const {
+    double result = std::nan("");
+    if (!value.IsScalar() || !YAML::convert<double>::decode(value, result) || !std::isfinite(result) ||
+        result < above) {
+      refuse(key, above > 0.0 ? "a finite number above 0" : "a finite number not below 0");
+    }
+    return result;
+  }
+
+  Eigen::Vector3d vector(const std::string& key) const {
+    Eigen::Vector3d result = Eigen::Vector3d::Zero();
+    if (!has(key)) return result;
+    const YAML::Node list = node_[key];
+    if (!list.IsSequence() || list.size() != 3) refuse(key, "three numbers [x, y, z]");
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!YAML::convert<double>::decode(list[i], result[static_cast<Eigen::Index>(i)]))
+        refuse(key, "three numbers");
+    }
+    if (!result.allFinite()) refuse(key, "three finite numbers");
+    return result;
+  }
+
+  std::vector<std::string> texts(const std::string& key) const {
+    std::vector<std::string> result;
+    if (!has(key)) return result;
+    if (!node_[key].IsSequence()) refuse(key, "a list of names");
+    for (const YAML::Node& entry : node_[key]) {
+      if (!entry.IsScalar()) refuse(key, "a list of names");
+      result.push_back(entry.Scalar());
+    }
+    return result;
+  }
+
+  [[noreturn]] void refuse(const std::string& key, const std::string& expected) const {
+    const std::string where = path_ + key;
+    throw std::invalid_argument(file_.string() + ": " + (where.empty() ? "the file" : quote(where)) +
+                                " must be " + expected);
+  }
+
+ private:
+  const std::filesystem::path& file_;
+  std::string path_;
+  YAML::Node node_;
+};
+
+Eigen::Isometry3d placement(const Section& section) {
+  const Eigen::Vector3d rpy = section.vector("rpy");
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  pose.translation() = section.vector("xyz");
+  return pose;
+}
+
+PerJoint per_joint(const std::filesystem::path& file, const Section& section, const std::string& key,
+                   double above) {
+  PerJoint result;
+  if (!section.has(key)) return result;
+  if (section.node(key).IsScalar()) {
+    result.all = section.number(key, 0.0, above);
+    return result;
+  }
+  const Section joints(file, key + ".", section.node(key), {});
+  for (const auto& entry : section.node(key)) {
+    const std::string joint = entry.first.as<std::string>("");
+    result.by_name[joint] = joints.number(joint, entry.second, above);
+  }
+  return result;
+}
+
+RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& root) {
+  const Section section(file, "", root,
+                        {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
+                         "position_accuracy", "inverse_kinematics", "exempt"});
+  RobotSettings settings;
+  settings.description = section.text("description", "");
+  settings.urdf = section.text("urdf", "");
+  settings.scale = section.number("scale", 1.0, 1e-6);
+  if (section.has("base")) {
+    settings.map_from_base = placement(Section(file, "base.", section.node("base"), {"xyz", "rpy"}));
+  }
+  if (section.has("tip")) {
+    const Section tip(file, "tip.", section.node("tip"), {"link", "xyz", "rpy"});
+    settings.tip_link = tip.text("link", "");
+    settings.link_from_tip = placement(tip);
+  }
+  settings.critical_parts = section.texts("critical_parts");
+  settings.friction = per_joint(file, section, "friction", 0.0);
+  settings.step = per_joint(file, section, "step", 1e-12);
+  settings.position_accuracy = section.number("position_accuracy", settings.position_accuracy, 0.0);
+  if (settings.position_accuracy > most_position_accuracy)
+    section.refuse("position_accuracy", "a length from 0 to 1 (metres)");
+  settings.inverse_kinematics = section.text("inverse_kinematics", "numeric");
+  if (settings.inverse_kinematics != "numeric" && settings.inverse_kinematics != "puma") {
+    section.refuse("inverse_kinematics", "numeric or puma");
+  }
+  if (section.has("exempt")) {
+    if (!section.node("exempt").IsSequence()) section.refuse("exempt", "a list of pairs of parts");
+    settings.exempt.emplace();
+    for (const YAML::Node& pair : section.node("exempt")) {
+      if (!pair.IsSequence() || pair.size() != 2) section.refuse("exempt", "a list of pairs of parts");
+      settings.exempt->emplace_back(pair[0].as<std::string>(""), pair[1].as<std::string>(""));
+    }
+  }
+  return settings;
+}
+
+}  // namespace
+
+RobotSettings read_robot_settings(const std::filesystem::path& file) {
+  constexpr std::size_t largest = 256U << 10U;  // yaml-cpp takes some hundred bytes for each of its words
+  const std::string text = read_input(file, "robot settings", largest);
+  try {
+    return settings_of(file, YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    throw std::invalid_argument(
+        file.string() + " is not valid YAML at line " + std::to_string(error.mark.line + 1) + ", column " +
+        std::to_string(error.mark.column + 1) + ": expected keys and values, lists or texts");
+  }
+}
+
+std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSettings& settings) {
+  if (file.extension() != ".urdf" && !settings.urdf.empty()) return file.parent_path() / settings.urdf;
+  return std::filesystem::path(file).replace_extension(".urdf");
+}
+
+void apply_settings(const RobotSettings& settings, const std::filesystem::path& file, Robot& robot) {
+  const auto refuse = [&](const std::string& key, const std::string& name) {
+    throw std::invalid_argument(file.string() + ": '" + key + "' names " + quote(name) + ", which " +
+                                robot.name + " does not have");
+  };
+  for (const auto* values : {&settings.friction, &settings.step}) {
+    for (const auto& [name, value] : values->by_name) {
+      const bool known = std::any_of(robot.joints.begin(), robot.joints.end(),
+                                     [&, joint = name](const Joint& j) { return j.name == joint; });
+      if (!known) refuse(values == &settings.friction ? "friction" : "step", name);
+    }
+  }
+  const auto chosen = [](const PerJoint& values, const Joint& joint, double fallback) {
+    const auto found = values.by_name.find(joint.name);
+    return found != values.by_name.end() ? found->second : values.all.value_or(fallback);
+  };
+  for (Joint& joint : robot.joints) {
+    joint.friction = chosen(settings.friction, joint, default_friction);
+    joint.step =
+        chosen(settings.step, joint, joint.kind == JointKind::revolute ? default_step_rad : default_step_m);
+  }
+  for (const std::string& part : settings.critical_parts) {
+    const bool known =
+        std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& b) { return b.part == part; });
+    if (!known) refuse("critical_parts", part);
+  }
+  robot.critical_parts = settings.critical_parts;
+  if (!settings.tip_link.empty()) {
+    const auto link = std::find_if(robot.links.begin(), robot.links.end(),
+                                   [&](const Link& l) { return l.name == settings.tip_link; });
+    if (link == robot.links.end()) refuse("tip.link", settings.tip_link);
+    robot.tip_link = static_cast<int>(link - robot.links.begin());
+  }
+  robot.link_from_tip = settings.link_from_tip;
+  robot.map_from_base = settings.map_from_base;
+  robot.position_accuracy = settings.position_accuracy;
+  robot.inverse_kinematics = settings.inverse_kinematics;
+}
+
+}  // namespace clearway

@@ -1,0 +1,147 @@
+#include "planning/robot_files/urdf_document.hpp"
+
+#include <tinyxml2.h>
+
+#include <set>
+#include <string_view>
+
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/urdf_elements.hpp"
+#include "planning/robot_files/urdf_numbers.hpp"
+#include "planning/robot_files/urdf_spelling.hpp"
+
+namespace clearway {
+namespace {
+
+using Element = tinyxml2::XMLElement;
+using Place = UrdfPlace;
+
+constexpr std::size_t most_joints = 500;  ///< a longer chain is no robot, and urdfdom walks it recursively
+constexpr std::size_t most_bodies = 1000;
+
+/// The attribute of a child element, or a refusal.
+std::string child_attribute(const Place& place, const Element& element, const char* child,
+                            const char* attribute) {
+  const Element* found = element.FirstChildElement(child);
+  const char* value = found ? found->Attribute(attribute) : nullptr;
+  if (!value) place.refuse(std::string("<") + child + " " + attribute + "=…> is missing");
+  return value;
+}
+
+/// Every link but one hangs on exactly one joint, and no joints form a loop.
+void check_tree(const Place& place, const std::set<std::string>& links,
+                const std::map<std::string, std::string>& parent_of) {
+  std::string root;
+  for (const std::string& link : links) {
+    if (parent_of.contains(link)) continue;
+    if (!root.empty()) {
+      place.refuse("links " + quote(root) + " and " + quote(link) +
+                   " both have no parent joint, expected one root");
+    }
+    root = link;
+  }
+  for (const std::string& link : links) {
+    std::string at = link;
+    for (std::size_t steps = 0; parent_of.contains(at); ++steps) {
+      if (steps > links.size())
+        place.refuse("the joints above link " + quote(link) + " form a loop, expected a tree");
+      at = parent_of.at(at);
+    }
+  }
+}
+
+/// What xacro has yet to fill in is missing from the robot; its definitions alone do no harm.
+void check_is_expanded(const Place& place, const Element& robot) {
+  for (const Element* child = robot.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const std::string_view name = child->Name();
+    if (!name.starts_with("xacro:") || name == "xacro:property" || name == "xacro:arg" ||
+        name == "xacro:macro")
+      continue;
+    place.refuse("holds <" + shortened(name) + ">, expected a URDF that xacro has expanded");
+  }
+}
+
+std::string name_of(const Place& place, const Element& element) {
+  const char* name = element.Attribute("name");
+  if (!name || !*name) place.refuse(std::string("a <") + element.Name() + "> has no name");
+  return name;
+}
+
+std::set<std::string> check_links(const Place& place, Element& robot, UrdfDocument& document) {
+  std::set<std::string> links;
+  std::size_t bodies = 0;
+  for (Element* link = robot.FirstChildElement("link"); link; link = link->NextSiblingElement("link")) {
+    const std::string name = name_of(place, *link);
+    if (!links.insert(name).second) place.refuse("link " + quote(name) + " is defined twice");
+    const Place here{place.file, "link " + quote(name)};
+    check_urdf_element(here, *link);
+    if (const Element* inertial = link->FirstChildElement("inertial")) check_urdf_inertial(here, *inertial);
+    std::vector<bool>& is_capsule = document.is_capsule[name];
+    for (Element* body = link->FirstChildElement("collision"); body;
+         body = body->NextSiblingElement("collision")) {
+      if (++bodies > most_bodies) place.refuse("has more than 1000 <collision> bodies");
+      is_capsule.push_back(check_urdf_collision(here, *body));
+    }
+    keep_urdf_children(*link, {"inertial", "collision"});
+  }
+  if (links.empty()) place.refuse("has no links");
+  return links;
+}
+
+void check_joints(const Place& place, Element& robot, const std::set<std::string>& links,
+                  UrdfDocument& document) {
+  std::map<std::string, std::string> parent_of;
+  std::set<std::string> joints;
+  for (Element* joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    const std::string name = name_of(place, *joint);
+    if (!joints.insert(name).second) place.refuse("joint " + quote(name) + " is defined twice");
+    const Place here{place.file, "joint " + quote(name)};
+    check_urdf_element(here, *joint);
+    check_urdf_joint(here, *joint);
+    const std::string parent = child_attribute(here, *joint, "parent", "link");
+    const std::string child = child_attribute(here, *joint, "child", "link");
+    for (const std::string& end : {parent, child}) {
+      if (!links.contains(end)) here.refuse("there is no link " + quote(end));
+    }
+    if (!parent_of.emplace(child, parent).second)
+      here.refuse("link " + quote(child) + " already has a parent joint, expected a tree");
+    document.joint_order.push_back(name);
+    if (document.joint_order.size() > most_joints) place.refuse("has more than 500 joints");
+  }
+  check_tree(place, links, parent_of);
+}
+
+}  // namespace
+
+std::string read_text(const std::filesystem::path& file) {
+  return read_input(file, "robot file", 16U << 20U);
+}
+
+UrdfDocument read_urdf_document(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  const Place place{file, ""};
+  tinyxml2::XMLDocument xml;
+  if (const auto error = xml.Parse(text.data(), text.size()); error == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
+    place.refuse("nests its elements too deeply for a URDF");
+  } else if (error != tinyxml2::XML_SUCCESS) {
+    place.refuse("is not well-formed XML, line " + std::to_string(xml.ErrorLineNum()));
+  }
+  Element* robot = xml.FirstChildElement("robot");
+  if (!robot) place.refuse("is not a URDF: it has no <robot> element");
+  if (!robot->Attribute("name")) place.refuse("<robot> has no name");
+  robot->DeleteAttribute("version");  // urdfdom 3.0 knows 1.0 alone; what later ones add is looked at here
+  check_urdf_root(place, *robot);
+  check_is_expanded(place, *robot);
+
+  UrdfDocument document;
+  const std::set<std::string> links = check_links(place, *robot, document);
+  check_joints(place, *robot, links, document);
+  keep_urdf_children(*robot, {"link", "joint"});
+  tinyxml2::XMLPrinter printer;
+  xml.Print(&printer);
+  document.text = printer.CStr();
+  return document;
+}
+
+}  // namespace clearway

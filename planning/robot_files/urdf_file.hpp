@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+/// Links, joints, masses and bodies of a URDF file (urdfdom), full size, base at the map's origin. Joints are
+/// in the order in which a walk down the tree meets them, children in the order of the file. A body's part is
+/// the name of its link. Nothing is exempt from contact yet; the tip is the last link of the longest branch.
+/// A mimic joint whose axis differs from its master's gets its link frame turned so that the axes agree.
+/// @throws std::invalid_argument in one sentence naming file, element and what was expected.
+Robot read_urdf(const std::filesystem::path& file);
+
+}  // namespace clearway

@@ -1,0 +1,102 @@
+#include "planning/routes/route_guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "planning/robot/reach.hpp"
+#include "planning/routes/free_route.hpp"
+
+namespace clearway {
+namespace {
+
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
+
+/// Where the middle of the hand can get, on the map.
+Eigen::AlignedBox3d hand_bounds(const ConfigurationSpace& space, const Hand& hand) {
+  const Robot& robot = space.robot();
+  Eigen::AlignedBox3d box = reach_box(robot, robot.bodies[static_cast<std::size_t>(hand.body)]);
+  box.min().array() += hand.inner_radius;
+  box.max().array() -= hand.inner_radius;
+  Eigen::AlignedBox3d map = space.map().bounds();
+  if (map.isEmpty()) return map;
+  const double margin = hand.requirement.policy == Policy::not_occupied ? 4.0 * hand.outer_radius : 0.0;
+  map.min().array() -= margin;
+  map.max().array() += margin;
+  return box.intersection(map);
+}
+
+}  // namespace
+
+HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand, const std::vector<Sphere>& avoided) {
+  const ConfigurationSpace& space = problem.space;
+  const BlockedSpace& blocked = hand.blocked(space);
+  const Eigen::Vector3d from = hand.position(space.robot(), problem.start),
+                        to = hand.position(space.robot(), problem.goal);
+  const auto price = [&](const Eigen::Vector3d& point) {
+    const double wide = std::min(hand.outer_radius, blocked.max_distance());
+    const double narrow = std::max(0.0, 1.0 - blocked.clearance(point) / wide);
+    const bool is_avoided = std::any_of(avoided.begin(), avoided.end(), [&](const Sphere& ball) {
+      return (ball.center - point).norm() < ball.radius;
+    });
+    return (1.0 + 30.0 * narrow) * (is_avoided ? 20.0 : 1.0);
+  };
+  if (hand.requirement.policy == Policy::painted) {
+    const PaintedGraph graph(space.map(), hand.requirement.volumes, 0.0, problem.out_of_time);
+    HandRoute route = graph.route(from, to, price);
+    if (!route.points.empty()) return route;
+  }
+  const double voxel = space.map().resolution();
+  const double cell = std::max(voxel, std::min(2.0 * voxel, hand.inner_radius));
+  return free_route(blocked, hand_bounds(space, hand), from, to, hand.inner_radius, cell, price,
+                    problem.out_of_time);
+}
+
+RouteGuide::RouteGuide(const PlanProblem& problem, const Hand& hand, HandRoute route, double share)
+    : robot_(problem.space.robot()),
+      start_(problem.start),
+      goal_(problem.goal),
+      route_(std::move(route)),
+      share_(share),
+      hand_radius_(hand.outer_radius) {
+  robot_.bodies.clear();
+  robot_.tip_link = hand.link;
+  robot_.link_from_tip = Eigen::Isometry3d::Identity();
+  robot_.link_from_tip.translation() = hand.center;
+  robot_.inverse_kinematics = "numeric";
+  double length = 0.0;
+  for (std::size_t i = 0; i < route_.points.size(); ++i) {
+    if (i > 0) length += (route_.points[i] - route_.points[i - 1]).norm();
+    along_.push_back(length);
+  }
+}
+
+std::optional<Configuration> RouteGuide::operator()(std::mt19937_64& random) const {
+  if (route_.points.size() < 2 || uniform(random) >= share_) return std::nullopt;
+  const double share = uniform(random), wanted = share * along_.back();
+  const auto next = std::upper_bound(along_.begin() + 1, along_.end() - 1, wanted);
+  const auto i = static_cast<std::size_t>(next - along_.begin());
+  const double piece = along_[i] - along_[i - 1];
+  const double t = piece > 0.0 ? (wanted - along_[i - 1]) / piece : 0.0;
+  Eigen::Isometry3d hand = Eigen::Isometry3d::Identity();
+  hand.translation() = route_.points[i - 1] + t * (route_.points[i] - route_.points[i - 1]);
+  const double play = std::max(0.25 * hand_radius_, 0.5 * (route_.radii[i] - hand_radius_));
+  for (int k = 0; k < 3; ++k) hand.translation()[k] += play * (2.0 * uniform(random) - 1.0);
+
+  // Half of the tries stay near the straight way in joint space, the others may turn the arm over.
+  const bool near = uniform(random) < 0.5;
+  Configuration q = start_ + share * (goal_ - start_);
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    const Joint& joint = robot_.joints[static_cast<std::size_t>(j)];
+    const double half = joint.kind == JointKind::revolute ? std::numbers::pi : 1.0;
+    const double lower = std::max(joint.lower, q[j] - half), upper = std::min(joint.upper, q[j] + half);
+    const double drawn = lower + (upper - lower) * uniform(random);
+    q[j] = std::clamp(near ? q[j] + 0.25 * (drawn - q[j]) : drawn, joint.lower, joint.upper);
+  }
+  return inverse_kinematics(
+      robot_, hand, q,
+      {.position_tolerance = 1e-3, .max_iterations = 20, .restarts = 0, .position_only = true});
+}
+
+}  // namespace clearway

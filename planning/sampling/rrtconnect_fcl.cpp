@@ -1,0 +1,168 @@
+#include "planning/sampling/rrtconnect_fcl.hpp"
+
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/datastructures/NearestNeighborsLinear.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "planning/problem/option_reader.hpp"
+#include "planning/sampling/fcl_octree_space.hpp"
+#include "planning/sampling/ompl_query.hpp"
+#include "planning/space/joint_weights.hpp"
+
+namespace clearway {
+namespace {
+
+namespace ob = ompl::base;
+
+bool is_same(const Shape& a, const Shape& b) {
+  return a.kind() == b.kind() && a.radius() == b.radius() && a.length() == b.length() &&
+         a.edges() == b.edges() && a.vertices() == b.vertices();
+}
+
+bool is_same(const Robot& a, const Robot& b) {
+  const auto same_joint = [](const Joint& x, const Joint& y) {
+    return x.kind == y.kind && x.axis == y.axis && x.lower == y.lower && x.upper == y.upper;
+  };
+  const auto same_link = [](const Link& x, const Link& y) {
+    return x.parent == y.parent && x.joint == y.joint && x.multiplier == y.multiplier &&
+           x.offset == y.offset && x.parent_from_link.matrix() == y.parent_from_link.matrix();
+  };
+  const auto same_body = [](const Body& x, const Body& y) {
+    return x.part == y.part && x.link == y.link && x.link_from_shape.matrix() == y.link_from_shape.matrix() &&
+           is_same(x.shape, y.shape);
+  };
+  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), same_joint) &&
+         std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), same_link) &&
+         std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), same_body) &&
+         a.exempt == b.exempt && a.map_from_base.matrix() == b.map_from_base.matrix();
+}
+
+/// OMPL's own simplifier with the query's seed.
+class SeededSimplifier : public ompl::geometric::PathSimplifier {
+ public:
+  SeededSimplifier(const ob::SpaceInformationPtr& information, OmplQuery& query)
+      : ompl::geometric::PathSimplifier(information) {
+    rng_.setLocalSeed(static_cast<std::uint_fast32_t>(query.random()));
+  }
+};
+
+ob::SpaceInformationPtr sampled_checks(OmplQuery& query, const FclOctreeSpace& scene, double resolution) {
+  const auto information = std::make_shared<ob::SpaceInformation>(state_space(query));
+  information->setStateValidityChecker([&query, &scene](const ob::State* state) {
+    ++query.configurations;
+    return scene.is_free(query.configuration(state));
+  });
+  information->setStateValidityCheckingResolution(resolution);
+  information->setup();  // OMPL's discrete motion validator
+  return information;
+}
+
+}  // namespace
+
+/// The trees made last, for whoever plans in these maps again.
+class RrtConnectFcl::Scenes {
+ public:
+  std::shared_ptr<const FclOctreeSpace> of(const ConfigurationSpace& space) {
+    const std::shared_ptr<Entry> entry = entry_of(space);
+    std::call_once(entry->made, [&] { entry->scene = std::make_shared<FclOctreeSpace>(space); });
+    return entry->scene;
+  }
+
+ private:
+  struct Entry {
+    Robot robot;
+    Snapshot map;  ///< held, so that its tree's address stays its own
+    std::map<std::string, Policy> policies;
+    double padding = 0.0, seen_within = 0.0;
+    std::once_flag made;
+    std::shared_ptr<const FclOctreeSpace> scene;
+
+    explicit Entry(const ConfigurationSpace& space)
+        : robot(space.robot()),
+          map(space.map()),
+          policies(space.policies()),
+          padding(space.options().padding),
+          seen_within(space.options().seen_within) {}
+    bool is_of(const ConfigurationSpace& space) const {
+      return &map.tree() == &space.map().tree() && map.seen() == space.map().seen() &&
+             padding == space.options().padding && seen_within == space.options().seen_within &&
+             policies == space.policies() && is_same(robot, space.robot());
+    }
+  };
+
+  std::shared_ptr<Entry> entry_of(const ConfigurationSpace& space) {
+    constexpr std::size_t kept = 8;
+    const std::lock_guard lock(mutex_);
+    const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const auto& entry) { return entry->is_of(space); });
+    if (found != entries_.end()) {
+      std::rotate(found, found + 1, entries_.end());
+    } else {
+      if (entries_.size() == kept) entries_.erase(entries_.begin());
+      entries_.push_back(std::make_shared<Entry>(space));
+    }
+    return entries_.back();
+  }
+
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<Entry>> entries_;  ///< used last at the end
+};
+
+RrtConnectFcl::RrtConnectFcl(const PlannerOptions& options) : scenes_(std::make_unique<Scenes>()) {
+  OptionReader reader("rrtconnect_fcl", options);
+  resolution_ = reader.number("resolution", resolution_, 1e-6, 1.0);
+  simplify_ = reader.flag("simplify", simplify_);
+  range_ = reader.number_or_auto("range", 0.0, 1e3);
+  prismatic_scale_ = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
+  max_samples_ = reader.integer("max_samples", 20000, 1, 100000000);
+  reader.refuse_unknown();
+  in_force_ = reader.in_force();
+}
+
+RrtConnectFcl::~RrtConnectFcl() = default;
+
+PlanResult RrtConnectFcl::plan(const PlanProblem& problem) const {
+  PlanResult result = check_ends(problem);
+  if (result.status != PlanStatus::solved) return result;
+  const auto scene = scenes_->of(problem.space);
+  OmplQuery query{problem, joint_weights(problem.space, prismatic_scale_), std::mt19937_64(problem.seed), {}};
+  const ob::SpaceInformationPtr information = sampled_checks(query, *scene, resolution_);
+  const ob::ProblemDefinitionPtr definition = problem_definition(query, information);
+  ompl::geometric::RRTConnect planner(information);
+  planner.setNearestNeighbors<ompl::NearestNeighborsLinear>();  // the default draws from OMPL's own generator
+  planner.setRange(range_);
+  planner.setProblemDefinition(definition);
+  planner.setup();
+  bool out_of_time = false;
+  planner.solve(ob::PlannerTerminationCondition([&] {
+    out_of_time = problem.out_of_time();
+    return out_of_time || query.samples >= max_samples_;
+  }));
+  if (simplify_ && definition->hasExactSolution()) {
+    SeededSimplifier(information, query)
+        .simplify(*definition->getSolutionPath()->as<ompl::geometric::PathGeometric>(),
+                  ob::PlannerTerminationCondition([&] { return problem.out_of_time(); }), false);
+  }
+  std::vector<Configuration> path = waypoints(query, *definition);
+  result.configurations_checked += query.configurations;
+  result.edges_checked = information->getMotionValidator()->getCheckedMotionCount();
+  result.statistics = {{"samples", query.samples}};
+  if (path.empty()) {
+    result.status = out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
+    result.final_distance = (problem.goal - problem.start).norm();
+    result.explanation = "No path found with " + std::to_string(query.samples) + " samples.";
+    return result;
+  }
+  result.explanation = "Joined start and goal with " + std::to_string(query.samples) +
+                       " samples; between the looks at its edges the path is not certified.";
+  result.search_steps = static_cast<int>(path.size()) - 1;
+  result.cost = problem.cost(path);
+  result.waypoints = std::move(path);
+  return result;
+}
+
+}  // namespace clearway

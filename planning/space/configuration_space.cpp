@@ -1,0 +1,219 @@
+#include "planning/space/configuration_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "planning/robot/idle_turns.hpp"
+#include "planning/robot/reach.hpp"
+#include "planning/space/configuration_space_state.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+namespace {
+
+/// Poses of the links at the configuration under test; kept per thread, so that a check allocates nothing.
+LinkPoses& scratch_poses() {
+  thread_local LinkPoses poses;
+  return poses;
+}
+
+void check_options(const SpaceOptions& options) {
+  if (!std::isfinite(options.padding) || options.padding < 0.0) {
+    throw std::invalid_argument("padding must be a finite length not below 0, in metres");
+  }
+  if (!std::isfinite(options.max_distance) || options.max_distance < 0.0) {
+    throw std::invalid_argument("max_distance must be a finite length not below 0, in metres");
+  }
+  if (!std::isfinite(options.edge_resolution) || options.edge_resolution <= 0.0) {
+    throw std::invalid_argument("edge_resolution must be a finite length above 0, in radians or metres");
+  }
+}
+
+/// As far as the largest body is wide: farther away, edges are proved in one piece anyway.
+double chosen_max_distance(const Robot& robot, double resolution) {
+  double largest = 0.0;
+  for (const Body& body : robot.bodies) largest = std::max(largest, body.shape.bounding_radius());
+  return std::max(largest, 8.0 * resolution);
+}
+
+/// Where a requirement has to be known. Under `not_occupied` nothing outside the map blocks; under the other
+/// policies everything outside it does, so that one layer of voxels around it stands for all of them.
+/// `bounds`: of the map. `wanted`: how far beyond its reach the robot has to know of blocked voxels, metres.
+Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach,
+                              const Eigen::AlignedBox3d& bounds, double resolution, double wanted) {
+  const auto grown = [](Eigen::AlignedBox3d box, double by) {
+    return Eigen::AlignedBox3d(box.min().array() - by, box.max().array() + by);
+  };
+  const double margin = requirement.policy == Policy::not_occupied ? wanted : resolution;
+  reach = grown(reach, wanted);
+  const Eigen::AlignedBox3d region = bounds.isEmpty() ? bounds : reach.intersection(grown(bounds, margin));
+  if (!region.isEmpty()) return region;
+  // Nothing in reach is known: one voxel of the unknown, within what maps have numbers for.
+  const Eigen::Vector3d corner = reach.min().cwiseMax(-1e6 * resolution).cwiseMin(1e6 * resolution);
+  return {corner, corner + Eigen::Vector3d::Constant(resolution / 2)};
+}
+
+/// For each joint the sum of levers over the links of the body's chain that it moves.
+Eigen::VectorXd body_levers(const Robot& robot, const Body& body) {
+  Eigen::VectorXd levers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
+    const Link& link = robot.links[static_cast<std::size_t>(i)];
+    if (link.joint >= 0) levers[link.joint] += std::abs(link.multiplier) * lever(robot, i, body);
+  }
+  return levers;
+}
+
+/// For each joint how fast it turns the links of the body's chain, all added up; 0 for one that slides.
+Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
+  Eigen::VectorXd turns = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
+    const Link& link = robot.links[static_cast<std::size_t>(i)];
+    if (link.joint < 0) continue;
+    const bool slides = robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::prismatic;
+    if (!slides) turns[link.joint] += std::abs(link.multiplier);
+  }
+  return turns;
+}
+
+/// without_idle_turns, but where bodies that touch in every configuration would end up on one link: these
+/// stay where they are, so that their contact still counts.
+Robot reduced(const Robot& given) {
+  Robot robot = without_idle_turns(given);
+  const std::vector<BodyPair> wanted = contact_pairs(given);
+  const LinkPoses poses =  // any will do: no joint changes how far bodies of one link are apart
+      forward_kinematics(given, Configuration::Zero(static_cast<Eigen::Index>(given.dof())));
+  for (bool changed = true; changed;) {  // a body put back may leave another one's pair without motion
+    changed = false;
+    const std::vector<BodyPair> kept = contact_pairs(robot);
+    for (const BodyPair& pair : wanted) {
+      const bool is_kept = std::any_of(kept.begin(), kept.end(), [&](const BodyPair& other) {
+        return other.first == pair.first && other.second == pair.second;
+      });
+      if (is_kept || is_apart(given, pair, poses, 0.0)) continue;
+      for (const int body : {pair.first, pair.second})
+        robot.bodies[static_cast<std::size_t>(body)] = given.bodies[static_cast<std::size_t>(body)];
+      changed = true;
+    }
+  }
+  return robot;
+}
+
+}  // namespace
+
+ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
+                                       const SpaceOptions& options)
+    : state_(std::make_unique<State>(
+          State{std::move(robot), {}, std::move(map), options, {}, {}, {}, {}, {}, {}, {}})) {
+  State& state = *state_;
+  state.robot = reduced(state.given);
+  check_options(options);
+  if (state.options.max_distance == 0.0) {
+    state.options.max_distance = chosen_max_distance(state.robot, state.map.resolution());
+  }
+  state.policies = part_policies(state.robot, state.map, policies);
+  require_seen_within(options.seen_within, state.map, state.policies);
+  std::vector<std::pair<Requirement, Eigen::AlignedBox3d>> reaches;  // one region for each requirement
+  const auto reach_of = [&](const Requirement& requirement) -> Eigen::AlignedBox3d& {
+    for (auto& [known, box] : reaches) {
+      if (known == requirement) return box;
+    }
+    return reaches.emplace_back(requirement, Eigen::AlignedBox3d()).second;
+  };
+  const auto requirement_of = [&](const Body& body) {
+    return part_requirement(state.map, body.part, state.policies.at(body.part), options.seen_within);
+  };
+  for (const Body& body : state.robot.bodies) {
+    if (is_moved(state.robot, body.link)) reach_of(requirement_of(body)).extend(reach_box(state.robot, body));
+  }
+  const Eigen::AlignedBox3d bounds = state.map.bounds();
+  for (std::size_t i = 0; i < state.robot.bodies.size(); ++i) {
+    const Body& body = state.robot.bodies[i];
+    if (!is_moved(state.robot, body.link)) continue;
+    const Requirement requirement = requirement_of(body);
+    const double max_distance = state.options.max_distance;
+    const double wanted = std::max(max_distance, options.padding + state.map.resolution());
+    const Eigen::AlignedBox3d region =
+        region_of(requirement, reach_of(requirement), bounds, state.map.resolution(), wanted);
+    Eigen::AlignedBox3d counts = reach_box(state.robot, body);  // voxels that can matter to the body
+    const double rounding =
+        1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());
+    counts.min().array() -= options.padding + rounding;
+    counts.max().array() += options.padding + rounding;
+    state.bodies.emplace_back(body, state.map.blocked_space(requirement, region, max_distance), counts);
+    state.indices.push_back(static_cast<int>(i));
+    state.levers.push_back(body_levers(state.robot, body));
+    state.turns.push_back(body_turns(state.robot, body));
+  }
+  state.pairs = contact_pairs(state.robot);
+  state.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(state.robot.dof()));
+  for (std::size_t member = 0; member < state.members(); ++member)
+    state.matters = state.matters.array().max((state.rates(member).array() > 0.0).cast<double>());
+}
+
+ConfigurationSpace::~ConfigurationSpace() = default;
+ConfigurationSpace::ConfigurationSpace(ConfigurationSpace&&) noexcept = default;
+
+const Robot& ConfigurationSpace::robot() const { return state_->given; }
+const Snapshot& ConfigurationSpace::map() const { return state_->map; }
+const SpaceOptions& ConfigurationSpace::options() const { return state_->options; }
+const std::map<std::string, Policy>& ConfigurationSpace::policies() const { return state_->policies; }
+
+const BlockedSpace* ConfigurationSpace::blocked_space(int body) const {
+  for (std::size_t i = 0; i < state_->bodies.size(); ++i) {
+    if (state_->indices[i] == body) return &state_->bodies[i].space();
+  }
+  return nullptr;
+}
+
+bool ConfigurationSpace::State::is_within_limits(const Configuration& q) const {
+  if (q.size() != static_cast<Eigen::Index>(robot.dof())) return false;
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const double value = q[static_cast<Eigen::Index>(j)];
+    if (!std::isfinite(value) || value < robot.joints[j].lower || value > robot.joints[j].upper) return false;
+  }
+  return true;
+}
+
+bool ConfigurationSpace::is_free(const Configuration& q) const {
+  const State& state = *state_;
+  if (!state.is_within_limits(q)) return false;
+  LinkPoses& poses = scratch_poses();
+  forward_kinematics(state.robot, q, poses);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (!state.bodies[i].is_clear(state.pose(poses, i), state.options.padding)) return false;
+  }
+  return std::all_of(state.pairs.begin(), state.pairs.end(),
+                     [&](const BodyPair& pair) { return is_apart(state.robot, pair, poses, 0.0); });
+}
+
+double ConfigurationSpace::clearance(const Configuration& q) const {
+  const State& state = *state_;
+  if (!state.is_within_limits(q)) return 0.0;
+  LinkPoses& poses = scratch_poses();
+  forward_kinematics(state.robot, q, poses);
+  double least = state.options.max_distance;
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const GuardedBody& body = state.bodies[i];
+    const double padding = state.options.padding;
+    const double quick = body.quick_clearance(state.pose(poses, i)) - padding;
+    if (quick >= least) continue;
+    // Near a blocked voxel the balls stand out too far to tell; the exact shape does, in a small box.
+    const double slack = body.cover_excess() + 2.0 * state.map.resolution();
+    if (quick > 2.0 * slack) {
+      least = quick;
+      continue;
+    }
+    const double limit = std::min(least, std::max(quick, 0.0) + slack) + padding;
+    least = std::min(least, body.exact_clearance(state.pose(poses, i), limit) - padding);
+  }
+  for (const BodyPair& pair : state.pairs) {
+    if (!is_apart(state.robot, pair, poses, least)) {
+      least = std::min(least, pair_distance(state.robot, pair, poses).lower);
+    }
+  }
+  return least;
+}
+
+}  // namespace clearway

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/snapshot.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+/// The policy of each robot part. Unlisted critical parts (those of the robot and those that a painted volume
+/// names) are `painted` (inside the volumes that name the part, or inside any volume when none does), or
+/// `known_free` in a map that holds no paint at all. All other parts have `other`; where it is left out,
+/// `not_occupied`, but for a robot that names no critical part, of which nobody has said what may go into the
+/// unknown: all of it is `known_free` wherever the map holds free voxels, painted or seen.
+/// ConfigurationSpace::policies() says what was chosen.
+struct Policies {
+  std::map<std::string, Policy> parts = {};
+  std::optional<Policy> other = std::nullopt;
+  bool critical_by_default = true;  ///< what is left out is chosen as above; else it is `not_occupied`
+};
+
+struct SpaceOptions {
+  double padding = 0.0;           ///< every body keeps this distance from blocked voxels, metres, >= 0
+  double max_distance = 0.0;      ///< truncation of the distance fields; 0 = chosen from the robot's size
+  double edge_resolution = 1e-4;  ///< an edge undecided at this joint-space length (rad, m) counts as blocked
+  double seen_within = 0.0;  ///< of parts under `known_free` (Requirement::seen_within), seconds; 0: ever
+};
+
+/// Why a configuration is not free.
+enum class Obstruction {
+  none,
+  not_finite,
+  joint_limit,
+  self_contact,
+  occupied,
+  conflict,
+  unknown,
+  stale,  ///< seen free, but not lately enough
+  outside_painted
+};
+
+struct Verdict {
+  Obstruction obstruction = Obstruction::none;
+  std::string part;                                 ///< body that is blocked
+  std::string other;                                ///< the second body, or the joint
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< map frame: centre of the blocking voxel
+  double depth = 0.0;  ///< metres the body reaches in (estimate), or past the limit
+  bool is_free() const { return obstruction == Obstruction::none; }
+  std::string sentence() const;  ///< "tool touches an occupied voxel at (x, y, z), 3 mm deep"
+};
+
+/// One nearby pair (robot point, blocked voxel or other body): a linear damper row of Lahouar et al. 2006,
+/// eq. 6: n^T J dq <= bound(d).
+struct ProximityRow {
+  Eigen::VectorXd gradient;  ///< a = n^T J_x1(q): rate of approach per unit joint rate
+  double distance = 0.0;     ///< conservative (<= true) distance d, metres, padding already subtracted
+  int body = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< x1, on the robot, map frame
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< n, from the robot to the obstacle
+};
+
+/// A robot in a map under a policy: the one place that says which configurations and edges are free.
+/// Bodies that no joint moves are part of the scene: tested against other bodies, not against the map.
+/// Immutable, safe from many threads; counts nothing, prints nothing.
+class ConfigurationSpace {
+ public:
+  /// @throws std::invalid_argument: unknown part in the policies, negative padding, region too large, a
+  /// seen_within that the map cannot answer or that no part is asked, ...
+  ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies = {},
+                     const SpaceOptions& options = {});
+  ~ConfigurationSpace();
+  ConfigurationSpace(ConfigurationSpace&&) noexcept;
+
+  const Robot& robot() const;
+  const Snapshot& map() const;
+  const SpaceOptions& options() const;
+  /// Policy of each body's part, as used.
+  const std::map<std::string, Policy>& policies() const;
+
+  /// Exact decision: limits, self contact, every body against every blocked voxel cube of its requirement.
+  bool is_free(const Configuration& q) const;
+  /// The same with the reason.
+  Verdict check(const Configuration& q) const;
+
+  /// Certified for every configuration on the straight edge: adaptive bisection, each piece proved by
+  /// clearance over the bodies' reach bounds. False when blocked or undecided at options().edge_resolution.
+  bool is_edge_free(const Configuration& from, const Configuration& to) const;
+
+  /// Conservative (<= true) smallest distance of any body to what blocks it, or to another body; padding
+  /// subtracted, at most the fields' max_distance; <= 0 when not free.
+  double clearance(const Configuration& q) const;
+
+  /// Pairs nearer than `influence_distance`, in a fixed order: for each body (in up to four pieces along its
+  /// longest axis) and each of the six map directions the nearest blocked voxel that lies that way, by the
+  /// exact shapes; then each pair of bodies that is not exempt. A pair whose distance no joint can change (a
+  /// floor under a sliding disc) has no row. Penetrating pairs have distance <= 0.
+  std::vector<ProximityRow> proximity_rows(const Configuration& q, double influence_distance) const;
+
+  /// What blocks body `body` (index in robot().bodies), in all the space that it reaches; null for a body
+  /// that no joint moves. Valid as long as this object.
+  const BlockedSpace* blocked_space(int body) const;
+
+  /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
+  double motion_bound(const Eigen::VectorXd& abs_dq) const;
+
+ private:
+  friend class LatticeChecks;  ///< the same answers for a search in small steps, which remembers some
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace clearway

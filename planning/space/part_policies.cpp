@@ -1,0 +1,107 @@
+#include "planning/space/part_policies.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+#include "mapping/field/seen_within.hpp"
+
+namespace clearway {
+namespace {
+
+bool has_paint(const Snapshot& map) {
+  if (!map.volumes().empty()) return true;
+  const VoxelCounts counts = map.counts();
+  return counts.painted + counts.conflict > 0;
+}
+
+bool has_free_space(const Snapshot& map) {
+  const VoxelCounts counts = map.counts();
+  return counts.painted + counts.seen_free > 0;
+}
+
+/// Of parts that are neither critical nor told.
+Policy usual_policy(const Robot& robot, const Snapshot& map, const Policies& policies) {
+  if (policies.other) return *policies.other;
+  const bool is_cautious = policies.critical_by_default && robot.critical_parts.empty();
+  return is_cautious && has_free_space(map) ? Policy::known_free : Policy::not_occupied;
+}
+
+bool has_ball(const Snapshot& map, std::uint16_t volumes) {
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    if ((volumes >> v & 1U) != 0 && !map.volumes()[v].balls.empty()) return true;
+  }
+  if (!map.volumes().empty()) return false;
+  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no balls
+  return counts.painted + counts.conflict > 0;
+}
+
+}  // namespace
+
+std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
+                                            const Policies& policies) {
+  // Of a bare tree only a walk through all of it tells: not in a control loop's map if no part wants to know.
+  std::optional<Policy> critical;
+  const auto of_critical_parts = [&] {
+    if (!critical) critical = has_paint(map) ? Policy::painted : Policy::known_free;
+    return *critical;
+  };
+  const Policy usual = usual_policy(robot, map, policies);
+  std::map<std::string, Policy> chosen;
+  for (const Body& body : robot.bodies) {
+    const auto& list = robot.critical_parts;
+    const bool is_critical =
+        policies.critical_by_default &&
+        (std::find(list.begin(), list.end(), body.part) != list.end() || map.volumes_of_part(body.part) != 0);
+    const bool is_given = policies.parts.contains(body.part);
+    chosen[body.part] = is_critical && !is_given ? of_critical_parts() : usual;
+  }
+  for (const auto& [part, policy] : policies.parts) {
+    if (const auto known = chosen.find(part); known != chosen.end()) {
+      known->second = policy;
+      continue;
+    }
+    std::string names;
+    for (const auto& entry : chosen) names += (names.empty() ? "" : ", ") + entry.first;
+    throw std::invalid_argument("policy names the part '" + part + "', expected a part of " + robot.name +
+                                ": " + names);
+  }
+  return chosen;
+}
+
+Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy,
+                             double seen_within) {
+  Requirement requirement;
+  requirement.policy = policy;
+  if (policy == Policy::known_free) requirement.seen_within = seen_within;
+  if (policy == Policy::painted) {
+    if (const std::uint16_t volumes = map.volumes_of_part(part); volumes != 0) requirement.volumes = volumes;
+  }
+  return requirement;
+}
+
+void require_seen_within(double seen_within, const Snapshot& map,
+                         const std::map<std::string, Policy>& policies) {
+  require_seen_within(seen_within, map.seen());
+  if (seen_within == 0.0) return;
+  for (const auto& [part, policy] : policies) {
+    if (policy == Policy::known_free) return;
+  }
+  throw std::invalid_argument(
+      "seen within: asks parts under known_free when their voxels were last seen, and no part is under it; "
+      "expected a policy known_free");
+}
+
+std::string empty_volume_sentence(const ConfigurationSpace& space) {
+  for (const auto& [part, policy] : space.policies()) {
+    if (policy != Policy::painted ||
+        has_ball(space.map(), part_requirement(space.map(), part, policy).volumes))
+      continue;
+    return "the part '" + part +
+           "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "
+           "it";
+  }
+  return {};
+}
+
+}  // namespace clearway

@@ -1,0 +1,148 @@
+// Damper rows of Lahouar et al. 2006: ConfigurationSpace::proximity_rows.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "planning/space/configuration_space_state.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr int directions = 6;  ///< +x -x +y -y +z -z of the map
+constexpr int max_pieces = 4;
+
+/// A body's longest axis, cut into pieces about twice as long as the body is wide.
+struct LongAxis {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  double half_length = 0.0;  ///< of the medial segment: the rest is round or narrow
+  double half_extent = 0.0;
+  int pieces = 1;
+
+  explicit LongAxis(const Shape& shape) {
+    double width = 2.0 * shape.radius();
+    switch (shape.kind()) {
+      case Shape::Kind::sphere:
+        return;
+      case Shape::Kind::capsule:
+        half_length = shape.length() / 2;
+        half_extent = half_length + shape.radius();
+        break;
+      case Shape::Kind::cylinder:
+        half_length = std::max(0.0, shape.length() / 2 - shape.radius());
+        half_extent = shape.length() / 2;
+        break;
+      case Shape::Kind::box:
+      case Shape::Kind::convex: {
+        int longest = 0;
+        half_extent = shape.edges().maxCoeff(&longest) / 2;
+        width = shape.edges().minCoeff();
+        half_length = std::max(0.0, half_extent - width / 2);
+        axis = Eigen::Vector3d::Unit(longest);
+        break;
+      }
+    }
+    pieces = std::clamp(static_cast<int>(std::ceil(half_extent / std::max(width, 1e-12))), 1, max_pieces);
+  }
+
+  /// Signed place along the axis, and the medial point there.
+  double along(const Eigen::Vector3d& in_shape) const {
+    return std::clamp(axis.dot(in_shape), -half_length, half_length);
+  }
+  int piece(double place) const {
+    if (half_length <= 0.0) return 0;
+    return std::clamp(static_cast<int>((place + half_length) / (2.0 * half_length) * pieces), 0, pieces - 1);
+  }
+};
+
+/// The map direction that a vector follows most.
+int direction_of(const Eigen::Vector3d& v) {
+  int axis = 0;
+  v.cwiseAbs().maxCoeff(&axis);
+  return 2 * axis + (v[axis] < 0.0 ? 1 : 0);
+}
+
+struct Nearest {
+  double distance = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d cube = Eigen::Vector3d::Zero();
+  DistanceBounds bounds;
+  Eigen::Vector3d fallback = Eigen::Vector3d::Zero();  ///< direction when the bodies overlap
+};
+
+/// The nearest cube for each piece and direction, in that order.
+std::array<Nearest, max_pieces * directions> nearest_cubes(const GuardedBody& guarded,
+                                                           const Eigen::Isometry3d& pose, double reach) {
+  const Shape& shape = guarded.body().shape;
+  const Eigen::Isometry3d map_from_shape = pose * guarded.body().link_from_shape;
+  const LongAxis medial(shape);
+  std::array<Nearest, max_pieces * directions> slots;
+  if (guarded.is_quickly_clear(pose, reach)) return slots;
+  guarded.visit_near(pose, reach, [&](const Eigen::Vector3d& cube, double least) {
+    const Eigen::Vector3d in_shape =
+        map_from_shape.linear().transpose() * (cube - map_from_shape.translation());
+    const double place = medial.along(in_shape);
+    // Which way the cube lies is told well enough by its centre; inside the body by the medial segment.
+    const Eigen::Vector3d from_medial = in_shape - place * medial.axis;
+    const Eigen::Vector3d offset = shape.offset_to(in_shape);
+    const Eigen::Vector3d way = map_from_shape.linear() * (offset.squaredNorm() > 0.0 ? offset : from_medial);
+    Nearest& slot = slots[static_cast<std::size_t>(medial.piece(place) * directions + direction_of(way))];
+    const double known = std::min(slot.distance, reach);
+    if (least > known) return true;
+    const DistanceBounds bounds =
+        distance_to_cube(shape, map_from_shape, cube, guarded.space().resolution(), known);
+    if (bounds.lower >= known) return true;
+    slot = {bounds.lower, cube, bounds, way.normalized()};
+    return true;
+  });
+  return slots;
+}
+
+}  // namespace
+
+std::vector<ProximityRow> ConfigurationSpace::proximity_rows(const Configuration& q,
+                                                             double influence_distance) const {
+  const State& state = *state_;
+  const LinkPoses poses = forward_kinematics(state.robot, q);
+  std::vector<ProximityRow> rows;
+  const auto append = [&](ProximityRow row) {
+    if (row.gradient.cwiseAbs().maxCoeff() > 1e-12) rows.push_back(std::move(row));
+  };
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const GuardedBody& guarded = state.bodies[i];
+    const double padding = state.options.padding;
+    for (const Nearest& near : nearest_cubes(guarded, state.pose(poses, i), influence_distance + padding)) {
+      if (!std::isfinite(near.distance)) continue;
+      ProximityRow row;
+      row.distance = near.distance - padding;
+      row.body = state.indices[i];
+      row.point = near.bounds.point_a;
+      row.normal = near.distance > 0.0 ? near.bounds.direction : near.fallback;
+      if (near.distance <= 0.0) row.point = near.cube;
+      row.gradient =
+          jacobian(state.robot, poses, guarded.body().link, row.point).topRows<3>().transpose() * row.normal;
+      append(std::move(row));
+    }
+  }
+  for (const BodyPair& pair : state.pairs) {
+    if (is_apart(state.robot, pair, poses, influence_distance)) continue;
+    const DistanceBounds bounds = pair_distance(state.robot, pair, poses);
+    if (bounds.direction.squaredNorm() < 0.5) continue;
+    const int link_a = state.robot.bodies[static_cast<std::size_t>(pair.first)].link;
+    const int link_b = state.robot.bodies[static_cast<std::size_t>(pair.second)].link;
+    ProximityRow row;
+    row.distance = bounds.lower;
+    row.body = pair.first;
+    row.point = bounds.point_a;
+    row.normal = bounds.direction;
+    row.gradient = (jacobian(state.robot, poses, link_a, bounds.point_a) -
+                    jacobian(state.robot, poses, link_b, bounds.point_b))
+                       .topRows<3>()
+                       .transpose() *
+                   row.normal;
+    append(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace clearway

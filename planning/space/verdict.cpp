@@ -1,0 +1,139 @@
+// Why a configuration is not free: ConfigurationSpace::check and its sentence.
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+
+#include "planning/space/configuration_space_state.hpp"
+
+namespace clearway {
+namespace {
+
+/// How far the body reaches into a cube: the shortest way out along a map axis, metres.
+double overlap(const Eigen::AlignedBox3d& body, const Eigen::Vector3d& cube, double edge) {
+  const Eigen::Array3d half = Eigen::Array3d::Constant(edge / 2);
+  const Eigen::Array3d up = body.max().array() - (cube.array() - half);
+  const Eigen::Array3d down = (cube.array() + half) - body.min().array();
+  return std::max(0.0, up.min(down).minCoeff());
+}
+
+Obstruction obstruction_of(const Snapshot& map, const Requirement& requirement, const Eigen::Vector3d& cube) {
+  switch (map.state(cube)) {
+    case VoxelState::occupied:
+      return Obstruction::occupied;
+    case VoxelState::conflict:
+      return Obstruction::conflict;
+    case VoxelState::seen_free:
+      if (requirement.policy == Policy::known_free) return Obstruction::stale;
+      break;
+    default:
+      break;
+  }
+  return requirement.policy == Policy::painted ? Obstruction::outside_painted : Obstruction::unknown;
+}
+
+/// The deepest blocked cube of a body that is not clear.
+Verdict blocked_by(const GuardedBody& guarded, const Eigen::Isometry3d& pose, const Snapshot& map,
+                   double padding) {
+  const Shape& shape = guarded.body().shape;
+  const Eigen::Isometry3d map_from_shape = pose * guarded.body().link_from_shape;
+  const Eigen::AlignedBox3d bounds = shape.bounds(map_from_shape);
+  const double edge = guarded.space().resolution();
+  Verdict verdict;
+  verdict.part = guarded.body().part;
+  guarded.visit_near(pose, padding, [&](const Eigen::Vector3d& cube, double) {
+    const double lower = distance_to_cube(shape, map_from_shape, cube, edge, padding).lower;
+    if (lower > padding) return true;
+    const double depth = padding - lower + (lower > 0.0 ? 0.0 : overlap(bounds, cube, edge));
+    if (verdict.obstruction != Obstruction::none && depth <= verdict.depth) return true;
+    verdict.obstruction = obstruction_of(map, guarded.space().requirement(), cube);
+    verdict.point = cube;
+    verdict.depth = depth;
+    return true;
+  });
+  return verdict;
+}
+
+Verdict limit_verdict(const Robot& robot, const Configuration& q) {
+  Verdict verdict;
+  if (q.size() != static_cast<Eigen::Index>(robot.dof()) || !q.allFinite()) {
+    verdict.obstruction = Obstruction::not_finite;
+    return verdict;
+  }
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const double value = q[static_cast<Eigen::Index>(j)];
+    const double past = std::max(robot.joints[j].lower - value, value - robot.joints[j].upper);
+    if (past <= verdict.depth) continue;
+    verdict.obstruction = Obstruction::joint_limit;
+    verdict.other = robot.joints[j].name;
+    verdict.depth = past;
+  }
+  return verdict;
+}
+
+}  // namespace
+
+Verdict ConfigurationSpace::check(const Configuration& q) const {
+  const State& state = *state_;
+  if (Verdict verdict = limit_verdict(state.robot, q); !verdict.is_free()) return verdict;
+  const LinkPoses poses = forward_kinematics(state.robot, q);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (state.bodies[i].is_clear(state.pose(poses, i), state.options.padding)) continue;
+    Verdict verdict = blocked_by(state.bodies[i], state.pose(poses, i), state.map, state.options.padding);
+    if (!verdict.is_free()) return verdict;
+  }
+  for (const BodyPair& pair : state.pairs) {
+    if (is_apart(state.robot, pair, poses, 0.0)) continue;
+    Verdict verdict;
+    verdict.obstruction = Obstruction::self_contact;
+    verdict.part = state.robot.bodies[static_cast<std::size_t>(pair.first)].part;
+    verdict.other = state.robot.bodies[static_cast<std::size_t>(pair.second)].part;
+    verdict.point = pair_distance(state.robot, pair, poses).point_a;
+    return verdict;
+  }
+  return {};
+}
+
+std::string Verdict::sentence() const {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  const auto place = [&] {
+    text << " at (" << std::setprecision(4) << point.x() << ", " << point.y() << ", " << point.z() << "), "
+         << std::setprecision(3) << depth * 1000.0 << " mm deep";
+  };
+  switch (obstruction) {
+    case Obstruction::none:
+      text << "free";
+      break;
+    case Obstruction::not_finite:
+      text << "the configuration has the wrong size or is not finite";
+      break;
+    case Obstruction::joint_limit:
+      text << "joint " << other << " is " << depth << " (rad or m) past its limit";
+      break;
+    case Obstruction::self_contact:
+      text << part << " touches " << other;
+      break;
+    case Obstruction::occupied:
+      text << part << " touches an occupied voxel";
+      break;
+    case Obstruction::conflict:
+      text << part << " touches a voxel that is painted free but sensed occupied";
+      break;
+    case Obstruction::unknown:
+      text << part << " reaches into unknown space";
+      break;
+    case Obstruction::stale:
+      text << part << " reaches into space that was not seen lately enough";
+      break;
+    case Obstruction::outside_painted:
+      text << part << " leaves its painted volume";
+      break;
+  }
+  if (!part.empty() && obstruction != Obstruction::self_contact) place();
+  return text.str();
+}
+
+}  // namespace clearway

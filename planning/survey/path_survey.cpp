@@ -1,0 +1,166 @@
+#include "planning/survey/path_survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <locale>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "planning/check/path_check_model.hpp"
+#include "planning/robot/reach.hpp"
+
+namespace clearway {
+namespace {
+
+std::ostringstream sentence() {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << std::setprecision(4);
+  return text;
+}
+
+std::string place_of(const Eigen::Vector3d& point) {
+  std::ostringstream text = sentence();
+  text << "(" << point.x() << ", " << point.y() << ", " << point.z() << ")";
+  return text.str();
+}
+
+double gap(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
+  return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0.0).norm();
+}
+
+/// True when the map's box is no farther from all that the robot can reach, its base included, than that is
+/// wide.
+bool is_about(const Robot& robot, const Eigen::AlignedBox3d& bounds) {
+  Eigen::AlignedBox3d reach;
+  for (const Body& body : robot.bodies) reach.extend(reach_box(robot, body));
+  return !reach.isEmpty() && gap(reach, bounds) <= reach.diagonal().norm();
+}
+
+/// Where the body is farthest outside of the map's box; none when some of it is always inside.
+std::optional<LeavingPart> leaving_part(const Robot& robot, const check::KdlArm& arm, std::size_t body,
+                                        const std::vector<Configuration>& path,
+                                        const Eigen::AlignedBox3d& bounds, double spacing) {
+  std::optional<LeavingPart> farthest;
+  visit_body_poses(arm, body, path, spacing, [&](const Eigen::Isometry3d& pose, const PathPlace& place) {
+    const Eigen::AlignedBox3d box = robot.bodies[body].shape.bounds(pose);
+    if (!bounds.isEmpty() && bounds.intersects(box)) return;
+    const double distance = bounds.isEmpty() ? std::numeric_limits<double>::infinity() : gap(bounds, box);
+    if (farthest && distance <= farthest->distance) return;
+    farthest = LeavingPart{robot.bodies[body].part, distance, box.center(), place};
+  });
+  return farthest;
+}
+
+bool is_allowed(const std::string& part, const std::vector<std::string>& allowed) {
+  return std::any_of(allowed.begin(), allowed.end(),
+                     [&](const std::string& name) { return name == "all" || name == part; });
+}
+
+std::string describe_leaving(const std::vector<LeavingPart>& leaving) {
+  const LeavingPart& first = *std::max_element(
+      leaving.begin(), leaving.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  std::set<std::string> names;
+  for (const LeavingPart& part : leaving) names.insert(part.part);
+  std::ostringstream text = sentence();
+  text << first.part << " leaves the map's bounds";
+  if (std::isfinite(first.distance)) text << " by " << first.distance << " m";
+  text << " at " << place_of(first.point) << ", on edge " << first.place.edge << " at "
+       << first.place.parameter;
+  if (names.size() > 1) {
+    text << " (and so do";
+    const char* comma = " ";
+    for (const std::string& name : names) {
+      if (name == first.part) continue;
+      text << comma << name;
+      comma = ", ";
+    }
+    text << ")";
+  }
+  text << ": nothing is known of that place, which the policy not_occupied counts as free; allow it by name "
+          "with "
+          "--allow-outside "
+       << (names.size() > 1 ? "all" : first.part);
+  return text.str();
+}
+
+}  // namespace
+
+PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+                       const std::vector<Configuration>& path) {
+  PathSurvey survey;
+  survey.swept = swept_voxels(robot, map, path);
+  survey.standing = standing_contacts(robot, map);
+  const check::KdlArm arm(without_file(robot));
+  const VoxelCounts counts = map.counts();
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  const bool may_leave = counts.seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);
+  survey.is_of_obstacles_alone = counts.seen_free + counts.painted + counts.conflict == 0;
+  std::set<std::string> unknown_free;
+  for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
+    const std::string& part = robot.bodies[body].part;
+    const auto policy = policies.find(part);
+    if (!arm.is_moved(body) || (policy != policies.end() && policy->second != Policy::not_occupied)) continue;
+    unknown_free.insert(part);
+    if (!may_leave || path.empty()) continue;
+    if (auto leaving = leaving_part(robot, arm, body, path, bounds, map.resolution()))
+      survey.leaving.push_back(std::move(*leaving));
+  }
+  survey.unknown_free.assign(unknown_free.begin(), unknown_free.end());
+  return survey;
+}
+
+std::string describe_standing(const std::vector<StandingContact>& standing) {
+  std::ostringstream text = sentence();
+  for (const StandingContact& contact : standing) {
+    if (&contact != &standing.front()) text << "; ";
+    text << contact.part << " touches " << contact.voxels << " occupied voxel"
+         << (contact.voxels == 1 ? "" : "s, the lowest") << " at " << place_of(contact.lowest);
+  }
+  return text.str();
+}
+
+std::string unknown_sentence(const PathSurvey& survey) {
+  if (survey.unknown_free.empty()) return {};
+  std::string parts;
+  for (const std::string& part : survey.unknown_free) parts += (parts.empty() ? "" : ", ") + part;
+  return survey.is_of_obstacles_alone
+             ? "the map holds obstacles alone: unknown space counts as free for " + parts
+             : "unknown space counts as free for " + parts + " (policy not_occupied)";
+}
+
+std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands& demands) {
+  std::vector<LeavingPart> leaving;
+  for (const LeavingPart& part : survey.leaving) {
+    if (!is_allowed(part.part, demands.allow_outside)) leaving.push_back(part);
+  }
+  if (!leaving.empty()) return describe_leaving(leaving);
+  if (demands.strict && !survey.standing.empty())
+    return "no joint moves it, but " + describe_standing(survey.standing) + ", which --strict refuses";
+  return std::nullopt;
+}
+
+void refuse_surveyed(const PathSurvey& survey, const SurveyDemands& demands, PathVerdict& verdict) {
+  const auto reason = refusal(survey, demands);
+  if (!reason || !verdict.valid) return;
+  verdict.valid = false;
+  verdict.first_contact = *reason;
+}
+
+void require_parts(const std::vector<std::string>& allow_outside, const Robot& robot,
+                   const std::string& what) {
+  std::set<std::string> parts;
+  for (const Body& body : robot.bodies) parts.insert(body.part);
+  for (const std::string& part : allow_outside) {
+    if (part == "all" || parts.contains(part)) continue;
+    std::string names;
+    for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
+    throw std::invalid_argument(what + ": expected all or a part of " + robot.name + " (" + names +
+                                "), got '" + part + "'");
+  }
+}
+
+}  // namespace clearway

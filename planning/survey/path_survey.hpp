@@ -1,0 +1,74 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planning/check/path_check.hpp"
+#include "planning/survey/path_poses.hpp"
+#include "planning/survey/swept_voxels.hpp"
+
+namespace clearway {
+
+/// A part that leaves the map's bounds, which its policy, `not_occupied`, would let pass in silence.
+struct LeavingPart {
+  std::string part;
+  double distance =
+      0.0;  ///< metres between the boxes around part and map, where it is largest; infinite for an empty map
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< the middle of the part there, map frame
+  PathPlace place;
+};
+
+/// What the map knows of where the robot goes: says how much a verdict "valid" rests on.
+struct PathSurvey {
+  std::optional<SweptVoxels> swept;
+  std::vector<StandingContact> standing;
+  std::vector<LeavingPart> leaving;  ///< in the robot's order
+  std::vector<std::string>
+      unknown_free;  ///< parts with the policy `not_occupied`, for which unknown counts as free
+  bool is_of_obstacles_alone = false;  ///< the map has neither paint nor voxels that were seen free
+};
+
+/// What a user allows by name, or asks for beyond the contract of check_path.
+struct SurveyDemands {
+  std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds; "all": every part
+  bool strict = false;                          ///< bodies that no joint moves must not touch occupied voxels
+};
+
+/// Surveys the path (it may be empty, or of one waypoint). Parts that `policies` does not name are
+/// `not_occupied`.
+///
+/// The map's bounds are the box around all voxels that it stores. A part with the policy `not_occupied`
+/// leaves them when, somewhere on the path, none of it is inside. A map without voxels that were seen free
+/// does not say where its sensors looked: there no part leaves unless the box is farther from all that the
+/// robot can reach, its base included, than that is wide. Precondition: every waypoint has as many values as
+/// the robot has joints, all finite.
+/// @throws std::invalid_argument for a path that moves a body over more than a million voxels.
+PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+                       const std::vector<Configuration>& path);
+
+/// Takes the word "valid" back from a path that is refused for what was surveyed; `first_contact` says why.
+void refuse_surveyed(const PathSurvey& survey, const SurveyDemands& demands, PathVerdict& verdict);
+
+/// One sentence that says why the path is refused for what was surveyed; none when it is not.
+std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands& demands);
+
+/// "unknown space counts as free for link1, link2 (policy not_occupied)", or that the map holds obstacles
+/// alone; empty where no part has that policy.
+std::string unknown_sentence(const PathSurvey& survey);
+
+/// The survey as the text of one JSON object: swept, unknown_counts_as_free_for, note, standing_in_occupied,
+/// outside_map. Lengths in metres.
+std::string to_json(const PathSurvey& survey);
+
+/// "link0 touches 12 occupied voxels, the lowest at (0, 0, -0.01)", of all that stand so; empty when none
+/// does.
+std::string describe_standing(const std::vector<StandingContact>& standing);
+
+/// @param what names the parts in the error: "--allow-outside".
+/// @throws std::invalid_argument when a part that may leave is neither "all" nor one of the robot's.
+void require_parts(const std::vector<std::string>& allow_outside, const Robot& robot,
+                   const std::string& what);
+
+}  // namespace clearway

@@ -1,0 +1,40 @@
+// The page of `clearway compare` in a real browser.
+
+#include <gtest/gtest.h>
+
+#include "tests/apps/chromium.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/small_suite.hpp"
+
+namespace clearway {
+namespace {
+
+class ComparePageInChromium : public PageInChromium {};
+
+TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
+  TemporaryFolder folder;
+  ASSERT_EQ(run_command(
+                {"compare", folder.write("small.yaml", small_suite), "--out", folder.file("out"), "--quiet"})
+                .status,
+            0);
+  std::ifstream file(folder.file("out/report.html"));
+  const std::string html(std::istreambuf_iterator<char>(file), {});
+  for (const std::string dark : {"0", "1"}) {
+    const std::string dom = open(html, "#dark=" + dark, kNoWebGl);
+    EXPECT_EQ(attribute(dom, "ready"), "1");
+    EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+    EXPECT_EQ(attribute(dom, "experiments"), "2");
+    // times, two against the width, four profiles, costs; none of a single run
+    EXPECT_EQ(attribute(dom, "charts"), "8");
+    EXPECT_NE(dom.find("4 / 0 / 6"), std::string::npos);
+    EXPECT_NE(dom.find("not certified"), std::string::npos);
+    EXPECT_NE(dom.find("What a paper says."), std::string::npos);
+    EXPECT_NE(dom.find("The start is not free"), std::string::npos) << "a failed run explains itself";
+    std::size_t canvases = 0;
+    for (std::size_t at = 0; (at = dom.find("<canvas", at)) != std::string::npos; ++at) ++canvases;
+    EXPECT_EQ(canvases, 8U);
+  }
+}
+
+}  // namespace
+}  // namespace clearway

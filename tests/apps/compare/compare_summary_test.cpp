@@ -1,0 +1,91 @@
+#include "apps/compare/compare_summary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace clearway {
+namespace {
+
+/// A run of a team that had to keep 5 cm, and how near the check saw it come.
+CompareRun team_run(const std::string& check, double separation, double step_bound) {
+  CompareRun run;
+  run.status = check == "outrun" ? PlanStatus::no_path : PlanStatus::solved;
+  run.check = check;
+  run.min_clearance = separation;
+  run.team.emplace();
+  run.team->security_distance = 0.05;
+  run.team->step_bound = step_bound;
+  return run;
+}
+
+CompareExperiment experiment_of(const std::vector<CompareRun>& runs) {
+  CompareExperiment experiment;
+  experiment.setup.teams.emplace();
+  experiment.planners.push_back({"local", "local", {}, true});
+  experiment.problems.push_back({});
+  experiment.problems.back().runs = runs;
+  return experiment;
+}
+
+TEST(CompareSummaryOfTeams, ATeamFallsShortByWhatItCameNearerThanItsSecurityDistance) {
+  const CompareExperiment experiment = experiment_of(
+      {team_run("valid", 0.06, 0.002), team_run("refused", 0.02, 0.004), team_run("valid", 0.047, 0.001),
+       team_run("outrun", 0.001, 0.1),  // no promise, no shortfall
+       team_run("none", 0.0, 0.1)});
+  const CompareSummary sum = summary(experiment, 0);
+  EXPECT_NEAR(sum.worst_shortfall, 0.03, 1e-15);
+  EXPECT_EQ(sum.least_separation, 0.02);
+  EXPECT_EQ(sum.allowed_shortfall, 0.004);
+  EXPECT_EQ(sum.safe, 2U);
+  EXPECT_EQ(sum.refused, 1U);
+  EXPECT_EQ(sum.outrun, 1U);
+  const nlohmann::ordered_json json = summary_json(experiment, 0);
+  EXPECT_NEAR(json["below_security_distance_m"].get<double>(), 0.03, 1e-15);
+  EXPECT_EQ(json["least_separation_m"], 0.02);
+  EXPECT_EQ(json["allowed_below_m"], 0.004);
+}
+
+TEST(CompareSummaryOfTeams, ATeamThatKeptItsDistanceFallsShortByNothing) {
+  const CompareSummary far =
+      summary(experiment_of({team_run("valid", 0.06, 0.0), team_run("valid", 2.0, 0.0)}), 0);
+  EXPECT_EQ(far.worst_shortfall, 0.0);
+  EXPECT_EQ(far.least_separation, 0.06);
+  const CompareSummary none = summary(experiment_of({}), 0);
+  EXPECT_EQ(none.worst_shortfall, 0.0);
+  EXPECT_TRUE(std::isnan(none.least_separation));
+}
+
+TEST(CompareSummary, TellsMediansOfValidRunsAndTimesOfSolvedOnes) {
+  std::vector<CompareRun> runs;
+  for (int i = 1; i <= 5; ++i) {  // 1, 4, 9, 16, 25: no quantile is the mean of others
+    CompareRun run;
+    run.status = PlanStatus::solved;
+    run.check = i < 5 ? "valid" : "refused";
+    run.time = i * i;
+    run.cost = 10.0 * i * i;
+    run.length = 100.0 * i * i;
+    run.steps = static_cast<std::size_t>(7 * i * i);
+    run.motion = CompareMotion{1000.0 * i * i, 0.5, 0.5};
+    runs.push_back(run);
+  }
+  runs.push_back({});  // no path
+  CompareExperiment experiment = experiment_of(runs);
+  experiment.setup.teams.reset();
+  const CompareSummary sum = summary(experiment, 0);
+  EXPECT_EQ(sum.solved, 5U);
+  EXPECT_EQ(sum.valid, 4U);
+  EXPECT_DOUBLE_EQ(sum.time_median, 9.0);
+  EXPECT_GT(sum.time_p95, 20.0);
+  EXPECT_LE(sum.time_p95, 25.0);
+  const double middle = sum.cost_median / 10.0;  // of 1, 4, 9, 16
+  EXPECT_GE(middle, 4.0);
+  EXPECT_LE(middle, 9.0);
+  EXPECT_DOUBLE_EQ(sum.length_median, 100.0 * middle);
+  EXPECT_DOUBLE_EQ(sum.steps_median, 7.0 * middle);
+  EXPECT_DOUBLE_EQ(sum.motion_median, 1000.0 * middle);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,156 @@
+#include "apps/compare/team_result.hpp"
+
+#include <gtest/gtest.h>
+
+#include "apps/suites/suite_teams.hpp"
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+namespace {
+
+/// A run of no robot but with one trace of two positions, which kept its distances.
+TeamRun short_run() {
+  TeamRun run;
+  run.status = PlanStatus::timed_out;
+  run.period = 0.5;
+  run.figures.security_distance = 0.05;
+  run.figures.max_step = {0.1};
+  return run;
+}
+
+TeamVerdict apart(double separation) {
+  TeamVerdict verdict;
+  verdict.is_apart = verdict.robots_are_apart = true;
+  verdict.least_separation = verdict.between_robots = separation;
+  return verdict;
+}
+
+/// Two discs that rest for one period.
+struct Resting {
+  Resting() {
+    for (int i = 0; i < 2; ++i) {
+      TeamTrace& trace = run.traces.emplace_back();
+      trace.positions = {Eigen::Vector2d(i, 0.0), Eigen::Vector2d(i, 0.0)};
+      Robot disc = load_robot("point");
+      team.robots.push_back({"disc",
+                             std::make_shared<const ConfigurationSpace>(disc, empty_map(), Policies{}),
+                             trace.positions[0], trace.positions[1]});
+    }
+  }
+  std::string check(double separation, const TeamCircumstances& circumstances = {}) const {
+    return team_result(team, run, apart(separation), circumstances).check;
+  }
+  Team team;
+  TeamRun run = short_run();
+};
+
+TEST(TeamResult, OfARunThatTheClockEndedIsNeverValid) {
+  const Resting resting;
+  EXPECT_EQ(resting.check(0.06), "valid");
+  EXPECT_EQ(resting.check(0.06, {.is_cut_short = true}), "unfinished");
+}
+
+TEST(TeamResult, OfARunThatCameTooNearIsRefusedWhoeverEndedIt) {
+  const Resting resting;
+  EXPECT_EQ(resting.check(0.04), "refused");
+  EXPECT_EQ(resting.check(0.04, {.is_cut_short = true}), "refused");
+}
+
+TEST(TeamResult, GrantsWhatSensedThingsMoveUnseenToObstaclesAloneNotToRobots) {
+  const Resting resting;
+  TeamVerdict verdict = apart(0.06);
+  verdict.least_separation = 0.04;
+  const TeamCircumstances sensed{.unseen_motion = 0.02};
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "valid");
+  verdict.between_robots = 0.04;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+}
+
+TEST(TeamResult, ContactIsNeverSafeHoweverLongAStepAndHoweverSmallTheSecurityDistance) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 1.0;  // d_s is 5 cm
+  ASSERT_GT(resting.run.step_bound(), resting.run.figures.security_distance);
+  const TeamCircumstances sensed{.unseen_motion = 1.0};
+  EXPECT_EQ(resting.check(1e-3, sensed), "valid");
+  for (const double separation : {0.0, -0.01}) {
+    TeamVerdict verdict = apart(0.06);
+    verdict.least_separation = separation;  // from an obstacle
+    EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+    verdict.between_robots = separation;
+    EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+  }
+}
+
+TEST(TeamResult, DiscsThatPassThroughEachOtherBetweenTwoStepsAreRefused) {
+  Resting resting;
+  resting.team.robots[1].name = "other";
+  resting.run.traces[0].positions = {Eigen::Vector2d(-2.0, 0.0), Eigen::Vector2d(2.0, 0.0)};
+  resting.run.traces[1].positions = {Eigen::Vector2d(2.0, 0.0), Eigen::Vector2d(-2.0, 0.0)};
+  for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 4.0;
+  resting.run.period = 10.0;
+  const TeamVerdict verdict = check_team(resting.team, resting.run, 5.0, 1.0);
+  EXPECT_EQ(verdict.least_separation, 0.0);
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+}
+
+TEST(TeamResult, CallsOutrunWhatIsNotRefusedForOtherReasons) {
+  Resting resting;
+  resting.run.outrun = "At 1 s robot 'disc' could not …";
+  EXPECT_EQ(resting.check(0.0), "outrun");
+  TeamVerdict verdict = apart(0.06);
+  verdict.greatest_speed_share = 1.01;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+  verdict = apart(0.0);
+  verdict.robots_are_apart = false;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+}
+
+TEST(TeamResult, TellsTheDistancesThatItsVerdictWasMadeWith) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 0.01;
+  resting.run.traces[1].positions.back() += Eigen::Vector2d(0.3, 0.4);
+  resting.run.figures.greatest_obstacle_speed = 0.25;
+  resting.run.outrun = "At 1 s robot 'disc' could not …";
+  TeamVerdict verdict = apart(0.06);
+  verdict.between_robots = 0.07;
+  verdict.greatest_speed_share = 0.5;
+  const CompareRun found = team_result(resting.team, resting.run, verdict, {.unseen_motion = 0.02});
+  ASSERT_TRUE(found.team.has_value());
+  EXPECT_EQ(found.team->security_distance, 0.05);
+  EXPECT_GE(resting.run.step_bound(), 0.01);
+  EXPECT_DOUBLE_EQ(found.team->step_bound, resting.run.step_bound() + 0.02);
+  EXPECT_EQ(found.team->obstacle_speed, 0.25);
+  EXPECT_EQ(found.team->between_robots, 0.07);
+  EXPECT_EQ(found.team->outrun, resting.run.outrun);
+  EXPECT_EQ(found.min_clearance, 0.06);
+  EXPECT_DOUBLE_EQ(found.length, 0.5);
+  EXPECT_EQ(found.steps, 1U);
+  EXPECT_EQ(found.waypoints, 2U);
+  ASSERT_TRUE(found.motion.has_value());
+  EXPECT_EQ(found.motion->time, 0.5);
+  EXPECT_EQ(found.motion->speed, 0.5);
+}
+
+TEST(TeamResult, CostsWhatThePayloadsAndGravityMakeOfTheWay) {
+  Resting resting;
+  resting.run.traces[1].positions.back() = Eigen::Vector2d(1.0, 1.0);
+  const auto cost = [&](const TeamCircumstances& circumstances) {
+    return team_result(resting.team, resting.run, apart(0.06), circumstances).cost;
+  };
+  const Eigen::Vector3d along(0.0, -9.81, 0.0);
+  EXPECT_GT(cost({.gravity = along}), cost({}));
+  EXPECT_GT(cost({.payloads = {0.0, 2.0}, .gravity = along}),
+            cost({.payloads = {2.0, 0.0}, .gravity = along}));
+  EXPECT_EQ(cost({.payloads = {2.0, 0.0}, .gravity = along}), cost({.gravity = along}))
+      << "the first one rests";
+}
+
+TEST(TeamResult, OfARunWithoutAStepHasNothingToCheck) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces) trace.positions.pop_back();
+  EXPECT_EQ(resting.check(0.06), "none");
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,157 @@
+// inspect: rays, differences, new maps made of maps, and what made a voxel what it is.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mapping/files/map_file.hpp"
+#include "mapping/free_space_map.hpp"
+#include "mapping/history/provenance.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::json;
+
+class Inspect : public ::testing::Test {
+ protected:
+  /// A wall at x = 0.55 seen from the origin, and a ball painted into it afterwards.
+  void SetUp() override {
+    FreeSpaceMap map({.resolution = 0.1});
+    map.keep_scans();
+    map.add_volume("tunnel", {"tool"});
+    Scan scan;
+    scan.sensor = "kinect";
+    scan.time = 4.0;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(0.05, 0.05, 0.05);
+    for (int y = -3; y <= 3; ++y) {
+      for (int z = -3; z <= 3; ++z)
+        scan.points.emplace_back(0.5F, 0.1F * static_cast<float>(y), 0.1F * static_cast<float>(z));
+    }
+    map.insert(scan);
+    map.begin_stroke("stroke 1", "camera");
+    map.paint(0, {{0.45, 0.05, 0.05}, 0.25}, 5.0);
+    save_map(map.snapshot(), map_);
+    save_provenance(map.provenance(), map_);
+    map.begin_stroke("stroke 2", "camera");
+    map.paint(0, {{-0.5, 0.0, 0.0}, 0.3}, 6.0);
+    save_map(map.snapshot(), other_);
+  }
+
+  Json json(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "inspect");
+    arguments.emplace_back("--json");
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.log, "");
+    return Json::parse(run.out);
+  }
+
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& word) {
+    std::vector<std::string> all{"inspect"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const CommandRun run = run_command(all);
+    EXPECT_EQ(run.status, exit_bad_input) << run.log;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(word), std::string::npos) << run.log;
+  }
+
+  TemporaryFolder folder_;
+  std::string map_ = folder_.file("map"), other_ = folder_.file("other");
+};
+
+TEST_F(Inspect, says_where_a_ray_is_blocked) {
+  const Json ray = json({map_, "--ray=-0.45,0.05,0.05,2,0,0"})["rays"][0];
+  EXPECT_TRUE(ray["blocked"]);
+  EXPECT_NEAR(ray["distance_m"], 0.95, 1e-9);
+  EXPECT_EQ(ray["state"], "conflict");
+  std::vector<std::string> states;
+  for (const auto& run : ray["runs"]) states.push_back(run["state"]);
+  EXPECT_EQ(states, (std::vector<std::string>{"unknown", "seen_free", "painted"}));
+  EXPECT_FALSE(json({map_, "--ray=-0.45,0.05,0.05,-1,0,0"})["rays"][0]["blocked"]);
+  const CommandRun text = run_command({"inspect", map_, "--ray=-0.45,0.05,0.05,2,0,0"});
+  EXPECT_NE(text.out.find("950 mm: conflict"), std::string::npos) << text.out;
+  expect_refused({map_, "--ray", "1,2,3"}, "OX,OY,OZ,DX,DY,DZ");
+  expect_refused({map_, "--ray", "1,2,3,0,0,0"}, "direction");
+}
+
+TEST_F(Inspect, says_which_strokes_and_scans_made_a_voxel) {
+  const Json at = json({map_, "--at=0.55,0.05,0.05"})["at"][0];
+  EXPECT_EQ(at["state"], "conflict");
+  const Json& made = at["provenance"];
+  ASSERT_EQ(made["painted"].size(), 1U);
+  EXPECT_EQ(made["painted"][0]["stroke"], "stroke 1");
+  EXPECT_EQ(made["painted"][0]["source"], "camera");
+  EXPECT_EQ(made["painted"][0]["volume"], "tunnel");
+  EXPECT_EQ(made["painted"][0]["from_s"], 5.0);
+  ASSERT_EQ(made["hit_by_scans"].size(), 1U);
+  EXPECT_EQ(made["hit_by_scans"][0]["sensor"], "kinect");
+  EXPECT_EQ(made["hit_by_scans"][0]["time"], 4.0);
+  EXPECT_TRUE(made["passed_by_scans"].empty());
+  EXPECT_TRUE(made["scans_exact"]);
+  const CommandRun text = run_command({"inspect", map_, "--at=0.55,0.05,0.05"});
+  EXPECT_NE(text.out.find("0 (kinect)"), std::string::npos) << text.out;
+  EXPECT_FALSE(json({other_, "--at=0.55,0.05,0.05"})["at"][0].contains("provenance"));
+}
+
+TEST_F(Inspect, lists_conflicts_with_what_came_second) {
+  const Json conflicts = json({map_, "--conflicts"})["conflicts"];
+  EXPECT_GT(conflicts["appeared"], 0);
+  EXPECT_EQ(conflicts["not_kept"], 0);
+  EXPECT_EQ(conflicts["records"][0]["second"], "paint");
+  EXPECT_EQ(conflicts["records"][0]["stroke"], "stroke 1");
+  EXPECT_EQ(conflicts["records"][0]["time"], 5.0);
+  EXPECT_EQ(run_command({"inspect", map_, "--conflicts"}).status, exit_done);
+  expect_refused({other_, "--conflicts"}, "provenance.bin");
+}
+
+TEST_F(Inspect, does_not_use_the_provenance_of_another_map) {
+  std::filesystem::copy_file(map_ + "/provenance.bin", other_ + "/provenance.bin");
+  const CommandRun run = run_command({"inspect", other_, "--json", "--at=0.55,0.05,0.05"});
+  EXPECT_EQ(run.status, exit_done);
+  EXPECT_NE(run.log.find("belongs to another map"), std::string::npos);
+  EXPECT_FALSE(Json::parse(run.out)["at"][0].contains("provenance"));
+  std::ofstream(other_ + "/provenance.bin") << "rubbish";
+  EXPECT_EQ(run_command({"inspect", other_, "--at=0,0,0"}).status, exit_damaged);
+}
+
+TEST_F(Inspect, tells_how_two_maps_differ) {
+  const CommandRun same = run_command({"inspect", map_, "--diff", map_, "--json"});
+  EXPECT_EQ(same.status, exit_done);
+  EXPECT_FALSE(Json::parse(same.out)["diff"]["differ"]);
+  const CommandRun run = run_command({"inspect", map_, "--diff", other_, "--json"});
+  EXPECT_EQ(run.status, exit_no);
+  const Json diff = Json::parse(run.out)["diff"];
+  EXPECT_TRUE(diff["differ"]);
+  EXPECT_EQ(diff["volumes"], Json({"tunnel"}));
+  ASSERT_EQ(diff["voxels"].size(), 1U);
+  EXPECT_EQ(diff["voxels"][0]["here"], "unknown");
+  EXPECT_EQ(diff["voxels"][0]["there"], "painted");
+  EXPECT_GT(diff["voxels"][0]["count"], 10);
+  EXPECT_NE(run_command({"inspect", map_, "--diff", other_}).out.find("there painted"), std::string::npos);
+  expect_refused({map_, "--diff", "/nowhere"}, "/nowhere");
+}
+
+TEST_F(Inspect, makes_new_maps_of_maps) {
+  const std::string out = folder_.file("out");
+  const Json merged = json({map_, "--merge", other_, "--save", out});
+  EXPECT_EQ(merged["saved"], out);
+  // All that the one holds the other holds as well: merging adds nothing.
+  EXPECT_EQ(run_command({"inspect", out, "--diff", other_, "--json"}).status, exit_done);
+  EXPECT_EQ(run_command({"inspect", out, "--diff", map_, "--json"}).status, exit_no);
+  const Json cropped = json({map_, "--crop=0,0,0,0.2,0.2,0.2", "--save", out});
+  EXPECT_EQ(cropped["bounds"]["max"][0].get<double>(), 0.2);
+  const Json coarse = json({map_, "--coarsen", "0.2", "--save", out});
+  EXPECT_EQ(coarse["resolution"], 0.2);
+  EXPECT_EQ(json({out})["resolution"], 0.2);
+  const std::string before = read_file(map_ + "/map.ot");
+  expect_refused({map_, "--coarsen", "0.2", "--save", map_}, "another folder");
+  expect_refused({map_ + "/map.ot", "--coarsen", "0.2", "--save", map_}, "another folder");
+  expect_refused({map_, "--merge", other_, "--save", other_}, "another folder");
+  expect_refused({map_, "--coarsen", "0.3", "--save", out}, "2, 4, 8");
+  expect_refused({map_, "--coarsen", "0.2"}, "--save");
+  expect_refused({map_, "--crop", "1,2,3", "--save", out}, "X0,Y0,Z0");
+  EXPECT_EQ(read_file(map_ + "/map.ot"), before);
+}
+
+}  // namespace
+}  // namespace clearway

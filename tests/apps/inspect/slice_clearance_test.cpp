@@ -1,0 +1,52 @@
+#include "apps/inspect/slice_clearance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "mapping/free_space_map.hpp"
+
+namespace clearway {
+namespace {
+
+/// One occupied voxel, 0.2 to 0.3 on each axis, and a far one that gives the map its size.
+Snapshot two_voxels() {
+  FreeSpaceMap map({.resolution = 0.1});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0.35, 0.25, 0.25);
+  scan.points = {{-0.1F, 0.0F, 0.0F}, {1.9F, 0.0F, 2.0F}};
+  map.insert(scan);
+  return map.snapshot();
+}
+
+TEST(SliceClearance, LinesLieWhereTheDistanceToTheObstacleIsAMultipleOfTheStep) {
+  const Snapshot map = two_voxels();
+  SliceCanvas canvas{};
+  canvas.right = 0;
+  canvas.up = 1;
+  canvas.columns = 24;
+  canvas.rows = 3;
+  canvas.low_right = 0.2;
+  canvas.low_up = 0.1;
+  canvas.resolution = 0.1;
+  canvas.pixels = 20.0;
+  const cv::Vec3b paper(250, 250, 250);
+  cv::Mat image(canvas.height() + 100, canvas.width() + 300, CV_8UC3, cv::Scalar(250, 250, 250));
+  const double step = draw_clearance(image, canvas, map, {2, 0.25}, Policy::not_occupied);
+  EXPECT_DOUBLE_EQ(step, 0.2);
+  const int row = canvas.y(0.25);
+  std::vector<double> at;
+  for (int x = SliceCanvas::margin_left; x < SliceCanvas::margin_left + canvas.width() - 1; ++x)
+    if (image.at<cv::Vec3b>(row, x) != paper && image.at<cv::Vec3b>(row, x - 1) == paper)
+      at.push_back(canvas.right_at(x));
+  ASSERT_GE(at.size(), 8U);
+  for (std::size_t line = 0; line < 8; ++line)
+    EXPECT_NEAR(at[line] - 0.3, step * static_cast<double>(line + 1), 0.04) << "line " << line;
+  const int inside = canvas.x(0.25);  // what is blocked has none
+  EXPECT_EQ(image.at<cv::Vec3b>(row, inside), paper);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,72 @@
+#include "apps/pages/plan_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+namespace {
+
+Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
+
+/// A disc that slides at 1 m/s at most.
+Robot disc() { return load_robot("point"); }
+
+TEST(PlanMotion, IsTheTrajectoryThatAControllerIsGiven) {
+  PagePlan plan;
+  const std::vector<Configuration> path{at(0, 0), at(1, 0.2), at(1.5, -0.5)};
+  const auto shown = show_motion(plan, disc(), path);
+  const auto points = time_path(disc(), path).points;
+  ASSERT_EQ(shown.size(), points.size());
+  ASSERT_EQ(plan.waypoints.size(), points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    EXPECT_EQ(shown[k], k);
+    EXPECT_EQ(plan.waypoints[k], points[k].position);
+    EXPECT_EQ(plan.speeds[k], points[k].velocity);
+  }
+  EXPECT_EQ(plan.period, 0.008);
+  EXPECT_DOUBLE_EQ(plan.duration, points.back().time);
+  EXPECT_EQ(plan.max_speed, (std::vector{1.0, 1.0}));
+  EXPECT_EQ(plan.max_acceleration, (std::vector{5.0, 5.0}));
+}
+
+TEST(PlanMotion, OfManySamplesShowsSomeInTimeAndTheGreatestAccelerations) {
+  PagePlan plan;
+  const std::vector<Configuration> path{at(-90, 0), at(90, 1), at(20, 40)};
+  const auto shown = show_motion(plan, disc(), path);
+  const Trajectory trajectory = time_path(disc(), path);
+  const auto& points = trajectory.points;
+  ASSERT_GT(points.size(), 20000U);
+  ASSERT_LE(shown.size(), 1501U);
+  ASSERT_EQ(plan.accelerations.size(), shown.size());
+  EXPECT_EQ(shown.back() + 1, points.size());
+  const std::size_t stride = shown[1];
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (i + 1 < shown.size()) {
+      EXPECT_EQ(shown[i], i * stride);
+    }
+    EXPECT_EQ(plan.waypoints[i], points[shown[i]].position);
+    double greatest = 0.0;
+    for (std::size_t k = i > 0 ? shown[i - 1] + 1 : 1; k <= shown[i]; ++k)
+      greatest = std::max(greatest, std::abs(points[k].velocity[0] - points[k - 1].velocity[0]) / 0.008);
+    EXPECT_NEAR(std::abs(plan.accelerations[i][0]), greatest, 1e-9);
+  }
+  EXPECT_DOUBLE_EQ(plan.period, 0.008 * static_cast<double>(stride));
+  EXPECT_DOUBLE_EQ(plan.duration, points.back().time);
+}
+
+TEST(PlanMotion, LeavesPathsAsTheyAreThatHaveNoTime) {
+  PagePlan plan;
+  EXPECT_TRUE(show_motion(plan, disc(), {}).empty());
+  EXPECT_TRUE(show_motion(plan, disc(), {at(1, 1), at(1, 1)}).empty());
+  std::vector<Configuration> to_and_fro;  // half an hour at 1 m/s
+  for (int i = 0; i < 20; ++i) to_and_fro.push_back(at(i % 2 == 0 ? -50 : 50, 0));
+  EXPECT_TRUE(show_motion(plan, disc(), to_and_fro).empty());
+  EXPECT_TRUE(plan.waypoints.empty());
+  EXPECT_EQ(plan.period, 0.0);
+}
+
+}  // namespace
+}  // namespace clearway

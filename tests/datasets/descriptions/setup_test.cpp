@@ -1,0 +1,227 @@
+#include "datasets/descriptions/setup.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/datasets/scratch_folder.hpp"
+
+namespace clearway {
+namespace {
+
+const std::string full = R"(
+map: {resolution: 0.0025, min_range: 0.05, max_range: 1.5, crop: [-1, -2, -3, 1, 2, 3], discretize: true, integration: compatible, safe_band: 0.005}
+camera: {width: 640, height: 480, fx: 700, fy: 702, cx: 322.5, cy: 238, distortion: [-0.1, 0.05, 0.001, 0, 0]}
+boards:
+  - name: base
+    map_from_board: [0.1, 0.2, 0.3, 0, 0, 1.5]
+    tags:
+      - {id: 0, size: 0.03, pose: [0.5, 0, 0, 0, 0, 0]}
+      - {id: 1, size: 0.03, pose_deg: [0, 0.5, 0, 90, 0, -90]}
+  - name: probe
+    tags: [{id: 7, size: 0.028}]
+probe: {board: probe, ball_center: [0, 0, -0.085], ball_radius: 0.0225, robot_error: 0.0005,
+        tracking_error: 0.0015, modelling_error: 0.0005}
+volumes: [{label: left, critical_parts: [hand, tool], from: 1, to: 2.5}, {label: right}]
+acceptance: {max_reprojection_px: 1.5, min_ambiguity: 2, min_tags: 3, max_speed: 0.2}
+robot: {name: puma560, base_deg: [0, 0, 1, 0, 0, 180], scale: 0.1, payload: 2.5, gravity: [0, 9.81, 0]}
+queries:
+  - name: across
+    start_deg: [0, 90]
+    goals_deg: [[180, 0], [90, -90]]
+    planners: [beam, boundary]
+    policies: {default: not_occupied, hand: painted}
+    options: {beam_width: 50, note: "two words"}
+  - {name: slide, start: [1.5, 2], goals: [[3, 4]]}
+)";
+
+TEST(Setup, EveryKeyIsRead) {
+  const auto setup = parse_setup(full, "full.yaml");
+  EXPECT_EQ(setup.map.resolution, 0.0025);
+  EXPECT_EQ(setup.map.crop->min(), Eigen::Vector3d(-1, -2, -3));
+  EXPECT_EQ(setup.map.discretize, true);
+  EXPECT_EQ(setup.map.integration, "compatible");
+  EXPECT_EQ(setup.map.safe_band, 0.005);
+  EXPECT_EQ(setup.camera->fy, 702);
+  EXPECT_EQ(setup.camera->distortion[2], 0.001);
+  ASSERT_EQ(setup.boards.size(), 2u);
+  EXPECT_EQ(setup.board("probe")->tags[0].id, 7);
+  EXPECT_EQ(setup.board("other"), nullptr);
+  EXPECT_FALSE(setup.boards[1].map_from_board);
+  EXPECT_NEAR(setup.probe->painted_radius(), 0.02, 1e-15);
+  EXPECT_EQ(setup.volumes[0].critical_parts, (std::vector<std::string>{"hand", "tool"}));
+  EXPECT_EQ(setup.volumes[0].to, 2.5);
+  EXPECT_EQ(setup.acceptance.min_tags, 3);
+  EXPECT_EQ(setup.robot->scale, 0.1);
+  EXPECT_EQ(setup.robot->payload, 2.5);
+  EXPECT_EQ(setup.robot->gravity, Eigen::Vector3d(0, 9.81, 0));
+  EXPECT_EQ(setup.queries[0].policies.at("hand"), "painted");
+  EXPECT_EQ(setup.queries[0].options.at("beam_width"), "50");
+  EXPECT_EQ(setup.queries[1].goals, (std::vector<std::vector<double>>{{3, 4}}));
+}
+
+const std::string mounted = R"(
+map: {outliers: {neighbours: 12, deviations: 1.5}}
+boards:
+  - {name: base, map_from_board: [0, 0, 0, 0, 0, 0], tags: [{id: 0, size: 0.03}]}
+  - {name: rig, tags: [{id: 5, size: 0.05}]}
+sensors:
+  - {name: wall, pose: [1, 2, 3, 0, 0, 0]}
+  - {name: walker, poses: walk.txt, pose: [0, 0, 0.1, 0, 0, 0], max_gap: 0.2}
+  - {name: depth, board: rig, pose_deg: [0, 0, 0, 0, 90, 0]}
+probe: {board: rig, ball_center: [0, 0, -0.1], ball_radius: 0.02,
+        hand: [{from: [0, 0, 0], to: [0, 0, 0.1], radius: 0.06}]}
+robot: {name: puma560, joints_deg: [0, -90, 0, 0, 0, 0], self_margin: 0.03}
+)";
+
+TEST(Setup, SensorsTheHandAndTheStandingRobotAreRead) {
+  const auto setup = parse_setup(mounted, "folder/mounted.yaml");
+  EXPECT_EQ(setup.map.outliers->neighbours, 12);
+  EXPECT_EQ(setup.map.outliers->deviations, 1.5);
+  ASSERT_EQ(setup.sensors.size(), 3u);
+  EXPECT_EQ(setup.sensor("wall", "depth")->mount.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(setup.sensor("walker", "laser2d")->poses, "folder/walk.txt");
+  EXPECT_EQ(setup.sensor("walker", "laser2d")->max_gap, 0.2);
+  EXPECT_EQ(setup.sensor("kinect", "depth")->board, "rig");
+  EXPECT_EQ(setup.sensor("kinect", "laser2d"), nullptr);
+  EXPECT_EQ(setup.probe->hand.at(0).radius, 0.06);
+  EXPECT_NEAR(setup.robot->joints.at(1), -M_PI / 2, 1e-15);
+  EXPECT_EQ(setup.robot->self_margin, 0.03);
+}
+
+TEST(Setup, SensorsWithMistakesAreRefused) {
+  const auto refusal = [](const std::string& from, const std::string& to) -> std::string {
+    std::string text = mounted;
+    text.replace(text.find(from), from.size(), to);
+    try {
+      parse_setup(text, "m.yaml");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal("board: rig, pose_deg", "board: nose, pose_deg").find("got 'nose'"), std::string::npos);
+  EXPECT_NE(refusal("board: rig, pose_deg", "board: base, pose_deg").find("a board that moves"),
+            std::string::npos);
+  EXPECT_NE(refusal("board: rig, pose_deg", "board: rig, poses: a.txt, pose_deg").find("either"),
+            std::string::npos);
+  EXPECT_NE(refusal("name: walker", "name: wall").find("given twice"), std::string::npos);
+  EXPECT_NE(refusal("max_gap: 0.2", "max_gap: 0").find("max_gap"), std::string::npos);
+  EXPECT_NE(refusal("neighbours: 12", "neighbors: 12").find("neighbours"), std::string::npos);
+}
+
+TEST(Setup, DegreesAreDegreesAndRadiansRadians) {
+  const auto setup = parse_setup(full, "full.yaml");
+  EXPECT_NEAR(setup.queries[0].start[1], M_PI / 2, 1e-15);
+  EXPECT_NEAR(setup.queries[0].goals[1][1], -M_PI / 2, 1e-15);
+  EXPECT_EQ(setup.queries[1].start[0], 1.5);
+  EXPECT_NEAR(Eigen::AngleAxisd(setup.boards[0].map_from_board->linear()).angle(), 1.5, 1e-12);
+  EXPECT_TRUE(setup.robot->map_from_base.linear().isApprox(
+      Eigen::Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix(), 1e-12));
+}
+
+TEST(Setup, RollPitchYawTurnAsRzRyRx) {
+  // Roll 90, then yaw -90: the tag's x goes to -y, its y to z, its z to -x.
+  const Eigen::Matrix3d turn = parse_setup(full, "").boards[0].tags[1].board_from_tag.linear();
+  Eigen::Matrix3d expected;
+  expected << 0, 0, -1, -1, 0, 0, 0, 1, 0;
+  EXPECT_TRUE(turn.isApprox(expected, 1e-12)) << turn;
+}
+
+TEST(Setup, AnEmptySetupHasOneVolumeOverEverything) {
+  const auto setup = parse_setup("", "empty.yaml");
+  ASSERT_EQ(setup.volumes.size(), 1u);
+  EXPECT_EQ(setup.volumes[0].from, 0);
+  EXPECT_TRUE(std::isinf(setup.volumes[0].to));
+  EXPECT_FALSE(setup.probe || setup.camera || setup.robot);
+}
+
+struct Mistake {
+  const char *yaml, *file_and_line, *key, *expected;
+};
+
+TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
+  const Mistake mistakes[] = {
+      {"mop: {}", "line 1", "mop", "did you mean 'map'"},
+      {"\nmap: {resolutoin: 1}", "line 2", "map.resolutoin", "did you mean 'resolution'"},
+      {"map: {resolution: .nan}", "line 1", "map.resolution", "expected a number"},
+      {"map: {resolution: -0.1}", "line 1", "map.resolution", "got '-0.1'"},
+      {"map: {resolution: 1e999}", "line 1", "map.resolution", "expected a number"},
+      {"map: {resolution: 0,05}", "line 1", "map.resolution", "got '0'"},
+      {"map: {resolution: '0,05'}", "line 1", "map.resolution", "got '0,05'"},
+      {"map: {resolution: [1]}", "line 1", "map.resolution", "got a list"},
+      {"map: {resolution: 1, resolution: 2}", "line 1", "resolution", "twice"},
+      {"map: {crop: [0, 0, 0, 1, 1]}", "line 1", "map.crop", "expected 6 numbers, got 5"},
+      {"map: {crop: [0, 0, 0, 1, -1, 1]}", "line 1", "map.crop", "min below its max"},
+      {"map: {discretize: yes please}", "line 1", "map.discretize", "true or false"},
+      {"map: {integration: careful}", "line 1", "integration", "safe or compatible"},
+      {"map: 3", "line 1", "map", "expected a map"},
+      {"boards: 7", "line 1", "boards", "expected a list"},
+      {"boards: [{name: a}]", "line 1", "boards[0].tags", "at least one tag"},
+      {"boards: [{name: a, tags: [{id: 1}]}]", "line 1", "boards[0].tags[0].size", "missing"},
+      {"boards: [{name: a, tags: [{id: 587, size: 1}]}]", "line 1", "boards[0].tags[0].id", "0 to 586"},
+      {"boards: [{name: a, tags: [{id: 1.5, size: 1}]}]", "line 1", "boards[0].tags[0].id", "whole number"},
+      {"boards: [{name: a, tags: [{id: 1, size: 1}, {id: 1, size: 1}]}]", "line 1", "boards[0].tags",
+       "used twice"},
+      {"probe: {board: b, ball_center: [0, 0, 0], ball_radius: 1}", "line 1", "probe.board", "got 'b'"},
+      {"boards: [{name: b, tags: [{id: 1, size: 1}]}]\n"
+       "probe: {board: b, ball_center: [0, 0, 0], ball_radius: 1, robot_error: 1}",
+       "line 2", "probe.ball_radius", "more than the sum"},
+      {"volumes: [{label: a, from: 2, to: 1}]", "line 1", "volumes[0].to", "after 'from'"},
+      {"robot: {name: a, base: [0, 0, 0, 0, 0, 0], base_deg: [0, 0, 0, 0, 0, 0]}", "line 1", "robot.base",
+       "expected one"},
+      {"queries: [{name: q, start: [1, 2], goals: [[1]]}]", "line 1", "queries[0]",
+       "the start has 2 numbers and goals[0] has 1, expected as many numbers in both"},
+      {"queries: [{name: q, start: [1], goals: [[1]], padding: 1e9}]", "line 1", "queries[0].padding",
+       "expected a number from 0 to 100, got '1e9'"},
+      {"queries: [{name: q, start: [1], goals: [[1]], options: {step: [0.1, x]}}]", "line 1",
+       "queries[0].options.step", "expected a finite number, got 'x'"},
+      {"queries: [{name: q, start: [1], goals: [[1]], options: {step: []}}]", "line 1",
+       "queries[0].options.step", "expected a word, a number or a list of numbers"},
+      {"queries: [{name: q, start: [1], goals: [[1]], policies: {hand: maybe}}]", "line 1",
+       "queries[0].policies.hand", "got 'maybe'"},
+      {"map: {", "line", "", "not valid YAML"},
+      {"- a", "line 1", "", "expected a map"},
+  };
+  for (const auto& mistake : mistakes) {
+    const std::string message = complaint([&] { parse_setup(mistake.yaml, "s.yaml"); });
+    for (const char* part : {"setup 's.yaml'", mistake.file_and_line, mistake.key, mistake.expected})
+      EXPECT_NE(message.find(part), std::string::npos) << mistake.yaml << "\n"
+                                                       << message << "\nwants " << part;
+    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0);
+    EXPECT_TRUE(message.ends_with(".")) << message;
+  }
+}
+
+TEST(Setup, DeepAndRandomYamlNeverCrashes) {
+  EXPECT_NE(complaint([] { parse_setup(std::string(100000, '['), "deep.yaml"); }), "");
+  EXPECT_NE(complaint([] { parse_setup("a: " + std::string(100000, '{'), "deep.yaml"); }), "");
+  uint32_t random = 1;
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::string text = full;
+    for (int i = 0; i < 3; ++i) {
+      random = random * 1664525 + 1013904223;
+      text[(random >> 8) % text.size()] = static_cast<char>("[]{}:,-'\"\n&*!|>%@ 09azZ\xff"[random % 25]);
+    }
+    (void)complaint([&] { parse_setup(text, "random.yaml"); });
+  }
+}
+
+TEST(Setup, FilesThatCannotBeReadAreNamed) {
+  const ScratchFolder folder;
+  EXPECT_NE(complaint([&] { load_setup(folder / "none.yaml"); }).find("none.yaml"), std::string::npos);
+  EXPECT_NE(complaint([&] { load_setup(folder / "."); }).find("folder"), std::string::npos);
+  write_bytes(folder / "big.yaml", std::string(5 << 20, '#'));
+  EXPECT_NE(complaint([&] { load_setup(folder / "big.yaml"); }).find("4 MB"), std::string::npos);
+}
+
+TEST(Setup, NumbersMeanTheSameInACommaLocale) {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const auto setup = parse_setup(full, "full.yaml");
+  std::locale::global(before);
+  EXPECT_EQ(setup.map.resolution, 0.0025);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,54 @@
+#include "datasets/descriptions/yaml_gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+std::string refusal(const std::string& text) {
+  try {
+    require_yaml(text, "suite 's'");
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string result;
+  for (int i = 0; i < times; ++i) result += text;
+  return result;
+}
+
+TEST(YamlGate, what_an_alias_repeats_counts_as_often_as_it_is_repeated) {
+  EXPECT_EQ(refusal("a: &a [1, 2]\nb: [*a, *a]\n"), "accepted");
+  std::string bomb = "a: &a [1,1,1,1,1,1,1,1,1,1]\n";
+  for (const char* pair : {"ab", "bc", "cd", "de", "ef"}) {
+    bomb += std::string(1, pair[1]) + ": &" + pair[1] + " [" +
+            repeated("*" + std::string(1, pair[0]) + ",", 10) + "]\n";
+  }
+  EXPECT_NE(refusal(bomb).find("at most 250,000 words"), std::string::npos) << refusal(bomb);
+  EXPECT_NE(refusal("a: &a [*a]\n").find("complete before it"), std::string::npos);
+  EXPECT_NE(refusal("[" + repeated("0,", 260'000) + "0]").find("at most 250,000"), std::string::npos);
+}
+
+TEST(YamlGate, deep_nesting_is_refused_whichever_way_it_is_written) {
+  EXPECT_EQ(refusal(repeated("[", 32) + repeated("]", 32)), "accepted");
+  for (const std::string& text :
+       {repeated("[", 100'000), repeated("{a: ", 50'000), repeated("- ", 100'000), repeated("? ", 50'000)})
+    EXPECT_NE(refusal(text).find("at most 32 lists and maps inside each other"), std::string::npos);
+}
+
+TEST(YamlGate, tells_line_column_and_what_was_expected_in_our_words) {
+  EXPECT_EQ(refusal("a: [1, 2\n"), "suite 's', line 2, column 1: not valid YAML, expected ',' or ']'.");
+  EXPECT_EQ(
+      refusal("a: b: c\n"),
+      "suite 's', line 1, column 5: not valid YAML, expected no second ': ' in a value without quotes.");
+  EXPECT_EQ(refusal("a: *b\n"),
+            "suite 's', line 1, column 4: not valid YAML, expected an alias of what is named before it.");
+}
+
+}  // namespace
+}  // namespace clearway

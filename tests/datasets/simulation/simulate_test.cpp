@@ -1,0 +1,233 @@
+#include "datasets/simulation/simulate.hpp"
+
+#include <apriltag.h>
+#include <gtest/gtest.h>
+#include <tag36h11.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
+
+#include "datasets/sources/recording.hpp"
+#include "tests/datasets/scratch_folder.hpp"
+#include "tests/worlds/sample_frames.hpp"
+#include "tests/worlds/small_scene.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::json;
+
+Scene prepared(const ScratchFolder& folder, const std::string& scene = small_scene) {
+  write_bytes(folder / "setup.yaml", small_setup);
+  return parse_scene(scene, "scene.yaml", folder / "");
+}
+
+Eigen::Isometry3d pose_of(const Json& json) {
+  Eigen::Isometry3d pose(Eigen::Translation3d(json[0], json[1], json[2]));
+  pose.rotate(Eigen::Quaterniond(json[3], json[4], json[5], json[6]));
+  return pose;
+}
+
+TEST(Simulate, TheSameSceneGivesTheSameBytesOnAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  const Scene scene = prepared(folder);
+  std::string recording, truth;
+  for (const char* threads : {"1", "2", "5"}) {
+    setenv("CLEARWAY_THREADS", threads, 1);
+    simulate(scene, folder / "out.rawlog");
+    if (recording.empty()) {
+      recording = bytes_of(folder / "out.rawlog");
+      truth = bytes_of(folder / "truth.json");
+    }
+    EXPECT_EQ(bytes_of(folder / "out.rawlog"), recording) << threads;
+    EXPECT_EQ(bytes_of(folder / "truth.json"), truth) << threads;
+  }
+  unsetenv("CLEARWAY_THREADS");
+  Scene other = scene;
+  other.seed = 6;
+  simulate(other, folder / "out.rawlog");
+  EXPECT_NE(bytes_of(folder / "out.rawlog"), recording);
+}
+
+TEST(Simulate, TheRecordingHoldsSetupDepthAndPicturesInOrder) {
+  const ScratchFolder folder;
+  const Scene scene = prepared(folder);
+  double last = 0;
+  const auto result = simulate(scene, folder / "out.rawlog", [&](double share) {
+    EXPECT_GE(share, last);
+    last = share;
+  });
+  EXPECT_EQ(last, 1);
+  EXPECT_EQ(result.images, 6u);
+  RecordingReader reader(folder / "out.rawlog");
+  const auto frames = read_all(reader);
+  EXPECT_FALSE(reader.damage());
+  ASSERT_EQ(frames.size(), 1u + 2 + 6);
+  EXPECT_EQ(std::get<CommentFrame>(frames[0].content).text, small_setup);
+  EXPECT_EQ(std::get<CloudFrame>(frames[1].content).kind, "depth");
+  for (size_t i = 1; i < frames.size(); ++i) EXPECT_GE(frames[i].time, frames[i - 1].time);
+  const auto& image = std::get<ImageFrame>(frames[3].content);
+  EXPECT_EQ(image.intrinsics, *scene.setup.camera);
+  EXPECT_TRUE(image.world_from_sensor.isApprox(Eigen::Isometry3d::Identity()));
+  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  ASSERT_EQ(truth["frames"].size(), 6u);
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(truth["frames"][i]["time"], frames[3 + i].time, 1e-6);
+}
+
+TEST(Simulate, TruthCornersAreWhatOpenCvProjects) {
+  const ScratchFolder folder;
+  const Scene scene = prepared(folder);
+  simulate(scene, folder / "out.rawlog");
+  const auto& camera = *scene.setup.camera;
+  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  size_t compared = 0;
+  for (const auto& frame : truth["frames"]) {
+    const Eigen::Isometry3d camera_from_map = pose_of(frame["map_from_camera"]).inverse();
+    const Eigen::Isometry3d map_from_probe = pose_of(frame["map_from_probe"]);
+    const Eigen::Vector3d ball = map_from_probe * scene.setup.probe->ball_center;
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(frame["ball"][static_cast<size_t>(i)], ball[i], 1e-9);
+    for (const auto& seen : frame["tags"]) {
+      const BoardSetup& board = *scene.setup.board(seen["board"]);
+      const auto tag = std::find_if(board.tags.begin(), board.tags.end(),
+                                    [&](const TagSetup& candidate) { return candidate.id == seen["id"]; });
+      const Eigen::Isometry3d camera_from_tag =
+          camera_from_map * board.map_from_board.value_or(map_from_probe) * tag->board_from_tag;
+      const double h = tag->size / 2;
+      std::vector<cv::Point3d> corners;
+      for (const Eigen::Vector3d& p : {Eigen::Vector3d(-h, h, 0), {h, h, 0}, {h, -h, 0}, {-h, -h, 0}}) {
+        const Eigen::Vector3d q = camera_from_tag * p;
+        corners.emplace_back(q.x(), q.y(), q.z());
+      }
+      std::vector<cv::Point2d> pixels;
+      cv::projectPoints(corners, cv::Vec3d(), cv::Vec3d(),
+                        cv::Matx33d(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1),
+                        camera.distortion, pixels);
+      for (size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(seen["corners"][i][0], pixels[i].x, 1e-6);
+        EXPECT_NEAR(seen["corners"][i][1], pixels[i].y, 1e-6);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_EQ(compared, 6u * 5 * 4);
+}
+
+/// Tags by AprilTag, corners in the order and convention of truth.json.
+std::map<int, std::vector<Eigen::Vector2d>> detected(const GrayImage& image) {
+  apriltag_family_t* family = tag36h11_create();
+  apriltag_detector_t* detector = apriltag_detector_create();
+  apriltag_detector_add_family_bits(detector, family, 1);
+  detector->quad_decimate = 1;
+  std::vector<uint8_t> pixels = image.pixels;
+  image_u8_t view{image.width, image.height, image.width, pixels.data()};
+  zarray_t* found = apriltag_detector_detect(detector, &view);
+  std::map<int, std::vector<Eigen::Vector2d>> tags;
+  for (int i = 0; i < zarray_size(found); ++i) {
+    apriltag_detection_t* detection;
+    zarray_get(found, i, &detection);
+    for (int corner : {3, 2, 1, 0})
+      tags[detection->id].emplace_back(detection->p[corner][0] - 0.5, detection->p[corner][1] - 0.5);
+  }
+  apriltag_detections_destroy(found);
+  apriltag_detector_destroy(detector);
+  tag36h11_destroy(family);
+  return tags;
+}
+
+TEST(Simulate, ADetectorFindsTheTagsWhereTheTruthPutsThem) {
+  const ScratchFolder folder;
+  simulate(prepared(folder), folder / "out.rawlog");
+  RecordingReader reader(folder / "out.rawlog");
+  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  size_t index = 0, compared = 0;
+  double squares = 0;
+  for (const auto& frame : read_all(reader)) {
+    const auto* image = std::get_if<ImageFrame>(&frame.content);
+    if (!image) continue;
+    auto found = detected(image->image);
+    for (const auto& tag : truth["frames"][index++]["tags"]) {
+      if (!tag["fully_visible"] || !found.contains(tag["id"])) continue;
+      for (size_t i = 0; i < 4; ++i) {
+        const Eigen::Vector2d corner(tag["corners"][i][0], tag["corners"][i][1]);
+        const double error = (found[tag["id"]][i] - corner).norm();
+        EXPECT_LT(error, 1) << "tag " << tag["id"] << " corner " << i;
+        squares += error * error;
+        ++compared;
+      }
+      found.erase(tag["id"]);
+    }
+  }
+  EXPECT_GE(compared, 4u * 6 * 3);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(compared)), 0.2);
+}
+
+TEST(Simulate, CloudsLieOnTheShapes) {
+  const ScratchFolder folder;
+  Scene scene = prepared(folder);
+  scene.depth->noise_constant = scene.depth->noise_quadratic = 0;
+  simulate(scene, folder / "out.rawlog");
+  RecordingReader reader(folder / "out.rawlog");
+  for (const auto& frame : read_all(reader)) {
+    const auto* cloud = std::get_if<CloudFrame>(&frame.content);
+    if (!cloud) continue;
+    EXPECT_GT(cloud->points.size(), 2000u);
+    for (const auto& point : cloud->points) {
+      const Eigen::Vector3d p = cloud->world_from_sensor * point.cast<double>();
+      const double ball = std::abs((p - Eigen::Vector3d(-0.02, 0, 0.03)).norm() - 0.03);
+      const double table = std::abs(p.z());
+      const double side = std::abs(std::hypot(p.x() - 0.1, p.y()) - 0.02), lid = std::abs(p.z() - 0.06);
+      EXPECT_LT(std::min({ball, table, side, lid}), 1e-4);
+    }
+  }
+}
+
+TEST(Simulate, IncludedFramesKeepTheirPlaceInTheOtherWorld) {
+  const ScratchFolder folder;
+  RecordingWriter writer(folder / "other.rawlog");
+  std::mt19937 random(3);
+  const CloudFrame cloud = sample_cloud(random, 12);
+  writer.write({50, "lidar", cloud});
+  writer.write({51, "other", sample_cloud(random, 3)});
+  writer.write({52, "camera", sample_image(random, 8, 6)});
+  writer.finish();
+  const std::string include =
+      "setup: setup.yaml\ninclude: [{recording: other.rawlog, world_from_map: [1, 2, 3, 0, 0, 0.5], "
+      "sensors: [lidar]}]";
+  const auto result = simulate(prepared(folder, include), folder / "out.rawlog");
+  EXPECT_EQ(result.included_frames, 1u);
+  RecordingReader reader(folder / "out.rawlog");
+  const auto frames = read_all(reader);
+  ASSERT_EQ(frames.size(), 2u);
+  const auto& copied = std::get<CloudFrame>(frames[1].content);
+  EXPECT_EQ(copied.points, cloud.points);
+  const Eigen::Isometry3d world_from_map =
+      Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  EXPECT_TRUE((world_from_map * copied.world_from_sensor).isApprox(cloud.world_from_sensor, 1e-9));
+}
+
+TEST(Simulate, UnusableIncludesAndOutputsLeaveNothingBehind) {
+  const ScratchFolder folder;
+  write_bytes(folder / "bad.rawlog", "not a log");
+  const std::string include = "setup: setup.yaml\ninclude: [{recording: bad.rawlog}]";
+  EXPECT_NE(complaint([&] { simulate(prepared(folder, include), folder / "out.rawlog"); }).find("bad.rawlog"),
+            std::string::npos);
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "")) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name == "bad.rawlog" || name.ends_with(".yaml")) << name;
+  }
+  EXPECT_THROW(simulate(prepared(folder), folder / "no/folder/out.rawlog"), std::runtime_error);
+}
+
+TEST(Simulate, NoDeviceFolderOrTruthIsReplacedByTheRecording) {
+  const ScratchFolder folder;
+  EXPECT_THROW(simulate(prepared(folder), "/dev/null"), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  std::filesystem::create_directory(folder / "out.rawlog");
+  EXPECT_THROW(simulate(prepared(folder), folder / "out.rawlog"), std::runtime_error);
+  EXPECT_NE(complaint([&] { simulate(prepared(folder), folder / "truth.json"); }).find("truth"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "truth.json"));
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,61 @@
+#include "datasets/sources/frame_bytes.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/worlds/sample_frames.hpp"
+
+namespace clearway {
+namespace {
+
+TEST(FrameBytes, EveryKindOfFrameComesBack) {
+  auto frames = sample_frames();
+  frames.push_back({3, "odometry", OdometryFrame{std::get<CloudFrame>(frames[2].content).world_from_sensor}});
+  for (const auto& frame : frames) {
+    const std::string bytes = frame_to_bytes({frame, true});
+    const DecodedFrame read = frame_from_bytes(bytes);
+    EXPECT_TRUE(read.posed);
+    EXPECT_EQ(frame_to_bytes(read), bytes);
+    EXPECT_EQ(read.frame.content.index(), frame.content.index());
+  }
+}
+
+TEST(FrameBytes, NothingCutOrLengthenedIsTakenForAFrame) {
+  for (const auto& frame : sample_frames()) {
+    const std::string bytes = bytes_of(frame);
+    for (size_t length = 0; length < bytes.size(); ++length)
+      EXPECT_THROW(frame_from_bytes(std::string_view(bytes).substr(0, length)), std::runtime_error);
+    EXPECT_THROW(frame_from_bytes(bytes + "x"), std::runtime_error);
+  }
+}
+
+TEST(FrameBytes, RandomBytesNeverDoHarm) {
+  std::mt19937 random(4);
+  for (const auto& frame : sample_frames()) {
+    for (int trial = 0; trial < 2000; ++trial) {
+      std::string bytes = bytes_of(frame);
+      for (int i = 0; i < 3; ++i) bytes[random() % bytes.size()] = static_cast<char>(random());
+      try {
+        const auto read = frame_from_bytes(bytes);
+        if (const auto* image = std::get_if<ImageFrame>(&read.frame.content)) {
+          EXPECT_EQ(image->image.pixels.size(),
+                    static_cast<size_t>(image->image.width) * static_cast<size_t>(image->image.height));
+        }
+      } catch (const std::runtime_error&) {
+      }
+    }
+  }
+}
+
+TEST(FrameBytes, RefusesPosesThatAreNotRigidAndNumbersThatAreNone) {
+  auto frame = sample_frames()[2];
+  auto& cloud = std::get<CloudFrame>(frame.content);
+  const auto good = cloud;
+  cloud.world_from_sensor.linear() *= 1.01;
+  EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
+  cloud = good;
+  cloud.points[3].y() = NAN;
+  EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace clearway

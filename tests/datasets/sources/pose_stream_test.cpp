@@ -1,0 +1,88 @@
+#include "datasets/sources/pose_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+/// A screw about z: half a turn and 2 m a second.
+Eigen::Isometry3d screw(double time) {
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(M_PI / 2 * time, Eigen::Vector3d::UnitZ()));
+  pose.translation() = Eigen::Vector3d(1.0, 2.0 * time, -0.5);
+  return pose;
+}
+
+double apart(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.matrix() - b.matrix()).norm();
+}
+
+TEST(PoseStream, BetweenReadingsThePoseIsOnTheStraightLineAndTheShortestTurn) {
+  PoseStream stream(0.25);
+  const double start = 1577836800.0;  // as clocks give it
+  for (int i = 10; i >= 0; --i) stream.add(start + 0.1 * i, screw(0.1 * i));
+  for (double time = 0.0; time <= 1.0; time += 0.013) {
+    const auto pose = stream.at(start + time);
+    ASSERT_TRUE(pose);
+    EXPECT_LT(apart(*pose, screw(time)), 1e-5) << time;
+  }
+}
+
+TEST(PoseStream, OutsideOfItsTimeAndAcrossGapsItSaysNothing) {
+  PoseStream stream(0.25);
+  EXPECT_FALSE(stream.at(5.0));
+  EXPECT_FALSE(stream.nearest(5.0));
+  for (const double time : {5.0, 5.2, 6.0}) stream.add(time, screw(time));
+  EXPECT_FALSE(stream.at(4.999));
+  EXPECT_TRUE(stream.at(5.0));
+  EXPECT_TRUE(stream.at(5.1));
+  EXPECT_FALSE(stream.at(5.5));
+  EXPECT_TRUE(stream.at(6.0));
+  EXPECT_FALSE(stream.at(6.001));
+  EXPECT_FALSE(stream.at(NAN));
+  EXPECT_LT(apart(*stream.nearest(5.11), screw(5.2)), 1e-6);
+  EXPECT_LT(apart(*stream.nearest(6.2), screw(6.0)), 1e-6);
+  EXPECT_FALSE(stream.nearest(6.3));
+  EXPECT_NEAR(*stream.last_time(), 6.0, 1e-6);
+}
+
+TEST(PoseStream, InAGapThatIsTooLongItSaysNothingHoweverNearAReadingIs) {
+  PoseStream stream(0.25);
+  for (const double time : {5.0, 5.24, 5.5, 6.5}) stream.add(time, screw(time));
+  for (double time = 5.005; time < 6.5; time += 0.01)  // never a reading's own
+    EXPECT_EQ(stream.at(time).has_value(), time < 5.24) << time;
+  EXPECT_TRUE(stream.at(5.5) && stream.at(6.5));
+  for (const double time : {5.2401, 5.2501, 5.4999, 5.5001, 5.6, 6.4, 6.4999})
+    EXPECT_FALSE(stream.at(time)) << time;
+}
+
+TEST(PoseStream, ReadsTheTumFormat) {
+  const PoseStream stream = parse_tum_poses(
+      "# time x y z qx qy qz qw\n1.0 1 2 3 0 0 0 1\n\n1.2 1 2 5 0 0 0.70710678 0.70710678  # turned\n", "t",
+      1.0);
+  EXPECT_EQ(stream.size(), 2U);
+  const auto middle = stream.at(1.1);
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(middle->translation().z(), 4.0, 1e-5);
+  EXPECT_NEAR(Eigen::AngleAxisd(middle->rotation()).angle(), M_PI / 4, 1e-5);
+}
+
+TEST(PoseStream, NamesTheLineThatIsNoPose) {
+  for (const char* bad :
+       {"1 2 3\n", "1 0 0 0 0 0 0 2\n", "1 0 0 nan 0 0 0 1\n", "1 0 0 0 0 0 0 1 7\n", "x\n"}) {
+    try {
+      parse_tum_poses(std::string("# ok\n") + bad, "poses 'a.txt'", 1.0);
+      FAIL() << bad;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("poses 'a.txt', line 2: expected")) << error.what();
+    }
+  }
+  EXPECT_THROW(parse_tum_poses("", "a", 1.0), std::invalid_argument);
+  EXPECT_THROW(load_tum_poses("/nowhere/poses.txt", 1.0), std::invalid_argument);
+  EXPECT_THROW(PoseStream(0.0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway

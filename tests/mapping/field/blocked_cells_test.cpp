@@ -1,0 +1,97 @@
+#include "mapping/field/blocked_cells.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+
+const std::vector<Requirement> requirements = {
+    {Policy::not_occupied}, {Policy::known_free}, {Policy::painted}, {Policy::painted, 2}};
+const Eigen::Vector3i first(-9, -21, -6), size(67, 45, 30);
+
+TEST(BlockedCells, FillingAndReadingAgreeWithAPlainArray) {
+  Dice dice(1);
+  for (const bool start : {false, true}) {
+    BlockedCells cells(size, start);
+    std::vector<char> plain(static_cast<std::size_t>(size.prod()), start ? 1 : 0);
+    const auto at = [&](int x, int y, int z) -> char& {
+      return plain[static_cast<std::size_t>((z * size.y() + y) * size.x() + x)];
+    };
+    for (int i = 0; i < 40; ++i) {
+      const Eigen::Vector3i low(dice.whole(0, 66), dice.whole(0, 44), dice.whole(0, 29));
+      const Eigen::Vector3i high = (low + Eigen::Vector3i(dice.whole(1, 67), 3, 4)).cwiseMin(size);
+      const bool blocked = dice.whole(0, 1) == 0;
+      cells.fill(low, high, blocked);
+      for (int z = low.z(); z < high.z(); ++z) {
+        for (int y = low.y(); y < high.y(); ++y) {
+          for (int x = low.x(); x < high.x(); ++x) at(x, y, z) = blocked ? 1 : 0;
+        }
+      }
+    }
+    std::size_t count = 0;
+    for (int z = 0; z < size.z(); ++z) {
+      for (int y = 0; y < size.y(); ++y) {
+        for (int x = 0; x < size.x(); ++x) {
+          ASSERT_EQ(cells.at(x, y, z), at(x, y, z) != 0);
+          count += cells.at(x, y, z) ? 1 : 0;
+          unsigned around = 0;
+          for (int k = -1; k <= 1; ++k) {
+            if (x + k >= 0 && x + k < size.x() && at(x + k, y, z) != 0) around |= 1U << (k + 1);
+          }
+          ASSERT_EQ(cells.around(x, y, z), around);
+        }
+      }
+    }
+    EXPECT_EQ(cells.count(), count);
+  }
+}
+
+TEST(BlockedCells, AreWhatTheRequirementForbidsOfTheTree) {
+  const Snapshot map = testing::random_map(4, 0.05).snapshot();
+  for (const Requirement& requirement : requirements) {
+    const BlockedCells cells = blocked_cells(map.tree(), requirement, first, size);
+    for (int z = 0; z < size.z(); ++z) {
+      for (int y = 0; y < size.y(); ++y) {
+        for (int x = 0; x < size.x(); ++x) {
+          const Eigen::Vector3d center =
+              ((first + Eigen::Vector3i(x, y, z)).cast<double>().array() + 0.5) * 0.05;
+          const Voxel voxel = map.voxel(center);
+          ASSERT_EQ(cells.at(x, y, z), !allows(requirement, voxel.state, voxel.volumes));
+        }
+      }
+    }
+  }
+}
+
+TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
+  Dice dice(5);
+  FreeSpaceMap map = testing::random_map(5, 0.05, 2);
+  Snapshot before = map.snapshot();
+  for (int round = 0; round < 12; ++round) {
+    if (round % 3 != 0) map.insert(testing::random_scan(dice, round % 2 == 0 ? 5 : 300));
+    if (round % 3 != 1) map.paint(dice.whole(0, 1), testing::random_ball(dice), 1.0 + round);
+    const Snapshot now = map.snapshot();
+    for (const Requirement& requirement : requirements) {
+      const BlockedCells was = blocked_cells(before.tree(), requirement, first, size);
+      const BlockedCells is = blocked_cells(now.tree(), requirement, first, size);
+      ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was), is);
+      for (const int threads : {2, 5}) {
+        ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was, threads), is);
+        ASSERT_EQ(blocked_cells(now.tree(), requirement, first, size, threads), is);
+      }
+      ASSERT_EQ(is.count_beyond(was) + static_cast<std::ptrdiff_t>(was.count()),
+                static_cast<std::ptrdiff_t>(is.count()));
+    }
+    before = now;
+  }
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,269 @@
+#include "mapping/files/map_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <tuple>
+
+#include "mapping/files/cloud_file.hpp"
+#include "mapping/free_space_map.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Dice;
+using testing::read_all;
+using testing::TemporaryFolder;
+using testing::write_all;
+
+/// Real files for trying, which are not part of the repository.
+fs::path shared_data(const std::string& name) {
+  const char* folder = std::getenv("CLEARWAY_DATA");
+  return fs::path(folder != nullptr ? folder : CLEARWAY_SOURCE_DIR "/../shared/data") / name;
+}
+
+TEST(MapFile, ASavedMapIsReadBackWhole) {
+  const TemporaryFolder folder;
+  const Snapshot map = testing::random_map(1).snapshot();
+  save_map(map, folder / "deep/map");
+  const Snapshot read = load_map(folder / "deep/map");
+  EXPECT_TRUE(read.tree() == map.tree());
+  ASSERT_EQ(read.volumes().size(), map.volumes().size());
+  EXPECT_EQ(read.volumes_of_part("load"), map.volumes_of_part("load"));
+  EXPECT_EQ(read.volumes()[0].times, map.volumes()[0].times);
+  EXPECT_TRUE(load_map(folder / "deep/map/map.ot").tree() == map.tree());
+
+  save_map(read, folder / "again");
+  for (const char* name : {"map.ot", "painted.csv"}) {
+    EXPECT_EQ(read_all(folder / "deep/map" / name), read_all(folder / "again" / name));
+  }
+}
+
+TEST(MapFile, ABareTreeBesidePaintedBallsTakesThem) {
+  const TemporaryFolder folder;
+  const Snapshot map = testing::random_map(2).snapshot();
+  save_map(map, folder / "map");
+  export_map(map, folder / "map/map.ot");  // a tree of colours has no balls
+  const Snapshot read = load_map(folder / "map");
+  ASSERT_EQ(read.volumes().size(), 2U);
+  EXPECT_EQ(read.volumes()[0].balls.size(), map.volumes()[0].balls.size());
+  fs::remove(folder / "map/painted.csv");
+  EXPECT_TRUE(load_map(folder / "map").volumes().empty());
+}
+
+TEST(MapFile, ExportedFilesKeepTheOccupiedVoxels) {
+  const TemporaryFolder folder;
+  const Snapshot map = testing::random_map(3).snapshot();
+  const VoxelCounts counts = map.counts();
+  for (const char* name : {"a.ot", "a.bt", "a.pcd", "a.ply"}) {
+    export_map(map, folder / name);
+    const Snapshot read = load_map(folder / name, map.resolution());
+    EXPECT_EQ(read.counts().occupied, counts.occupied + counts.conflict) << name;
+    map.visit_leaves([&](const Voxel& voxel) {
+      const bool blocked = voxel.state == VoxelState::occupied || voxel.state == VoxelState::conflict;
+      ASSERT_EQ(read.state(voxel.center) == VoxelState::occupied, blocked) << name;
+    });
+  }
+  EXPECT_THROW(export_map(map, folder / "a.stl"), std::invalid_argument);
+}
+
+TEST(MapFile, SaysWhatIsWrongWithAPathThatIsNoMap) {
+  const TemporaryFolder folder;
+  write_all(folder / "a.stl", "x");
+  fs::create_directory(folder / "empty");
+  for (const char* name : {"missing.ot", "missing", "a.stl", "empty"}) {
+    try {
+      load_map(folder / name);
+      FAIL() << name;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos);
+    }
+  }
+  fs::create_directory(folder / "folder.pcd");
+  EXPECT_THROW(load_map(folder / "folder.pcd"), std::invalid_argument);
+  fs::create_directories(folder / "odd/map.ot");
+  EXPECT_THROW(load_map(folder / "odd"), std::invalid_argument);
+}
+
+TEST(MapFile, AnEmptyFileOfAnyKindIsDamaged) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.ot", "a.bt", "a.pcd", "a.ply"}) {
+    write_all(folder / name, "");
+    EXPECT_THROW(load_map(folder / name), DamagedFile) << name;
+    write_all(folder / name, std::string(3000, '\xff'));
+    EXPECT_THROW(load_map(folder / name), DamagedFile) << name;
+  }
+}
+
+TEST(MapFile, AnotherKindUnderAWrongNameIsDamaged) {
+  const TemporaryFolder folder;
+  const Snapshot map = testing::random_map(4).snapshot();
+  export_map(map, folder / "a.ply");
+  for (const char* name : {"b.ot", "b.bt", "b.pcd"}) {
+    fs::copy_file(folder / "a.ply", folder / name);
+    EXPECT_THROW(load_map(folder / name), DamagedFile) << name;
+  }
+}
+
+TEST(MapFile, AnUnwritableTargetLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  const Snapshot map = testing::random_map(5).snapshot();
+  write_all(folder / "file", "in the way");
+  EXPECT_THROW(save_map(map, folder / "file"), std::runtime_error);
+  EXPECT_THROW(save_map(map, folder / "file/map"), std::runtime_error);
+  EXPECT_EQ(read_all(folder / "file"), "in the way");
+  fs::create_directory(folder / "a.bt");
+  EXPECT_THROW(export_map(map, folder / "a.bt"), std::runtime_error);
+  fs::create_symlink("/dev/full", folder / "full.ot");
+  EXPECT_THROW(export_map(map, folder / "full.ot"), std::runtime_error);
+}
+
+TEST(MapFile, ADigestIsSha256OfTheFile) {
+  const TemporaryFolder folder;
+  write_all(folder / "abc.ot", "abc");
+  EXPECT_EQ(map_sha256(folder / "abc.ot"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  fs::create_directory(folder / "map");
+  write_all(folder / "map/map.ot", "");
+  EXPECT_EQ(map_sha256(folder / "map"), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_THROW(map_sha256(folder / "missing"), std::invalid_argument);
+}
+
+TEST(MapFile, ACloudBecomesTheVoxelsThatHoldItsPoints) {
+  const TemporaryFolder folder;
+  Dice dice(6);
+  std::vector<Eigen::Vector3f> points;
+  std::set<std::tuple<int, int, int>> voxels;
+  for (int i = 0; i < 500; ++i) {
+    points.push_back(dice.point(1.0).cast<float>());
+    const Eigen::Array3i cell = (points.back().cast<double>().array() / 0.1).floor().cast<int>();
+    voxels.insert({cell.x(), cell.y(), cell.z()});
+  }
+  points.push_back({std::nanf(""), 0.0F, 0.0F});
+  write_all(folder / "a.pcd", format_pcd(points));
+  write_all(folder / "a.ply", format_ply(points));
+  for (const char* name : {"a.pcd", "a.ply"}) {
+    const Snapshot map = load_map(folder / name, 0.1);
+    EXPECT_EQ(map.counts().occupied, voxels.size());
+    for (const Eigen::Vector3f& point : points) {
+      if (!point.allFinite()) continue;
+      EXPECT_EQ(map.state(point.cast<double>()), VoxelState::occupied);
+    }
+  }
+  EXPECT_THROW(load_map(folder / "a.pcd", 0.0), std::invalid_argument);
+  write_all(folder / "far.pcd", format_pcd({{5e5F, 0.0F, 0.0F}}));
+  EXPECT_THROW(load_map(folder / "far.pcd", 0.1), std::invalid_argument);
+}
+
+TEST(MapFile, ACloudKeepsThePlaceItWasSeenFrom) {
+  const TemporaryFolder folder;
+  std::string bytes = format_pcd({{1.0F, 2.0F, 3.0F}, {-1.0F, 0.5F, 0.25F}});
+  const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+  bytes.replace(bytes.find(none), none.size(), "VIEWPOINT 0.5 -1 2 0.70710678 0 0 0.70710678");
+  write_all(folder / "a.pcd", bytes);
+  const ViewedCloud cloud = read_viewed_cloud(folder / "a.pcd");
+  EXPECT_EQ(cloud.points, read_cloud(folder / "a.pcd"));
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_LT((cloud.file_from_viewpoint * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.5, 0.0, 2.0)).norm(),
+            1e-6);
+  write_all(folder / "b.ply", format_ply({{1.0F, 2.0F, 3.0F}}));
+  EXPECT_TRUE(
+      read_viewed_cloud(folder / "b.ply").file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity()));
+  bytes.replace(bytes.find("0.70710678 0 0"), 14, "0 0 0 0 0 0 00");
+  write_all(folder / "c.pcd", bytes);
+  EXPECT_THROW(read_viewed_cloud(folder / "c.pcd"), DamagedFile);
+}
+
+TEST(MapFile, DamagedCloudsNeverCrash) {
+  const TemporaryFolder folder;
+  Dice dice(7);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 20; ++i) points.push_back(dice.point(1.0).cast<float>());
+  for (const auto& [name, bytes] :
+       {std::pair{"a.pcd", format_pcd(points)}, std::pair{"a.ply", format_ply(points)}}) {
+    for (int i = 0; i < 60; ++i) {
+      std::string damaged = bytes;
+      const auto at = static_cast<std::size_t>(dice.whole(0, static_cast<int>(bytes.size()) - 1));
+      if (i % 2 == 0)
+        damaged.resize(at);
+      else
+        damaged[at] ^= static_cast<char>(1U << dice.whole(0, 7));
+      write_all(folder / name, damaged);
+      try {
+        const Snapshot map = load_map(folder / name);
+        EXPECT_FALSE(i % 2 == 0) << "cut at " << at << " of " << bytes.size() << " in " << name;
+      } catch (const DamagedFile&) {
+      } catch (const std::invalid_argument&) {  // a point flipped out of reach
+      }
+    }
+  }
+}
+
+/// The file as text: the header of `binary` up to `last_line`, then numbers.
+std::string as_text(std::string binary, const std::string& kind, const std::vector<Eigen::Vector3f>& points) {
+  const bool is_pcd = binary.starts_with("# .PCD");
+  const std::string last_line = is_pcd ? "DATA binary\n" : "end_header\n";
+  binary.resize(binary.find(last_line) + last_line.size());
+  const std::string binary_kind = is_pcd ? "binary" : "binary_little_endian";
+  binary.replace(binary.find(binary_kind), binary_kind.size(), kind);
+  for (const Eigen::Vector3f& point : points) {
+    for (int axis = 0; axis < 3; ++axis) binary += std::to_string(point[axis]) + (axis == 2 ? "\n" : " ");
+  }
+  return binary;
+}
+
+TEST(MapFile, ATextCloudThatIsCutIsDamaged) {
+  const TemporaryFolder folder;
+  Dice dice(8);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 10; ++i) points.push_back(dice.point(1.0).cast<float>());
+  for (const auto& [name, binary] :
+       {std::pair{"a.pcd", format_pcd(points)}, std::pair{"a.ply", format_ply(points)}}) {
+    const std::string text = as_text(binary, "ascii", points);
+    write_all(folder / name, text);
+    EXPECT_EQ(read_cloud(folder / name).size(), points.size());
+    for (std::size_t cut = 0; cut + 9 < text.size(); cut += 5) {  // the last number may lose digits unnoticed
+      write_all(folder / name, text.substr(0, cut));
+      EXPECT_THROW(read_cloud(folder / name), DamagedFile) << name << " " << cut;
+    }
+  }
+}
+
+TEST(MapFile, AWholeOccupiedUniverseIsNotExportedAsPoints) {
+  const TemporaryFolder folder;
+  write_all(folder / "all.ot",
+            "# Octomap OcTree file\nid OcTree\nsize 1\nres 0.1\ndata\n" + std::string("\0\0\200\77\0", 5));
+  const Snapshot map = load_map(folder / "all.ot");
+  EXPECT_EQ(map.counts().occupied, std::size_t{1} << 48U);
+  EXPECT_THROW(export_map(map, folder / "all.pcd"), std::invalid_argument);
+}
+
+TEST(MapFile, ReadsOctoMapsCorridor) {
+  const fs::path file = shared_data("octomap_share/geb079.bt");
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not on this machine";
+  const Snapshot map = load_map(file);
+  EXPECT_EQ(map.resolution(), 0.08);
+  EXPECT_EQ(map.counts().painted + map.counts().conflict, 0U);
+  EXPECT_GT(map.counts().occupied, 100000U);
+  const TemporaryFolder folder;
+  export_map(map, folder / "again.bt");
+  EXPECT_EQ(load_map(folder / "again.bt").counts().seen_free, map.counts().seen_free);
+}
+
+TEST(MapFile, ReadsPclsTutorialClouds) {
+  for (const char* name : {"room_scan1.pcd", "capture0001.pcd"}) {
+    const fs::path file = shared_data("pcl") / name;
+    if (!fs::exists(file)) GTEST_SKIP() << file << " is not on this machine";
+    EXPECT_GT(read_cloud(file).size(), 50000U);
+    EXPECT_GT(load_map(file, 0.05).counts().occupied, 1000U);
+  }
+}
+
+}  // namespace
+}  // namespace clearway

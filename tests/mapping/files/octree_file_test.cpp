@@ -1,0 +1,259 @@
+// Our own .ot format and foreign octrees: round trips against stock OctoMap, and damage.
+
+#include "mapping/files/octree_file.hpp"
+
+#include <gtest/gtest.h>
+#include <octomap/ColorOcTree.h>
+#include <octomap/OcTree.h>
+
+#include <sstream>
+
+#include "mapping/files/map_file.hpp"
+#include "mapping/free_space_map.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+
+std::string own_file(unsigned seed, int points = 20) {
+  const Snapshot map = testing::random_map(seed, 0.2, 1, points).snapshot();
+  return format_fused_tree(map.tree(), map.volumes());
+}
+
+octomap::OcTree stock_tree(unsigned seed, double resolution = 0.1) {
+  octomap::OcTree tree(resolution);
+  Dice dice(seed);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d point = dice.point(1.0);
+    tree.updateNode(point.x(), point.y(), point.z(), dice.whole(0, 1) == 0);
+  }
+  return tree;
+}
+
+std::string stock_text(const octomap::AbstractOcTree& tree) {
+  std::ostringstream stream;
+  tree.write(stream);
+  return std::move(stream).str();
+}
+
+std::string stock_binary(octomap::OcTree& tree) {
+  std::ostringstream stream;
+  ::testing::internal::CaptureStderr();
+  tree.writeBinary(stream);
+  ::testing::internal::GetCapturedStderr();
+  return std::move(stream).str();
+}
+
+bool is_refused(const std::string& bytes) {
+  try {
+    parse_octree(bytes, "test.ot");
+  } catch (const DamagedFile&) {
+    return true;
+  }
+  return false;
+}
+
+TEST(OctreeFile, OurFileReadsBackEqualAndWritesTheSameBytesAgain) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const Snapshot map = testing::random_map(seed, 0.1 / 3.0).snapshot();
+    const std::string bytes = format_fused_tree(map.tree(), map.volumes());
+    const OctreeContent content = parse_octree(bytes, "map.ot");
+    EXPECT_TRUE(*content.tree == map.tree());
+    EXPECT_EQ(content.tree->getResolution(), 0.1 / 3.0);
+    EXPECT_TRUE(content.has_volumes);
+    EXPECT_EQ(format_fused_tree(*content.tree, content.volumes), bytes);
+  }
+}
+
+TEST(OctreeFile, AnEmptyMapIsAFileToo) {
+  FreeSpaceMap map({.resolution = 0.25});
+  map.add_volume("nothing yet", {"tool"});
+  const Snapshot snapshot = map.snapshot();
+  const OctreeContent content =
+      parse_octree(format_fused_tree(snapshot.tree(), snapshot.volumes()), "map.ot");
+  EXPECT_EQ(content.tree->size(), 0U);
+  EXPECT_EQ(content.volumes.at(0).label, "nothing yet");
+  for (const std::string& bytes : {format_color_tree(snapshot.tree()), format_binary_tree(snapshot.tree())}) {
+    EXPECT_EQ(parse_octree(bytes, "map.ot").tree->size(), 0U);
+  }
+}
+
+TEST(OctreeFile, TheOccupancyThresholdTravelsWithTheMap) {
+  FreeSpaceMap map({.resolution = 0.1, .occupied_probability = 0.9});
+  Scan scan;
+  scan.points = {{0.55F, 0.05F, 0.05F}};
+  map.insert(scan);
+  const Snapshot snapshot = map.snapshot();
+  const OctreeContent content = parse_octree(format_fused_tree(snapshot.tree(), {}), "map.ot");
+  EXPECT_EQ(content.tree->getOccupancyThresLog(), snapshot.tree().getOccupancyThresLog());
+}
+
+TEST(OctreeFile, OctoMapsOwnReaderOpensOurFile) {
+  FusedTree::register_type();
+  const Snapshot map = testing::random_map(2).snapshot();
+  std::istringstream stream(format_fused_tree(map.tree(), map.volumes()));
+  ::testing::internal::CaptureStderr();
+  const std::unique_ptr<octomap::AbstractOcTree> tree(octomap::AbstractOcTree::read(stream));
+  ::testing::internal::GetCapturedStderr();
+  ASSERT_NE(dynamic_cast<FusedTree*>(tree.get()), nullptr);
+  EXPECT_TRUE(dynamic_cast<FusedTree&>(*tree) == map.tree());
+}
+
+TEST(OctreeFile, EveryTruncationOfOurFileIsRefused) {
+  const std::string bytes = own_file(1);
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    ASSERT_TRUE(is_refused(bytes.substr(0, length)));
+  EXPECT_TRUE(is_refused(bytes + '\0'));
+  EXPECT_FALSE(is_refused(bytes));
+}
+
+TEST(OctreeFile, EveryFlippedBitInOurFileIsRefused) {
+  const std::string bytes = own_file(1, 2);
+  for (std::size_t bit = 0; bit < 8 * std::min<std::size_t>(bytes.size(), 1000); ++bit) {  // header, volumes
+    std::string damaged = bytes;
+    damaged[bit / 8] ^= static_cast<char>(1U << (bit % 8));
+    ASSERT_TRUE(is_refused(damaged)) << bit;
+  }
+  Dice dice(3);
+  for (int i = 0; i < 3000; ++i) {
+    std::string damaged = bytes;
+    for (int flips = dice.whole(1, 4); flips > 0; --flips) {
+      damaged[static_cast<std::size_t>(dice.whole(0, static_cast<int>(bytes.size()) - 1))] ^=
+          static_cast<char>(1U << dice.whole(0, 7));
+    }
+    ASSERT_TRUE(damaged == bytes || is_refused(damaged));
+  }
+}
+
+TEST(OctreeFile, ForeignTreesBecomeObservedVoxelsOfTheSameLogOdds) {
+  octomap::OcTree stock = stock_tree(4, 0.1 / 3.0);
+  stock.prune();
+  std::ostringstream precise;
+  precise.precision(17);
+  stock.write(precise);
+  const OctreeContent content = parse_octree(precise.str(), "stock.ot");
+  EXPECT_FALSE(content.has_volumes);
+  EXPECT_EQ(content.tree->getNumLeafNodes(), stock.getNumLeafNodes());
+  auto it = content.tree->begin_leafs();
+  for (auto leaf = stock.begin_leafs(), end = stock.end_leafs(); leaf != end; ++leaf, ++it) {
+    ASSERT_EQ(it.getKey(), leaf.getKey());
+    ASSERT_EQ(it->getLogOdds(), leaf->getLogOdds());
+    ASSERT_TRUE(it->observed());
+  }
+}
+
+TEST(OctreeFile, ForeignBinaryTreesKeepFreeAndOccupied) {
+  octomap::OcTree stock = stock_tree(5);
+  const OctreeContent content = parse_octree(stock_binary(stock), "stock.bt");
+  for (auto leaf = stock.begin_leafs(), end = stock.end_leafs(); leaf != end; ++leaf) {
+    const Snapshot map(content.tree, {});
+    const bool occupied = map.state({leaf.getX(), leaf.getY(), leaf.getZ()}) == VoxelState::occupied;
+    ASSERT_EQ(occupied, stock.isNodeOccupied(*leaf));
+  }
+}
+
+TEST(OctreeFile, DamagedForeignFilesNeverCrashAndTruncatedOnesAreRefused) {
+  octomap::OcTree stock = stock_tree(6);
+  octomap::ColorOcTree color(0.1);
+  for (int i = 0; i < 50; ++i) color.updateNode(0.1 * i, 0.05, 0.05, true);
+  for (const std::string& bytes : {stock_text(stock), stock_text(color), stock_binary(stock)}) {
+    ASSERT_FALSE(is_refused(bytes));
+    ASSERT_TRUE(is_refused(bytes + '\0'));
+    for (std::size_t length = 0; length < bytes.size(); ++length)
+      ASSERT_TRUE(is_refused(bytes.substr(0, length)));
+    Dice dice(7);
+    for (int i = 0; i < 2000; ++i) {
+      std::string damaged = bytes;
+      for (int flips = dice.whole(1, 8); flips > 0; --flips) {
+        damaged[static_cast<std::size_t>(dice.whole(0, static_cast<int>(bytes.size()) - 1))] ^=
+            static_cast<char>(1U << dice.whole(0, 7));
+      }
+      is_refused(damaged);  // either answer, but no crash
+    }
+  }
+}
+
+TEST(OctreeFile, ChainsAndRubbishThatOverflowStockReadersAreRefused) {
+  const std::string text = "# Octomap OcTree file\nid OcTree\nsize 100000\nres 0.1\ndata\n";
+  const std::string binary = "# Octomap OcTree binary file\nid OcTree\nsize 100000\nres 0.1\ndata\n";
+  std::string chain, binary_chain;
+  for (int i = 0; i < 100000; ++i) {
+    chain += std::string("\0\0\0\0\1", 5);
+    binary_chain += std::string("\3\0", 2);
+  }
+  EXPECT_TRUE(is_refused(text + chain));
+  EXPECT_TRUE(is_refused(binary + binary_chain));
+  EXPECT_TRUE(is_refused(text + std::string(1000000, '\xff')));
+  EXPECT_TRUE(is_refused(binary + std::string(1000000, '\xff')));
+  EXPECT_TRUE(is_refused(binary + std::string(100000, '\0')));
+}
+
+TEST(OctreeFile, SixteenLevelsAreReadAndSeventeenRefused) {
+  for (const int levels : {15, 16, 17}) {
+    const std::string rest = "\nid OcTree\nsize " + std::to_string(levels + 1) + "\nres 0.1\ndata\n";
+    std::string text = "# Octomap OcTree file" + rest, binary = "# Octomap OcTree binary file" + rest;
+    for (int i = 0; i < levels; ++i) {
+      text += std::string("\0\0\0\0\1", 5);
+      binary += std::string(i + 1 < levels ? "\3\0" : "\1\0", 2);
+    }
+    text += std::string("\0\0\0\0\0", 5);
+    EXPECT_EQ(is_refused(text), levels > 16) << levels;
+    EXPECT_EQ(is_refused(binary), levels > 16) << levels;
+  }
+}
+
+TEST(OctreeFile, RefusesAHeaderThatMakesNoSense) {
+  const auto file = [](const std::string& id, const std::string& size, const std::string& res) {
+    return "# Octomap OcTree file\nid " + id + "\nsize " + size + "\nres " + res + "\ndata\n" +
+           std::string("\0\0\0\0\0", 5);
+  };
+  EXPECT_FALSE(is_refused(file("OcTree", "1", "0.1")));
+  for (const char* res : {"0", "-1", "nan", "inf", "1e-300", "1e300", "0.1x", ""}) {
+    EXPECT_TRUE(is_refused(file("OcTree", "1", res))) << res;
+  }
+  for (const char* size : {"0", "2", "-1", "99999999999999999999", "x"}) {
+    EXPECT_TRUE(is_refused(file("OcTree", size, "0.1"))) << size;
+  }
+  EXPECT_TRUE(is_refused(file("CountingOcTree", "1", "0.1")));
+  EXPECT_TRUE(is_refused(file("ClearwayFusedTree", "1", "0.1")));
+  EXPECT_TRUE(is_refused(""));
+}
+
+TEST(OctreeFile, AColorTreeTellsStockProgramsWhatIsOccupied) {
+  const Snapshot map = testing::random_map(8).snapshot();
+  std::istringstream stream(format_color_tree(map.tree()));
+  ::testing::internal::CaptureStderr();
+  const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(stream));
+  ::testing::internal::GetCapturedStderr();
+  auto* color = dynamic_cast<octomap::ColorOcTree*>(read.get());
+  ASSERT_NE(color, nullptr);
+  map.visit_leaves([&](const Voxel& voxel) {
+    const auto* node = color->search(voxel.center.x(), voxel.center.y(), voxel.center.z());
+    ASSERT_NE(node, nullptr);
+    const bool blocked = voxel.state == VoxelState::occupied || voxel.state == VoxelState::conflict;
+    ASSERT_EQ(color->isNodeOccupied(node), blocked);
+    ASSERT_EQ(node->getColor().r > 200, voxel.state == VoxelState::conflict);
+  });
+}
+
+TEST(OctreeFile, ABinaryTreeTellsStockProgramsWhatIsOccupied) {
+  const Snapshot map = testing::random_map(9).snapshot();
+  std::istringstream stream(format_binary_tree(map.tree()));
+  octomap::OcTree tree(0.1);
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(tree.readBinary(stream));
+  ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(tree.getResolution(), map.resolution());
+  map.visit_leaves([&](const Voxel& voxel) {
+    const auto* node = tree.search(voxel.center.x(), voxel.center.y(), voxel.center.z());
+    ASSERT_NE(node, nullptr);
+    const bool blocked = voxel.state == VoxelState::occupied || voxel.state == VoxelState::conflict;
+    ASSERT_EQ(tree.isNodeOccupied(node), blocked);
+  });
+}
+
+}  // namespace
+}  // namespace clearway

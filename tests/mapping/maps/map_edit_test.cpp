@@ -1,0 +1,265 @@
+// Merging, cropping and coarsening, voxel by voxel against what the rules say of the sources.
+
+#include "mapping/maps/map_edit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "mapping/maps/map_difference.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+
+constexpr double edge = 0.05;
+
+Eigen::Vector3d center(const Eigen::Vector3i& cell, double resolution = edge) {
+  return (cell.cast<double>().array() + 0.5) * resolution;
+}
+
+/// Calls `check` for random cells of a cube around the origin that holds all random maps.
+template <class Check>
+void for_random_cells(int reach, int count, const Check& check) {
+  Dice dice(17);
+  for (int i = 0; i < count; ++i) {
+    const auto any = [&] { return dice.whole(-reach, reach - 1); };
+    const int x = any(), y = any();
+    check(Eigen::Vector3i(x, y, any()));
+  }
+}
+
+/// The labels of the volumes that paint a voxel, sorted.
+std::vector<std::string> labels(const Snapshot& map, const Voxel& voxel) {
+  std::vector<std::string> result;
+  for (std::size_t v = 0; v < map.volumes().size(); ++v) {
+    if ((voxel.volumes >> v & 1U) != 0) result.push_back(map.volumes()[v].label);
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+/// A map with volumes "dock" and "lift", so that one label is random_map's and one is not.
+Snapshot other_map(unsigned seed) {
+  Dice dice(seed);
+  FreeSpaceMap map({.resolution = edge});
+  map.add_volume("lift", {});
+  map.add_volume("dock", {"base"});
+  for (int i = 0; i < 4; ++i) {
+    map.paint(dice.whole(0, 1), testing::random_ball(dice));
+    map.insert(testing::random_scan(dice, 200));
+  }
+  return map.snapshot();
+}
+
+TEST(Merge, HoldsTheEvidenceAndPaintOfBoth) {
+  std::size_t conflicts = 0, both = 0;
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Snapshot a = testing::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
+    const Snapshot merged = merge(a, b);
+    const float threshold = a.tree().getOccupancyThresLog();
+    for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {
+      const Voxel one = a.voxel(center(cell)), two = b.voxel(center(cell)), all = merged.voxel(center(cell));
+      ASSERT_EQ(all.observed, one.observed || two.observed);
+      if (one.observed && two.observed) {
+        ++both;
+        const auto [lower, higher] = std::minmax({one.log_odds, two.log_odds});
+        ASSERT_EQ(all.log_odds, higher >= threshold ? higher : lower);
+      } else if (all.observed) {
+        ASSERT_EQ(all.log_odds, one.observed ? one.log_odds : two.log_odds);
+      }
+      std::vector<std::string> expected = labels(a, one), theirs = labels(b, two);
+      expected.insert(expected.end(), theirs.begin(), theirs.end());
+      std::sort(expected.begin(), expected.end());
+      expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
+      ASSERT_EQ(labels(merged, all), expected);
+      if (all.state == VoxelState::conflict && one.state != VoxelState::conflict &&
+          two.state != VoxelState::conflict)
+        ++conflicts;
+    });
+    ASSERT_EQ(merged.volumes().size(), 3U);
+    EXPECT_EQ(merged.volumes()[1].balls.size(), a.volumes()[1].balls.size() + b.volumes()[1].balls.size());
+    EXPECT_FALSE(difference(merge(a, Snapshot(a)), merged).states.empty());
+  }
+  EXPECT_GT(conflicts, 2U);
+  EXPECT_GT(both, 500U);
+}
+
+bool is_blocked(VoxelState state) { return state == VoxelState::occupied || state == VoxelState::conflict; }
+
+TEST(Merge, LosesNoObstacle) {
+  std::size_t against_free = 0, against_paint = 0;
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Snapshot a = testing::random_map(seed, edge, 8, 2000).snapshot(), b = other_map(seed + 100);
+    for (const auto& [one, two] : {std::pair(a, b), std::pair(b, a)}) {
+      const Snapshot merged = merge(one, two);
+      for_random_cells(30, 20000, [&](const Eigen::Vector3i& cell) {
+        const VoxelState first = one.state(center(cell)), second = two.state(center(cell));
+        const Voxel all = merged.voxel(center(cell));
+        ASSERT_EQ(is_blocked(all.state), is_blocked(first) || is_blocked(second));
+        ASSERT_EQ(all.state == VoxelState::conflict, is_blocked(all.state) && all.volumes != 0);
+        against_free += is_blocked(first) && second == VoxelState::seen_free ? 1 : 0;
+        against_paint += is_blocked(first) && second == VoxelState::painted ? 1 : 0;
+      });
+    }
+  }
+  EXPECT_GT(against_free, 100U);
+  EXPECT_GT(against_paint, 10U);
+}
+
+TEST(Merge, OneScanOfAThingInPaintThatWasSeenFreeForLongMakesConflicts) {
+  FreeSpaceMap old({.resolution = edge}), newest({.resolution = edge});
+  old.paint(old.add_volume("tunnel", {}), {{1.0, 0.0, 0.0}, 0.4});
+  Scan wall, thing;
+  for (float y = -0.5F; y <= 0.5F; y += 0.02F) {
+    for (float z = -0.5F; z <= 0.5F; z += 0.02F) {
+      wall.points.emplace_back(2.0F, y, z);
+      if (std::abs(y) < 0.1F && std::abs(z) < 0.1F) thing.points.emplace_back(1.01F, y, z);
+    }
+  }
+  for (int i = 0; i < 20; ++i) old.insert(wall);
+  newest.insert(thing);
+  const std::size_t hit = newest.snapshot().counts().occupied;
+  EXPECT_GT(hit, 10U);
+  EXPECT_EQ(merge(old.snapshot(), newest.snapshot()).counts().conflict, hit);
+  EXPECT_EQ(merge(newest.snapshot(), old.snapshot()).counts().conflict, hit);
+}
+
+/// True when two maps say the same of random voxels, their volumes told by label.
+void expect_same(const Snapshot& a, const Snapshot& b) {
+  EXPECT_FALSE(difference(a, b).any());
+  for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {
+    const Voxel one = a.voxel(center(cell)), two = b.voxel(center(cell));
+    ASSERT_EQ(one.state, two.state);
+    ASSERT_EQ(one.observed, two.observed);
+    ASSERT_EQ(one.log_odds, two.log_odds);
+    ASSERT_EQ(labels(a, one), labels(b, two));
+  });
+}
+
+TEST(Merge, DoesNotDependOnTheOrderOfMapsNorOnHowOftenOneIsMerged) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Snapshot a = testing::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
+    const Snapshot c = testing::random_map(seed + 200, edge).snapshot();
+    expect_same(merge(a, b), merge(b, a));
+    expect_same(merge(merge(a, b), c), merge(a, merge(b, c)));
+    expect_same(merge(merge(c, b), a), merge(merge(a, b), c));
+    expect_same(merge(merge(a, b), b), merge(a, b));
+    EXPECT_TRUE(merge(a, a).tree() == a.tree());
+  }
+}
+
+TEST(Merge, OfAMapWithNothingIsTheMap) {
+  const Snapshot map = testing::random_map(3, edge).snapshot();
+  FreeSpaceMap nothing({.resolution = edge});
+  EXPECT_TRUE(merge(map, nothing.snapshot()).tree() == map.tree());
+  EXPECT_FALSE(difference(merge(nothing.snapshot(), map), map).any());
+}
+
+TEST(Merge, CountsABallThatBothHoldOnce) {
+  FreeSpaceMap map({.resolution = edge});
+  map.add_volume("v", {});
+  map.paint(0, {{0, 0, 0}, 0.3});
+  map.paint(0, {{0, 0, 0}, 0.3});
+  EXPECT_EQ(merge(map.snapshot(), map.snapshot()).volumes()[0].balls.size(), 2U);
+}
+
+TEST(Merge, RefusesWhatDoesNotFit) {
+  const Snapshot map = testing::random_map(4, edge).snapshot();
+  EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = 0.1}).snapshot()), std::invalid_argument);
+  EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = edge, .occupied_probability = 0.6}).snapshot()),
+               std::invalid_argument);
+  FreeSpaceMap parts({.resolution = edge}), many({.resolution = edge});
+  parts.add_volume("dock", {"another part"});
+  EXPECT_THROW(merge(map, parts.snapshot()), std::invalid_argument);
+  for (int i = 0; i < 14; ++i) many.add_volume(std::to_string(i), {});
+  EXPECT_THROW(merge(map, many.snapshot()), std::invalid_argument);
+}
+
+TEST(Crop, KeepsTheVoxelsOfTheBoxAndNothingElse) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    Dice dice(seed);
+    const Snapshot map = testing::random_map(seed, edge).snapshot();
+    const Eigen::Vector3i low(dice.whole(-15, 0), dice.whole(-15, 0), dice.whole(-15, 0));
+    const Eigen::Vector3i high(dice.whole(1, 15), dice.whole(1, 15), dice.whole(1, 15));
+    const double inwards = seed % 2 == 0 ? 0.0 : 0.4;  // a box that cuts voxels is snapped outwards
+    const Eigen::AlignedBox3d box((low.cast<double>().array() + inwards) * edge,
+                                  (high.cast<double>().array() - inwards) * edge);
+    const Snapshot part = crop(map, box);
+    for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {
+      const Voxel before = map.voxel(center(cell)), now = part.voxel(center(cell));
+      const bool inside = (cell.array() >= low.array()).all() && (cell.array() < high.array()).all();
+      ASSERT_EQ(now.state, inside ? before.state : VoxelState::unknown);
+      ASSERT_EQ(now.volumes, inside ? before.volumes : 0);
+      ASSERT_TRUE(!inside || !before.observed || now.log_odds == before.log_odds);
+      for (std::size_t v = 0; v < part.volumes().size(); ++v) {
+        ASSERT_TRUE((now.volumes >> v & 1U) == 0 || part.volumes()[v].contains(center(cell)));
+      }
+    });
+    EXPECT_LE(part.volumes()[0].balls.size(), map.volumes()[0].balls.size());
+  }
+}
+
+TEST(Crop, RefusesABoxThatIsNone) {
+  const Snapshot map = testing::random_map(4, edge).snapshot();
+  EXPECT_THROW(crop(map, {}), std::invalid_argument);
+  EXPECT_THROW(crop(map, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 1)}), std::invalid_argument);
+  EXPECT_THROW(crop(map, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, HUGE_VAL, 1)}), std::invalid_argument);
+}
+
+TEST(Coarsen, SaysOfACoarseVoxelOnlyWhatHoldsForAllOfIt) {
+  std::size_t painted = 0, occupied = 0, seen_free = 0;
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const int factor = 1 << (1 + seed % 3);
+    FreeSpaceMap source = testing::random_map(seed, edge, 6, 3000);
+    source.paint(0, {{0.1, 0.1, 0.1}, 0.5});
+    const Snapshot map = source.snapshot();
+    const Snapshot coarse = coarsen(map, edge * factor);
+    EXPECT_DOUBLE_EQ(coarse.resolution(), edge * factor);
+    for_random_cells(32 / factor, 3000 / factor, [&](const Eigen::Vector3i& cell) {
+      bool blocked = false, observed = true;
+      unsigned mask = 0xffff;
+      for (int i = 0; i < factor * factor * factor; ++i) {
+        const Eigen::Vector3i step(i % factor, i / factor % factor, i / factor / factor);
+        const Voxel voxel = map.voxel(center(cell * factor + step));
+        blocked |= voxel.state == VoxelState::occupied || voxel.state == VoxelState::conflict;
+        observed &= voxel.observed;
+        mask &= voxel.volumes;
+      }
+      const Voxel now = coarse.voxel(center(cell, edge * factor));
+      VoxelState expected = mask != 0 ? VoxelState::painted : VoxelState::unknown;
+      if (blocked) expected = mask != 0 ? VoxelState::conflict : VoxelState::occupied;
+      if (!blocked && mask == 0 && observed) expected = VoxelState::seen_free;
+      ASSERT_EQ(now.state, expected);
+      ASSERT_EQ(now.volumes, mask);
+      painted += expected == VoxelState::painted ? 1 : 0;
+      occupied += expected == VoxelState::occupied ? 1 : 0;
+      seen_free += expected == VoxelState::seen_free ? 1 : 0;
+    });
+  }
+  EXPECT_GT(painted, 10U);
+  EXPECT_GT(occupied, 10U);
+  EXPECT_GT(seen_free, 10U);
+}
+
+TEST(Coarsen, KeepsCubesThatOneLeafStandsFor) {
+  FreeSpaceMap map({.resolution = 0.01});
+  map.add_volume("v", {});
+  map.paint(0, {{0.0, 0.0, 0.0}, 1000.0});  // every voxel of the tree
+  const Snapshot coarse = coarsen(map.snapshot(), 0.04);
+  EXPECT_EQ(coarse.counts().painted, std::size_t{1} << 42U);
+  EXPECT_EQ(coarse.state({327.0, -327.0, 327.0}), VoxelState::painted);
+  EXPECT_EQ(coarse.state({328.0, 0.0, 0.0}), VoxelState::unknown);
+}
+
+TEST(Coarsen, RefusesWhatIsNoPowerOfTwo) {
+  const Snapshot map = testing::random_map(4, edge).snapshot();
+  for (const double bad : {0.05, 0.15, 0.025, 0.11, 204.8, 0.0, -0.1, std::nan("")})
+    EXPECT_THROW(coarsen(map, bad), std::invalid_argument) << bad;
+}
+
+}  // namespace
+}  // namespace clearway

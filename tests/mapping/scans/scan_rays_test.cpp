@@ -1,0 +1,198 @@
+// Scan integration against stock OctoMap on the same points.
+
+#include "mapping/scans/scan_rays.hpp"
+
+#include <gtest/gtest.h>
+#include <octomap/ScanGraph.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "mapping/free_space_map.hpp"
+#include "tests/worlds/random_map.hpp"
+#include "tests/worlds/stock_octomap.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+using testing::expect_equal;
+using testing::insert_stock;
+using testing::random_scan;
+constexpr Integration compatible = Integration::compatible;
+
+TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
+  for (const bool discretize : {false, true}) {
+    for (const double max_range : {0.0, 0.7}) {
+      for (unsigned seed = 0; seed < 4; ++seed) {
+        Dice dice(seed);
+        const double resolution = dice.uniform(0.03, 0.1);
+        octomap::OcTree stock(resolution);
+        FreeSpaceMap map({.resolution = resolution, .discretize = discretize, .integration = compatible});
+        for (int i = 0; i < 4; ++i) {
+          const Scan scan = random_scan(dice, 400);
+          insert_stock(stock, scan, max_range, discretize);
+          map.insert(scan, {.max_range = max_range});
+        }
+        expect_equal(stock, map.snapshot().tree());
+      }
+    }
+  }
+}
+
+TEST(ScanRays, RepeatedScansReachClampingAsStockOctoMapDoes) {
+  Dice dice(9);
+  const Scan scan = random_scan(dice, 300);
+  octomap::OcTree stock(0.05);
+  FreeSpaceMap map({.resolution = 0.05, .integration = compatible});
+  for (int i = 0; i < 25; ++i) {
+    insert_stock(stock, scan, 0.0, false);
+    map.insert(scan);
+  }
+  expect_equal(stock, map.snapshot().tree());
+}
+
+TEST(ScanRays, ForeignSensorModelsAreStockOctoMapsToo) {
+  Dice dice(10);
+  octomap::OcTree stock(0.05);
+  stock.setProbHit(0.9);
+  stock.setProbMiss(0.3);
+  stock.setClampingThresMin(0.02);
+  stock.setClampingThresMax(0.99);
+  FreeSpaceMap map({.resolution = 0.05,
+                    .hit_probability = 0.9,
+                    .miss_probability = 0.3,
+                    .min_probability = 0.02,
+                    .max_probability = 0.99,
+                    .integration = compatible});
+  for (int i = 0; i < 8; ++i) {
+    const Scan scan = random_scan(dice, 200);
+    insert_stock(stock, scan, 0.0, false);
+    map.insert(scan);
+  }
+  expect_equal(stock, map.snapshot().tree());
+}
+
+TEST(ScanRays, ARayFreesWhatItPassesAndFillsWhereItEnds) {
+  FreeSpaceMap map({.resolution = 0.1, .integration = compatible});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0.05, 0.05, 0.05);
+  scan.points = {{1.0F, 0.0F, 0.0F}};
+  EXPECT_EQ(map.insert(scan).inserted, 1U);
+  const Snapshot snapshot = map.snapshot();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(snapshot.state({0.1 * i + 0.05, 0.05, 0.05}), VoxelState::seen_free);
+  EXPECT_EQ(snapshot.state({1.05, 0.05, 0.05}), VoxelState::occupied);
+  EXPECT_EQ(snapshot.state({1.15, 0.05, 0.05}), VoxelState::unknown);
+  EXPECT_EQ(snapshot.counts().seen_free, 10U);
+}
+
+TEST(ScanRays, WithinOneScanOccupiedBeatsFree) {
+  FreeSpaceMap map({.resolution = 0.1, .integration = compatible});
+  Scan scan;
+  scan.points = {{0.55F, 0.02F, 0.02F}, {1.55F, 0.05F, 0.05F}, {1.55F, 0.06F, 0.05F}, {1.55F, 0.05F, 0.06F}};
+  map.insert(scan);
+  EXPECT_EQ(map.snapshot().state({0.55, 0.05, 0.05}), VoxelState::occupied);
+}
+
+TEST(ScanRays, BeyondMaxRangeARayOnlyFrees) {
+  FreeSpaceMap map({.resolution = 0.01, .integration = compatible});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.005);
+  scan.points = {{400.0F, 0.0F, 0.0F}};  // outside the key range of 1 cm: stock code makes it an obstacle
+  const ScanCounts counts = map.insert(scan, {.max_range = 1.0});
+  EXPECT_EQ(counts.beyond_range, 1U);
+  const VoxelCounts voxels = map.snapshot().counts();
+  EXPECT_EQ(voxels.occupied, 0U);
+  EXPECT_EQ(voxels.seen_free, 100U);
+}
+
+TEST(ScanRays, DropsAndCountsPointsThatHaveNoVoxel) {
+  for (const bool discretize : {false, true}) {
+    FreeSpaceMap map({.resolution = 0.01, .discretize = discretize, .integration = compatible});
+    const float nan = std::nanf(""), inf = HUGE_VALF;
+    Scan scan;
+    scan.points = {{nan, 0, 0},  {0, inf, 0},   {0, 0, -inf}, {400, 0, 0},
+                   {0, -400, 0}, {3e38F, 0, 0}, {0.5F, 0, 0}};
+    const ScanCounts counts = map.insert(scan);
+    EXPECT_EQ(counts.dropped_invalid, 6U);
+    EXPECT_EQ(counts.inserted, 1U);
+    EXPECT_EQ(map.snapshot().counts().occupied, 1U);
+    EXPECT_EQ(map.snapshot().state({0.505, 0.005, 0.005}), VoxelState::occupied);
+  }
+}
+
+TEST(ScanRays, InsertsNothingFromAnOriginThatHasNoVoxel) {
+  for (const double bad : {std::nan(""), HUGE_VAL, 400.0, -1e200}) {
+    FreeSpaceMap map({.resolution = 0.01, .integration = compatible});
+    Scan scan;
+    scan.map_from_sensor.translation().y() = bad;
+    scan.points = {{0.5F, 0, 0}, {0, 0.5F, 0}};
+    const ScanCounts counts = map.insert(scan);
+    EXPECT_TRUE(counts.origin_invalid);
+    EXPECT_EQ(counts.inserted, 0U);
+    EXPECT_EQ(counts.dropped_invalid, 2U);
+    EXPECT_TRUE(map.snapshot().bounds().isEmpty());
+  }
+}
+
+TEST(ScanRays, ARayMayBeLongerThanOctoMapsBuffer) {
+  FreeSpaceMap map(
+      {.resolution = 0.001, .integration = compatible});  // the diagonal of the key range is 196,605 steps
+  Scan scan;
+  scan.map_from_sensor.translation().setConstant(-32.0);
+  scan.points = {{64.0F, 64.0F, 64.0F}, {0.01F, 0.0F, 0.0F}};
+  const ScanCounts counts = map.insert(scan);
+  EXPECT_EQ(counts.inserted, 2U);
+  EXPECT_EQ(counts.dropped_invalid, 0U);
+  const VoxelCounts voxels = map.snapshot().counts();
+  EXPECT_EQ(voxels.occupied, 2U);
+  EXPECT_NEAR(static_cast<double>(voxels.seen_free), 3 * 64000 + 9, 3);
+}
+
+TEST(ScanRays, EveryPointIsCountedOnce) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Dice dice(seed);
+    FreeSpaceMap map({.resolution = 0.05, .discretize = seed % 2 == 0, .integration = compatible});
+    Scan scan = random_scan(dice, 500);
+    for (int i = 0; i < 20; ++i) scan.points.push_back({std::nanf(""), 0.0F, 0.0F});
+    ScanFilter filter;
+    filter.min_range = 0.55;
+    filter.max_range = 0.8;
+    filter.thin_to = seed % 3 == 0 ? 0.1 : 0.0;
+    filter.crop = {Eigen::Vector3d::Constant(-0.9), Eigen::Vector3d::Constant(0.7)};
+    filter.bodies = {{{0, 0, 0}, {0, 0, 1}, 0.2}};
+    const ScanCounts counts = map.insert(scan, filter);
+    EXPECT_EQ(counts.inserted + counts.beyond_range + counts.dropped_filter + counts.dropped_invalid, 520U);
+    EXPECT_GE(counts.dropped_invalid, 20U);
+    EXPECT_GT(counts.beyond_range, 0U);
+    EXPECT_GT(counts.inserted, 0U);
+  }
+}
+
+TEST(ScanRays, ARealSphericalScanGivesStockOctoMapsTree) {
+  const char* folder = std::getenv("CLEARWAY_DATA");
+  const std::filesystem::path data(folder != nullptr ? folder : CLEARWAY_SOURCE_DIR "/../shared/data");
+  const std::filesystem::path file = data / "octomap_share/spherical_scan.graph";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not on this machine";
+  octomap::ScanGraph graph;
+  ::testing::internal::CaptureStderr();
+  ASSERT_TRUE(graph.readBinary(file.string()));
+  ::testing::internal::GetCapturedStderr();
+  octomap::OcTree stock(0.1);
+  FreeSpaceMap map({.resolution = 0.1, .integration = compatible});
+  for (const octomap::ScanNode* node : graph) {
+    Scan scan;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(node->pose.x(), node->pose.y(), node->pose.z());
+    const auto& turn = node->pose.rot();
+    scan.map_from_sensor.rotate(Eigen::Quaterniond(turn.u(), turn.x(), turn.y(), turn.z()).normalized());
+    for (const octomap::point3d& point : *node->scan)
+      scan.points.push_back({point.x(), point.y(), point.z()});
+    EXPECT_GT(scan.points.size(), 1000U);
+    insert_stock(stock, scan, 0.0, false);
+    EXPECT_EQ(map.insert(scan).inserted, scan.points.size());
+  }
+  expect_equal(stock, map.snapshot().tree());
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,188 @@
+// Bodies in painted volumes: the voxel test against projections onto every cube near, and against the exact
+// union of balls.
+
+#include "mapping/volumes/painted_body.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mapping/volumes/body_cube.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::Dice;
+
+struct Body {
+  Eigen::Vector3d a, b;
+  double radius;
+  int kind;  ///< 0 ball, 1 capsule, 2 cylinder
+
+  /// The body's point that is nearest to `p`.
+  Eigen::Vector3d project(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d axis = kind == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d((b - a).normalized());
+    const double along = (p - a).dot(axis);
+    const double kept = std::clamp(along, 0.0, kind == 0 ? 0.0 : (b - a).norm());
+    const Eigen::Vector3d off =
+        kind == 2 ? Eigen::Vector3d(p - a - along * axis) : Eigen::Vector3d(p - a - kept * axis);
+    return a + kept * axis + off * std::min(1.0, radius / std::max(off.norm(), 1e-300));
+  }
+};
+
+bool contains(const PaintedSpace& space, const Body& body) {
+  if (body.kind == 0) return space.contains(Sphere{body.a, body.radius});
+  if (body.kind == 1) return space.contains(Capsule{body.a, body.b, body.radius});
+  return space.contains(Cylinder{body.a, body.b, body.radius});
+}
+
+Containment in_union(const std::vector<Sphere>& balls, const Body& body, double tolerance) {
+  if (body.kind == 2) return union_contains(balls, Cylinder{body.a, body.b, body.radius}, tolerance);
+  return union_contains(balls, Capsule{body.a, body.kind == 0 ? body.a : body.b, body.radius}, tolerance);
+}
+
+Body random_body(Dice& dice, const std::vector<Sphere>& balls) {
+  const Sphere& ball = balls[static_cast<std::size_t>(dice.whole(0, static_cast<int>(balls.size()) - 1))];
+  Body body{ball.center + dice.point(0.7 * ball.radius),
+            {},
+            ball.radius * dice.uniform(0.02, 0.6),
+            dice.whole(0, 2)};
+  body.b = body.a + dice.point(1.2 * ball.radius);
+  return body;
+}
+
+/// Distance between a body and a cube by projecting to and fro; both are convex.
+double distance_by_projections(const Body& body, const Eigen::AlignedBox3d& cube) {
+  Eigen::Vector3d p = cube.center();
+  double gap = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector3d q = body.project(p);
+    p = q.cwiseMax(cube.min()).cwiseMin(cube.max());
+    gap = (p - q).norm();
+    if (gap < 1e-9) break;
+  }
+  return gap;
+}
+
+TEST(BodyCube, DistancesAreThoseOfProjections) {
+  Dice dice(5);
+  for (int trial = 0; trial < 400; ++trial) {
+    const Eigen::Vector3d low = dice.point(0.5);
+    const Eigen::AlignedBox3d box(low, low + Eigen::Vector3d::Constant(dice.uniform(0.05, 0.5)));
+    const Eigen::Vector3d a = dice.point(1.0), b = dice.whole(0, 9) == 0 ? a : dice.point(1.0);
+    const double truth = distance_by_projections({a, b, 1e-12, a == b ? 0 : 1}, box);
+    EXPECT_NEAR(std::sqrt(segment_box_squared(a, b, box)), truth, 1e-5);
+    if (a == b) continue;
+    const double axis = axis_distance_between_ends({a, b, 0.1}, box);
+    if (axis < 10.0) {
+      EXPECT_LT(distance_by_projections({a, b, 1.05 * axis + 0.02, 2}, box), 1e-4);
+    }
+    if (axis > 0.05 && axis < 10.0) {
+      EXPECT_GT(distance_by_projections({a, b, 0.9 * axis, 2}, box), 1e-3);
+    }
+    if (axis == HUGE_VAL) {
+      EXPECT_GT(distance_by_projections({a, b, 10.0, 2}, box), 0.0);
+    }
+  }
+}
+
+TEST(PaintedSpace, HoldsABodyExactlyWhenNoBlockedCubeMeetsIt) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    Dice dice(50 + seed);
+    FreeSpaceMap painted({.resolution = 0.06});
+    painted.add_volume("v", {});
+    for (int i = 0; i < 20; ++i) painted.paint(0, {dice.point(0.4), dice.uniform(0.1, 0.3)});
+    painted.insert(testing::random_scan(dice, 10));
+    const Snapshot map = painted.snapshot();
+    const PaintedSpace space(map, 1);
+    int held = 0, tight = 0;
+    for (int trial = 0; trial < 150; ++trial) {
+      const Body body = random_body(dice, map.volumes()[0].balls);
+      double nearest = HUGE_VAL;
+      const Eigen::Vector3d reach = Eigen::Vector3d::Constant(body.radius + 0.06);
+      const Eigen::Vector3d end = body.kind == 0 ? body.a : body.b;
+      const Eigen::Array3d low = (body.a.cwiseMin(end) - reach).array(),
+                           high = (body.a.cwiseMax(end) + reach).array();
+      for (double x = std::floor(low.x() / 0.06); x * 0.06 < high.x(); ++x) {
+        for (double y = std::floor(low.y() / 0.06); y * 0.06 < high.y(); ++y) {
+          for (double z = std::floor(low.z() / 0.06); z * 0.06 < high.z(); ++z) {
+            const Eigen::Vector3d corner = Eigen::Vector3d(x, y, z) * 0.06;
+            const Eigen::AlignedBox3d cube(corner, corner + Eigen::Vector3d::Constant(0.06));
+            const Voxel voxel = map.voxel(cube.center());
+            if (allows({Policy::painted, 1}, voxel.state, voxel.volumes) || nearest < 1e-6) continue;
+            nearest = std::min(nearest, distance_by_projections(body, cube));
+          }
+        }
+      }
+      if (nearest > 1e-8 && nearest < 1e-4) continue;  // projections come no nearer in a while
+      ASSERT_EQ(contains(space, body), nearest >= 1e-4) << trial << " " << nearest;
+      held += nearest >= 1e-4 ? 1 : 0;
+      tight += nearest < 0.01 ? 1 : 0;
+    }
+    EXPECT_GT(held, 10);
+    EXPECT_GT(tight, 10);
+  }
+}
+
+TEST(PaintedSpace, NeverHoldsWhatTheUnionOfBallsDoesNot) {
+  Dice dice(8);
+  int held = 0, inside = 0;
+  for (const double resolution : {0.08, 0.03}) {
+    FreeSpaceMap map({.resolution = resolution});
+    map.add_volume("v", {});
+    std::vector<Sphere> balls;
+    for (int i = 0; i < 25; ++i) balls.push_back({dice.point(0.5), dice.uniform(0.1, 0.35)});
+    for (const Sphere& ball : balls) map.paint(0, ball);
+    const PaintedSpace space(map.snapshot(), 1);
+    for (int trial = 0; trial < 3000; ++trial) {
+      const Body body = random_body(dice, balls);
+      const Containment truth = in_union(balls, body, 1e-3);
+      inside += truth == Containment::inside ? 1 : 0;
+      if (!contains(space, body)) continue;
+      ++held;
+      ASSERT_EQ(truth == Containment::inside ? truth : in_union(balls, body, 1e-6), Containment::inside);
+    }
+  }
+  EXPECT_GT(held, 1000);
+  EXPECT_GT(inside, held);
+}
+
+TEST(PaintedSpace, AVoxelThatIsSensedOccupiedKeepsBodiesOut) {
+  FreeSpaceMap map({.resolution = 0.05});
+  map.add_volume("v", {});
+  map.paint(0, {{0, 0, 0}, 0.5});
+  EXPECT_TRUE(PaintedSpace(map.snapshot(), 1).contains(Sphere{{0, 0, 0}, 0.3}));
+  EXPECT_FALSE(PaintedSpace(map.snapshot(), 2).contains(Sphere{{0, 0, 0}, 0.3}));
+  Scan scan;
+  scan.points = {{0.12F, 0.02F, 0.02F}};
+  map.insert(scan);
+  const PaintedSpace space(map.snapshot(), 1);
+  EXPECT_FALSE(space.contains(Sphere{{0, 0, 0}, 0.3}));
+  EXPECT_FALSE(space.contains(Capsule{{0, -0.2, 0}, {0.08, 0.2, 0}, 0.1}));
+  EXPECT_TRUE(space.contains(Cylinder{{-0.01, 0, 0}, {-0.2, 0, 0}, 0.2}));
+}
+
+TEST(PaintedSpace, NothingIsInsideWhereNothingIsPaintedAndABodyMustBeOne) {
+  const PaintedSpace space(Snapshot(), 1);
+  EXPECT_FALSE(space.contains(Sphere{{0, 0, 0}, 0.1}));
+  EXPECT_THROW(space.contains(Sphere{{0, 0, 0}, 0.0}), std::invalid_argument);
+  EXPECT_THROW(space.contains(Cylinder{{0, 0, 0}, {0, 0, std::nan("")}, 0.1}), std::invalid_argument);
+  EXPECT_THROW(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 1}, 0.1}, 0.0), std::invalid_argument);
+}
+
+TEST(UnionContains, TellsWhatFormulasTell) {
+  const std::vector<Sphere> one{{{0, 0, 0}, 1.0}};
+  // A cylinder about the centre fits when its rim does: (l / 2)^2 + r^2 <= 1.
+  EXPECT_EQ(union_contains(one, Cylinder{{0, 0, -0.599}, {0, 0, 0.599}, 0.799}, 1e-4), Containment::inside);
+  EXPECT_EQ(union_contains(one, Cylinder{{0, 0, -0.601}, {0, 0, 0.601}, 0.801}, 1e-4), Containment::outside);
+  EXPECT_EQ(union_contains(one, Capsule{{0, 0, -0.5}, {0, 0, 0.5}, 0.499}, 1e-4), Containment::inside);
+  EXPECT_EQ(union_contains(one, Capsule{{0, 0, -0.5}, {0, 0, 0.5}, 0.501}, 1e-4), Containment::outside);
+  EXPECT_EQ(union_contains(one, Capsule{{0, 0, -0.5}, {0, 0, 0.5}, 0.5}, 1e-3), Containment::undecided);
+  // A rod through two balls fits through the circle in which they meet.
+  const std::vector<Sphere> two{{{0, 0, 0}, 1.0}, {{1.2, 0, 0}, 1.0}};
+  EXPECT_EQ(union_contains(two, Cylinder{{-0.3, 0, 0}, {1.5, 0, 0}, 0.79}, 1e-4), Containment::inside);
+  EXPECT_EQ(union_contains(two, Cylinder{{-0.3, 0, 0}, {1.5, 0, 0}, 0.81}, 1e-4), Containment::outside);
+  EXPECT_EQ(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 0}, 0.1}, 1e-3), Containment::outside);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,126 @@
+#include "planning/advice/paint_advice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace {
+
+/// A compact painted volume about the straight way of the tool, with a pocket in it that was not painted: the
+/// hole of Fig. 17 of Chong et al. 2008, drawn by seed.
+struct HoledVolume {
+  FreeSpaceMap map{{.resolution = 0.03}};
+  int volume;
+  Configuration start, goal;
+
+  HoledVolume(const Robot& robot, std::uint64_t seed) : volume(map.add_volume("free", robot.critical_parts)) {
+    constexpr double degree = std::numbers::pi / 180.0;
+    Random random(seed);
+    start.resize(6);
+    start << random.between(-1.0, 1.0), -0.8, 0.3, 0.0, 0.4, 0.0;
+    goal = start;
+    goal[0] += random.between(25.0, 60.0) * degree;
+    for (const int j : {1, 2, 4}) goal[j] += random.between(-20.0, 20.0) * degree;
+    const auto tip = [&](double t) {
+      return tip_pose(robot, start + t * (goal - start)).translation().eval();
+    };
+    const Sphere pocket{tip(random.between(0.35, 0.65)), random.between(0.05, 0.12)};
+    for (int i = 0; i < 400; ++i) {
+      const Eigen::Vector3d aside = random.point(0.25);
+      const Sphere ball{tip(random.between(-0.1, 1.1)) + aside, random.between(0.12, 0.22)};
+      if ((ball.center - pocket.center).norm() >= ball.radius + pocket.radius) map.paint(volume, ball);
+    }
+  }
+};
+
+TEST(PaintAdvice, PaintingWhatItSaysMakesThePlanSucceedInNineOfTenHoledVolumes) {
+  const Robot robot = load_robot("puma560");
+  const PathCost cost(robot);
+  const auto planner = make_planner("beam", {{"width", "1"}, {"max_steps", "400"}});
+  int failed = 0, mended = 0;
+  for (std::uint64_t seed = 1; failed < 20 && seed < 2000; ++seed) {
+    HoledVolume scene(robot, seed);
+    const ConfigurationSpace space(robot, scene.map.snapshot());
+    const PlanProblem problem{space, cost, scene.start, scene.goal, 1};
+    if (planner->plan(problem).status != PlanStatus::no_path) continue;
+    ++failed;
+    const PaintAdvice advice = advise_paint(*planner, problem, true);
+    for (const PaintHint& hint : advice.balls) {
+      EXPECT_EQ(hint.part, "tool");
+      scene.map.paint(scene.volume, hint.ball);
+    }
+    const ConfigurationSpace painted(robot, scene.map.snapshot());
+    mended += planner->plan({painted, cost, scene.start, scene.goal, 1}).status == PlanStatus::solved;
+  }
+  EXPECT_EQ(failed, 20);
+  EXPECT_GE(mended, 18);
+}
+
+TEST(PaintAdvice, JoinsTwoVolumesAndNamesThePlaceBetweenThem) {
+  const Robot robot = load_robot("puma560");
+  const PathCost cost(robot);
+  Configuration start(6);
+  start << -0.9, -0.8, 0.3, 0.0, 0.4, 0.0;
+  Configuration goal = start;
+  goal[0] = 0.9;
+  FreeSpaceMap map({.resolution = 0.03});
+  const int volume = map.add_volume("free", robot.critical_parts);
+  for (int i = 0; i <= 60; ++i) {
+    const double turn = -0.9 + 1.8 * i / 60.0;
+    if (std::abs(turn) < 0.5) continue;  // the gap
+    Configuration q = start;
+    q[0] = turn;
+    map.paint(volume, {tip_pose(robot, q).translation(), 0.25});
+  }
+  const ConfigurationSpace space(robot, map.snapshot());
+  const auto planner = make_planner("beam_guided", {{"max_samples", "500"}});
+  const PlanProblem problem{space, cost, start, goal, 1};
+  const PlanResult result = planner->plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::no_path) << result.explanation;
+  const PaintAdvice advice = advise_paint(*planner, problem, false);
+  ASSERT_FALSE(advice.balls.empty());
+  EXPECT_FALSE(advice.way_exists);
+  EXPECT_NE(advice.sentence().find("Painting would connect start and goal: "), std::string::npos);
+  for (const PaintHint& hint : advice.balls) {  // in the gap, where the hand turns from one side to the other
+    const Eigen::Vector3d ends[] = {tip_pose(robot, start).translation(),
+                                    tip_pose(robot, goal).translation()};
+    for (const Eigen::Vector3d& end : ends) EXPECT_GT((hint.ball.center - end).norm(), 0.15);
+    map.paint(volume, hint.ball);
+  }
+  const ConfigurationSpace painted(robot, map.snapshot());
+  EXPECT_EQ(planner->plan({painted, cost, start, goal, 1}).status, PlanStatus::solved);
+}
+
+TEST(PaintAdvice, LooksForItWhereVoxelsMustHaveBeenSeenLately) {
+  const Robot robot = load_robot("point");
+  const PathCost cost(robot);
+  FreeSpaceMap map({.resolution = 0.1});
+  Scan scan;
+  scan.points = {Eigen::Vector3f(2.0f, 0.0f, 0.0f)};
+  scan.time = 100.0;
+  map.insert(scan);
+  const ConfigurationSpace space(robot, map.snapshot(), {.parts = {{"base", Policy::known_free}}},
+                                 {.seen_within = 10.0});
+  const PlanProblem problem{space, cost, Eigen::Vector2d(-1.0, 0.0), Eigen::Vector2d(1.0, 0.0), 1};
+  EXPECT_NO_THROW(advise_paint(*make_planner("rrtconnect", {}), problem, false));
+}
+
+TEST(PaintAdvice, SaysNothingWhereNoPartHasToStayInPaint) {
+  const Robot robot = load_robot("puma560");
+  const PathCost cost(robot);
+  FreeSpaceMap map({.resolution = 0.03});
+  const ConfigurationSpace space(robot, map.snapshot(),
+                                 {.parts = {}, .other = Policy::not_occupied, .critical_by_default = false});
+  const Configuration q = Configuration::Zero(6);
+  const PaintAdvice advice = advise_paint(*make_planner("beam"), {space, cost, q, q, 1}, true);
+  EXPECT_TRUE(advice.balls.empty());
+  EXPECT_TRUE(advice.sentence().empty());
+}
+
+}  // namespace
+}  // namespace clearway

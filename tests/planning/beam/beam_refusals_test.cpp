@@ -1,0 +1,104 @@
+// What the beam search refuses, and how it says so.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/beam_world.hpp"
+
+namespace clearway {
+namespace {
+
+TEST(Beam, RefusesAJointThatMovesLessThanItsStep) {
+  Robot robot = load_robot("point");
+  robot.joints[1].lower = -0.04, robot.joints[1].upper = 0.04;
+  const BeamWorld world(robot, VoxelScene{});
+  EXPECT_EQ(world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.08"}}).status,
+            PlanStatus::solved);
+  try {
+    world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), {{"step", "0.1"}});
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find(robot.joints[1].name), std::string::npos) << error.what();
+  }
+}
+
+/// What a user is told; empty when nothing is refused.
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
+  const BeamWorld world(load_robot("point"), VoxelScene{});
+  const auto told = [&](const PlannerOptions& options) {
+    return refusal([&] { world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), options); });
+  };
+  EXPECT_EQ(told({{"step", "0.1"}}), "");
+  for (const auto& [option, value] :
+       std::vector<std::pair<std::string, std::string>>{{"width", "0"},
+                                                        {"width", "-3"},
+                                                        {"step", "0"},
+                                                        {"step", "-0.1"},
+                                                        {"step", "0.1,0"},
+                                                        {"step_deg", "0"},
+                                                        {"step_deg", "-1"},
+                                                        {"step", "0.1,0.1,0.1"},
+                                                        {"max_steps", "0"},
+                                                        {"prismatic_scale", "-1"}}) {
+    const std::string sentence = told({{option, value}});
+    EXPECT_NE(sentence.find("beam"), std::string::npos) << option << " " << value << ": " << sentence;
+    EXPECT_NE(sentence.find("'" + option + "'"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("expected"), std::string::npos) << sentence;
+    EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
+  }
+}
+
+TEST(Beam, RefusesASlidingJointThatHasNoScaleAgainstTheJointsThatTurn) {
+  // A turret on whose arm a carriage slides without limit: the reach that a scale is derived from is
+  // infinite.
+  Robot robot = load_robot("planar2");
+  robot.joints[1].kind = JointKind::prismatic;
+  robot.joints[1].axis = Eigen::Vector3d::UnitX();
+  robot.joints[1].lower = -1.0, robot.joints[1].upper = 1.0;
+  const Configuration start = vector_of({0.0, 0.0}), goal = vector_of({0.3, 0.2});
+  const BeamWorld bounded(robot, VoxelScene{});
+  EXPECT_EQ(bounded.plan("beam", start, goal, {{"step", "0.05"}}).status, PlanStatus::solved);
+  robot.joints[1].lower = -std::numeric_limits<double>::infinity();
+  robot.joints[1].upper = std::numeric_limits<double>::infinity();
+  const BeamWorld unbounded(robot, VoxelScene{});
+  for (const char* scale : {"auto", "1"}) {
+    const std::string sentence = refusal([&] {
+      unbounded.plan("beam", start, goal, {{"step", "0.05"}, {"prismatic_scale", scale}});
+    });
+    EXPECT_NE(sentence.find("'" + robot.joints[1].name + "' slides without limits"), std::string::npos)
+        << sentence;
+    EXPECT_NE(sentence.find("expected joint limits"), std::string::npos) << sentence;
+  }
+}
+
+TEST(Beam, StartAndGoalPastALimitAreToldWithTheJoint) {
+  Robot robot = load_robot("point");
+  robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;
+  const BeamWorld world(robot, VoxelScene{});
+  const Configuration inside = vector_of({0.0, 0.0}), outside = vector_of({1.25, 0.0});
+  const PlanResult start = world.plan("beam", outside, inside, {}),
+                   goal = world.plan("beam", inside, outside, {});
+  EXPECT_EQ(start.status, PlanStatus::start_invalid);
+  EXPECT_EQ(goal.status, PlanStatus::goal_invalid);
+  for (const std::string& sentence : {start.explanation, goal.explanation}) {
+    EXPECT_NE(sentence.find("joint " + robot.joints[0].name), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("0.25"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("limit"), std::string::npos) << sentence;
+  }
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,146 @@
+// The check's own reading of a robot's file, and robots that are not what their file says.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "planning/check/path_check.hpp"
+#include "planning/check/path_check_links.hpp"
+#include "planning/check/path_check_model.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace {
+
+using testing::urdf_joint;
+using testing::urdf_limit;
+using testing::UrdfRobot;
+
+/// Mimic joints about the master's axis, against it and across it, turning and sliding, with a body each; a
+/// continuous joint, an axis that is not of unit length, and a fixed joint that turns the frame.
+UrdfRobot menagerie() {
+  const auto link = [](const std::string& name) {
+    return "<link name='" + name +
+           "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' "
+           "iyz='0'/></inertial>"
+           "<collision><origin xyz='0.3 0.01 0.02' rpy='0.1 0.2 0.3'/><geometry><capsule radius='0.01' "
+           "length='0.1'/></geometry></collision><visual><geometry><mesh "
+           "filename='none.dae'/></geometry></visual>"
+           "</link>";
+  };
+  const auto mimic = [](const std::string& of, const std::string& multiplier, const std::string& offset) {
+    return urdf_limit(-30, 30) + "<mimic joint='" + of + "' multiplier='" + multiplier + "' offset='" +
+           offset + "'/>";
+  };
+  std::string text = "<material name='grey'/>";
+  for (const char* name : {"base", "a", "b", "c", "d", "e", "f", "g", "h"}) text += link(name);
+  return {
+      "menagerie",
+      text + urdf_joint("turn", "revolute", "base", "a", "0 0 1", "0 0 1", urdf_limit(-1, 2)) +
+          urdf_joint("same", "revolute", "a", "b", "1 0 0", "0 0 1", mimic("turn", "0.5", "0.1")) +
+          urdf_joint("against", "revolute", "b", "c", "1 0 0", "0 0 -1", mimic("turn", "-2", "-0.3")) +
+          urdf_joint("across", "revolute", "c", "d", "1 0 0", "0.3 0.5 0.2", mimic("turn", "1.5", "0.2")) +
+          urdf_joint("slide", "prismatic", "d", "e", "0 1 0", "0 0 1", urdf_limit(-0.2, 0.3)) +
+          urdf_joint("slide_across", "prismatic", "e", "f", "0 1 0", "1 2 3", mimic("slide", "-3", "0.05")) +
+          urdf_joint("round", "continuous", "f", "g", "0 0 1", "0 3 4", "") +
+          "<joint name='weld' type='fixed'><parent link='g'/><child link='h'/>"
+          "<origin xyz='0.1 0.2 0.3' rpy='1 -2 3'/></joint>"
+          "<transmission name='t'><type>x</type></transmission>"};
+}
+
+std::string contact(const Robot& robot) {
+  const Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
+  return check_path(robot, Snapshot(), {}, 0.0, {q}).first_contact;
+}
+
+TEST(PathCheckUrdf, ReadsEveryRobotAsOurReaderDoesAtEveryScale) {
+  const UrdfRobot whip = testing::whip(), telescope = testing::telescope(), scissors = testing::scissors(),
+                  many = menagerie();
+  std::vector<Robot> robots{whip.robot(), telescope.robot(), scissors.robot(), many.robot()};
+  for (const auto& [name, description] : available_robots()) robots.push_back(load_robot(name));
+  ASSERT_GE(robots.size(), 9u);
+  Random random(4);
+  for (Robot& robot : robots) {
+    for (const double factor : {1.0, 0.1, 3.7}) {
+      Robot placed = scaled(robot, factor);
+      placed.map_from_base = random.pose(1e8);
+      EXPECT_NO_THROW(check::require_same_poses(placed, check::KdlArm(placed))) << robot.name;
+    }
+  }
+}
+
+TEST(PathCheckUrdf, RefusesARobotThatIsNotWhatItsFileSaysAndNamesTheLink) {
+  const UrdfRobot many = menagerie();
+  const auto altered = [&](const auto& alter) {
+    Robot robot = many.robot();
+    alter(robot);
+    const std::string with_file = contact(robot);
+    robot.source.clear();
+    EXPECT_EQ(contact(robot).find("kdl_parser"), std::string::npos);  // made in memory: nothing to compare
+    return with_file;
+  };
+  const auto names = [](const std::string& sentence, const std::string& words) {
+    return sentence.find("menagerie.urdf says, read again: " + words) != std::string::npos;
+  };
+  EXPECT_EQ(altered([](Robot&) {}).find("menagerie.urdf"), std::string::npos);
+  EXPECT_TRUE(names(altered([](Robot& r) { r.joints[0].axis = {0.0, 2e-9, 1.0}; }), "link 'a'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.links[2].multiplier += 1e-8; }), "link 'b'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.links[3].offset = -r.links[3].offset; }), "link 'c'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.links[4].multiplier *= -1; }), "link 'e'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.joints[1].kind = JointKind::revolute; }), "link 'e'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.links[6].joint = -1; }), "link 'f'"));
+  EXPECT_TRUE(
+      names(altered([](Robot& r) { r.links[8].parent_from_link.translation().x() += 2e-9; }), "link 'h'"));
+  EXPECT_EQ(altered([](Robot& r) { r.links[8].parent_from_link.translation().x() += 5e-10; }), "");
+  EXPECT_TRUE(
+      names(altered([](Robot& r) { r.links[5].parent_from_link.translation().y() = NAN; }), "link 'e'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.bodies[6].link_from_shape.translation().z() += 1e-6; }),
+                    "a body of link 'f'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.bodies.pop_back(); }), "link 'h' has 1 bodies, not 0"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.bodies.push_back(r.bodies.back()); }), "link 'h' has only 1"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.joints[0].upper += 1e-6; }), "joint 'turn' may move to"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.scale = 1.1; }), ""));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.links[8].name = "i"; }), "it has no link 'i'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.joints[2].name = "rund"; }), "joint 'round' is none"));
+}
+
+TEST(PathCheckUrdf, AMimicJointsLimitsBindItsMaster) {
+  const UrdfRobot tied("tied",
+                       testing::urdf_link("base", "0 0 0", "<sphere radius='0.1'/>") +
+                           testing::urdf_link("a", "1 0 0", "<sphere radius='0.1'/>") +
+                           testing::urdf_link("b", "1 0 0", "<sphere radius='0.1'/>") +
+                           urdf_joint("turn", "revolute", "base", "a", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
+                           urdf_joint("copy", "revolute", "a", "b", "1 0 0", "0 0 1",
+                                      urdf_limit(-1, 1) + "<mimic joint='turn' multiplier='2'/>"));
+  EXPECT_EQ(tied.robot().joints[0].upper, 0.5);
+  EXPECT_EQ(contact(tied.robot()), "");
+  Robot wide = tied.robot();
+  wide.joints[0].upper = 0.6;
+  EXPECT_NE(contact(wide).find("joint 'copy' may move to 1.2, its limits there are -1 to 1"),
+            std::string::npos)
+      << contact(wide);
+}
+
+TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsTold) {
+  const UrdfRobot whip = testing::whip();
+  const Robot robot = whip.robot();
+  ASSERT_EQ(contact(robot), "");
+  std::string text;
+  {
+    std::ifstream stream(robot.source);
+    text.assign(std::istreambuf_iterator<char>(stream), {});
+  }
+  std::string longer = text;
+  longer.replace(longer.find("0.4"), 3, "0.5");
+  for (const std::string& now :
+       {std::string(), std::string("<robot"), std::string("<robot/>"), text.substr(0, text.size() / 2)}) {
+    std::ofstream(robot.source) << now;
+    EXPECT_NE(contact(robot).find("whip.urdf says, read again"), std::string::npos) << contact(robot);
+  }
+  std::filesystem::remove(robot.source);
+  EXPECT_THROW(contact(robot), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,63 @@
+#include "planning/files/json_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <random>
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+std::string refusal(const std::string& text) {
+  try {
+    require_json(text, "'p.json'");
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string at(int line, int column, const std::string& expected) {
+  return "'p.json' is not valid JSON at line " + std::to_string(line) + ", column " + std::to_string(column) +
+         ": expected " + expected;
+}
+
+TEST(JsonText, tells_the_place_and_what_should_have_come_there) {
+  EXPECT_EQ(refusal(""), at(1, 1, "a value"));
+  EXPECT_EQ(refusal("{\"a\": 1,\n \"b\" 2}"), at(2, 6, "':' and a value"));
+  EXPECT_EQ(refusal("{\"a\": }"), at(1, 7, "a value"));
+  EXPECT_EQ(refusal("{\"a\": 1 \"b\""), at(1, 9, "',' and a key in quotes, or '}'"));
+  EXPECT_EQ(refusal("{a: 1}"), at(1, 2, "a key in quotes, or '}'"));
+  EXPECT_EQ(refusal("[1,,2]"), at(1, 4, "a value"));
+  EXPECT_EQ(refusal("[1 2]"), at(1, 4, "',' and a value, or ']'"));
+  EXPECT_EQ(refusal("[1]]"), at(1, 4, "nothing more"));
+  EXPECT_EQ(refusal("[1e999]"), at(1, 2, "a number that is not too large"));
+}
+
+TEST(JsonText, says_nothing_in_the_parsers_words_whatever_comes_in) {
+  const std::string whole = R"({"robot": "x", "joints": ["a", "b"], "n": [1, -2.5e3, true, null], "o": {}})";
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    std::string text = whole;
+    for (unsigned k = 1 + random() % 3; k > 0; --k)
+      text[random() % text.size()] = i % 2 == 0 ? static_cast<char>(random()) : "[]{},:\"0e-"[random() % 10];
+    const std::string sentence = refusal(text);
+    EXPECT_EQ(sentence == "accepted", nlohmann::json::accept(text)) << text;
+    for (const char* internal : {"json.exception", "syntax error", "literal", "unexpected", "U+"})
+      EXPECT_EQ(sentence.find(internal), std::string::npos) << sentence;
+  }
+}
+
+TEST(JsonText, what_would_exhaust_the_stack_or_the_memory_is_refused) {
+  EXPECT_EQ(refusal(std::string(64, '[') + std::string(64, ']')), "accepted");
+  EXPECT_NE(refusal(std::string(65, '[') + std::string(65, ']')).find("at most 64 arrays"),
+            std::string::npos);
+  EXPECT_NE(refusal(std::string(100'000, '[')).find("at most 64 arrays"), std::string::npos);
+  std::string many = "[";
+  for (int i = 0; i < 1'000'000; ++i) many += "{},";
+  EXPECT_NE(refusal(many + "0]").find("at most 1,000,000"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,129 @@
+#include "planning/files/trajectory_file.hpp"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <numbers>
+#include <sstream>
+
+namespace clearway {
+namespace {
+
+/// `joints` turning joints, but the last one slides when `slides`.
+Robot chain(int joints, bool slides) {
+  Robot robot;
+  robot.name = "chain";
+  robot.links.push_back({});
+  robot.links[0].name = "base: \"root\"";
+  for (int j = 0; j < joints; ++j) {
+    robot.joints.push_back({});
+    robot.joints.back().name = j == 0 ? "yes" : "joint " + std::to_string(j);
+  }
+  if (slides) robot.joints.back().kind = JointKind::prismatic;
+  return robot;
+}
+
+Plan plan_of(const Robot& robot) {
+  Plan plan;
+  plan.robot = robot.name + "\nend";  // must not leave its comment
+  plan.planner = "beam";
+  plan.map_file = "map.ot";
+  plan.map_sha256 = std::string(64, 'f');
+  return plan;
+}
+
+Trajectory motion(const Robot& robot) {
+  const auto n = static_cast<Eigen::Index>(robot.dof());
+  const Configuration from = Configuration::LinSpaced(n, -1e-7, 1.0 / 3.0);
+  return time_path(robot, {from, Configuration::Constant(n, -std::numbers::pi)});
+}
+
+std::string text_of(const std::string& format, const Robot& robot) {
+  return trajectory_format(format, robot).write(robot, plan_of(robot), motion(robot));
+}
+
+Configuration numbers(const YAML::Node& list) {
+  const auto values = list.as<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+TEST(TrajectoryFile, RosReadsBackToTheSameTrajectory) {
+  for (const bool slides : {false, true}) {
+    const Robot robot = chain(3, slides);
+    const Trajectory trajectory = motion(robot);
+    const YAML::Node yaml = YAML::Load(text_of("ros", robot));
+    EXPECT_EQ(yaml["header"]["frame_id"].as<std::string>(), robot.links[0].name);
+    ASSERT_EQ(yaml["joint_names"].size(), 3u);
+    EXPECT_EQ(yaml["joint_names"][0].as<std::string>(), "yes");
+    EXPECT_EQ(yaml["joint_names"][0].Tag(), "!");  // quoted: not a boolean
+    ASSERT_EQ(yaml["points"].size(), trajectory.points.size());
+    std::size_t k = 0;
+    for (const YAML::Node& point : yaml["points"]) {
+      const TrajectoryPoint& expected = trajectory.points[k++];
+      EXPECT_EQ(numbers(point["positions"]), expected.position);
+      EXPECT_EQ(numbers(point["velocities"]), expected.velocity);
+      const YAML::Node time = point["time_from_start"];
+      EXPECT_LT(time["nanosec"].as<int>(), 1'000'000'000);
+      EXPECT_NEAR(time["sec"].as<int>() + 1e-9 * time["nanosec"].as<int>(), expected.time, 1e-9);
+    }
+  }
+}
+
+TEST(TrajectoryFile, NumbersAreNeitherIntegersNorPowersOfTen) {
+  const std::string text = text_of("ros", chain(2, false));
+  EXPECT_NE(text.find("positions: [-0.0000001, 0.3333333333333333]"), std::string::npos)
+      << text.substr(0, 900);
+  EXPECT_NE(text.find("velocities: [0.0, 0.0]"), std::string::npos);
+}
+
+TEST(TrajectoryFile, UrscriptStreamsEveryPointAtTheStatedPeriod) {
+  const Robot robot = chain(6, false);
+  const Trajectory trajectory = motion(robot);
+  std::istringstream text(text_of("urscript", robot));
+  std::size_t k = 0;
+  int depth = 0;
+  for (std::string line; std::getline(text, line);) {
+    line.erase(0, line.find_first_not_of(' '));
+    if (line.starts_with("def ") || line.starts_with("while ") || line.starts_with("if ")) ++depth;
+    if (line == "end") --depth;
+    ASSERT_GE(depth, 0);
+    if (!line.starts_with("servoj(")) continue;
+    ASSERT_LT(k, trajectory.points.size());
+    EXPECT_EQ(numbers(YAML::Load(line.substr(7, line.find(']') - 6))), trajectory.points[k++].position);
+    EXPECT_NE(line.find("], t=0.008, lookahead_time=0.03, gain=300)"), std::string::npos) << line;
+  }
+  EXPECT_EQ(k, trajectory.points.size());
+  EXPECT_EQ(depth, 0);
+}
+
+TEST(TrajectoryFile, TheHeadingNamesRobotPlannerAndMapAndStaysAComment) {
+  for (const std::string format : {"ros", "urscript"}) {
+    std::istringstream text(text_of(format, chain(6, false)));
+    std::string heading, line;
+    while (std::getline(text, line) && line.starts_with("#")) heading += line + "\n";
+    for (const std::string& word : {std::string("chain\\nend"), std::string("beam"), std::string(64, 'f')})
+      EXPECT_NE(heading.find(word), std::string::npos) << word << " in " << heading;
+  }
+}
+
+std::string refusal(const std::string& format, const Robot& robot) {
+  try {
+    trajectory_format(format, robot);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(TrajectoryFile, UrscriptIsForSixRevoluteJointsAndUnknownFormatsAreNamed) {
+  EXPECT_EQ(refusal("urscript", chain(6, false)), "accepted");
+  EXPECT_EQ(refusal("ros", chain(2, true)), "accepted");
+  EXPECT_EQ(
+      refusal("urscript", chain(5, false)),
+      "trajectory: urscript drives six revolute joints, robot 'chain' has 5 joints, 5 of them revolute");
+  EXPECT_NE(refusal("urscript", chain(6, true)).find("6 joints, 5 of them revolute"), std::string::npos);
+  EXPECT_NE(refusal("ross", chain(6, false)).find("'ross'; did you mean 'ros'?"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace clearway

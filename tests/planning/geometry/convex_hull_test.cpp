@@ -1,0 +1,58 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <random>
+
+#include "planning/geometry/convex_hull.hpp"
+
+namespace clearway {
+namespace {
+
+double enclosed_volume(const std::vector<Eigen::Vector3d>& points) {
+  double volume = 0.0;
+  for (const auto& [a, b, c] : hull_triangles(points)) {
+    volume += points[static_cast<std::size_t>(a)].dot(
+                  points[static_cast<std::size_t>(b)].cross(points[static_cast<std::size_t>(c)])) /
+              6.0;
+  }
+  return volume;
+}
+
+TEST(HullTriangles, a_box_encloses_its_volume_outwards) {
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1.0 : 0.0, i & 2 ? 2.0 : 0.0, i & 4 ? 3.0 : 0.0);
+  EXPECT_EQ(hull_triangles(corners).size(), 12u);
+  EXPECT_NEAR(enclosed_volume(corners), 6.0, 1e-12);
+}
+
+TEST(HullTriangles, no_point_lies_outside_and_every_edge_has_two_triangles) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> side(-1.0, 1.0);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 40; ++i) points.emplace_back(side(random), side(random), side(random));
+    const auto triangles = hull_triangles(points);
+    std::map<std::pair<int, int>, int> edges;
+    for (const auto& t : triangles) {
+      const Eigen::Vector3d a = points[static_cast<std::size_t>(t[0])];
+      const Eigen::Vector3d normal = (points[static_cast<std::size_t>(t[1])] - a)
+                                         .cross(points[static_cast<std::size_t>(t[2])] - a)
+                                         .normalized();
+      for (const Eigen::Vector3d& p : points) EXPECT_LE(normal.dot(p - a), 1e-9);
+      for (int e = 0; e < 3; ++e)
+        ++edges[{t[static_cast<std::size_t>(e)], t[static_cast<std::size_t>((e + 1) % 3)]}];
+    }
+    for (const auto& [edge, count] : edges) {
+      EXPECT_EQ(count, 1);
+      EXPECT_EQ((edges.count({edge.second, edge.first})), 1u);
+    }
+  }
+}
+
+TEST(HullTriangles, flat_points_have_no_surface) {
+  EXPECT_TRUE(hull_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.5, 0}}).empty());
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,151 @@
+#include "planning/geometry/shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/geometry/convex_hull.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace {
+
+std::vector<Shape> some_shapes(Random& random) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 30; ++i) points.push_back(random.point(0.3) + Eigen::Vector3d(0.2, -0.1, 0.4));
+  const auto size = [&] { return random.between(0.02, 0.5); };
+  return {Shape::sphere(size()),
+          Shape::capsule(size(), size()),
+          Shape::capsule(0.05, 0.0),
+          Shape::cylinder(size(), size()),
+          Shape::cylinder(0.2, 0.01),
+          Shape::cylinder(0.06, 0.15),
+          Shape::box({size(), size(), size()}),
+          Shape::convex(points)};
+}
+
+/// A random point of the shape: a convex mixture of support points.
+Eigen::Vector3d point_inside(const Shape& shape, Random& random) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0.0;
+  const int count = 1 + random.below(4);
+  for (int i = 0; i < count; ++i) {
+    const double weight = random.unit() + 1e-3;
+    sum += weight * shape.support(random.point(1.0));
+    weights += weight;
+  }
+  return sum / weights;
+}
+
+TEST(Shape, BallCoverHoldsEveryPointOfTheBodyWithAtMost64Balls) {
+  Random random(1);
+  for (int round = 0; round < 20; ++round) {
+    for (const Shape& shape : some_shapes(random)) {
+      const std::vector<Sphere> cover = shape.ball_cover();
+      ASSERT_LE(cover.size(), 64u);
+      for (int i = 0; i < 500; ++i) {
+        const Eigen::Vector3d point = point_inside(shape, random);
+        double nearest = 1e300;
+        for (const Sphere& ball : cover)
+          nearest = std::min(nearest, (point - ball.center).norm() - ball.radius);
+        ASSERT_LE(nearest, 0.0) << static_cast<int>(shape.kind()) << " at " << point.transpose();
+      }
+    }
+  }
+}
+
+TEST(Shape, BallCoverStandsOutLittle) {
+  const auto excess = [](const Shape& shape) {
+    double worst = 0.0;
+    for (const Sphere& ball : shape.ball_cover())
+      worst = std::max(worst, ball.radius + shape.signed_distance(ball.center));
+    return worst;
+  };
+  EXPECT_LE(excess(Shape::sphere(0.3)), 1e-6);
+  EXPECT_LE(excess(Shape::capsule(0.1, 0.6)), 0.1 * 0.1 + 1e-6);
+  EXPECT_LE(excess(Shape::cylinder(0.06, 0.15)), 0.26 * 0.06);
+  EXPECT_LE(excess(Shape::box({0.2, 0.2, 0.2})), 0.2 * 0.2);
+  EXPECT_LE(Shape::cylinder(0.2, 0.01).ball_cover().front().radius, 0.2 * 1.001);  // a disc, in its plane
+}
+
+TEST(Shape, SupportIsTheFarthestPointAndBoundsTouchTheShape) {
+  Random random(2);
+  for (const Shape& shape : some_shapes(random)) {
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d direction = random.point(1.0);
+      const double far = direction.dot(shape.support(direction));
+      EXPECT_GE(far, direction.dot(point_inside(shape, random)) - 1e-12);
+      EXPECT_LE(shape.support(direction).norm(), shape.bounding_radius() + 1e-12);
+      const Eigen::Isometry3d pose = random.pose(1.0);
+      const Eigen::AlignedBox3d box = shape.bounds(pose);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d up = Eigen::Vector3d::Unit(axis);
+        const Eigen::Vector3d top = pose * shape.support(pose.linear().transpose() * up);
+        EXPECT_NEAR(top[axis], box.max()[axis], 1e-9);
+      }
+    }
+  }
+}
+
+TEST(Shape, SignedDistanceIsNegativeInsideAndTheDistanceOutside) {
+  Random random(3);
+  for (const Shape& shape : some_shapes(random)) {
+    for (int i = 0; i < 300; ++i) {
+      EXPECT_LE(shape.signed_distance(point_inside(shape, random)), 1e-12);
+      const Eigen::Vector3d point = random.point(1.0);
+      const Eigen::Isometry3d at(Eigen::Translation3d{point});
+      const double expected = distance(shape, Eigen::Isometry3d::Identity(), Shape::sphere(1e-9), at).upper;
+      if (shape.kind() == Shape::Kind::convex) {
+        EXPECT_LE(shape.signed_distance(point), expected + 1e-6);
+      } else if (expected > 0.0) {
+        EXPECT_NEAR(shape.signed_distance(point), expected, 1e-6);
+        EXPECT_NEAR(shape.offset_to(point).norm(), expected, 1e-6);
+        EXPECT_LT(std::abs(shape.signed_distance(point - shape.offset_to(point))), 1e-9);
+      }
+    }
+  }
+}
+
+TEST(Shape, SizesThatNoBodyCanHaveAreRefusedByName) {
+  const auto message = [](auto make) -> std::string {
+    try {
+      make();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(message([] { Shape::sphere(-0.1); }), "sphere has radius -0.1, expected a finite number above 0");
+  EXPECT_EQ(message([] { Shape::capsule(0.1, NAN); }),
+            "capsule has length nan, expected a finite number not below 0");
+  EXPECT_EQ(message([] { Shape::cylinder(0.0, 1.0); }),
+            "cylinder has radius 0, expected a finite number above 0");
+  EXPECT_EQ(message([] {
+              Shape::box({1.0, 0.0, 1.0});
+            }),
+            "box has y edge 0, expected a finite number above 0");
+  EXPECT_EQ(message([] { Shape::convex({}); }), "a convex body needs at least one vertex, got none");
+}
+
+TEST(ConvexHull, KeepsTheCornersAndTheSupportOfFlatAndSolidPoints) {
+  Random random(4);
+  for (bool flat : {false, true}) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 400; ++i) points.push_back(random.point(1.0));
+    if (flat) {
+      for (Eigen::Vector3d& point : points) point.z() = 0.25;
+    }
+    const std::vector<Eigen::Vector3d> corners = hull_corners(points);
+    if (!flat) {
+      EXPECT_LT(corners.size(), 200u);
+    }
+    for (int i = 0; i < 1'000; ++i) {
+      const Eigen::Vector3d direction = random.point(1.0);
+      double all = -1e300, kept = -1e300;
+      for (const auto& p : points) all = std::max(all, direction.dot(p));
+      for (const auto& p : corners) kept = std::max(kept, direction.dot(p));
+      ASSERT_NEAR(all, kept, 1e-12);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace clearway

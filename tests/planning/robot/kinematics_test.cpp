@@ -1,0 +1,204 @@
+#include "planning/robot/kinematics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <kdl/chainfksolverpos_recursive.hpp>
+#include <kdl/chainjnttojacsolver.hpp>
+#include <kdl_parser/kdl_parser.hpp>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/urdf_document.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace {
+
+Eigen::Isometry3d isometry(const KDL::Frame& frame) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    pose.translation()[i] = frame.p(i);
+    for (int k = 0; k < 3; ++k) pose.linear()(i, k) = frame.M(i, k);
+  }
+  return pose;
+}
+
+class KinematicsOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(KinematicsOf, PosesAndJacobiansAgreeWithKdlReadingTheSameUrdf) {
+  const Robot robot = load_robot(GetParam());
+  KDL::Tree tree;
+  // The file's own text, with <capsule> as <cylinder>: kdl_parser knows no capsules.
+  const auto urdf = read_urdf_document(datasets_folder() / "robots" / (std::string(GetParam()) + ".urdf"));
+  ASSERT_TRUE(kdl_parser::treeFromString(urdf.text, tree));
+  KDL::Chain chain;
+  ASSERT_TRUE(tree.getChain(robot.links.front().name,
+                            robot.links[static_cast<std::size_t>(robot.tip_link)].name, chain));
+  ASSERT_EQ(chain.getNrOfJoints(), robot.dof());
+  KDL::ChainFkSolverPos_recursive positions(chain);
+  KDL::ChainJntToJacSolver jacobians(chain);
+  Random random(1);
+  double worst_pose = 0.0, worst_jacobian = 0.0;
+  for (int i = 0; i < 10'000; ++i) {
+    const Configuration q = random.configuration(robot);
+    KDL::JntArray joints(static_cast<unsigned>(robot.dof()));
+    joints.data = q;
+    KDL::Frame frame;
+    KDL::Jacobian expected(static_cast<unsigned>(robot.dof()));
+    positions.JntToCart(joints, frame);
+    jacobians.JntToJac(joints, expected);
+    const LinkPoses poses = forward_kinematics(robot, q);
+    const Eigen::Isometry3d& tip = poses[static_cast<std::size_t>(robot.tip_link)];
+    worst_pose = std::max(worst_pose, (tip.matrix() - isometry(frame).matrix()).cwiseAbs().maxCoeff());
+    const auto ours = jacobian(robot, poses, robot.tip_link, tip.translation());
+    worst_jacobian = std::max(worst_jacobian, (ours - expected.data).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT(worst_pose, 1e-9);
+  EXPECT_LT(worst_jacobian, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, KinematicsOf,
+                         testing::Values("puma560", "panda", "arm5", "planar2", "point"));
+
+TEST(Kinematics, ARootThatStandsOffItsBaseTakesItsChildrenWithIt) {
+  Robot robot;
+  robot.map_from_base.translation() = Eigen::Vector3d(0.0, 0.0, 5.0);
+  robot.links.resize(3);
+  robot.links[0].parent_from_link.translation() = Eigen::Vector3d(1.0, 0.0, 0.0);
+  for (int i = 1; i < 3; ++i) {
+    robot.links[static_cast<std::size_t>(i)].parent = i - 1;
+    robot.links[static_cast<std::size_t>(i)].parent_from_link.translation() = Eigen::Vector3d(0.0, 2.0, 0.0);
+  }
+  const LinkPoses poses = forward_kinematics(robot, Configuration());
+  EXPECT_EQ(poses[0].translation(), Eigen::Vector3d(1.0, 0.0, 5.0));
+  EXPECT_EQ(poses[1].translation(), Eigen::Vector3d(1.0, 2.0, 5.0));
+  EXPECT_EQ(poses[2].translation(), Eigen::Vector3d(1.0, 4.0, 5.0));
+}
+
+TEST(Kinematics, JacobianIsTheNumericDerivativeOfAPointOnALink) {
+  for (const char* name : {"puma560_miniature", "arm5", "planar2", "point"}) {
+    Robot robot = load_robot(name);
+    Random random(2);
+    robot.map_from_base = random.pose(1.0);
+    for (int i = 0; i < 200; ++i) {
+      const Configuration q = random.configuration(robot);
+      const int link = random.below(static_cast<int>(robot.links.size()));
+      const Eigen::Vector3d local = random.point(0.2);
+      const auto place = [&](const Configuration& at) {
+        return Eigen::Vector3d(forward_kinematics(robot, at)[static_cast<std::size_t>(link)] * local);
+      };
+      const auto columns = jacobian(robot, forward_kinematics(robot, q), link, place(q));
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
+        Configuration up = q, down = q;
+        up[j] += 1e-6;
+        down[j] -= 1e-6;
+        EXPECT_LT(((place(up) - place(down)) / 2e-6 - columns.col(j).head<3>()).norm(), 1e-7)
+            << name << " joint " << j;
+      }
+    }
+  }
+}
+
+TEST(Kinematics, LimitViolationNamesJointValueAndLimit) {
+  const Robot robot = load_robot("planar2");
+  EXPECT_EQ(limit_violation(robot, Eigen::Vector2d(1.0, -1.0)), "");
+  EXPECT_EQ(limit_violation(robot, Eigen::Vector2d(1.0, 3.0)),
+            "joint elbow is 3 rad, above its upper limit 2.79253 rad");
+  EXPECT_EQ(limit_violation(robot, Eigen::Vector2d(-4.0, 0.0)),
+            "joint shoulder is -4 rad, below its lower limit -3.14159 rad");
+  EXPECT_EQ(limit_violation(robot, Eigen::Vector2d(0.0, NAN)),
+            "joint elbow is nan, expected a finite number");
+  EXPECT_EQ(limit_violation(robot, Eigen::Vector3d::Zero()),
+            "the configuration has 3 values, but planar2 has 2 joints");
+}
+
+double pose_error(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff();
+}
+
+TEST(PumaInverseKinematics, AllSolutionsReachThePoseAndOneIsWhereItCameFrom) {
+  for (double scale : {1.0, 0.1}) {
+    Robot robot = scaled(load_robot("puma560"), scale);
+    Random random(3);
+    robot.map_from_base = random.pose(2.0);
+    int solutions = 0;
+    for (int i = 0; i < 10'000; ++i) {
+      const Configuration q = random.configuration(robot);
+      const Eigen::Isometry3d target = tip_pose(robot, q);
+      double nearest = 1e300;
+      for (const Configuration& solution : puma_inverse_kinematics(robot, target)) {
+        ++solutions;
+        ASSERT_EQ(limit_violation(robot, solution), "");
+        ASSERT_LT(pose_error(tip_pose(robot, solution), target), 1e-9);
+        double turn = 0.0;
+        for (Eigen::Index j = 0; j < 6; ++j)
+          turn = std::max(turn, std::abs(std::remainder(solution[j] - q[j], 2 * std::numbers::pi)));
+        nearest = std::min(nearest, turn);
+      }
+      ASSERT_LT(nearest, 1e-5) << q.transpose();
+    }
+    EXPECT_GT(solutions, 20'000);
+  }
+}
+
+TEST(PumaInverseKinematics, KeepsTheArmConfigurationAndMovesLittleForASmallMoveOfTheHand) {
+  const Robot robot = load_robot("puma560_miniature");
+  Random random(4);
+  int followed = 0;
+  for (int i = 0; i < 2'000; ++i) {
+    Configuration q = random.configuration(robot);
+    if (std::abs(q[4]) < 0.3) continue;  // near the wrist's singularity small moves need large turns
+    Eigen::Isometry3d target = tip_pose(robot, q);
+    target.translation() += random.point(1e-5);
+    const auto solution = inverse_kinematics(robot, target, q);
+    if (!solution) continue;
+    ++followed;
+    EXPECT_LT(pose_error(tip_pose(robot, *solution), target), 1e-9);
+    EXPECT_LT((*solution - q).cwiseAbs().maxCoeff(), 0.05);
+  }
+  EXPECT_GT(followed, 1'500);
+}
+
+TEST(PumaInverseKinematics, AtTheWristSingularityTheFourthJointStays) {
+  const Robot robot = load_robot("puma560");
+  Configuration q(6);
+  q << 0.3, -0.8, -1.0, 0.7, 0.0, 0.4;
+  const auto solution = inverse_kinematics(robot, tip_pose(robot, q), q);
+  ASSERT_TRUE(solution);
+  EXPECT_LT((*solution - q).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(InverseKinematics, IsEmptyOutOfReachAndForBadInput) {
+  for (const char* name : {"puma560", "arm5"}) {
+    const Robot robot = load_robot(name);
+    const Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
+    Eigen::Isometry3d far = tip_pose(robot, q);
+    far.translation().x() += 10.0;
+    EXPECT_FALSE(inverse_kinematics(robot, far, q));
+    far.translation().x() = NAN;
+    EXPECT_FALSE(inverse_kinematics(robot, far, q));
+    EXPECT_FALSE(inverse_kinematics(robot, tip_pose(robot, q), Configuration::Zero(1)));
+  }
+  EXPECT_THROW(puma_inverse_kinematics(load_robot("planar2"), Eigen::Isometry3d::Identity()),
+               std::invalid_argument);
+}
+
+TEST(InverseKinematics, NumericSolverReachesRandomPosesWithinTolerance) {
+  Robot puma = load_robot("puma560");
+  puma.inverse_kinematics = "numeric";
+  for (const Robot& robot : {puma, load_robot("arm5"), load_robot("planar2"), load_robot("point")}) {
+    Random random(5);
+    int solved = 0;
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Isometry3d target = tip_pose(robot, random.configuration(robot));
+      const auto q = inverse_kinematics(robot, target, random.configuration(robot));
+      if (!q) continue;
+      ++solved;
+      EXPECT_EQ(limit_violation(robot, *q), "");
+      EXPECT_LT(pose_error(tip_pose(robot, *q), target), 5e-6);
+    }
+    EXPECT_GE(solved, 95) << robot.name;
+  }
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,57 @@
+#include "planning/robot/mimic_joints.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/worlds/hostile_robots.hpp"
+
+namespace clearway {
+namespace {
+
+TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
+  const RobotFolder folder("mimic_joints");
+  const auto with = [&](const std::string& first, const std::string& second,
+                        const std::string& type = "revolute") {
+    const std::string limit = "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/>";
+    return folder.refusal(
+        "<robot name='r'><link name='base'/><link name='a'>" + ball_collision() +
+        "</link><link name='b'/><link name='c'/><joint name='thumb' type='revolute'><parent "
+        "link='base'/><child link='a'/>" +
+        limit + first + "</joint><joint name='finger' type='" + type +
+        "'><parent link='a'/><child link='b'/>" + limit + second +
+        "</joint><joint name='stiff' type='fixed'><parent link='b'/><child link='c'/></joint></robot>");
+  };
+  const auto mimic = [](const std::string& master, const std::string& rest = "") {
+    return "<mimic joint='" + master + "' " + rest + "/>";
+  };
+  EXPECT_EQ(with("", mimic("thumb")), "accepted");
+  EXPECT_EQ(with("", mimic("thumb", "multiplier='-1' offset='0.1'")), "accepted");
+  EXPECT_EQ(with("", mimic("finger")),
+            "r.urdf: joint 'finger' mimics 'finger', itself: expected another joint");
+  EXPECT_EQ(with("", mimic("thunb")),
+            "r.urdf: joint 'finger' mimics 'thunb', which is no joint that moves, did you mean 'thumb'?");
+  EXPECT_EQ(with("", mimic("stiff")),
+            "r.urdf: joint 'finger' mimics 'stiff', which is no joint that moves, did you mean 'thumb'?");
+  EXPECT_EQ(
+      with(mimic("finger"), mimic("thumb")),
+      "r.urdf: joint 'thumb' mimics 'finger', which mimics another joint: expected one that mimics none");
+  EXPECT_EQ(
+      with("", mimic("thumb"), "prismatic"),
+      "r.urdf: joint 'finger' mimics 'thumb', expected a joint of the same kind: one of them turns and the "
+      "other slides");
+  EXPECT_EQ(with("", mimic("thumb", "offset='5'")),
+            "r.urdf: joint 'finger' mimics 'thumb' and is never within its own limits");
+  for (const std::string factor : {"0", "1e-9", "-1e-200"}) {
+    EXPECT_EQ(with("", mimic("thumb", "multiplier='" + factor + "'")),
+              "r.urdf: joint 'finger': <mimic> has multiplier '" + factor +
+                  "', expected a factor of at least 0.001, or as far below 0");
+  }
+  EXPECT_EQ(with("", mimic("thumb", "multiplier='1e9'")),
+            "r.urdf: joint 'finger': <mimic> has multiplier '1e9', expected factors in [-1000, 1000]");
+  EXPECT_EQ(
+      with("", mimic("thumb", "multiplyer='2'")),
+      "r.urdf: joint 'finger': <mimic> has an unknown attribute 'multiplyer', did you mean 'multiplier'?");
+  EXPECT_EQ(with("", "<mimic/>"), "r.urdf: joint 'finger': <mimic joint=…> is missing");
+}
+
+}  // namespace
+}  // namespace clearway

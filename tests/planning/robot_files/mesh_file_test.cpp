@@ -1,0 +1,251 @@
+#include "planning/robot_files/mesh_file.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <random>
+
+#include "tests/worlds/hostile_robots.hpp"
+#include "tests/worlds/mesh_samples.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MeshFile : public testing::Test {
+ protected:
+  std::string failure(const std::string& name, const std::string& content,
+                      const Eigen::Vector3d& scale = Eigen::Vector3d::Ones()) const {
+    const fs::path file = folder_.write(name, content);
+    const MeshHull hull = read_mesh_hulls({{file, scale}}).at(0);
+    EXPECT_NE(hull.failure.empty(), hull.corners.empty());
+    std::string text = hull.failure;
+    if (const auto at = text.find(file.string()); at != std::string::npos)
+      text.replace(at, file.string().size(), name);
+    return text;
+  }
+
+  RobotFolder folder_{testing::UnitTest::GetInstance()->current_test_info()->name()};
+  const MeshSample sample_ = ellipsoid(6, 8, {0.1F, 0.2F, 0.3F});
+};
+
+/// Whether both hold the same points, to 1 um.
+bool are_same_points(std::vector<Eigen::Vector3d> a, std::vector<Eigen::Vector3d> b) {
+  const auto holds = [](const std::vector<Eigen::Vector3d>& all, const Eigen::Vector3d& point) {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Eigen::Vector3d& p) { return (p - point).norm() < 1e-6; });
+  };
+  return std::all_of(a.begin(), a.end(), [&](const Eigen::Vector3d& p) { return holds(b, p); }) &&
+         std::all_of(b.begin(), b.end(), [&](const Eigen::Vector3d& p) { return holds(a, p); });
+}
+
+TEST_F(MeshFile, EveryKindOfFileGivesTheSameHullTimesItsScaleInOneGo) {
+  const Eigen::Vector3d scale(0.5, -2.0, 1.0);
+  std::vector<Eigen::Vector3d> expected;
+  for (const Eigen::Vector3f& v : sample_.vertices) expected.push_back(v.cast<double>().cwiseProduct(scale));
+  std::vector<ScaledMesh> meshes;
+  for (const auto& [name, content] : all_mesh_files(sample_))
+    meshes.push_back({folder_.write(name, content), scale});
+  meshes.push_back({folder_.write("UPPER.STL", as_stl(sample_)), scale});
+  const std::vector<MeshHull> hulls = read_mesh_hulls(meshes);
+  ASSERT_EQ(hulls.size(), meshes.size());
+  for (std::size_t i = 0; i < hulls.size(); ++i) {
+    EXPECT_EQ(hulls[i].failure, "");
+    EXPECT_TRUE(are_same_points(hulls[i].corners, expected)) << meshes[i].file;
+  }
+}
+
+TEST_F(MeshFile, FilesThatAreNotWholeSayWhatIsMissing) {
+  EXPECT_EQ(failure("m.stl", ""), "'m.stl' is damaged: it is empty");
+  EXPECT_EQ(failure("m.dae", "hello"), "'m.dae' is damaged: it cannot be read as .dae");
+  EXPECT_EQ(failure("m.obj", "# nothing\n"), "'m.obj' is damaged: it cannot be read as .obj");
+  EXPECT_EQ(failure("m.ply", "ply\nformat ascii 1.0\nend_head"),
+            "'m.ply' is damaged: its header is cut off or garbled");
+  const std::string most =
+      "ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n0 0 0\n";
+  EXPECT_EQ(failure("m.ply", most), "'m.ply' is damaged: it holds fewer elements than its header says");
+  for (const std::string kind : {"text.stl", "mesh.stl", "text.ply", "mesh.ply", "mesh.dae"}) {
+    const std::string whole = all_mesh_files(sample_).at(kind);
+    for (const double part : {0.05, 0.5, 0.9}) {
+      const std::string cut =
+          whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size())));
+      EXPECT_NE(failure(kind, cut), "") << kind << " " << part;
+    }
+  }
+}
+
+TEST_F(MeshFile, WrongKindsAndFilesThatAreNoneAreNotOpened) {
+  EXPECT_EQ(failure("m.txt", "x"), "m.txt: is not a mesh of a known kind, expected .dae, .obj, .ply or .stl");
+  const MeshHull none = read_mesh_hulls({{folder_.path() / "none.stl"}}).at(0);
+  EXPECT_NE(none.failure.find("no such mesh file"), std::string::npos);
+  EXPECT_FALSE(none.is_damaged);
+  const MeshHull device = read_mesh_hulls({{"/dev/zero"}}).at(0);
+  EXPECT_NE(device.failure.find("is not a regular file"), std::string::npos);
+  EXPECT_TRUE(read_mesh_hulls({}).empty());
+}
+
+TEST_F(MeshFile, VerticesThatNoRobotHasAreRefused) {
+  const std::string far =
+      "'m.obj' is damaged: it has a vertex that is not finite or farther than 1 km from the origin";
+  const std::string rest = "v 0 0 1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_EQ(failure("m.obj", "v 1e30 0 0\nf 1 2 3\n" + rest), far);
+  EXPECT_EQ(failure("m.obj", "v nan 0 0\n" + rest + "f 1 2 4\n"), far);
+  EXPECT_EQ(failure("m.obj", "v 1e999 0 0\n" + rest + "f 1 2 4\n"), far);
+  EXPECT_EQ(failure("m.obj", "v 2000 0 0\n" + rest + "f 1 2 4\n"), far);
+  EXPECT_EQ(failure("m.obj", "v 2000 0 0\n" + rest + "f 1 2 4\n", {0.001, 0.001, 0.001}), "");
+}
+
+TEST_F(MeshFile, FlatSingleAndDoubledVerticesHaveHullsToo) {
+  for (const std::string& vertices :
+       {std::string("v 1 1 1\nv 1 1 1\nv 1 1 1\n"), std::string("v 0 0 0\nv 1 0 0\nv 2 0 0\n"),
+        std::string(
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 3 3 0\nv 4 1 0\nv 5 1 0\nv 1 5 0\n"),
+        std::string("v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\n")}) {
+    EXPECT_EQ(failure("m.obj", vertices + "f 1 2 3\n"), "");
+  }
+}
+
+TEST_F(MeshFile, WhatAMeshRefersToIsNotRead) {
+  const std::string secret = folder_.write("secret.mtl", std::string("newmtl a\n")).string();
+  const std::string obj =
+      "mtllib " + secret + "\nmtllib /dev/zero\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_EQ(failure("m.obj", obj), "");
+  std::string dae = as_dae(sample_);
+  dae.replace(
+      dae.find("<library_geometries>"), 0,
+      "<library_images><image id='i'><init_from>file:///dev/zero</init_from></image></library_images>");
+  EXPECT_EQ(failure("m.dae", dae), "");
+  const std::string entity = "<?xml version='1.0'?><!DOCTYPE a [<!ENTITY e SYSTEM 'file:///dev/zero'>]>";
+  EXPECT_EQ(failure("m.dae", entity + as_dae(sample_).substr(21)), "");
+}
+
+TEST_F(MeshFile, AMeshThatEndsItsReaderIsTheOneThatIsNamed) {
+  std::string deep = "<COLLADA version='1.4.1'><library_visual_scenes><visual_scene id='s'>";
+  for (int i = 0; i < 100'000; ++i) deep += "<node>";
+  for (int i = 0; i < 100'000; ++i) deep += "</node>";
+  deep += "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>";
+  const fs::path good = folder_.write("good.stl", as_stl(sample_)), bad = folder_.write("bad.dae", deep);
+  const std::vector<MeshHull> hulls = read_mesh_hulls({{good}, {bad}, {good}});
+  EXPECT_EQ(hulls[0].failure, "");
+  EXPECT_TRUE(hulls[1].is_damaged);
+  EXPECT_NE(hulls[1].failure.find("bad.dae' is damaged: "), std::string::npos) << hulls[1].failure;
+}
+
+/// One change of the kind that disks, cables and people make.
+std::string mutated(std::string text, std::mt19937_64& random) {
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  for (std::size_t changes = 1 + below(3); changes > 0; --changes) {
+    const std::size_t at = below(text.size());
+    switch (below(6)) {
+      case 0:
+        text[at] = static_cast<char>(text[at] ^ (1 << below(8)));
+        break;
+      case 1:
+        text.resize(std::max<std::size_t>(at, 1));
+        break;
+      case 2: {  // another number in place of one
+        const std::array<const char*, 8> numbers{"99999999999", "-1", "4294967295", "nan",
+                                                 "1e39",        "0",  "-inf",       "1e-320"};
+        const std::size_t begin = text.find_first_of("0123456789", at);
+        if (begin == std::string::npos) break;
+        text.replace(begin, text.find_first_not_of("0123456789.", begin) - begin,
+                     numbers[below(numbers.size())]);
+        break;
+      }
+      case 3: {  // four bytes of a binary file
+        const std::array<std::uint32_t, 4> words{0xFFFFFFFFU, 0x7FFFFFFFU, 0U, 0x7F800000U};
+        const std::uint32_t word = words[below(words.size())];
+        if (at + sizeof(word) <= text.size()) std::memcpy(&text[at], &word, sizeof(word));
+        break;
+      }
+      case 4:  // a piece twice
+        text.insert(at, text.substr(below(text.size()), below(200)));
+        break;
+      default:
+        text.erase(at, below(50));
+    }
+    if (text.empty()) text = "x";
+  }
+  return text;
+}
+
+/// CLEARWAY_MUTATIONS=N: N damaged files of each kind, 50 where it is not set.
+std::size_t mutation_count() {
+  const char* count = std::getenv("CLEARWAY_MUTATIONS");
+  return count ? std::strtoul(count, nullptr, 10) : 50;
+}
+
+long largest_child_kilobytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_CHILDREN, &usage);
+  return usage.ru_maxrss;
+}
+
+long own_kilobytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+TEST_F(MeshFile, DamagedFilesOfEveryKindEndInAHullOrASentenceSoonAndInLittleMemory) {
+  constexpr std::size_t batch = 25;
+  std::mt19937_64 random(7);
+  for (const auto& [name, content] : all_mesh_files(sample_)) {
+    std::size_t hulls = 0, crashes = 0, refused = 0;
+    for (std::size_t done = 0; done < mutation_count();) {
+      std::vector<ScaledMesh> meshes;
+      for (std::size_t i = 0; i < std::min(batch, mutation_count() - done); ++i)
+        meshes.push_back({folder_.write(std::to_string(i) + name, mutated(content, random))});
+      while (!meshes.empty()) {
+        const auto begin = std::chrono::steady_clock::now();
+        const std::vector<MeshHull> read = read_mesh_hulls(meshes);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+        EXPECT_LT(seconds.count(), 5.0) << name;
+        std::size_t known = 0;  // up to the one that ended the child
+        for (const MeshHull& hull : read) {
+          if (hull.failure.find("a mesh before it") != std::string::npos) break;
+          ++known;
+          EXPECT_NE(hull.failure.empty(), hull.corners.empty());
+          EXPECT_LT(hull.failure.size(), folder_.path().string().size() + 150);
+          for (const Eigen::Vector3d& corner : hull.corners) EXPECT_LE(corner.cwiseAbs().maxCoeff(), 1000.0);
+          hulls += hull.failure.empty();
+          refused += !hull.failure.empty();
+          crashes += hull.failure.find("crashed") != std::string::npos;
+        }
+        ASSERT_GT(known, 0u);
+        done += known;
+        meshes.erase(meshes.begin(), meshes.begin() + static_cast<std::ptrdiff_t>(known));
+      }
+    }
+    RecordProperty(name, std::to_string(hulls) + " hulls, " + std::to_string(refused) + " refused, of them " +
+                             std::to_string(crashes) + " by a crash");
+    EXPECT_GT(hulls, 0u) << name;
+    EXPECT_GT(refused, 0u) << name;
+  }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_LT(largest_child_kilobytes(), own_kilobytes() + (128 + 20) * 1024);
+#endif
+}
+
+TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
+  const RobotFolder folder("find_mesh");
+  fs::create_directories(folder.path() / "arm/meshes");
+  fs::create_directories(folder.path() / "arm/urdf");
+  folder.write("arm/meshes/a.stl", "x");
+  const fs::path from = folder.path() / "arm/urdf";
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from), folder.path() / "arm/meshes/a.stl");
+  EXPECT_EQ(find_mesh("model://arm/meshes/a.stl", from), folder.path() / "arm/meshes/a.stl");
+  EXPECT_EQ(find_mesh("../meshes/a.stl", from), from / "../meshes/a.stl");
+  EXPECT_EQ(find_mesh("file:///x/a.stl", from), "/x/a.stl");
+  EXPECT_THROW(find_mesh("package://", from), std::invalid_argument);
+  EXPECT_THROW(find_mesh("package://arm", from), std::invalid_argument);
+  EXPECT_THROW(find_mesh("package://arm/" + std::string(100'000, 'x'), from), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace clearway

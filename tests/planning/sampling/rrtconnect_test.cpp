@@ -1,0 +1,100 @@
+#include "planning/sampling/rrtconnect.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "planning/path/shortcut.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace {
+
+using Eigen::Vector2d;
+
+struct Field {
+  ConfigurationSpace space;
+  PathCost cost;
+
+  static Policies policies() {
+    Policies chosen;
+    chosen.critical_by_default = false;
+    return chosen;
+  }
+  Field(const Robot& robot, std::vector<Eigen::AlignedBox3d> boxes)
+      : space(robot, VoxelScene{0.05, std::move(boxes), {}, {}}.snapshot(), policies()), cost(robot) {}
+
+  PlanResult plan(const Configuration& start, const Configuration& goal, std::uint64_t seed,
+                  const PlannerOptions& options = {}) const {
+    return make_planner("rrtconnect", options)->plan({space, cost, start, goal, seed});
+  }
+  bool is_certified(const std::vector<Configuration>& path) const {
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (!space.is_edge_free(path[i - 1], path[i])) return false;
+    }
+    return true;
+  }
+};
+
+const std::vector<Eigen::AlignedBox3d> wall = {box_of(1, -2.0, -0.05, 1.1, 0.9, 0.05)};
+
+double length(const std::vector<Configuration>& path) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) sum += (path[i] - path[i - 1]).norm();
+  return sum;
+}
+
+TEST(RrtConnect, PathsAreCertifiedAndTheSameForTheSameSeed) {
+  const Field field(load_robot("point"), wall);
+  const Vector2d start(0.0, 0.0), goal(2.5, 0.0);
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const PlanResult first = field.plan(start, goal, seed), second = field.plan(start, goal, seed);
+    ASSERT_EQ(first.status, PlanStatus::solved) << first.explanation;
+    EXPECT_TRUE(field.is_certified(first.waypoints));
+    EXPECT_EQ(first.waypoints.front(), start);
+    EXPECT_EQ(first.waypoints.back(), goal);
+    EXPECT_EQ(first.waypoints, second.waypoints);
+    EXPECT_NEAR(first.cost, field.cost(first.waypoints), 1e-9);
+  }
+  EXPECT_NE(field.plan(start, goal, 1).waypoints, field.plan(start, goal, 2).waypoints);
+}
+
+TEST(RrtConnect, SolvesForAnArm) {
+  const Field field(load_robot("puma560"), {box_of(0.35, 0.15, 0.0, 0.5, 0.6, 0.5)});
+  const Eigen::VectorXd start = (Eigen::VectorXd(6) << -0.6, -0.8, 0.3, 0.0, 0.4, 0.0).finished();
+  const Eigen::VectorXd goal = (Eigen::VectorXd(6) << 1.2, -0.9, 0.5, 0.3, 0.2, 0.4).finished();
+  const PlanResult result = field.plan(start, goal, 1);
+  ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
+  EXPECT_TRUE(field.is_certified(result.waypoints));
+}
+
+TEST(RrtConnect, GivesUpOnAnEnclosedGoalAfterItsSamples) {
+  const Field field(load_robot("point"), {box_of(1, -1, -.05, 1.1, 1, .05), box_of(2.9, -1, -.05, 3, 1, .05),
+                                          box_of(1, -1, -.05, 3, -.9, .05), box_of(1, .9, -.05, 3, 1, .05)});
+  const PlanResult result = field.plan(Vector2d(0, 0), Vector2d(2, 0), 1, {{"max_samples", "500"}});
+  EXPECT_EQ(result.status, PlanStatus::no_path);
+  EXPECT_NEAR(result.statistics.at("samples"), 500.0, 1.0);
+  EXPECT_EQ(field.plan(Vector2d(1.05, 0), Vector2d(2, 0), 1).status, PlanStatus::start_invalid);
+}
+
+TEST(Shortcut, ShortensKeepsTheEndsAndStaysCertified) {
+  const Field field(load_robot("point"), wall);
+  const std::vector<Configuration> path = {Vector2d(0, 0), Vector2d(0, 2), Vector2d(0.5, 1.8),
+                                           Vector2d(2, 2.5), Vector2d(2.5, 0)};
+  ASSERT_TRUE(field.is_certified(path));
+  double last = length(path);
+  for (const int attempts : {0, 10, 100, 400}) {
+    const auto shorter = shortcut(field.space, path, Vector2d::Ones(), 3, attempts);
+    EXPECT_TRUE(field.is_certified(shorter));
+    EXPECT_EQ(shorter.front(), path.front());
+    EXPECT_EQ(shorter.back(), path.back());
+    EXPECT_LE(length(shorter), last + 1e-12);
+    last = length(shorter);
+  }
+  EXPECT_LT(last, 0.75 * length(path));
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,171 @@
+// ConfigurationSpace::is_edge_free, where its bounds are hard to get right: joints that turn a link by a
+// multiple of their value, slides, pairs of bodies, bodies that stand still.
+
+#include <gtest/gtest.h>
+
+#include "planning/robot/self_contact.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/space/configuration_space.hpp"
+#include "tests/worlds/fcl_truth.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double edge = 0.05;
+
+Policies not_occupied() { return {.critical_by_default = false}; }
+
+std::vector<Eigen::Vector3d> cubes_about(const Robot& robot, Random& random, int count) {
+  std::vector<Eigen::Vector3d> cubes;
+  for (int i = 0; i < count; ++i) {
+    const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+    const Body& body = robot.bodies[robot.bodies.size() - 1 - static_cast<std::size_t>(random.below(2))];
+    const Eigen::Vector3d near = poses[static_cast<std::size_t>(body.link)] * body.link_from_shape *
+                                 body.shape.support(random.point(1.0));
+    cubes.emplace_back(((near / edge).array().floor() + 0.5) * edge);
+  }
+  return cubes;
+}
+
+Snapshot map_of(const std::vector<Eigen::Vector3d>& cubes) {
+  FreeSpaceMap builder({.resolution = edge});
+  for (const Eigen::Vector3d& cube : cubes) occupy(builder, cube);
+  return builder.snapshot();
+}
+
+/// How many random edges are accepted and how many refused; none accepted may touch when sampled densely.
+struct Count {
+  int accepted = 0, refused = 0, wrongly_refused = 0;
+};
+Count try_edges(const Robot& robot, int obstacles, std::uint64_t seed, int edges) {
+  Random random(seed);
+  const std::vector<Eigen::Vector3d> cubes = cubes_about(robot, random, obstacles);
+  const ConfigurationSpace space(robot, map_of(cubes), not_occupied());
+  const FclTruth truth(robot, cubes, edge);
+  Count count;
+  for (int i = 0; i < edges; ++i) {
+    const Configuration from = random.configuration(robot);
+    const Configuration to = from + random.unit() * (random.configuration(robot) - from);
+    const bool free = space.is_edge_free(from, to);
+    (free ? count.accepted : count.refused)++;
+    bool touched = false;
+    for (int k = 0; k <= 400 && !touched; ++k) {
+      const LinkPoses poses = forward_kinematics(robot, from + (to - from) * k / 400);
+      touched = truth.touches_itself(poses) || truth.touches_cube(poses);
+    }
+    EXPECT_FALSE(free && touched) << robot.name << " seed " << seed << " edge " << i << " from "
+                                  << from.transpose() << " to " << to.transpose();
+    count.wrongly_refused += !free && !touched;
+  }
+  return count;
+}
+
+TEST(EdgeProof, NoEdgeOfAMimicJointIsAcceptedThatTouchesOnItsWay) {
+  const testing::UrdfRobot whip = testing::whip();
+  for (const int obstacles : {0, 2}) {
+    const Count count = try_edges(whip.robot(), obstacles, 1, 300);
+    EXPECT_GT(count.accepted, 30);
+    EXPECT_GT(count.refused, 30);
+    EXPECT_LT(count.wrongly_refused, 10);
+  }
+}
+
+TEST(EdgeProof, NoEdgeOfASlideIsAcceptedThatTouchesOnItsWay) {
+  const testing::UrdfRobot telescope = testing::telescope();
+  for (const int obstacles : {0, 2}) {
+    const Count count = try_edges(telescope.robot(), obstacles, 2, 300);
+    EXPECT_GT(count.accepted, 30);
+    EXPECT_GT(count.refused, 30);
+    EXPECT_LT(count.wrongly_refused, 10);
+  }
+}
+
+TEST(EdgeProof, NoEdgeOfTwoArmsIsAcceptedOnWhichTheyMeet) {
+  const testing::UrdfRobot scissors = testing::scissors();
+  const Count count = try_edges(scissors.robot(), 0, 3, 400);
+  EXPECT_GT(count.accepted, 80);
+  EXPECT_GT(count.refused, 80);
+  EXPECT_LT(count.wrongly_refused, 10);
+}
+
+TEST(EdgeProof, ABodyThatRunsStraightIntoAnotherIsRefusedHoweverFarAwayItStarts) {
+  // A ball that slides towards one on its base: no bound on its motion has slack.
+  const std::string ball = "<sphere radius='0.05'/>";
+  const testing::UrdfRobot slider(
+      "slider", testing::urdf_link("base", "1 0 0", ball) + "<link name='turntable'/>" +
+                    testing::urdf_link("hand", "0 0 0", ball) +
+                    testing::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
+                                        testing::urdf_limit(-1, 1)) +
+                    testing::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
+                                        testing::urdf_limit(-10, 2)));
+  const ConfigurationSpace space(slider.robot(), Snapshot(), not_occupied());
+  for (const double start : {0.8, 0.5, 0.0, -2.0, -9.0}) {
+    const auto reaches = [&](double end) {
+      return space.is_edge_free(Eigen::Vector2d(0.0, start), Eigen::Vector2d(0.0, end));
+    };
+    EXPECT_TRUE(reaches(0.899)) << start;
+    for (const double end : {0.901, 0.95, 1.0, 1.5}) EXPECT_FALSE(reaches(end)) << start << " to " << end;
+  }
+}
+
+TEST(EdgeProof, BodiesThatStandStillOnTheEdgeKeepTheirPadding) {
+  const Robot arm = load_robot("planar2");                          // capsules of radius 0.05 and 1 m
+  const std::vector<Eigen::Vector3d> cubes{{0.525, 0.125, 0.025}};  // from y = 0.1 on, beside the upper arm
+  const Eigen::Vector2d from(0.0, -1.0), to(0.0, -1.5);             // the elbow alone turns, away from it
+  const auto is_free = [&](double padding) {
+    const ConfigurationSpace space(arm, map_of(cubes), not_occupied(), {.padding = padding});
+    EXPECT_EQ(space.is_free(from), space.is_edge_free(from, to)) << padding;
+    return space.is_edge_free(from, to);
+  };
+  EXPECT_TRUE(is_free(0.0));
+  EXPECT_TRUE(is_free(0.049));
+  EXPECT_FALSE(is_free(0.051));
+  EXPECT_FALSE(is_free(0.09));
+}
+
+TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOfJoint) {
+  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope(),
+                           scissors = testing::scissors();
+  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
+    const ConfigurationSpace space(robot, Snapshot(), not_occupied());
+    const std::vector<BodyPair> pairs = contact_pairs(robot);
+    ASSERT_FALSE(pairs.empty()) << robot.name;
+    std::vector<std::shared_ptr<fcl::CollisionGeometryd>> shapes;
+    for (const Body& body : robot.bodies) shapes.push_back(fcl_geometry(body.shape));
+    Random random(7);
+    double tightest_motion = 0.0, tightest_approach = 0.0;
+    for (int i = 0; i < 2'000; ++i) {
+      const Configuration from = random.configuration(robot);
+      const Configuration to = from + 0.01 * (random.configuration(robot) - from);
+      const Eigen::VectorXd moved = (to - from).cwiseAbs();
+      const LinkPoses a = forward_kinematics(robot, from), b = forward_kinematics(robot, to);
+      for (const Body& body : robot.bodies) {
+        const Eigen::Vector3d point = body.link_from_shape * body.shape.support(random.point(1.0));
+        const auto link = static_cast<std::size_t>(body.link);
+        const double share = (b[link] * point - a[link] * point).norm() / space.motion_bound(moved);
+        ASSERT_LE(share, 1 + 1e-9) << robot.name << " " << body.part;
+        tightest_motion = std::max(tightest_motion, share);
+      }
+      for (const BodyPair& pair : pairs) {
+        const auto gap = [&](const LinkPoses& poses) {
+          const auto first = static_cast<std::size_t>(pair.first),
+                     second = static_cast<std::size_t>(pair.second);
+          const Body &one = robot.bodies[first], &other = robot.bodies[second];
+          return fcl_distance(
+              shapes[first].get(), poses[static_cast<std::size_t>(one.link)] * one.link_from_shape,
+              shapes[second].get(), poses[static_cast<std::size_t>(other.link)] * other.link_from_shape);
+        };
+        const double nearer = std::abs(gap(a) - gap(b)), bound = pair.approach.dot(moved);
+        ASSERT_LE(nearer, bound * (1 + 1e-9) + 1e-6) << robot.name;
+        if (bound > 1e-3) tightest_approach = std::max(tightest_approach, nearer / bound);
+      }
+    }
+    EXPECT_GT(tightest_motion, 0.5) << robot.name;
+    EXPECT_GT(tightest_approach, 0.4) << robot.name;
+  }
+}
+
+}  // namespace
+}  // namespace clearway

@@ -1,0 +1,160 @@
+// What the map knows of where a robot goes, and what is refused for it.
+#include "planning/survey/path_survey.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/space/part_policies.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace {
+
+Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
+
+/// Seen free along one ray from (-2, 0) to (2, 0); a wall at its end.
+Snapshot seen_line() {
+  FreeSpaceMap map({.resolution = 0.1});
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(-1.95, 0.05, 0.05);
+  scan.points = {Eigen::Vector3f(3.9f, 0.0f, 0.0f)};
+  map.insert(scan);
+  return map.snapshot();
+}
+
+Snapshot wall() { return VoxelScene{0.1, {box_of(1.0, -1.0, -0.1, 1.2, 1.0, 0.1)}, {}, {}}.snapshot(); }
+
+const std::map<std::string, Policy> anything{{"base", Policy::not_occupied}};
+
+TEST(PathSurvey, a_part_that_is_wholly_outside_of_a_seen_map_somewhere_on_its_way_is_refused) {
+  const Robot disc = load_robot("point");
+  const PathSurvey inside = survey_path(disc, seen_line(), anything, {at(-1, 0), at(1, 0)});
+  EXPECT_TRUE(inside.leaving.empty());
+  EXPECT_FALSE(refusal(inside, {}));
+  // Outside between two waypoints that are inside.
+  const PathSurvey away = survey_path(disc, seen_line(), anything, {at(0, 0), at(0, 1), at(0, 0)});
+  ASSERT_EQ(away.leaving.size(), 1u);
+  EXPECT_EQ(away.leaving[0].part, "base");
+  EXPECT_NEAR(away.leaving[0].distance, 1.0 - 0.2 - 0.1, 1e-6);
+  EXPECT_NEAR(away.leaving[0].point.y(), 1.0, 1e-6);
+  const auto sentence = refusal(away, {});
+  ASSERT_TRUE(sentence);
+  for (const char* words : {"base leaves the map's bounds by 0.7 m", "--allow-outside base"})
+    EXPECT_NE(sentence->find(words), std::string::npos) << *sentence;
+}
+
+TEST(PathSurvey, allows_what_is_allowed_by_name) {
+  const PathSurvey away = survey_path(load_robot("point"), seen_line(), anything, {at(0, 0), at(0, 5)});
+  EXPECT_FALSE(refusal(away, {.allow_outside = {"base"}}));
+  EXPECT_FALSE(refusal(away, {.allow_outside = {"all"}}));
+  EXPECT_TRUE(refusal(away, {.allow_outside = {"tool"}}));
+}
+
+TEST(PathSurvey, a_part_that_must_be_in_known_space_is_not_told_to_leave) {
+  for (const Policy policy : {Policy::known_free, Policy::painted}) {
+    const PathSurvey survey = survey_path(load_robot("point"), seen_line(), {{"base", policy}}, {at(0, 5)});
+    EXPECT_TRUE(survey.leaving.empty());
+    EXPECT_TRUE(survey.unknown_free.empty());
+    EXPECT_EQ(unknown_sentence(survey), "");
+  }
+}
+
+TEST(PathSurvey, a_map_of_obstacles_alone_has_no_bounds_within_reach_but_one_out_of_reach_refuses) {
+  const PathSurvey beside = survey_path(load_robot("point"), wall(), anything, {at(-2, 0), at(-2, 1)});
+  EXPECT_TRUE(beside.is_of_obstacles_alone);
+  EXPECT_TRUE(beside.leaving.empty());
+  EXPECT_NE(unknown_sentence(beside).find("unknown space counts as free for base"), std::string::npos);
+  Robot far = load_robot("puma560");
+  const Configuration ready = Configuration::Zero(6);
+  EXPECT_TRUE(survey_path(far, wall(), {}, {ready}).leaving.empty());
+  for (const double distance : {8.0, 1e8}) {
+    far.map_from_base.translation().x() = distance;
+    const PathSurvey survey = survey_path(far, wall(), {}, {ready});
+    EXPECT_EQ(survey.leaving.size(), 7u) << distance;  // all but the base
+    EXPECT_TRUE(refusal(survey, {}));
+    EXPECT_EQ(survey.swept->beyond, survey.swept->total());
+  }
+}
+
+TEST(PathSurvey, an_empty_map_has_no_inside) {
+  const PathSurvey survey = survey_path(load_robot("point"), Snapshot(), anything, {at(0, 0)});
+  ASSERT_EQ(survey.leaving.size(), 1u);
+  EXPECT_TRUE(std::isinf(survey.leaving[0].distance));
+  EXPECT_EQ(refusal(survey, {})->find("inf"), std::string::npos);
+}
+
+TEST(PathSurvey, bodies_that_no_joint_moves_are_refused_only_when_asked) {
+  const Robot robot = load_robot("puma560");
+  const Snapshot map = VoxelScene{0.05, {box_of(-0.2, -0.2, 0.0, 0.2, 0.2, 0.2)}, {}, {}}.snapshot();
+  const PathSurvey survey = survey_path(robot, map, {}, {});  // told of without a path, too
+  EXPECT_FALSE(survey.swept);
+  ASSERT_EQ(survey.standing.size(), 1u);
+  EXPECT_EQ(survey.standing[0].part, "base");
+  EXPECT_FALSE(refusal(survey, {}));
+  const auto sentence = refusal(survey, {.strict = true});
+  ASSERT_TRUE(sentence);
+  EXPECT_NE(sentence->find("base touches " + std::to_string(survey.standing[0].voxels) + " occupied voxels"),
+            std::string::npos)
+      << *sentence;
+}
+
+TEST(PathSurvey, parts_that_are_allowed_outside_must_exist) {
+  const Robot robot = load_robot("puma560");
+  require_parts({"all", "link3"}, robot, "--allow-outside");
+  EXPECT_THROW(require_parts({"elbow"}, robot, "--allow-outside"), std::invalid_argument);
+}
+
+TEST(PartPolicies, free_space_is_known_however_much_of_it_is_painted) {
+  Robot robot = load_robot("puma560");
+  robot.critical_parts.clear();
+  for (const double seen : {0.25, 0.35, 0.45, 0.55}) {  // one to four voxels seen free beside one painted
+    FreeSpaceMap map({.resolution = 0.1});
+    map.paint(map.add_volume("free", {"other"}), {Eigen::Vector3d(0.05, 0.05, 0.05), 0.09});
+    Scan scan;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(0.15, 0.05, 0.05);
+    scan.points = {Eigen::Vector3f(static_cast<float>(seen), 0.0f, 0.0f)};
+    map.insert(scan);
+    for (const auto& [part, policy] : part_policies(robot, map.snapshot(), {}))
+      EXPECT_EQ(policy, Policy::known_free) << part << " " << map.snapshot().counts().seen_free;
+  }
+}
+
+TEST(PartPolicies, when_voxels_were_seen_is_asked_only_where_some_part_is_under_known_free) {
+  const Snapshot map = seen_line();
+  using Parts = std::map<std::string, Policy>;
+  require_seen_within(5.0, map, Parts{{"base", Policy::known_free}});
+  require_seen_within(5.0, map, Parts{{"base", Policy::painted}, {"tool", Policy::known_free}});
+  require_seen_within(0.0, map, Parts{{"base", Policy::not_occupied}});
+  EXPECT_THROW(require_seen_within(5.0, map, Parts{{"base", Policy::not_occupied}}), std::invalid_argument);
+  EXPECT_THROW(require_seen_within(5.0, map, Parts{{"a", Policy::painted}, {"b", Policy::not_occupied}}),
+               std::invalid_argument);
+}
+
+TEST(PartPolicies, a_robot_that_names_no_critical_part_is_known_free_wherever_free_space_is_known) {
+  Robot robot = load_robot("puma560");
+  const auto all = [&](const Snapshot& map, const Policies& policies) {
+    std::set<Policy> used;
+    for (const auto& [part, policy] : part_policies(robot, map, policies)) used.insert(policy);
+    return used;
+  };
+  EXPECT_EQ(all(seen_line(), {}),
+            (std::set<Policy>{Policy::known_free, Policy::not_occupied}));  // the tool is
+  robot.critical_parts.clear();
+  EXPECT_EQ(all(seen_line(), {}), std::set<Policy>{Policy::known_free});
+  EXPECT_EQ(all(wall(), {}), std::set<Policy>{Policy::not_occupied});
+  EXPECT_EQ(all(Snapshot(), {}), std::set<Policy>{Policy::not_occupied});
+  const Snapshot painted = VoxelScene{0.1, {}, {{Eigen::Vector3d::Zero(), 0.5}}, {}}.snapshot();
+  EXPECT_EQ(all(painted, {}), std::set<Policy>{Policy::known_free});
+  // What is asked for wins.
+  EXPECT_EQ(all(seen_line(), {.other = Policy::not_occupied}), std::set<Policy>{Policy::not_occupied});
+  EXPECT_EQ(all(seen_line(), {.critical_by_default = false}), std::set<Policy>{Policy::not_occupied});
+  const auto one = part_policies(robot, seen_line(), {.parts = {{"link3", Policy::not_occupied}}});
+  EXPECT_EQ(one.at("link3"), Policy::not_occupied);
+  EXPECT_EQ(one.at("link2"), Policy::known_free);
+}
+
+}  // namespace
+}  // namespace clearway
