@@ -42,6 +42,9 @@ class Check {
     std::erase_if(files,
                   [&](const std::string& file) { return file.find(options.only) == std::string::npos; });
     candidates_ = drawn(options.repository, files, options.seed);
+    std::erase_if(candidates_, [&](const Candidate& candidate) {
+      return accepted_.reason(candidate).starts_with("equivalent: ");
+    });
     outcomes_.resize(candidates_.size());
   }
 

@@ -1,0 +1,55 @@
+// The bounds on motion that the independent check proves edges with, against bodies that move.
+#include <gtest/gtest.h>
+
+#include "planning/check/path_check_model.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway::check {
+namespace {
+
+/// Moves joints a little, as far as each random number says, and compares the way of a body's outermost
+/// points with their bound. @return the largest share of the bound
+double largest_share(const Robot& robot) {
+  const KdlArm arm(robot);
+  Random random(3);
+  BodyPoses from, to;
+  double largest = 0.0;
+  for (int i = 0; i < 3'000; ++i) {
+    const Configuration q = random.configuration(robot);
+    const Configuration moved = q + 1e-3 * random.unit() * (random.configuration(robot) - q);
+    arm.place(q, from);
+    arm.place(moved, to);
+    for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+      const Eigen::Vector3d point = robot.bodies[b].shape.support(random.point(1.0).normalized());
+      const double way = (to[b] * point - from[b] * point).norm();
+      const double bound = arm.motion(b, (moved - q).cwiseAbs());
+      EXPECT_LE(way, bound * (1.0 + 1e-9) + 1e-12) << robot.name << " " << robot.bodies[b].part;
+      if (bound > 1e-9) largest = std::max(largest, way / bound);
+    }
+  }
+  return largest;
+}
+
+TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
+  for (const char* name : {"puma560", "panda", "arm5", "planar2", "point"})
+    EXPECT_GT(largest_share(load_robot(name)), 0.3) << name;
+  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope();
+  for (const Robot& robot : {whip.robot(), telescope.robot()}) EXPECT_GT(largest_share(robot), 0.3);
+}
+
+TEST(PathCheckKdl, ABodyAboutTheOriginOfItsLinkMovesByItsOwnExtent) {
+  for (const char* shape : {"<cylinder radius='0.01' length='2'/>", "<box size='0.02 0.02 2'/>"}) {
+    const testing::UrdfRobot rod("rod", "<link name='base'/>" + testing::urdf_link("rod", "0 0 0", shape) +
+                                            testing::urdf_joint("turn", "revolute", "base", "rod", "0 0 0",
+                                                                "0 0 1", testing::urdf_limit(-3, 3)));
+    const double extent = KdlArm(rod.robot()).motion(0, Configuration::Ones(1));
+    EXPECT_GE(extent, 1.0) << shape;
+    EXPECT_LE(extent, 1.02) << shape;
+    EXPECT_GT(largest_share(rod.robot()), 0.9) << shape;
+  }
+}
+
+}  // namespace
+}  // namespace clearway::check
