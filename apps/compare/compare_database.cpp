@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "apps/compare/compare_columns.hpp"
+#include "apps/console/number_or_null.hpp"
 #include "mapping/system/atomic_file.hpp"
 
 namespace clearway {
@@ -98,8 +99,6 @@ class Database {
 
   sqlite3* handle_ = nullptr;
 };
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json cell_json(const CompareCell& cell) {
   if (const auto* whole = std::get_if<std::int64_t>(&cell)) return *whole;

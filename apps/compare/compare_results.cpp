@@ -5,6 +5,7 @@
 
 #include "apps/compare/compare_columns.hpp"
 #include "apps/compare/compare_summary.hpp"
+#include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
 #include "mapping/system/number_text.hpp"
 
@@ -24,8 +25,6 @@ std::string unsolved_text(const CompareSummary& sum) {
   }
   return text.empty() ? "-" : text;
 }
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;

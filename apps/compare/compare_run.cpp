@@ -11,10 +11,11 @@
 #include "apps/compare/compare_team.hpp"
 #include "apps/pages/map_page.hpp"
 #include "apps/query/query.hpp"
-#include "datasets/sources/parallel.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/parallel.hpp"
 #include "planning/path/any_angle.hpp"
+#include "planning/path/path_pieces.hpp"
 #include "planning/path/trajectory.hpp"
 #include "planning/space/joint_weights.hpp"
 
@@ -22,12 +23,6 @@ namespace clearway {
 namespace {
 
 namespace fs = std::filesystem;
-
-double length_of(const std::vector<Configuration>& path) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
-  return length;
-}
 
 std::string verdict_of(const Plan& plan) {
   if (plan.validation.valid) return "valid";
@@ -65,7 +60,7 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
   run.explanation = plan.explanation();
   run.check = verdict_of(plan);
   run.contact = plan.validation.first_contact;
-  run.length = length_of(plan.waypoints());
+  run.length = joint_space_length(plan.waypoints());
   run.cost =
       sampled_cost(cost, plan.waypoints(), joint_weights(space, given_prismatic_scale(plan)), cost_step);
   run.waypoints = plan.waypoints().size();
@@ -129,7 +124,7 @@ class Runner {
 
   void run(CompareExperiment& result, const std::function<void(double)>& progress) {
     std::mutex mutex;
-    on_threads(static_cast<std::size_t>(choice_.jobs), [&] {
+    parallel_until_false(static_cast<std::size_t>(choice_.jobs), [&] {
       try {
         const auto task = tasks_.next();
         if (!task) return false;

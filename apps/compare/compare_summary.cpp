@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/console/number_or_null.hpp"
+
 namespace clearway {
 namespace {
 
@@ -17,8 +19,6 @@ double quantile(std::vector<double> values, double p) {
   const double rank = std::ceil(p * static_cast<double>(values.size()));
   return values[std::min(static_cast<std::size_t>(std::max(rank, 1.0)) - 1, values.size() - 1)];
 }
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 }  // namespace
 

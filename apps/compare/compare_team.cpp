@@ -15,10 +15,10 @@
 #include "apps/suites/sensed_spaces.hpp"
 #include "apps/suites/suite_teams.hpp"
 #include "apps/suites/suite_world.hpp"
-#include "datasets/sources/parallel.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -59,7 +59,7 @@ class TeamRunner {
     std::atomic<std::size_t> next = 0;
     std::size_t done = 0;
     std::mutex mutex;
-    on_threads(static_cast<std::size_t>(choice_.jobs), [&] {
+    parallel_until_false(static_cast<std::size_t>(choice_.jobs), [&] {
       const std::size_t i = next++;
       if (i >= count) return false;
       result.problems[i] = run_team_number(i);

@@ -3,15 +3,10 @@
 #include <algorithm>
 
 #include "apps/console/parse.hpp"
+#include "planning/path/path_pieces.hpp"
 
 namespace clearway {
 namespace {
-
-double length_of(const std::vector<Configuration>& path) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
-  return length;
-}
 
 /// Where an obstacle outran a robot, distances from obstacles do not count, and robots that it drove together
 /// need only not touch. Contact is never safe, however far a step may come below d_s. A run that the clock
@@ -91,7 +86,7 @@ CompareRun team_result(const Team& team, const TeamRun& run, const TeamVerdict& 
   found.waypoints = run.steps() + 1;
   found.min_clearance = verdict.least_separation;
   for (std::size_t i = 0; i < run.traces.size(); ++i) {
-    found.length += length_of(run.traces[i].positions);
+    found.length += joint_space_length(run.traces[i].positions);
     found.cost += cost_of(team.robots[i].space->robot(), i, circumstances)(run.traces[i].positions);
     for (const auto& [name, value] : statistics_of(run.traces[i])) found.statistics[name] += value;
   }

@@ -5,7 +5,7 @@
 
 #include "datasets/descriptions/random_numbers.hpp"
 #include "datasets/sources/lens.hpp"
-#include "datasets/sources/parallel.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 
@@ -19,7 +19,7 @@ DepthImage render_depth(const SceneDepth& depth, size_t index, std::span<const S
   for (const auto& surface : surfaces) all.push_back(&surface);
   const RandomNumbers noise(seed, 1'000'000'000 + 2 * index), losses(seed, 1'000'000'001 + 2 * index);
 
-  for_each_index(height, [&](size_t row) {
+  parallel_for(height, [&](size_t row) {
     for (size_t column = 0; column < width; ++column) {
       const Eigen::Vector3d optical =
           pixel_ray(camera, {static_cast<double>(column), static_cast<double>(row)});

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "datasets/sources/lens.hpp"
-#include "datasets/sources/parallel.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -26,7 +26,7 @@ ImageRenderer::ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isomet
     : camera_(camera), map_from_camera_(map_from_camera), still_(std::move(still)), background_(background) {
   const int columns = camera.width + 1;
   corner_rays_.resize(static_cast<size_t>(columns) * static_cast<size_t>(camera.height + 1));
-  for_each_index(static_cast<size_t>(camera.height) + 1, [&](size_t row) {
+  parallel_for(static_cast<size_t>(camera.height) + 1, [&](size_t row) {
     for (int column = 0; column < columns; ++column)
       corner_rays_[row * static_cast<size_t>(columns) + static_cast<size_t>(column)] =
           pixel_ray(camera, {column - 0.5, static_cast<double>(row) - 0.5}).head<2>();
@@ -35,7 +35,7 @@ ImageRenderer::ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isomet
   still_sights_.resize(static_cast<size_t>(camera.width + 2) * static_cast<size_t>(camera.height + 2));
   empty_ = {camera.width, camera.height,
             std::vector<float>(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height))};
-  for_each_index(tiles_.size(), [&](size_t i) {
+  parallel_for(tiles_.size(), [&](size_t i) {
     const Tile& tile = tiles_[i];
     // Tiles at the rim of the image look at the pixels just outside as well.
     const int left = tile.column == 0 ? -1 : tile.column, top = tile.row == 0 ? -1 : tile.row;
@@ -45,7 +45,7 @@ ImageRenderer::ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isomet
       for (int column = left; column < right + (right == camera_.width); ++column)
         still_sight(column, row) = look(tile.still, still_.data(), column, row);
   });
-  for_each_index(tiles_.size(), [&](size_t i) { draw_still_tile(tiles_[i]); });
+  parallel_for(tiles_.size(), [&](size_t i) { draw_still_tile(tiles_[i]); });
 }
 
 void ImageRenderer::make_tiles() {

@@ -5,7 +5,7 @@
 
 #include "datasets/descriptions/random_numbers.hpp"
 #include "datasets/sources/lens.hpp"
-#include "datasets/sources/parallel.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -94,7 +94,7 @@ DepthImage render_noisy_depth(const SceneDepth& depth, size_t index, std::span<c
   Eye eye{camera, depth.map_from_sensor[index], {}};
   for (const Surface& surface : surfaces) eye.surfaces.push_back(&surface);
   const Chances chances(seed, index);
-  for_each_index(height, [&](size_t row) {
+  parallel_for(height, [&](size_t row) {
     for (size_t column = 0; column < width; ++column) {
       const size_t pixel = row * width + column;
       const double range =

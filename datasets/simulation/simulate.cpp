@@ -8,9 +8,9 @@
 #include "datasets/simulation/image_renderer.hpp"
 #include "datasets/simulation/probe_surfaces.hpp"
 #include "datasets/simulation/truth.hpp"
-#include "datasets/sources/parallel.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -125,7 +125,7 @@ void Simulation::record_images() {
   const size_t batch = 4 * thread_count();
   for (size_t begin = 0; begin < count; begin += batch) {
     std::vector<GrayImage> images(std::min(batch, count - begin));
-    for_each_index(images.size(), [&](size_t i) {
+    parallel_for(images.size(), [&](size_t i) {
       images[i] = photograph(renderer, motion, static_cast<double>(begin + i) * interval, begin + i);
     });
     for (size_t i = 0; i < images.size(); ++i) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -157,7 +157,7 @@ template <class Read>
 void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
                 BlockedCells& cells, int threads, const Read& read) {
   const int parts = std::clamp(threads, 1, cells.lanes());
-  on_threads(static_cast<std::size_t>(parts), [&](std::size_t i) {
+  parallel(static_cast<std::size_t>(parts), [&](std::size_t i) {
     const int part = static_cast<int>(i);
     TreeReader reader(tree, requirement, first, cells, part * cells.lanes() / parts,
                       (part + 1) * cells.lanes() / parts);

@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "mapping/scans/ray_window.hpp"
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 
@@ -39,7 +39,7 @@ struct Coverage {
 /// The box of the origin and of all ends.
 Eigen::AlignedBox3f box_of(const ScanRays& rays, std::size_t workers) {
   std::vector<Eigen::AlignedBox3f> boxes(workers, Eigen::AlignedBox3f(rays.origin));
-  on_threads(workers, [&](std::size_t worker) {
+  parallel(workers, [&](std::size_t worker) {
     Eigen::AlignedBox3f box = boxes[worker];
     const std::size_t count = rays.ends.size(), last = count * (worker + 1) / workers;
     for (std::size_t i = count * worker / workers; i < last; ++i) box.extend(rays.ends[i].point);
@@ -151,7 +151,7 @@ void cast_rays(const ScanRays& rays, double resolution, int threads, Instruction
   windows.resize(workers);
   constexpr std::size_t portion = 1024;  // rays
   std::atomic<std::size_t> next{0};
-  on_threads(workers, [&](std::size_t worker) {
+  parallel(workers, [&](std::size_t worker) {
     windows[worker].cover(coverage.box);
     const RayEnd* const ends = rays.ends.data();
     const std::size_t count = rays.ends.size();
@@ -161,7 +161,7 @@ void cast_rays(const ScanRays& rays, double resolution, int threads, Instruction
   std::mutex guard;
   const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);
   std::atomic<int> next_pair{0};
-  on_threads(workers, [&](std::size_t) {
+  parallel(workers, [&](std::size_t) {
     for (int i = next_pair++; i < tiles.prod(); i = next_pair++) {
       const Eigen::Vector3i place(i % tiles.x(), i / tiles.x() % tiles.y(), i / tiles.x() / tiles.y());
       collect_tiles(windows, windows[0].corner() + place.cwiseProduct(Eigen::Vector3i(64, 32, 32)), set,

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -160,7 +160,7 @@ std::vector<GrowthStep> clear_growth_of(double band, double resolution) {
 void spare_surfaces(ScanGrid& grid, const SurfaceMargins& margins, int threads) {
   const std::vector<ScanTile*> tiles = grid.tiles();
   std::atomic<std::size_t> next{0};
-  on_threads(static_cast<std::size_t>(threads), [&](std::size_t) {
+  parallel(static_cast<std::size_t>(threads), [&](std::size_t) {
     Grower grower;
     for (std::size_t i = next++; i < tiles.size(); i = next++) spare(grid, margins, *tiles[i], grower);
   });

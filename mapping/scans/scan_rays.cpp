@@ -6,7 +6,7 @@
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"
 #include "mapping/scans/scan_filter.hpp"
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -160,7 +160,7 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   shares.resize(workers);
   std::swap(shares[0].hits, workspace.grid);
   std::swap(shares[0].ends, workspace.chosen.ends);
-  on_threads(workers, [&](std::size_t worker) {
+  parallel(workers, [&](std::size_t worker) {
     ChosenEnds& share = shares[worker];
     share.clear();
     EndChooser chooser(tree, workspace.chosen.origin, filter.max_range, insertion, share);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 
@@ -157,7 +157,7 @@ void SeenStamps::see(ScanGrid& grid, double time, int threads) {
   for (const ScanTile* tile : scan) keys.push_back(key_of(tile->corner));
   add_entries(std::move(keys));
   const auto workers = static_cast<std::size_t>(threads);
-  on_threads(workers, [&](std::size_t worker) {
+  parallel(workers, [&](std::size_t worker) {
     for (std::size_t i = worker; i < scan.size(); i += workers)
       tile_for_writing(entry(key_of(scan[i]->corner)), scan[i]->corner).raise(*scan[i], stamp);
   });

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <vector>
 
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 #include "mapping/voxels/evidence_rule.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "mapping/voxels/scan_grid.hpp"
@@ -214,7 +214,7 @@ void FusedTree::update(ScanGrid& grid, Integration integration, int threads) {
   const std::vector<ScanTile*> scan = grid.tiles();
   std::vector<ScanUpdate::Tile> tiles(scan.size());
   const auto workers = static_cast<std::size_t>(threads);
-  on_threads(workers, [&](std::size_t worker) {
+  parallel(workers, [&](std::size_t worker) {
     for (std::size_t i = worker; i < scan.size(); i += workers) tiles[i].read(*scan[i]);
   });
   std::erase_if(tiles, [](const ScanUpdate::Tile& tile) { return !tile.has_free && !tile.has_hit; });
@@ -227,7 +227,7 @@ void FusedTree::update(ScanGrid& grid, Integration integration, int threads) {
   above.reach_tiles(top, static_cast<int>(tree_depth), created, first, first + tiles.size());
 
   std::atomic<std::size_t> next{0}, grown{0};
-  on_threads(workers, [&](std::size_t) {
+  parallel(workers, [&](std::size_t) {
     ScanUpdate update(*this, integration);
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       ScanUpdate::Tile& tile = tiles[i];

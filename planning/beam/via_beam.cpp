@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "mapping/system/random_unit.hpp"
+
 namespace clearway {
 namespace {
 
@@ -100,7 +102,7 @@ class Search {
   std::uint64_t configurations = 0, edges = 0;
 
  private:
-  double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+  double uniform() { return random_unit(random_); }
 
   void try_child(int parent, const Region& region, double share, int child, std::vector<ViaHead>& found) {
     const Configuration from = heads_[static_cast<std::size_t>(parent)].q;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/boundary/boundary_following.hpp"
 #include "planning/routes/route_guide.hpp"
 
@@ -50,9 +51,8 @@ Eigen::VectorXd plane_direction(int plane, const ConfigurationSpace& space, cons
   }
   if (plane == 4 || plane == 5)
     return damper.weight.cwiseProduct(side_limits(robot, lock, plane == 4) - lock);
-  return Eigen::VectorXd::NullaryExpr(lock.size(), [&random](Eigen::Index) {
-    return 2.0 * static_cast<double>(random() >> 11) * 0x1.0p-53 - 1.0;
-  });
+  return Eigen::VectorXd::NullaryExpr(lock.size(),
+                                      [&random](Eigen::Index) { return 2.0 * random_unit(random) - 1.0; });
 }
 
 PlusSearch::PlusSearch(const PlanProblem& problem, const BoundaryPlusOptions& options,

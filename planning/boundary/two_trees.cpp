@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "mapping/system/random_unit.hpp"
+
 namespace clearway {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr double range_share = 0.2;
 TwoTrees::Side other(TwoTrees::Side side) {
   return side == TwoTrees::start ? TwoTrees::goal : TwoTrees::start;
 }
-
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 }  // namespace
 
@@ -133,7 +133,7 @@ bool TwoTrees::connect(Side side, int node) {
 
 Configuration TwoTrees::draw(std::mt19937_64& random) const {
   Configuration q(low_.size());
-  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = low_[j] + (high_[j] - low_[j]) * uniform(random);
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = low_[j] + (high_[j] - low_[j]) * random_unit(random);
   return q;
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 #include <sstream>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -16,16 +17,13 @@ constexpr double tolerance = 1e-9;                    ///< m, rad
 constexpr int configurations = 50;                    ///< random ones
 constexpr double most_turn = 2.0 * std::numbers::pi;  ///< looked at of a joint without limits
 
-/// In [0, 1), the same on every machine.
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11U) * 0x1.0p-53; }
-
 /// Both limits, the middle, then random ones.
 Configuration configuration(const Robot& robot, int number, std::mt19937_64& random) {
   Configuration q(static_cast<Eigen::Index>(robot.dof()));
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const double lower = std::max(robot.joints[j].lower, -most_turn);
     const double upper = std::min(robot.joints[j].upper, most_turn);
-    const double share = number < 3 ? 0.5 * number : uniform(random);
+    const double share = number < 3 ? 0.5 * number : random_unit(random);
     q[static_cast<Eigen::Index>(j)] = lower + share * (upper - lower);
   }
   return q;

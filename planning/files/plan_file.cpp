@@ -6,18 +6,13 @@
 
 #include "mapping/system/number_text.hpp"
 #include "planning/files/json_field.hpp"
+#include "planning/path/path_pieces.hpp"
 #include "planning/problem/option_reader.hpp"
 
 namespace clearway {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double length_of(const std::vector<Configuration>& path) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
-  return length;
-}
 
 std::string verdict_of(const PathVerdict& validation) {
   if (validation.valid) return "valid";
@@ -52,7 +47,7 @@ Json leg_json(const PlanResult& leg, std::size_t first) {
   json["cost_joules"] = leg.cost;
   json["last_segment"] = leg.last_segment;
   json["last_segment_joules"] = leg.last_segment_cost;
-  json["length_rad"] = length_of(leg.waypoints);
+  json["length_rad"] = joint_space_length(leg.waypoints);
   json["final_distance_rad"] = leg.final_distance;
   json["search_steps"] = leg.search_steps;
   json["checks"] = leg.configurations_checked;
@@ -140,7 +135,7 @@ std::string to_json(const Plan& plan) {
       {"explanation", plan.explanation()},
       {"waypoints", json_of(path)},
       {"cost_joules", total(plan.legs, &PlanResult::cost)},
-      {"length_rad", length_of(path)},
+      {"length_rad", joint_space_length(path)},
       {"search_steps", total(plan.legs, &PlanResult::search_steps)},
       {"legs", legs_json(plan.legs)},
       {"time_s", plan.time_s},

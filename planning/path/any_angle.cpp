@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/path/path_pieces.hpp"
 
 namespace clearway {
@@ -123,7 +124,7 @@ Path replaced(const Path& path, const PlaceOnPath& from, const PlaceOnPath& to, 
 
 /// One random attempt; true when the path became cheaper.
 bool try_cut(const Pass& pass, Path& path, std::mt19937_64& random) {
-  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
+  const auto uniform = [&random] { return random_unit(random); };
   const std::vector<double> lengths = edge_lengths(path, pass.weight);
   const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
   const double a = whole * uniform(), b = whole * uniform(), kind = 3.0 * uniform(), share = uniform();

@@ -11,6 +11,12 @@ std::vector<double> edge_lengths(const std::vector<Configuration>& path, const E
   return lengths;
 }
 
+double joint_space_length(const std::vector<Configuration>& path) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
+  return length;
+}
+
 PlaceOnPath place_at(const std::vector<double>& lengths, double along) {
   for (std::size_t i = 0; i + 1 < lengths.size(); ++i) {
     if (along <= lengths[i]) return {i, lengths[i] > 0.0 ? along / lengths[i] : 0.0};

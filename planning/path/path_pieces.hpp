@@ -17,6 +17,9 @@ struct PlaceOnPath {
 /// ||weight (q - q')|| of each edge.
 std::vector<double> edge_lengths(const std::vector<Configuration>& path, const Eigen::VectorXd& weight);
 
+/// Sum of ||q - q'|| over all edges, radians and metres alike.
+double joint_space_length(const std::vector<Configuration>& path);
+
 /// The place at length `along` from the path's start, given the lengths of its edges (at least one).
 PlaceOnPath place_at(const std::vector<double>& lengths, double along);
 

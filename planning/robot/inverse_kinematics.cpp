@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/puma_branches.hpp"
 
@@ -105,8 +106,7 @@ std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, cons
       const double here = near[static_cast<Eigen::Index>(j)];
       const double lower = std::isfinite(joint.lower) ? joint.lower : here - std::numbers::pi;
       const double upper = std::isfinite(joint.upper) ? joint.upper : here + std::numbers::pi;
-      q[static_cast<Eigen::Index>(j)] =
-          lower + (upper - lower) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+      q[static_cast<Eigen::Index>(j)] = lower + (upper - lower) * random_unit(random);
     }
     clamp_to_limits(robot, q);
     if (descend(robot, wanted, options, size, q)) return q;

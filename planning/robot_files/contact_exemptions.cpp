@@ -9,6 +9,7 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 
@@ -34,7 +35,7 @@ std::vector<int> rigid_groups(const Robot& robot) {
 double random_value(const Joint& joint, std::mt19937_64& random) {
   const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
   const double upper = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
-  const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
+  const double unit = random_unit(random);
   return lower + unit * (upper - lower);
 }
 

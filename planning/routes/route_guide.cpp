@@ -5,13 +5,12 @@
 #include <numbers>
 #include <utility>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/routes/free_route.hpp"
 
 namespace clearway {
 namespace {
-
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 /// Where the middle of the hand can get, on the map.
 Eigen::AlignedBox3d hand_bounds(const ConfigurationSpace& space, const Hand& hand) {
@@ -73,8 +72,8 @@ RouteGuide::RouteGuide(const PlanProblem& problem, const Hand& hand, HandRoute r
 }
 
 std::optional<Configuration> RouteGuide::operator()(std::mt19937_64& random) const {
-  if (route_.points.size() < 2 || uniform(random) >= share_) return std::nullopt;
-  const double share = uniform(random), wanted = share * along_.back();
+  if (route_.points.size() < 2 || random_unit(random) >= share_) return std::nullopt;
+  const double share = random_unit(random), wanted = share * along_.back();
   const auto next = std::upper_bound(along_.begin() + 1, along_.end() - 1, wanted);
   const auto i = static_cast<std::size_t>(next - along_.begin());
   const double piece = along_[i] - along_[i - 1];
@@ -82,16 +81,16 @@ std::optional<Configuration> RouteGuide::operator()(std::mt19937_64& random) con
   Eigen::Isometry3d hand = Eigen::Isometry3d::Identity();
   hand.translation() = route_.points[i - 1] + t * (route_.points[i] - route_.points[i - 1]);
   const double play = std::max(0.25 * hand_radius_, 0.5 * (route_.radii[i] - hand_radius_));
-  for (int k = 0; k < 3; ++k) hand.translation()[k] += play * (2.0 * uniform(random) - 1.0);
+  for (int k = 0; k < 3; ++k) hand.translation()[k] += play * (2.0 * random_unit(random) - 1.0);
 
   // Half of the tries stay near the straight way in joint space, the others may turn the arm over.
-  const bool near = uniform(random) < 0.5;
+  const bool near = random_unit(random) < 0.5;
   Configuration q = start_ + share * (goal_ - start_);
   for (Eigen::Index j = 0; j < q.size(); ++j) {
     const Joint& joint = robot_.joints[static_cast<std::size_t>(j)];
     const double half = joint.kind == JointKind::revolute ? std::numbers::pi : 1.0;
     const double lower = std::max(joint.lower, q[j] - half), upper = std::min(joint.upper, q[j] + half);
-    const double drawn = lower + (upper - lower) * uniform(random);
+    const double drawn = lower + (upper - lower) * random_unit(random);
     q[j] = std::clamp(near ? q[j] + 0.25 * (drawn - q[j]) : drawn, joint.lower, joint.upper);
   }
   return inverse_kinematics(

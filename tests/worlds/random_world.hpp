@@ -9,6 +9,7 @@
 #include <random>
 
 #include "mapping/free_space_map.hpp"
+#include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
 
@@ -17,7 +18,7 @@ namespace clearway {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double unit() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+  double unit() { return random_unit(engine_); }
   double between(double low, double high) { return low + (high - low) * unit(); }
   int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
 

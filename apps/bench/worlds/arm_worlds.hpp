@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mapping/free_space_map.hpp"
+#include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
 
@@ -18,9 +19,7 @@ namespace clearway::bench {
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1.0p-53;
-  }
+  double between(double low, double high) { return low + (high - low) * random_unit(engine_); }
   Eigen::Vector3d point(const Eigen::AlignedBox3d& box) {
     return {between(box.min().x(), box.max().x()), between(box.min().y(), box.max().y()),
             between(box.min().z(), box.max().z())};

@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/constraint/quadratic_program.hpp"
 
 namespace clearway::bench {
@@ -31,9 +32,7 @@ inline constexpr std::array program_kinds{"plain",    "walls",  "near_parallel",
 class ProgramDice {
  public:
   explicit ProgramDice(std::uint64_t seed) : engine_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1.0p-53;
-  }
+  double between(double low, double high) { return low + (high - low) * random_unit(engine_); }
   int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
   Eigen::VectorXd vector(Eigen::Index size, double half) {
     return Eigen::VectorXd::NullaryExpr(size, [&] { return between(-half, half); });

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "mapping/continued_map.hpp"
+#include "mapping/system/random_unit.hpp"
 
 namespace clearway {
 namespace {
@@ -17,7 +18,7 @@ std::vector<Eigen::Vector3d> clutter(std::mt19937_64& random, double share) {
     for (int y = -11; y <= 11; ++y) {
       for (int z = -11; z <= 11; ++z) {
         const bool is_near_sensor = std::max({std::abs(x), std::abs(y), std::abs(z)}) < 2;
-        if (!is_near_sensor && static_cast<double>(random() >> 11U) * 0x1.0p-53 < share)
+        if (!is_near_sensor && random_unit(random) < share)
           voxels.emplace_back(Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5) * resolution);
       }
     }

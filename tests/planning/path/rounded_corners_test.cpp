@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "mapping/system/random_unit.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
@@ -64,9 +65,7 @@ TEST(RoundedCorners, ASharpCornerTurnsNoFasterThanAsked) {
 TEST(RoundedCorners, ArcsThatMeetOnAnEdgeLeaveNoTwoPointsThereAndNoReversedEdge) {
   Corner scene(box_of(5, 5, -0.05, 5.1, 5.1, 0.05));
   std::mt19937_64 random(7);
-  const auto drawn = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
-  };
+  const auto drawn = [&](double low, double high) { return low + (high - low) * random_unit(random); };
   for (int i = 0; i < 50; ++i) {
     scene.path = {Vector2d(drawn(-0.5, 0.5), drawn(-0.5, 0.5))};
     for (double at = drawn(-3.0, 3.0); scene.path.size() < 8; at += drawn(-2.5, 2.5)) {

@@ -1,8 +1,13 @@
-#include "mapping/system/on_threads.hpp"
+#include "mapping/system/parallel.hpp"
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
+#include <charconv>
 #include <condition_variable>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -100,13 +105,51 @@ thread_local Owner owner;
 
 }  // namespace
 
-void on_threads(std::size_t threads, const Work& work) {
+void parallel(std::size_t threads, const Work& work) {
   if (threads <= 1) return work(0);
   if (owner.process != getpid()) {
     owner.helpers = new Helpers;
     owner.process = getpid();
   }
   owner.helpers->run(threads, work);
+}
+
+void parallel_until_false(std::size_t threads, const std::function<bool()>& step) {
+  std::atomic<bool> has_failed = false;
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  const auto run = [&] {
+    try {
+      while (!has_failed && step()) {
+      }
+    } catch (...) {
+      has_failed = true;
+      const std::lock_guard lock(error_mutex);
+      if (!error) error = std::current_exception();
+    }
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t i = 1; i < threads; ++i) others.emplace_back(run);
+  run();
+  others.clear();
+  if (error) std::rethrow_exception(error);
+}
+
+void parallel_for(std::size_t count, const Work& work) {
+  std::atomic<std::size_t> next = 0;
+  parallel_until_false(std::min(thread_count(), count), [&] {
+    const std::size_t i = next++;
+    if (i >= count) return false;
+    work(i);
+    return true;
+  });
+}
+
+std::size_t thread_count() {
+  std::size_t count = std::thread::hardware_concurrency();
+  if (const char* given = std::getenv("CLEARWAY_THREADS"))
+    std::from_chars(given, given + std::strlen(given), count);
+  return std::clamp<std::size_t>(count, 1, 64);
 }
 
 }  // namespace clearway
