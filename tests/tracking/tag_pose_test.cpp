@@ -88,6 +88,22 @@ TEST(TagPose, every_other_order_of_detected_corners_gives_a_wrong_pose_or_none) 
   EXPECT_EQ(none, 20);            // mirrored or crossed: refused
 }
 
+TEST(TagPose, the_ambiguity_ratio_is_that_of_both_errors_however_small_they_are) {
+  const auto ratio = [](const std::vector<double>& errors) {
+    TagPose pose;
+    for (const double rms : errors) {
+      pose.solutions.emplace_back();
+      pose.solutions.back().rms_px = rms;
+    }
+    return pose.ambiguity_ratio();
+  };
+  EXPECT_DOUBLE_EQ(ratio({0.1, 0.15}), 1.5);
+  EXPECT_DOUBLE_EQ(ratio({2.0, 5.0}), 2.5);
+  EXPECT_TRUE(std::isinf(ratio({0.0, 0.1})));
+  EXPECT_TRUE(std::isinf(ratio({0.1})));
+  EXPECT_TRUE(std::isinf(ratio({})));
+}
+
 TEST(TagPose, solutions_are_sorted_and_both_face_the_camera) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> unit(-1, 1);
