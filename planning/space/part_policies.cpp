@@ -11,13 +11,13 @@ namespace {
 
 bool has_paint(const Snapshot& map) {
   if (!map.volumes().empty()) return true;
-  const VoxelCounts counts = map.counts();
-  return counts.painted + counts.conflict > 0;
+  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no spheres
+  return counts.painted > 0 || counts.conflict > 0;
 }
 
 bool has_free_space(const Snapshot& map) {
   const VoxelCounts counts = map.counts();
-  return counts.painted + counts.seen_free > 0;
+  return counts.painted > 0 || counts.seen_free > 0;
 }
 
 /// Of parts that are neither critical nor told.
@@ -31,9 +31,7 @@ bool has_ball(const Snapshot& map, std::uint16_t volumes) {
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     if ((volumes >> v & 1U) != 0 && !map.volumes()[v].balls.empty()) return true;
   }
-  if (!map.volumes().empty()) return false;
-  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no balls
-  return counts.painted + counts.conflict > 0;
+  return map.volumes().empty() && has_paint(map);
 }
 
 }  // namespace

@@ -84,6 +84,21 @@ TEST(ProximityRows, TheNearestPairOfEveryBodyHasARowAndNoRowIsTooFarOrTooLong) {
   EXPECT_GT(near, 30);
 }
 
+TEST(ProximityRows, ALongBodyHasARowAtEachEndForTheSameWall) {
+  const Robot robot = load_robot("planar2");  // capsules of 1 m, radius 0.05, along x at zero
+  FreeSpaceMap builder({.resolution = edge});
+  for (int x = -5; x < 45; ++x) occupy(builder, {(x + 0.5) * edge, 0.225, 0.025});  // a wall at y = 0.2
+  const ConfigurationSpace space(robot, builder.snapshot(), {.critical_by_default = false});
+  double first = 10.0, last = -10.0;  // by their gradient: a row at x turns the first joint's wall by x
+  for (const ProximityRow& row : space.proximity_rows(Eigen::Vector2d(0.0, 0.0), 0.3)) {
+    if (row.body != 0 || row.distance < 0.1) continue;
+    first = std::min(first, std::abs(row.gradient[0]));
+    last = std::max(last, std::abs(row.gradient[0]));
+  }
+  EXPECT_LT(first, 0.35);
+  EXPECT_GT(last, 0.65);
+}
+
 TEST(ProximityRows, ADiscInOneLayerOfKnownSpaceSeesItsWallsAndNotItsFloor) {
   const Robot robot = load_robot("point");
   FreeSpaceMap builder({.resolution = edge});

@@ -110,7 +110,7 @@ TEST(PathSurvey, parts_that_are_allowed_outside_must_exist) {
 TEST(PartPolicies, free_space_is_known_however_much_of_it_is_painted) {
   Robot robot = load_robot("puma560");
   robot.critical_parts.clear();
-  for (const double seen : {0.25, 0.35, 0.45, 0.55}) {  // one to four voxels seen free beside one painted
+  for (const double seen : {0.1, 0.2, 0.3, 0.4}) {  // one to four voxels seen free beside one painted
     FreeSpaceMap map({.resolution = 0.1});
     map.paint(map.add_volume("free", {"other"}), {Eigen::Vector3d(0.05, 0.05, 0.05), 0.09});
     Scan scan;
