@@ -100,7 +100,7 @@ Ended TestProgram::run(const std::string& program, double usual, const std::stri
                        const fs::path& folder) const {
   const fs::path scratch = folder / "scratch";
   fs::remove_all(scratch);
-  const Limits limits{.cpu = 10.0 + 4.0 * usual, .wall = 120.0 + 40.0 * usual};
+  const Limits limits{.cpu = 10.0 + 4.0 * usual, .wall = 60.0 + 10.0 * usual};
   Ended ended =
       run_command("exec " + program + " --gtest_fail_fast --gtest_filter='" + filter + "'", scratch, limits);
   fs::remove_all(scratch);
