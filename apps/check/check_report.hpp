@@ -19,7 +19,7 @@ struct CheckReport {
   PlanStatus plan_status = PlanStatus::no_path;
   std::size_t waypoints = 0;
   std::string map_integration{};  ///< which integration made the map
-  std::string map_caveat{};       ///< what the verdict must say of that, one sentence; may be empty
+  std::string map_caveat{};       ///< what the verdict must say of that, one or two sentences; may be empty
 
   /// The path holds, and the plan loosens nothing that the user does not accept.
   bool is_valid() const;

@@ -202,7 +202,7 @@ void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std:
     if (missed <= contract_tolerance) continue;
     rows.emplace_back("goal " + std::to_string(i + 1),
                       "in reach of one step, not reached: a joint is " + significant(missed, 3) +
-                          " from it; check refuses the plan without --accept-goals");
+                          " rad or m from it; check refuses the plan without --accept-goals");
   }
 }
 

@@ -1,5 +1,5 @@
 // What Lahouar et al. 2006 show in Figs. 4, 5, 11 and 12, in the committed experiments; Figs. 13 and 14 are
-// in planning/team_test.cpp, and here only as the suite has them.
+// in tests/planning/team/team_test.cpp, and here only as the suite has them.
 
 #include <gtest/gtest.h>
 

@@ -48,5 +48,18 @@ TEST(PlainText, what_is_quoted_from_a_file_is_cut_to_80_characters) {
   EXPECT_EQ(shortened(std::string(5, '\n')), "\\n\\n\\n\\n\\n");
 }
 
+TEST(PlainText, what_is_quoted_shows_letters_of_any_language_and_no_control_of_eight_bits) {
+  EXPECT_EQ(quote("Würfel → 家"), "'Würfel → 家'");
+  EXPECT_EQ(quote("\x1b[2J\n"), "'\\x1b[2J\\n'");
+  EXPECT_EQ(quote("\xc2\x9b"
+                  "31m \xff \xe2\x80\xae"),
+            "'\\xc2\\x9b31m \\xff \\xe2\\x80\\xae'");
+}
+
+TEST(PlainText, a_path_is_cut_to_255_characters) {
+  EXPECT_EQ(quote_path(std::string(255, 'x')), "'" + std::string(255, 'x') + "'");
+  EXPECT_EQ(quote_path(std::string(256, 'x')), "'" + std::string(255, 'x') + "…'");
+}
+
 }  // namespace
 }  // namespace clearway

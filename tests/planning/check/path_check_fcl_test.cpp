@@ -36,7 +36,9 @@ TEST(PathCheckFcl, AFlatHullReachesToAllOfItsCorners) {
       EXPECT_GE(distance, 0.09);
       beyond = corner;
       beyond[v] += (corner[v] > 0.0 ? 1.0 : -1.0) * (0.1 + 0.005);
+      EXPECT_FALSE(bodies.touches_cube(0, here, beyond, 0.01));
       EXPECT_LE(bodies.cube_distance(0, here, beyond, 0.01), 0.1 + 1e-9);
+      EXPECT_GE(bodies.cube_distance(0, here, beyond, 0.01), 0.09);
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/fcl_truth.hpp"
+#include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
@@ -34,6 +35,17 @@ TEST(ContactExemptions, BodiesThatSometimesComeApartAreNotExemptHoweverOftenThey
   }
   const UrdfRobot within = sliding_ball(0.19);
   EXPECT_EQ(always_touching_bodies(within.robot()), (Pairs{{0, 1}}));
+}
+
+TEST(ContactExemptions, AnSrdfMayNameAHundredThousandPairsAndNotOneMore) {
+  const RobotFolder folder("srdf_limit");
+  const auto of = [](int pairs) {
+    std::string text = "<robot name='r'>";
+    for (int i = 0; i < pairs; ++i) text += "<disable_collisions link1='a' link2='b'/>";
+    return text + "</robot>";
+  };
+  EXPECT_EQ(read_srdf(folder.write("most.srdf", of(100'000))).size(), 100'000U);
+  EXPECT_THROW(read_srdf(folder.write("more.srdf", of(100'001))), std::invalid_argument);
 }
 
 TEST(ContactExemptions, NoPairIsExemptThatTouchesInLessThanNineTenthsByFcl) {

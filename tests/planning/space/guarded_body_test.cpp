@@ -96,6 +96,27 @@ TEST(GuardedBody, IsClearAgreesWithEveryCubeAndWithWhatWasMetLately) {
   EXPECT_LT(close, 20);
 }
 
+TEST(GuardedBody, AHullAwayFromItsOriginIsNotClearDeepInsideWhatIsBlocked) {
+  const Snapshot map = VoxelScene{0.05, {box_of(-0.5, -0.5, -0.5, 0.5, 0.5, 0.5)}, {}, {}}.snapshot();
+  const Eigen::AlignedBox3d region(Eigen::Vector3d::Constant(-2.0), Eigen::Vector3d::Constant(2.0));
+  const auto space = map.blocked_space({Policy::not_occupied, 0}, region, 0.5);
+  for (const double away : {0.0, 1.2}) {  // mesh hulls keep the vertices of their files
+    std::vector<Eigen::Vector3d> corners;
+    for (int i = 0; i < 8; ++i)
+      corners.emplace_back(away + (i & 1 ? 0.1 : -0.1), i & 2 ? 0.1 : -0.1, i & 4 ? 0.1 : -0.1);
+    const Body body = body_of(Shape::convex(corners));
+    const GuardedBody guarded(body, space, everywhere);
+    Random random(5);
+    for (int i = 0; i < 50; ++i) {
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.translation() = random.point(0.2) - Eigen::Vector3d(away, 0.0, 0.0);
+      EXPECT_FALSE(guarded.is_clear(pose, 0.0)) << away;
+      pose.translation().y() += 1.0;
+      EXPECT_TRUE(guarded.is_clear(pose, 0.0)) << away;
+    }
+  }
+}
+
 TEST(GuardedBody, ASweepThatIsClearKeepsItsMarginFromEveryCubeAllTheWay) {
   Random random(22);
   int clear = 0, refused = 0, refused_with_room = 0;
