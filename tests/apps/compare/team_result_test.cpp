@@ -130,6 +130,9 @@ TEST(TeamResult, TellsTheDistancesThatItsVerdictWasMadeWith) {
   ASSERT_TRUE(found.motion.has_value());
   EXPECT_EQ(found.motion->time, 0.5);
   EXPECT_EQ(found.motion->speed, 0.5);
+  EXPECT_EQ(found.legs, 0U);
+  resting.run.status = PlanStatus::solved;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).legs, 1U);
 }
 
 TEST(TeamResult, CostsWhatThePayloadsAndGravityMakeOfTheWay) {

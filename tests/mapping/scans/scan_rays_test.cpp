@@ -194,5 +194,31 @@ TEST(ScanRays, ARealSphericalScanGivesStockOctoMapsTree) {
   expect_equal(stock, map.snapshot().tree());
 }
 
+TEST(ScanRays, EachSettingOfTheFilterCountsAlone) {
+  Scan scan;
+  for (int i = 0; i < 40; ++i) scan.points.emplace_back(0.3f + 0.01f * static_cast<float>(i), 0.0f, 0.0f);
+  const auto dropped = [&](const ScanFilter& filter) {
+    FreeSpaceMap map({.resolution = 0.05});
+    return map.insert(scan, filter).dropped_filter;
+  };
+  EXPECT_EQ(dropped({}), 0U);
+  ScanFilter filter;
+  filter.min_range = 0.4;
+  EXPECT_GT(dropped(filter), 5U);
+  filter = {};
+  filter.thin_to = 0.1;
+  EXPECT_GT(dropped(filter), 20U);
+  filter = {};
+  filter.crop = {Eigen::Vector3d::Constant(-0.5), Eigen::Vector3d::Constant(0.5)};
+  EXPECT_GT(dropped(filter), 15U);
+  filter = {};
+  filter.bodies = {{{0.5, 0.0, -1.0}, {0.5, 0.0, 1.0}, 0.05}};
+  EXPECT_GT(dropped(filter), 5U);
+  filter = {};
+  filter.outlier_neighbours = 5;
+  scan.points.emplace_back(2.0f, 1.0f, 0.0f);
+  EXPECT_GT(dropped(filter), 0U);
+}
+
 }  // namespace
 }  // namespace clearway
