@@ -220,5 +220,17 @@ TEST(ScanRays, EachSettingOfTheFilterCountsAlone) {
   EXPECT_GT(dropped(filter), 0U);
 }
 
+TEST(ScanRays, ARangeThatIsNoDistanceIsRefusedAndNotTakenForNoFilter) {
+  Scan scan;
+  scan.points.emplace_back(1.0f, 0.0f, 0.0f);
+  for (const double range : {-1.0, std::numeric_limits<double>::infinity(),
+                             -std::numeric_limits<double>::infinity(), std::nan("")}) {
+    FreeSpaceMap map({.resolution = 0.05});
+    ScanFilter filter;
+    filter.max_range = range;
+    EXPECT_THROW(map.insert(scan, filter), std::invalid_argument) << range;
+  }
+}
+
 }  // namespace
 }  // namespace clearway
