@@ -183,5 +183,30 @@ TEST(BlockedField, AgreesWithDynamicEdt3dWithinHalfAVoxelDiagonal) {
   EXPECT_GT(compared, 50000);
 }
 
+TEST(BlockedField, CellsAtEachFaceOfTheRegionSeeALoneCubeFartherIn) {
+  constexpr double edge = 0.05;
+  constexpr int cells = 40;  // the region along each axis
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int face : {0, cells - 1}) {
+      Eigen::Vector3i border = Eigen::Vector3i::Constant(cells / 2), inside = border;
+      border[axis] = face;
+      inside[axis] = face == 0 ? 3 : cells - 4;
+      const auto center = [&](const Eigen::Vector3i& cell) {
+        return Eigen::Vector3d((cell.cast<double>().array() + 0.5) * edge);
+      };
+      FreeSpaceMap map({.resolution = edge});
+      Scan scan;  // from within the voxel, so that no ray frees another
+      scan.map_from_sensor.translation() = center(inside);
+      scan.points.emplace_back(0.2f * static_cast<float>(edge), 0.0f, 0.0f);
+      map.insert(scan);
+      const Eigen::AlignedBox3d region(Eigen::Vector3d::Constant(0.2 * edge),
+                                       Eigen::Vector3d::Constant((cells - 0.2) * edge));
+      const auto space = map.snapshot().blocked_space({Policy::not_occupied, 0}, region, 0.5);
+      EXPECT_LE(space->clearance(center(border)), 2.5 * edge + 1e-9) << axis << " " << face;
+      EXPECT_GT(space->clearance(center(border)), 1.5 * edge) << axis << " " << face;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace clearway
