@@ -44,7 +44,7 @@ struct SuiteProblem {
   std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
 };
 
-/// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/README.md.
+/// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/FORMAT.md.
 struct SuiteGenerator {
   std::string kind;
   int count = 0;  ///< problems
@@ -90,7 +90,7 @@ struct Suite {
   std::vector<SuiteExperiment> experiments;
 };
 
-/// Reads a suite. Relative paths start from its folder. See datasets/suites/README.md for the file.
+/// Reads a suite. Relative paths start from its folder. See datasets/suites/FORMAT.md for the file.
 /// @throws std::invalid_argument, one sentence naming file, line, key and what was expected.
 Suite load_suite(const std::filesystem::path& file);
 
