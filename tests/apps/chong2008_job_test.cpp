@@ -13,7 +13,7 @@
 #include "planning/planner_table.hpp"
 
 namespace clearway {
-namespace {
+namespace chong2008_job_test {
 
 constexpr double step = 0.5 * 3.14159265358979323846 / 180.0;
 
@@ -165,5 +165,5 @@ TEST(Chong2008, Figs18And19TheSameTaskPassesLegByLegAtBothSizes) {
   }
 }
 
-}  // namespace
+}  // namespace chong2008_job_test
 }  // namespace clearway

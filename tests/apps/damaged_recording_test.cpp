@@ -6,7 +6,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace damaged_recording_test {
 
 constexpr const char* scan =
     "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
@@ -37,5 +37,5 @@ TEST(DamagedRecording, IsToldByInspectPlanAndCheck) {
   EXPECT_NE(checked["map_caveat"].get<std::string>().find(words), std::string::npos);
 }
 
-}  // namespace
+}  // namespace damaged_recording_test
 }  // namespace clearway

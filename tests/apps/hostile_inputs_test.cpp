@@ -9,7 +9,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace hostile_inputs_test {
 
 const std::string source = CLEARWAY_SOURCE_DIR;
 const std::string map = source + "/datasets/suites/maps/workbench.bt";
@@ -130,5 +130,5 @@ TEST(Failure, what_libraries_and_the_language_throw_never_reaches_the_user) {
   EXPECT_EQ(gone.sentence, "'/a' cannot be used: No such file or directory");
 }
 
-}  // namespace
+}  // namespace hostile_inputs_test
 }  // namespace clearway

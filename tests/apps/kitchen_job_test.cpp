@@ -13,7 +13,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace kitchen_job_test {
 
 using Json = nlohmann::json;
 
@@ -345,5 +345,5 @@ TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_le
   expect_refused({"simulate", folder.file("none.yaml"), "--out", folder.file("a.rawlog")}, "none.yaml");
 }
 
-}  // namespace
+}  // namespace kitchen_job_test
 }  // namespace clearway

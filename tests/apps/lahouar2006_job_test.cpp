@@ -8,7 +8,7 @@
 #include "apps/compare/compare_run.hpp"
 
 namespace clearway {
-namespace {
+namespace lahouar2006_job_test {
 
 /// An experiment of the suite, run whole, judged by the independent check.
 CompareExperiment run_of(const std::string& name, const std::filesystem::path& out) {
@@ -56,5 +56,5 @@ INSTANTIATE_TEST_SUITE_P(Figures, Lahouar2006,
                          testing::Values("figure4", "figure5", "figure11", "figure12", "figure13",
                                          "figure14"));
 
-}  // namespace
+}  // namespace lahouar2006_job_test
 }  // namespace clearway

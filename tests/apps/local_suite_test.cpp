@@ -9,7 +9,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace local_suite_test {
 
 const Policies open{.parts = {}, .critical_by_default = false};
 
@@ -84,5 +84,5 @@ experiments:
   EXPECT_EQ(stages, 3);
 }
 
-}  // namespace
+}  // namespace local_suite_test
 }  // namespace clearway

@@ -19,7 +19,7 @@
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace mutated_inputs_test {
 
 struct ProgramRun {
   int status = -1;  ///< -1: killed by a signal
@@ -156,5 +156,5 @@ TEST_F(MutatedInputs, a_map_folder) {
   expect_told("map/painted.csv", read_file(folder / "painted.csv"), inspect);
 }
 
-}  // namespace
+}  // namespace mutated_inputs_test
 }  // namespace clearway

@@ -35,7 +35,7 @@
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace mutated_readers_test {
 
 using Read = std::function<void(const std::filesystem::path&)>;
 
@@ -252,5 +252,5 @@ TEST_F(MutatedReaders, clouds) {
   expect_read_or_told("text.pcd", pcd, read);
 }
 
-}  // namespace
+}  // namespace mutated_readers_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace newest_scan_test {
 
 using Json = nlohmann::json;
 
@@ -83,5 +83,5 @@ TEST_F(NewestScan, a_map_of_compatible_integration_is_told_as_such) {
   EXPECT_NE(check.out.find("compatible integration"), std::string::npos) << check.out;
 }
 
-}  // namespace
+}  // namespace newest_scan_test
 }  // namespace clearway

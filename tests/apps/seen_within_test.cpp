@@ -9,7 +9,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace seen_within_test {
 
 using Json = nlohmann::json;
 
@@ -203,5 +203,5 @@ TEST_F(SeenWithin, inspect_says_when_a_voxel_was_seen_and_colours_a_slice_by_it)
       exit_bad_input);
 }
 
-}  // namespace
+}  // namespace seen_within_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "apps/compare/compare_run.hpp"
 
 namespace clearway {
-namespace {
+namespace sensed_job_test {
 
 using Change = std::function<void(SuiteExperiment&)>;
 
@@ -126,5 +126,5 @@ TEST(Sensed, SensorsThatCannotSeeAreToldBeforeAnythingRuns) {
   EXPECT_EQ(refusal({0.9, 0.5, 0.9}), "");
 }
 
-}  // namespace
+}  // namespace sensed_job_test
 }  // namespace clearway

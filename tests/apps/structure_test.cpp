@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-namespace {
+namespace structure_test {
 
 namespace fs = std::filesystem;
 
@@ -116,4 +116,4 @@ TEST(Structure, headers_include_nothing_heavier_than_eigen) {
   }
 }
 
-}  // namespace
+}  // namespace structure_test

@@ -19,7 +19,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace whole_folders_job_test {
 
 namespace fs = std::filesystem;
 
@@ -298,5 +298,5 @@ TEST_P(WholeFolders, ASignalEndsInASentenceThatSaysWhatIsThere) {
 
 INSTANTIATE_TEST_SUITE_P(Commands, WholeFolders, ::testing::Values("replay", "inspect", "compare"));
 
-}  // namespace
+}  // namespace whole_folders_job_test
 }  // namespace clearway

@@ -8,9 +8,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace continued_map_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 /// One ray from a neighbouring place to a voxel, which it hits; or one that passes it.
 Scan ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
@@ -22,13 +22,13 @@ Scan ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 
 TEST(ContinuedMap, ScansChangeItAsTheyChangeTheMapThatItBeganWith) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
-    FreeSpaceMap map = testing::random_map(seed);
+    FreeSpaceMap map = worlds::random_map(seed);
     const Snapshot before = map.snapshot();
     const std::string digest = map_sha256(before);
     ContinuedMap continued(before, map.options());
     Dice dice(seed + 100);
     for (int i = 0; i < 5; ++i) {
-      const Scan scan = testing::random_scan(dice, 200);
+      const Scan scan = worlds::random_scan(dice, 200);
       EXPECT_EQ(map.insert(scan).inserted, continued.insert(scan).inserted);
       EXPECT_EQ(map_sha256(map.snapshot()), map_sha256(continued.snapshot()));
     }
@@ -38,12 +38,12 @@ TEST(ContinuedMap, ScansChangeItAsTheyChangeTheMapThatItBeganWith) {
 }
 
 TEST(ContinuedMap, FieldsThatAreBroughtUpToDateAreThoseMadeAnew) {
-  FreeSpaceMap map = testing::random_map(7);
+  FreeSpaceMap map = worlds::random_map(7);
   ContinuedMap continued(map.snapshot(), map.options());
   const Eigen::AlignedBox3d region(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0));
   Dice dice(8);
   for (int i = 0; i < 4; ++i) {
-    continued.insert(testing::random_scan(dice, 100));
+    continued.insert(worlds::random_scan(dice, 100));
     const Snapshot now = continued.snapshot();
     const Snapshot anew(std::shared_ptr<const FusedTree>(std::shared_ptr<const FusedTree>(), &now.tree()),
                         now.volumes());
@@ -95,5 +95,5 @@ TEST(ContinuedMap, ProbabilitiesOutOfRangeAreRefusedByName) {
   EXPECT_THROW(ContinuedMap(Snapshot(), {.miss_probability = 0.0}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace continued_map_test
 }  // namespace clearway

@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace erase_undo_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 struct Step {
   enum Kind { paint, erase, scan } kind = paint;
@@ -47,7 +47,7 @@ FreeSpaceMap play(const std::vector<Step>& steps, const std::set<int>& left_out)
     if (step.stroke != stroke) stroke = map.begin_stroke("stroke " + std::to_string(step.stroke), "test");
     if (step.kind == Step::scan) {
       Dice dice(step.seed);
-      map.insert(testing::random_scan(dice, 100));
+      map.insert(worlds::random_scan(dice, 100));
       continue;
     }
     if (left_out.contains(step.stroke)) continue;
@@ -143,7 +143,7 @@ TEST(Erase, ClearsEveryVoxelThatTheEraserOverlaps) {
   for (int trial = 0; trial < 20; ++trial) {
     FreeSpaceMap map({.resolution = 0.04});
     map.add_volume("v", {});
-    for (int i = 0; i < 10; ++i) map.paint(0, testing::random_ball(dice));
+    for (int i = 0; i < 10; ++i) map.paint(0, worlds::random_ball(dice));
     const Sphere eraser{dice.point(0.5), dice.uniform(0.1, 0.4)};
     cleared += map.erase(0, eraser).unpainted;
     map.snapshot().visit_leaves([&](const Voxel& voxel) {
@@ -188,5 +188,5 @@ TEST(Erase, ASnapshotTakenBeforeStaysPainted) {
   EXPECT_EQ(before.volumes()[0].balls.size(), 1U);
 }
 
-}  // namespace
+}  // namespace erase_undo_test
 }  // namespace clearway

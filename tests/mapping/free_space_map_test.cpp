@@ -7,7 +7,7 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace free_space_map_test {
 
 std::string refusal(const MapOptions& options) {
   try {
@@ -64,11 +64,11 @@ TEST(FreeSpaceMap, KeepsTheExactBallsInTheOrderPainted) {
 }
 
 TEST(FreeSpaceMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
-  FreeSpaceMap map = testing::random_map(2);
+  FreeSpaceMap map = worlds::random_map(2);
   const Snapshot before = map.snapshot();
   const VoxelCounts counts = before.counts();
-  testing::Dice dice(3);
-  map.insert(testing::random_scan(dice, 500));
+  worlds::Dice dice(3);
+  map.insert(worlds::random_scan(dice, 500));
   map.paint(0, {{0.0, 0.0, 0.0}, 0.5});
   EXPECT_EQ(before.counts().painted, counts.painted);
   EXPECT_EQ(before.counts().seen_free, counts.seen_free);
@@ -89,5 +89,5 @@ TEST(FreeSpaceMap, AHigherThresholdCallsTheSameEvidenceFreeUnlessWhatIsHitIsBloc
   }
 }
 
-}  // namespace
+}  // namespace free_space_map_test
 }  // namespace clearway

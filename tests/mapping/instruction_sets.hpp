@@ -4,7 +4,7 @@
 
 #include "mapping/scans/ray_cast.hpp"
 
-namespace clearway::testing {
+namespace clearway::worlds {
 
 /// All instruction sets that this machine can run.
 inline std::vector<InstructionSet> instruction_sets() {
@@ -14,4 +14,4 @@ inline std::vector<InstructionSet> instruction_sets() {
   return sets;
 }
 
-}  // namespace clearway::testing
+}  // namespace clearway::worlds

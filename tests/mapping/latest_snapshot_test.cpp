@@ -10,9 +10,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace latest_snapshot_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 constexpr int frames = 25;
 
@@ -24,8 +24,8 @@ FreeSpaceMap empty_map() {
 
 /// Frame i of the same life of a map, whoever writes it.
 void write_frame(FreeSpaceMap& map, Dice& dice) {
-  map.insert(testing::random_scan(dice, 300));
-  map.paint(0, testing::random_ball(dice));
+  map.insert(worlds::random_scan(dice, 300));
+  map.paint(0, worlds::random_ball(dice));
 }
 
 std::array<std::size_t, 5> figures(const Snapshot& map) {
@@ -100,5 +100,5 @@ TEST(LatestSnapshot, AReaderMayKeepAnOldOne) {
   EXPECT_NE(figures(*latest.get()), before);
 }
 
-}  // namespace
+}  // namespace latest_snapshot_test
 }  // namespace clearway

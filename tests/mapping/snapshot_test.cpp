@@ -10,7 +10,7 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace snapshot_test {
 
 Eigen::AlignedBox3d box_around(double reach) {
   return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
@@ -54,7 +54,7 @@ TEST(Snapshot, AnswersUnknownFarAwayAndForNoPointAtAll) {
 
 TEST(Snapshot, CountsPrunedLeavesAsTheirVoxels) {
   for (unsigned seed = 0; seed < 5; ++seed) {
-    const Snapshot map = testing::random_map(seed, 0.08, 6).snapshot();
+    const Snapshot map = worlds::random_map(seed, 0.08, 6).snapshot();
     const VoxelCounts counts = map.counts();
     VoxelCounts expected;
     for (double x = -1.96; x < 2.0; x += 0.08) {
@@ -96,7 +96,7 @@ TEST(Snapshot, BoundsHoldAllLeavesAndAnEmptyMapHasNone) {
 }
 
 TEST(Snapshot, VisitedLeavesAnswerAsTheirPointsDo) {
-  const Snapshot map = testing::random_map(9).snapshot();
+  const Snapshot map = worlds::random_map(9).snapshot();
   std::size_t leaves = 0;
   map.visit_leaves([&](const Voxel& leaf) {
     ++leaves;
@@ -132,8 +132,8 @@ TEST(Snapshot, SharesABlockedSpaceThatWasBuiltForTheSameArguments) {
 }
 
 TEST(Snapshot, BlockedSpacesOfALaterSnapshotAreThoseOfItsOwnTree) {
-  FreeSpaceMap map = testing::random_map(6);
-  testing::Dice dice(12);
+  FreeSpaceMap map = worlds::random_map(6);
+  worlds::Dice dice(12);
   std::size_t compared = 0;
   for (int i = 0; i < 8; ++i) {
     const Snapshot snapshot = map.snapshot();
@@ -149,14 +149,14 @@ TEST(Snapshot, BlockedSpacesOfALaterSnapshotAreThoseOfItsOwnTree) {
         ASSERT_EQ(updated->is_blocked(point), built->is_blocked(point));
       }
     }
-    if (i % 2 == 0) map.insert(testing::random_scan(dice, 100));
-    if (i % 2 == 1) map.paint(0, testing::random_ball(dice));
+    if (i % 2 == 0) map.insert(worlds::random_scan(dice, 100));
+    if (i % 2 == 1) map.paint(0, worlds::random_ball(dice));
   }
   EXPECT_GT(compared, 10000U);
 }
 
 TEST(Snapshot, IsReadFromManyThreadsWhileTheMapIsWritten) {
-  FreeSpaceMap map = testing::random_map(4);
+  FreeSpaceMap map = worlds::random_map(4);
   const Snapshot snapshot = map.snapshot();
   std::vector<std::shared_ptr<const BlockedSpace>> spaces(4);
   std::vector<double> sums(4, 0.0);
@@ -164,15 +164,15 @@ TEST(Snapshot, IsReadFromManyThreadsWhileTheMapIsWritten) {
   for (std::size_t i = 0; i < spaces.size(); ++i) {
     readers.emplace_back([&, i] {
       spaces[i] = snapshot.blocked_space({Policy::known_free}, box_around(1.0), 0.5);
-      testing::Dice dice(1);
+      worlds::Dice dice(1);
       for (int k = 0; k < 5000; ++k) {
         const Eigen::Vector3d point = dice.point(1.0);
         sums[i] += spaces[i]->clearance(point) + snapshot.voxel(point).log_odds;
       }
     });
   }
-  testing::Dice dice(8);
-  for (int k = 0; k < 5; ++k) map.insert(testing::random_scan(dice, 100));
+  worlds::Dice dice(8);
+  for (int k = 0; k < 5; ++k) map.insert(worlds::random_scan(dice, 100));
   for (std::thread& reader : readers) reader.join();
   for (std::size_t i = 1; i < spaces.size(); ++i) {
     EXPECT_EQ(spaces[i], spaces[0]);
@@ -180,5 +180,5 @@ TEST(Snapshot, IsReadFromManyThreadsWhileTheMapIsWritten) {
   }
 }
 
-}  // namespace
+}  // namespace snapshot_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-namespace clearway::testing {
+namespace clearway::worlds {
 
 /// A folder that is removed with the test.
 class TemporaryFolder {
@@ -39,4 +39,4 @@ inline void write_all(const std::filesystem::path& file, const std::string& cont
   std::ofstream(file, std::ios::binary) << content;
 }
 
-}  // namespace clearway::testing
+}  // namespace clearway::worlds

@@ -10,7 +10,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace camera_test {
 
 TEST(Camera, projects_as_opencv_does_for_random_points_and_distortions) {
   std::mt19937 random(3);
@@ -131,5 +131,5 @@ TEST(Camera, sees_up_to_the_outer_edge_of_the_border_pixels) {
   EXPECT_FALSE(camera.sees({1.0, 100}, 2.0));
 }
 
-}  // namespace
+}  // namespace camera_test
 }  // namespace clearway

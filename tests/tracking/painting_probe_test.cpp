@@ -8,7 +8,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace painting_probe_test {
 
 TEST(PaintedRadius, is_the_ball_less_the_three_errors_of_equation_3) {
   EXPECT_NEAR(painted_radius(0.05, {0.002, 0.005, 0.003}), 0.04, 1e-15);
@@ -49,5 +49,5 @@ TEST(PaintingProbe, refuses_a_ball_without_a_place_or_a_size) {
   EXPECT_THROW(lost.validate(), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace painting_probe_test
 }  // namespace clearway

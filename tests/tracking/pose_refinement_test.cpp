@@ -7,7 +7,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace pose_refinement_test {
 
 std::vector<CornerMatch> matches_of_random_points(const Camera& camera,
                                                   const Eigen::Isometry3d& camera_from_body, double noise,
@@ -93,5 +93,5 @@ TEST(RefinePose, gives_nothing_for_too_few_points_or_a_start_behind_the_camera) 
   EXPECT_FALSE(refine_pose(scene::plain_camera(), {}, truth));
 }
 
-}  // namespace
+}  // namespace pose_refinement_test
 }  // namespace clearway

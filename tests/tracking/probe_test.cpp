@@ -10,7 +10,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace probe_test {
 
 using scene::tag_before_camera;
 
@@ -298,5 +298,5 @@ TEST(Probe, accepted_balls_of_a_single_tag_keep_within_the_tracking_error) {
   RecordProperty("off", off);
 }
 
-}  // namespace
+}  // namespace probe_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace static_board_test {
 
 Vector6d normal6(std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -88,5 +88,5 @@ TEST(StaticBoard, refuses_options_out_of_their_range) {
   refuses({30, 5.0, 0});
 }
 
-}  // namespace
+}  // namespace static_board_test
 }  // namespace clearway

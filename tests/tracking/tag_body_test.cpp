@@ -12,7 +12,7 @@
 #include "tracking/tag_pose.hpp"
 
 namespace clearway {
-namespace {
+namespace tag_body_test {
 
 using scene::tag_before_camera;
 
@@ -243,5 +243,5 @@ TEST(BodyPoseOptions, out_of_range_are_refused) {
   }
 }
 
-}  // namespace
+}  // namespace tag_body_test
 }  // namespace clearway

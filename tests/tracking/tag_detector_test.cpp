@@ -16,7 +16,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace tag_detector_test {
 
 using scene::PlacedTag;
 
@@ -275,5 +275,5 @@ TEST(TagDetector, finds_every_tag_of_the_three_nasa_photographs_at_its_published
   }
 }
 
-}  // namespace
+}  // namespace tag_detector_test
 }  // namespace clearway

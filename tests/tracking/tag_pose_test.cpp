@@ -11,7 +11,7 @@
 #include "tracking/tag_detector.hpp"
 
 namespace clearway {
-namespace {
+namespace tag_pose_test {
 
 using scene::PlacedTag;
 using scene::tag_before_camera;
@@ -158,5 +158,5 @@ TEST(TagPose, refuses_a_size_that_is_not_positive) {
     EXPECT_THROW(estimate_tag_pose(corners, size, scene::plain_camera()), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace tag_pose_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/worlds/tag_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace tracking_session_test {
 
 using scene::tag_before_camera;
 
@@ -132,5 +132,5 @@ TEST(TrackingSession, cannot_be_made_of_a_setup_that_is_wrong) {
   EXPECT_THROW((TrackingSession{desk(), options}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace tracking_session_test
 }  // namespace clearway

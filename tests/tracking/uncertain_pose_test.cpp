@@ -7,7 +7,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace uncertain_pose_test {
 
 using Random = std::mt19937;
 
@@ -130,5 +130,5 @@ TEST(UncertainPoint, largest_sigma_is_the_longest_half_axis) {
   EXPECT_EQ(UncertainPoint{}.largest_sigma(), 0.0);
 }
 
-}  // namespace
+}  // namespace uncertain_pose_test
 }  // namespace clearway

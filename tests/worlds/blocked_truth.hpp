@@ -6,7 +6,7 @@
 
 #include "mapping/snapshot.hpp"
 
-namespace clearway::testing {
+namespace clearway::worlds {
 
 /// Slow and obvious twin of a BlockedSpace: cell by cell from the snapshot's voxels.
 class BlockedTruth {
@@ -62,4 +62,4 @@ class BlockedTruth {
   std::vector<Eigen::Vector3i> blocked_;
 };
 
-}  // namespace clearway::testing
+}  // namespace clearway::worlds

@@ -5,7 +5,7 @@
 
 #include "mapping/free_space_map.hpp"
 
-namespace clearway::testing {
+namespace clearway::worlds {
 
 /// Seeded uniform numbers.
 class Dice {
@@ -55,4 +55,4 @@ inline FreeSpaceMap random_map(unsigned seed, double resolution = 0.05, int roun
   return map;
 }
 
-}  // namespace clearway::testing
+}  // namespace clearway::worlds

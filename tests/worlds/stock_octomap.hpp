@@ -6,7 +6,7 @@
 #include "mapping/scans/scan.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
-namespace clearway::testing {
+namespace clearway::worlds {
 
 /// Inserts a scan with octomap::OcTree::insertPointCloud; max_range 0 is none, as in ScanFilter.
 inline void insert_stock(octomap::OcTree& tree, const Scan& scan, double max_range, bool discretize) {
@@ -34,4 +34,4 @@ inline void expect_equal(const octomap::OcTree& stock, const FusedTree& fused) {
   }
 }
 
-}  // namespace clearway::testing
+}  // namespace clearway::worlds

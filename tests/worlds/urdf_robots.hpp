@@ -12,7 +12,7 @@
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
 
-namespace clearway::testing {
+namespace clearway::worlds {
 
 /// A robot read from a URDF that exists as long as this object.
 class UrdfRobot {
@@ -91,4 +91,4 @@ inline UrdfRobot scissors() {
           urdf_joint("right_turn", "revolute", "base", "right", "0.5 0 0", "0 0 1", urdf_limit(-1.5, 1.5))};
 }
 
-}  // namespace clearway::testing
+}  // namespace clearway::worlds

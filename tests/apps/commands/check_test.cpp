@@ -12,7 +12,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace check_test {
 
 using Json = nlohmann::json;
 
@@ -371,5 +371,5 @@ TEST_F(CheckRecorded, altered_plans_are_refused_unless_they_only_tighten) {
   EXPECT_GT(tightened, 3);
 }
 
-}  // namespace
+}  // namespace check_test
 }  // namespace clearway

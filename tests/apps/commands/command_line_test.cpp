@@ -16,7 +16,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace command_line_test {
 
 using Json = nlohmann::json;
 
@@ -345,5 +345,5 @@ TEST_F(CommandLine, check_refuses_a_plan_file_that_is_not_one) {
                  exit_bad_input, {"p.json"});
 }
 
-}  // namespace
+}  // namespace command_line_test
 }  // namespace clearway

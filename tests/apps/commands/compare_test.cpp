@@ -14,7 +14,7 @@
 #include "tests/worlds/small_suite.hpp"
 
 namespace clearway {
-namespace {
+namespace compare_test {
 
 namespace fs = std::filesystem;
 using Row = std::vector<std::string>;
@@ -394,5 +394,5 @@ TEST(CompareSummary, OnlyThosePromisesAreBrokenThatWereMade) {
   EXPECT_NE(sentences[0].find("problem 'p5': 'sure' promises"), std::string::npos) << sentences[0];
 }
 
-}  // namespace
+}  // namespace compare_test
 }  // namespace clearway

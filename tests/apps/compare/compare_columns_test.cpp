@@ -15,7 +15,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace compare_columns_test {
 
 using nlohmann::json;
 /// By name of column; NULL is null.
@@ -264,5 +264,5 @@ TEST(CompareTimeLimit, OfAnExperimentHoldsForItsTeams) {
   EXPECT_EQ(json::parse(run.out).at("experiments")[0].at("planners")[0].at("unsolved").at("timed_out"), 2);
 }
 
-}  // namespace
+}  // namespace compare_columns_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "tests/worlds/small_suite.hpp"
 
 namespace clearway {
-namespace {
+namespace compare_page_chromium_test {
 
 class ComparePageInChromium : public PageInChromium {};
 
@@ -36,5 +36,5 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
   }
 }
 
-}  // namespace
+}  // namespace compare_page_chromium_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 namespace clearway {
-namespace {
+namespace compare_summary_test {
 
 /// A run of a team that had to keep 5 cm, and how near the check saw it come.
 CompareRun team_run(const std::string& check, double separation, double step_bound) {
@@ -87,5 +87,5 @@ TEST(CompareSummary, TellsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_DOUBLE_EQ(sum.motion_median, 1000.0 * middle);
 }
 
-}  // namespace
+}  // namespace compare_summary_test
 }  // namespace clearway

@@ -10,7 +10,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace compare_tasks_test {
 
 std::shared_ptr<OpenStage> stage_of(std::size_t index, std::size_t problems) {
   SuiteStage stage;
@@ -79,5 +79,5 @@ TEST(StageTasks, NobodyWaitsForAStageThatCannotBeMade) {
   EXPECT_FALSE(tasks.next().has_value());
 }
 
-}  // namespace
+}  // namespace compare_tasks_test
 }  // namespace clearway

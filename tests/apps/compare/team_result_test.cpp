@@ -6,7 +6,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace team_result_test {
 
 /// A run of no robot but with one trace of two positions, which kept its distances.
 TeamRun short_run() {
@@ -155,5 +155,5 @@ TEST(TeamResult, OfARunWithoutAStepHasNothingToCheck) {
   EXPECT_EQ(resting.check(0.06), "none");
 }
 
-}  // namespace
+}  // namespace team_result_test
 }  // namespace clearway

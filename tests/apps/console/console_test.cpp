@@ -6,7 +6,7 @@
 #include <sstream>
 
 namespace clearway {
-namespace {
+namespace console_test {
 
 TEST(Console, draws_a_bar_on_a_terminal_only_and_leaves_no_trace_of_it_at_the_end) {
   std::ostringstream out, log;
@@ -50,5 +50,5 @@ TEST(Console, a_name_from_a_file_cannot_command_the_terminal) {
   EXPECT_EQ(log.str(), "label \\x1b[2J\nlabel \\x1b]0;owned\\x07\\r\n");
 }
 
-}  // namespace
+}  // namespace console_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include <sstream>
 
 namespace clearway {
-namespace {
+namespace plain_stream_test {
 
 TEST(PlainStream, a_name_from_a_file_cannot_command_the_terminal) {
   std::ostringstream target;
@@ -29,5 +29,5 @@ TEST(PlainStream, results_that_could_not_be_written_are_noticed) {
   EXPECT_FALSE(out.flush());
 }
 
-}  // namespace
+}  // namespace plain_stream_test
 }  // namespace clearway

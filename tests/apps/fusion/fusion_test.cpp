@@ -18,7 +18,7 @@
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace fusion_test {
 
 const Eigen::Vector3f ahead(1.0F, 0.0F, 0.0F);  ///< the one point of the scans here, sensor frame
 
@@ -267,5 +267,5 @@ TEST_F(FusionWithTags, TheProbeAndTheHandAreNoObstacles) {
   EXPECT_EQ(fusion.counts.points.inserted, (image - unseen) + 3 * unseen);
 }
 
-}  // namespace
+}  // namespace fusion_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace inspect_edit_test {
 
 using Json = nlohmann::json;
 
@@ -153,5 +153,5 @@ TEST_F(Inspect, makes_new_maps_of_maps) {
   EXPECT_EQ(read_file(map_ + "/map.ot"), before);
 }
 
-}  // namespace
+}  // namespace inspect_edit_test
 }  // namespace clearway

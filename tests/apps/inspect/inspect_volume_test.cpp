@@ -7,7 +7,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace inspect_volume_test {
 
 using Json = nlohmann::json;
 
@@ -69,5 +69,5 @@ TEST(InspectHoles, OfAMapWithoutPaintSaysSo) {
   EXPECT_NE(run.out.find("no painted volume"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace inspect_volume_test
 }  // namespace clearway

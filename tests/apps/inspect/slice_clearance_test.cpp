@@ -9,7 +9,7 @@
 #include "mapping/free_space_map.hpp"
 
 namespace clearway {
-namespace {
+namespace slice_clearance_test {
 
 /// One occupied voxel, 0.2 to 0.3 on each axis, and a far one that gives the map its size.
 Snapshot two_voxels() {
@@ -48,5 +48,5 @@ TEST(SliceClearance, LinesLieWhereTheDistanceToTheObstacleIsAMultipleOfTheStep) 
   EXPECT_EQ(image.at<cv::Vec3b>(row, inside), paper);
 }
 
-}  // namespace
+}  // namespace slice_clearance_test
 }  // namespace clearway

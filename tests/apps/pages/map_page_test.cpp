@@ -7,7 +7,7 @@
 #include "mapping/free_space_map.hpp"
 
 namespace clearway {
-namespace {
+namespace map_page_test {
 
 /// A wall of occupied voxels in the plane y = 2, from x = -1 to 1.
 Snapshot wall() {
@@ -40,5 +40,5 @@ TEST(MapPage, TheFirstViewStaysWhereOneIsAmidTheVoxelsOrThereAreNone) {
   EXPECT_EQ(page.iso_azimuth_deg, ReportPage().iso_azimuth_deg);
 }
 
-}  // namespace
+}  // namespace map_page_test
 }  // namespace clearway

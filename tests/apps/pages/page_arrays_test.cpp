@@ -7,7 +7,7 @@
 #include "tests/apps/page_reader.hpp"
 
 namespace clearway {
-namespace {
+namespace page_arrays_test {
 
 using nlohmann::json;
 
@@ -53,5 +53,5 @@ TEST(PageArrays, LargerThanZlibsBuffersComeBackWhole) {
 
 TEST(PageArrays, WithNothingInThemAreStillReadable) { EXPECT_NO_THROW(read_back(PageArrays())); }
 
-}  // namespace
+}  // namespace page_arrays_test
 }  // namespace clearway

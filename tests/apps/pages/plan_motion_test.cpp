@@ -7,7 +7,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace plan_motion_test {
 
 Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
 
@@ -68,5 +68,5 @@ TEST(PlanMotion, LeavesPathsAsTheyAreThatHaveNoTime) {
   EXPECT_EQ(plan.period, 0.0);
 }
 
-}  // namespace
+}  // namespace plan_motion_test
 }  // namespace clearway

@@ -11,7 +11,7 @@
 #include "tests/worlds/sample_page.hpp"
 
 namespace clearway {
-namespace {
+namespace report_page_chromium_test {
 
 class ReportPageInChromium : public PageInChromium {};
 
@@ -161,5 +161,5 @@ TEST_F(ReportPageInChromium, OpensAnEmptyReport) {
   EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
 }
 
-}  // namespace
+}  // namespace report_page_chromium_test
 }  // namespace clearway

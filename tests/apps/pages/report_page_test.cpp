@@ -9,7 +9,7 @@
 #include "tests/worlds/sample_page.hpp"
 
 namespace clearway {
-namespace {
+namespace report_page_test {
 
 using nlohmann::json;
 
@@ -225,5 +225,5 @@ TEST(ReportPage, RefusesSizesAndIndicesThatDisagreeAndNamesTheField) {
   refused([](ReportPage& p) { p.resolution = 0.05; }, "resolution");
 }
 
-}  // namespace
+}  // namespace report_page_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 namespace clearway {
-namespace {
+namespace voxel_faces_test {
 
 using Cell = std::array<int, 3>;
 using Face = std::array<int, 4>;  // direction, then the voxel that owns the face
@@ -147,5 +147,5 @@ TEST(VoxelFaces, RefuseLeavesThatNoOctreeHolds) {
   EXPECT_THROW(exposed_faces(uneven), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace voxel_faces_test
 }  // namespace clearway

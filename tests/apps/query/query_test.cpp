@@ -10,7 +10,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace query_test {
 
 /// Forces at q of a robot whose base is turned by `map_from_base`, under gravity (map frame) and a load.
 Eigen::VectorXd forces(const Eigen::Matrix3d& map_from_base, const Eigen::Vector3d& gravity, double payload,
@@ -126,5 +126,5 @@ TEST(Query, APayloadCostsAndNoGravityCostsNothing) {
   EXPECT_NEAR(forces(upright, Eigen::Vector3d::Zero(), 2.0, pose()).norm(), 0.0, 1e-12);
 }
 
-}  // namespace
+}  // namespace query_test
 }  // namespace clearway

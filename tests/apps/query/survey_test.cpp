@@ -9,7 +9,7 @@
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
-namespace {
+namespace survey_test {
 
 using Json = nlohmann::json;
 
@@ -207,5 +207,5 @@ TEST_F(Survey, padding_is_shown_beside_the_position_accuracy) {
     EXPECT_NE(text("auto").find(words), std::string::npos) << words << " in " << text("auto");
 }
 
-}  // namespace
+}  // namespace survey_test
 }  // namespace clearway

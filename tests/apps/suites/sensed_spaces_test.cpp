@@ -10,7 +10,7 @@
 #include "apps/suites/suite_world.hpp"
 
 namespace clearway {
-namespace {
+namespace sensed_spaces_test {
 
 /// A disc on a plane and a box that a sensor sees go past it.
 struct Passing {
@@ -300,5 +300,5 @@ TEST(SensedSpaces, ASensorInTheWayOfWhatItShallSeeIsRefusedWithTheTime) {
   EXPECT_NO_THROW(check_sensors(scene.sensing, team));
 }
 
-}  // namespace
+}  // namespace sensed_spaces_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_reaching_test {
 
 const Policies open{.parts = {}, .critical_by_default = false};
 
@@ -90,5 +90,5 @@ TEST(SuiteReachingScenes, AnUnknownKindIsRefused) {
   EXPECT_THROW(draw_obstacles("maze", robot, arm_reach(robot), 1, 0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace suite_reaching_test
 }  // namespace clearway

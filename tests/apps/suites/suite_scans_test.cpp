@@ -8,7 +8,7 @@
 #include "mapping/system/random_unit.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_scans_test {
 
 constexpr double resolution = 0.05, range = 0.5;
 
@@ -70,5 +70,5 @@ TEST(SuiteScans, NoVoxelThatStandsStillIsFreedHoweverOftenItIsLookedAt) {
   }
 }
 
-}  // namespace
+}  // namespace suite_scans_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_shelves_test {
 
 const SuiteGenerator coarse{.kind = "shelves", .count = 13, .seed = 2, .resolution = 0.04};
 const Policies open{.parts = {}, .critical_by_default = false};
@@ -77,5 +77,5 @@ TEST(SuiteShelves, TheSensorsSeeEveryBoardFromTheFront) {
   }
 }
 
-}  // namespace
+}  // namespace suite_shelves_test
 }  // namespace clearway

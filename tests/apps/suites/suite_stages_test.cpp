@@ -10,7 +10,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_stages_test {
 
 const std::string two_worlds = R"(
 worlds:
@@ -144,5 +144,5 @@ TEST(SuiteStages, PoliciesAreThoseOfTheExperiment) {
   EXPECT_TRUE(suite_policies(suite, silent, load_robot("puma560")).critical_by_default);
 }
 
-}  // namespace
+}  // namespace suite_stages_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "planning/team/team_check.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_teams_test {
 
 SuiteGenerator crossings(int count, std::uint64_t seed = 1) { return {"crossings", count, seed, 0.05}; }
 
@@ -73,5 +73,5 @@ TEST(SuiteTeams, ATeamThatDoesNotFitItsRobotsIsToldWithTeamAndRobot) {
   }
 }
 
-}  // namespace
+}  // namespace suite_teams_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_tunnels_test {
 
 const SuiteGenerator coarse{.kind = "tunnels", .count = 6, .seed = 3, .resolution = 0.04};
 
@@ -70,5 +70,5 @@ TEST(SuiteTunnels, AMiniatureHasMiniatureTunnels) {
   EXPECT_LT(tunnel.world.volumes[0].strokes[0][0].radius, 0.03);
 }
 
-}  // namespace
+}  // namespace suite_tunnels_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include "mapping/files/map_digest.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_world_test {
 
 /// A floor of which a table hides a part, a ball and a can, seen by two sensors above.
 SuiteWorld furnished() {
@@ -158,5 +158,5 @@ TEST(SuiteWorld, TheSameWorldMakesTheSameMap) {
   EXPECT_EQ(map_sha256(make_map(world, {})), map_sha256(make_map(world, {})));
 }
 
-}  // namespace
+}  // namespace suite_world_test
 }  // namespace clearway

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace clearway {
-namespace {
+namespace probe_motion_test {
 
 SceneStroke sample_stroke() {
   SceneStroke stroke;
@@ -82,5 +82,5 @@ TEST(ProbeMotion, StandsStillOutsideItsTime) {
   EXPECT_TRUE(motion.at(1e9).map_ball.isApprox(Eigen::Vector3d(0.3, 0.1, 0), 1e-12));
 }
 
-}  // namespace
+}  // namespace probe_motion_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include <set>
 
 namespace clearway {
-namespace {
+namespace random_numbers_test {
 
 TEST(RandomNumbers, UniformNumbersFillTheUnitIntervalEvenly) {
   const RandomNumbers random(1, 2);
@@ -59,5 +59,5 @@ TEST(RandomNumbers, AreTheSameEverywhere) {
   EXPECT_EQ(mix(golden), 0xe220a8397b1dcdafu);
 }
 
-}  // namespace
+}  // namespace random_numbers_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace scene_test {
 
 Scene parse(const ScratchFolder& folder, const std::string& text, const std::string& setup = small_setup) {
   write_bytes(folder / "setup.yaml", setup);
@@ -81,5 +81,5 @@ TEST(Scene, TheDatasetsFolderOfMrptCanBeChosen) {
   unsetenv("CLEARWAY_MRPT_DATASETS");
 }
 
-}  // namespace
+}  // namespace scene_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/datasets/scratch_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace setup_test {
 
 const std::string full = R"(
 map: {resolution: 0.0025, min_range: 0.05, max_range: 1.5, crop: [-1, -2, -3, 1, 2, 3], discretize: true, integration: compatible, safe_band: 0.005}
@@ -223,5 +223,5 @@ TEST(Setup, NumbersMeanTheSameInACommaLocale) {
   EXPECT_EQ(setup.map.resolution, 0.0025);
 }
 
-}  // namespace
+}  // namespace setup_test
 }  // namespace clearway

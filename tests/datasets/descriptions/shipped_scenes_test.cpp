@@ -5,7 +5,7 @@
 #include "datasets/sources/recording.hpp"
 
 namespace clearway {
-namespace {
+namespace shipped_scenes_test {
 
 const std::filesystem::path datasets = std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets";
 
@@ -66,5 +66,5 @@ TEST(ShippedScenes, TheBookshelfProbeStaysClearOfWhatTheKinectSaw) {
   EXPECT_EQ(clouds, 1u);
 }
 
-}  // namespace
+}  // namespace shipped_scenes_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/datasets/scratch_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_limits_test {
 
 std::string complaint_of(const std::string& world, const std::string& more = "") {
   return complaint([&] {
@@ -51,5 +51,5 @@ TEST(SuiteLimits, what_the_suites_of_the_papers_ask_for_is_far_below) {
             "");
 }
 
-}  // namespace
+}  // namespace suite_limits_test
 }  // namespace clearway

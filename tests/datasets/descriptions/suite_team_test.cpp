@@ -7,7 +7,7 @@
 #include "datasets/descriptions/suite.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_team_test {
 
 const std::string robots = R"(
       robots:
@@ -111,5 +111,5 @@ TEST(SuiteTeam, BadTeamsAreToldInASentence) {
   expect_refused(suite_with(robots, "    generate: {kind: crossings, count: 3}\n"), "expected one of");
 }
 
-}  // namespace
+}  // namespace suite_team_test
 }  // namespace clearway

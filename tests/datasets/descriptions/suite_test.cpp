@@ -7,7 +7,7 @@
 #include "tests/datasets/scratch_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace suite_test {
 
 const std::string full = R"(
 title: Two worlds
@@ -227,5 +227,5 @@ TEST(Suite, ShippedSuitesAreRead) {
   EXPECT_GE(suites, 2);
 }
 
-}  // namespace
+}  // namespace suite_test
 }  // namespace clearway

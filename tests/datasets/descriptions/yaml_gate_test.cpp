@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 namespace clearway {
-namespace {
+namespace yaml_gate_test {
 
 std::string refusal(const std::string& text) {
   try {
@@ -50,5 +50,5 @@ TEST(YamlGate, tells_line_column_and_what_was_expected_in_our_words) {
             "suite 's', line 1, column 4: not valid YAML, expected an alias of what is named before it.");
 }
 
-}  // namespace
+}  // namespace yaml_gate_test
 }  // namespace clearway

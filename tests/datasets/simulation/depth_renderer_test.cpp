@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace clearway {
-namespace {
+namespace depth_renderer_test {
 
 SceneDepth sensor_at(const Eigen::Isometry3d& pose) {
   SceneDepth depth;
@@ -95,5 +95,5 @@ TEST(CountWholeSteps, puts_every_range_at_most_one_step_before_the_surface_and_n
   EXPECT_EQ(image.ranges.back(), 0.0f);
 }
 
-}  // namespace
+}  // namespace depth_renderer_test
 }  // namespace clearway

@@ -10,7 +10,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace image_renderer_test {
 
 const CameraIntrinsics camera{320, 240, 400, 402, 161.5, 118, {-0.12, 0.05, 0.0005, -0.0004, 0.01}};
 
@@ -167,5 +167,5 @@ TEST(Exposure, BlurKeepsTheMeanAndNoiseHasItsSigma) {
   EXPECT_EQ(expose(flat, 0.6, 3, 1, 1), noisy);
 }
 
-}  // namespace
+}  // namespace image_renderer_test
 }  // namespace clearway

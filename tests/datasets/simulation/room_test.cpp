@@ -7,7 +7,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace room_test {
 
 Eigen::Vector3d random_direction(std::mt19937& engine) {
   std::normal_distribution<double> normal;
@@ -129,5 +129,5 @@ TEST(FurnishedRoom, TheSameSeedGivesTheSameFrameWhateverTheThreads) {
   EXPECT_NE(one.points, other.frame(5).points);
 }
 
-}  // namespace
+}  // namespace room_test
 }  // namespace clearway

@@ -13,7 +13,7 @@
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace simulate_test {
 
 using Json = nlohmann::json;
 
@@ -229,5 +229,5 @@ TEST(Simulate, NoDeviceFolderOrTruthIsReplacedByTheRecording) {
   EXPECT_FALSE(std::filesystem::exists(folder / "truth.json"));
 }
 
-}  // namespace
+}  // namespace simulate_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace surface_test {
 
 /// Signed distance of a point to a shape, by formulas that share nothing with the ray caster.
 double distance(const SceneShape& shape, const Eigen::Vector3d& map_point) {
@@ -109,5 +109,5 @@ TEST(TagPattern, HasAWhiteRimABlackBorderAndItsOwnBits) {
   EXPECT_THROW(tag36h11_cells(-1), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace surface_test
 }  // namespace clearway

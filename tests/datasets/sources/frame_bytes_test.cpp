@@ -5,7 +5,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace frame_bytes_test {
 
 TEST(FrameBytes, EveryKindOfFrameComesBack) {
   auto frames = sample_frames();
@@ -57,5 +57,5 @@ TEST(FrameBytes, RefusesPosesThatAreNotRigidAndNumbersThatAreNone) {
   EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace frame_bytes_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace lens_test {
 
 const CameraIntrinsics camera{640, 480, 700, 702, 322.5, 238, {-0.12, 0.05, 0.0005, -0.0004, 0.01}};
 
@@ -40,5 +40,5 @@ TEST(Lens, AFoldedLensStillGivesANumber) {
   EXPECT_TRUE(pixel_ray(folded, {0, 0}).allFinite());
 }
 
-}  // namespace
+}  // namespace lens_test
 }  // namespace clearway

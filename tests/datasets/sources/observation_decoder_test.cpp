@@ -19,7 +19,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace observation_decoder_test {
 
 std::string mrpt_log(const std::string& name) {
   const char* given = std::getenv("CLEARWAY_MRPT_DATASETS");
@@ -255,5 +255,5 @@ TEST(ObservationDecoder, PointsOfARangeCameraAreReadWhereItHasNoRangeImage) {
       1e-6);
 }
 
-}  // namespace
+}  // namespace observation_decoder_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 namespace clearway {
-namespace {
+namespace pose_stream_test {
 
 /// A screw about z: half a turn and 2 m a second.
 Eigen::Isometry3d screw(double time) {
@@ -84,5 +84,5 @@ TEST(PoseStream, NamesTheLineThatIsNoPose) {
   EXPECT_THROW(PoseStream(0.0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace pose_stream_test
 }  // namespace clearway

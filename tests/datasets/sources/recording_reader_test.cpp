@@ -9,7 +9,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace recording_reader_test {
 
 struct SmallLog {
   std::string gz, plain;
@@ -188,5 +188,5 @@ TEST(RecordingReader, MayBeDroppedHalfway) {
   EXPECT_EQ(read_all(first).size(), 50u);
 }
 
-}  // namespace
+}  // namespace recording_reader_test
 }  // namespace clearway

@@ -10,7 +10,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace recording_writer_test {
 
 void write(const std::filesystem::path& file, const std::vector<Frame>& frames) {
   RecordingWriter writer(file);
@@ -131,5 +131,5 @@ TEST(RecordingWriter, SaysWhenTheDiskIsFull) {
   setrlimit(RLIMIT_FSIZE, &before);
 }
 
-}  // namespace
+}  // namespace recording_writer_test
 }  // namespace clearway

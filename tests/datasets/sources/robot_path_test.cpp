@@ -7,7 +7,7 @@
 #include "tests/worlds/sample_frames.hpp"
 
 namespace clearway {
-namespace {
+namespace robot_path_test {
 
 Eigen::Isometry3d flat(double x, double y, double yaw) {
   Eigen::Isometry3d pose(Eigen::Translation3d(x, y, 0));
@@ -103,5 +103,5 @@ TEST(RobotPath, OdometryInARecordingMovesItsSensors) {
   EXPECT_EQ(reader.counts().odometry, 2u);
 }
 
-}  // namespace
+}  // namespace robot_path_test
 }  // namespace clearway

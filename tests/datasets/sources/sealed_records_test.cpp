@@ -13,7 +13,7 @@
 #include "tests/datasets/scratch_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace sealed_records_test {
 
 constexpr int comments = 40;
 
@@ -103,5 +103,5 @@ TEST(SealedRecords, missing_doubled_and_cut_off_records_are_noticed_even_between
   EXPECT_NE(cut.damage.find("cut off"), std::string::npos) << cut.damage;
 }
 
-}  // namespace
+}  // namespace sealed_records_test
 }  // namespace clearway

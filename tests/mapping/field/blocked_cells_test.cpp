@@ -8,9 +8,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace blocked_cells_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted}, {Policy::painted, 2}};
@@ -54,7 +54,7 @@ TEST(BlockedCells, FillingAndReadingAgreeWithAPlainArray) {
 }
 
 TEST(BlockedCells, AreWhatTheRequirementForbidsOfTheTree) {
-  const Snapshot map = testing::random_map(4, 0.05).snapshot();
+  const Snapshot map = worlds::random_map(4, 0.05).snapshot();
   for (const Requirement& requirement : requirements) {
     const BlockedCells cells = blocked_cells(map.tree(), requirement, first, size);
     for (int z = 0; z < size.z(); ++z) {
@@ -72,11 +72,11 @@ TEST(BlockedCells, AreWhatTheRequirementForbidsOfTheTree) {
 
 TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
   Dice dice(5);
-  FreeSpaceMap map = testing::random_map(5, 0.05, 2);
+  FreeSpaceMap map = worlds::random_map(5, 0.05, 2);
   Snapshot before = map.snapshot();
   for (int round = 0; round < 12; ++round) {
-    if (round % 3 != 0) map.insert(testing::random_scan(dice, round % 2 == 0 ? 5 : 300));
-    if (round % 3 != 1) map.paint(dice.whole(0, 1), testing::random_ball(dice), 1.0 + round);
+    if (round % 3 != 0) map.insert(worlds::random_scan(dice, round % 2 == 0 ? 5 : 300));
+    if (round % 3 != 1) map.paint(dice.whole(0, 1), worlds::random_ball(dice), 1.0 + round);
     const Snapshot now = map.snapshot();
     for (const Requirement& requirement : requirements) {
       const BlockedCells was = blocked_cells(before.tree(), requirement, first, size);
@@ -93,5 +93,5 @@ TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
   }
 }
 
-}  // namespace
+}  // namespace blocked_cells_test
 }  // namespace clearway

@@ -12,10 +12,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace blocked_field_test {
 
-using testing::BlockedTruth;
-using testing::Dice;
+using worlds::BlockedTruth;
+using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted}, {Policy::painted, 2}};
@@ -26,7 +26,7 @@ Eigen::AlignedBox3d box_around(double reach) {
 
 TEST(BlockedField, HoldsExactlyTheVoxelsThatTheTreeForbids) {
   for (unsigned seed = 0; seed < 4; ++seed) {
-    const Snapshot map = testing::random_map(seed, 0.05).snapshot();
+    const Snapshot map = worlds::random_map(seed, 0.05).snapshot();
     for (const Requirement& requirement : requirements) {
       const auto space = map.blocked_space(
           requirement, {Eigen::Vector3d(-0.5, -1.2, -0.3), Eigen::Vector3d(0.6, 1.3, 0.4)}, 0.5);
@@ -38,7 +38,7 @@ TEST(BlockedField, HoldsExactlyTheVoxelsThatTheTreeForbids) {
 }
 
 TEST(BlockedField, ClearanceNeverExceedsTheTrueDistance) {
-  const Snapshot map = testing::random_map(5, 0.08, 3, 60).snapshot();
+  const Snapshot map = worlds::random_map(5, 0.08, 3, 60).snapshot();
   for (const Requirement& requirement : requirements) {
     const auto space = map.blocked_space(requirement, box_around(0.8), 0.6);
     const BlockedTruth truth(map, requirement, space->region());
@@ -63,7 +63,7 @@ TEST(BlockedField, ClearanceNeverExceedsTheTrueDistance) {
 }
 
 TEST(BlockedField, ClearanceAtACellCentreIsExact) {
-  const Snapshot map = testing::random_map(7, 0.08, 3, 60).snapshot();
+  const Snapshot map = worlds::random_map(7, 0.08, 3, 60).snapshot();
   for (const Requirement& requirement : requirements) {
     const auto space = map.blocked_space(requirement, box_around(0.6), 0.5);
     const BlockedTruth truth(map, requirement, space->region());
@@ -79,7 +79,7 @@ TEST(BlockedField, ClearanceAtACellCentreIsExact) {
 }
 
 TEST(BlockedField, OnFacesEdgesAndCornersOfVoxelsTheBoundHolds) {
-  const Snapshot map = testing::random_map(8, 0.1, 2, 40).snapshot();
+  const Snapshot map = worlds::random_map(8, 0.1, 2, 40).snapshot();
   for (const Requirement& requirement : requirements) {
     const auto space = map.blocked_space(requirement, box_around(0.8), 0.6);
     const BlockedTruth truth(map, requirement, space->region());
@@ -95,7 +95,7 @@ TEST(BlockedField, OnFacesEdgesAndCornersOfVoxelsTheBoundHolds) {
 }
 
 TEST(BlockedField, BeyondTheRegionOnlyNotOccupiedIsFree) {
-  const Snapshot map = testing::random_map(3).snapshot();
+  const Snapshot map = worlds::random_map(3).snapshot();
   const Eigen::Vector3d outside(5.0, 0.0, 0.0);
   const auto lenient = map.blocked_space({Policy::not_occupied}, box_around(1.0), 0.5);
   EXPECT_FALSE(lenient->is_blocked(outside));
@@ -153,7 +153,7 @@ TEST(BlockedField, RefusesARegionThatMakesNoSenseAndSaysWhatWouldFit) {
 // cube, by at most half a voxel diagonal.
 TEST(BlockedField, AgreesWithDynamicEdt3dWithinHalfAVoxelDiagonal) {
   const double resolution = 0.05;
-  const Snapshot map = testing::random_map(12, resolution, 4, 300).snapshot();
+  const Snapshot map = worlds::random_map(12, resolution, 4, 300).snapshot();
   octomap::OcTree stock(resolution);
   map.visit_leaves([&](const Voxel& voxel) {
     const bool blocked = voxel.state == VoxelState::occupied || voxel.state == VoxelState::conflict;
@@ -208,5 +208,5 @@ TEST(BlockedField, CellsAtEachFaceOfTheRegionSeeALoneCubeFartherIn) {
   }
 }
 
-}  // namespace
+}  // namespace blocked_field_test
 }  // namespace clearway

@@ -10,10 +10,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace blocked_search_test {
 
-using testing::BlockedTruth;
-using testing::Dice;
+using worlds::BlockedTruth;
+using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted, 1}};
@@ -45,7 +45,7 @@ void expect_nearest(const BlockedSpace& space, const BlockedTruth& truth, const 
 
 TEST(BlockedSearch, FindsTheExactNearestCube) {
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Snapshot map = testing::random_map(seed, 0.1, 3, 60).snapshot();
+    const Snapshot map = worlds::random_map(seed, 0.1, 3, 60).snapshot();
     for (const Requirement& requirement : requirements) {
       const auto space = map.blocked_space(requirement, box_around(0.9), 0.7);
       const BlockedTruth truth(map, requirement, space->region());
@@ -95,7 +95,7 @@ using Cells = std::set<std::tuple<int, int, int>>;
 TEST(BlockedSearch, VisitsEachBlockedCubeThatMeetsABoxOnce) {
   const double resolution = 0.1;
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Snapshot map = testing::random_map(seed, resolution, 3, 80).snapshot();
+    const Snapshot map = worlds::random_map(seed, resolution, 3, 80).snapshot();
     for (const Requirement& requirement : requirements) {
       const auto space = map.blocked_space(requirement, box_around(0.7), 0.5);
       const bool outside_blocked = requirement.policy != Policy::not_occupied;
@@ -163,5 +163,5 @@ TEST(BlockedSearch, ATouchingCubeMeetsABox) {
   EXPECT_FALSE(touched(Eigen::AlignedBox3d()));
 }
 
-}  // namespace
+}  // namespace blocked_search_test
 }  // namespace clearway

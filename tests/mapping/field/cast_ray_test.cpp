@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace cast_ray_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 constexpr double reach = 1.6;
 Eigen::AlignedBox3d whole() { return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)}; }
@@ -23,7 +23,7 @@ octomap::point3d to_octomap(const Eigen::Vector3d& v) {
 FreeSpaceMap sensed_map(unsigned seed, double resolution) {
   Dice dice(seed);
   FreeSpaceMap map({.resolution = resolution});
-  for (int i = 0; i < 5; ++i) map.insert(testing::random_scan(dice, 300));
+  for (int i = 0; i < 5; ++i) map.insert(worlds::random_scan(dice, 300));
   return map;
 }
 
@@ -105,5 +105,5 @@ TEST(CastRay, RefusesWhatIsNoRay) {
   EXPECT_THROW(space->cast_ray({0, 0, 0}, {1, 0, 0}, -1.0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace cast_ray_test
 }  // namespace clearway

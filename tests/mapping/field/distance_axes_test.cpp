@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace distance_axes_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 std::vector<Vectors> kinds() {
   std::vector<Vectors> kinds{Vectors::portable};
@@ -153,5 +153,5 @@ TEST(DistanceAxes, AChangeOf32CellsIsBoundedFromBelow) {
   }
 }
 
-}  // namespace
+}  // namespace distance_axes_test
 }  // namespace clearway

@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace distance_layers_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 Eigen::Vector3i random_cell(Dice& dice, const Eigen::Vector3i& size) {
   return {dice.whole(0, size.x() - 1), dice.whole(0, size.y() - 1), dice.whole(0, size.z() - 1)};
@@ -131,5 +131,5 @@ TEST(DistanceLayers, EmptySpaceTakesHardlyAnyMemory) {
   EXPECT_LT(empty.bytes(), 256U * 256U * 256U / 4U);
 }
 
-}  // namespace
+}  // namespace distance_layers_test
 }  // namespace clearway

@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace distance_transform_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 int gap_squared(int delta) {
   const int gap = std::max(2 * std::abs(delta) - 1, 0);
@@ -78,5 +78,5 @@ TEST(DistanceTransform, NothingBlockedLeavesTheCapEverywhereAndAllBlockedZero) {
   EXPECT_TRUE(std::all_of(full.squared.begin(), full.squared.end(), [](auto v) { return v == 0; }));
 }
 
-}  // namespace
+}  // namespace distance_transform_test
 }  // namespace clearway

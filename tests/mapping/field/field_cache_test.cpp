@@ -9,7 +9,7 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace field_cache_test {
 
 Eigen::AlignedBox3d box_around(double reach) {
   return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
@@ -72,9 +72,9 @@ void expect_equal(const BlockedField& a, const BlockedField& b) {
 // Painting, scans and both at once, under all policies; some versions are never asked, so that the next one
 // has more to catch up with. A second map stands for everything at once being different.
 TEST(FieldCache, AFieldThatFollowsItsMapEqualsOneMadeFromNothing) {
-  testing::Dice dice(3);
-  FreeSpaceMap map = testing::random_map(3, 0.05, 1);
-  const FreeSpaceMap other = testing::random_map(4, 0.05, 3);
+  worlds::Dice dice(3);
+  FreeSpaceMap map = worlds::random_map(3, 0.05, 1);
+  const FreeSpaceMap other = worlds::random_map(4, 0.05, 3);
   Version version(map);
   for (int round = 0; round < 16; ++round) {
     for (const Policy policy : {Policy::not_occupied, Policy::known_free, Policy::painted}) {
@@ -82,14 +82,14 @@ TEST(FieldCache, AFieldThatFollowsItsMapEqualsOneMadeFromNothing) {
       const auto field = version.fields->get({policy}, box_around(1.1), 0.6);
       expect_equal(*field, BlockedField(*version.tree, {policy}, field->cells()));
     }
-    if (round % 3 != 0) map.insert(testing::random_scan(dice, round % 2 == 0 ? 3 : 200));
-    if (round % 3 != 1) map.paint(dice.whole(0, 1), testing::random_ball(dice), 1.0 + round);
+    if (round % 3 != 0) map.insert(worlds::random_scan(dice, round % 2 == 0 ? 3 : 200));
+    if (round % 3 != 1) map.paint(dice.whole(0, 1), worlds::random_ball(dice), 1.0 + round);
     version = Version(round == 10 ? other : map, version.fields.get());
   }
 }
 
 TEST(FieldCache, WhatDidNotChangeIsSharedWithTheFieldBefore) {
-  FreeSpaceMap map = testing::random_map(5, 0.05);
+  FreeSpaceMap map = worlds::random_map(5, 0.05);
   const Version before(map);
   const auto old_field = before.fields->get({}, box_around(3.0), 0.3);
   map.paint(0, {Eigen::Vector3d(0.9, 0.9, 0.9), 0.06}, 9.0);
@@ -117,5 +117,5 @@ TEST(FieldCache, AFieldOfTheSameTreeIsHandedOn) {
   EXPECT_EQ(next.get({}, box_around(8.0), 1.0), field);
 }
 
-}  // namespace
+}  // namespace field_cache_test
 }  // namespace clearway

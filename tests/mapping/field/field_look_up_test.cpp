@@ -12,10 +12,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace field_look_up_test {
 
-using testing::BlockedTruth;
-using testing::Dice;
+using worlds::BlockedTruth;
+using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted, 1}};
@@ -84,7 +84,7 @@ int squared_to_nearest(const std::vector<Eigen::Vector3i>& cubes, const Eigen::V
 
 TEST(FieldLookUp, SquaredDistancesOfAVoxelAndItsNeighboursAreThoseToAllBlockedCubes) {
   constexpr double edge = 0.05;
-  const Snapshot map = testing::random_map(5, edge, 2, 20).snapshot();
+  const Snapshot map = worlds::random_map(5, edge, 2, 20).snapshot();
   Dice dice(8);
   for (const Requirement& requirement : requirements) {
     const BlockedField field(map.tree(), requirement, field_region(box_around(0.8), edge, 0.3));
@@ -122,7 +122,7 @@ TEST(FieldLookUp, SquaredDistancesOfAVoxelAndItsNeighboursAreThoseToAllBlockedCu
 }
 
 TEST(FieldLookUp, ManyPointsGetTheBitsThatEachGetsAlone) {
-  const Snapshot map = testing::random_map(5, 0.05, 2, 20).snapshot();
+  const Snapshot map = worlds::random_map(5, 0.05, 2, 20).snapshot();
   Dice dice(6);
   for (const Requirement& requirement : requirements) {
     const BlockedField field(map.tree(), requirement, field_region(box_around(1.1), 0.05, 0.6));
@@ -134,7 +134,7 @@ TEST(FieldLookUp, ManyPointsGetTheBitsThatEachGetsAlone) {
 }
 
 TEST(FieldLookUp, ARegionOneCellThinIsLookedUpAsWell) {
-  const Snapshot map = testing::random_map(5, 0.05, 2, 20).snapshot();
+  const Snapshot map = worlds::random_map(5, 0.05, 2, 20).snapshot();
   Dice dice(7);
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::AlignedBox3d region = box_around(1.0);
@@ -150,7 +150,7 @@ TEST(FieldLookUp, ARegionOneCellThinIsLookedUpAsWell) {
 }
 
 TEST(FieldLookUp, TheBoundFromOneCellLiesBelowTheOtherAndWithinADiagonalOfTheDistance) {
-  const Snapshot map = testing::random_map(5, 0.08, 3, 60).snapshot();
+  const Snapshot map = worlds::random_map(5, 0.08, 3, 60).snapshot();
   for (const Requirement& requirement : requirements) {
     const auto space = map.blocked_space(requirement, box_around(0.8), 0.6);
     const BlockedTruth truth(map, requirement, space->region());
@@ -176,5 +176,5 @@ TEST(FieldLookUp, ArraysOfDifferentLengthsAreRefused) {
   EXPECT_THROW(space->coarse_clearances({three, three, three}, out), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace field_look_up_test
 }  // namespace clearway

@@ -14,16 +14,16 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace seen_within_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 constexpr double edge = 0.05;
 const Eigen::AlignedBox3d region(Eigen::Vector3d(-0.8, -0.9, -0.7), Eigen::Vector3d(0.85, 0.7, 0.9));
 
 /// A scan of a random part of the shell, at a time.
 Scan partial_scan(Dice& dice, double time) {
-  Scan scan = testing::random_scan(dice, 400);
+  Scan scan = worlds::random_scan(dice, 400);
   const Eigen::Vector3f towards = dice.point(1.0).normalized().cast<float>();
   std::erase_if(scan.points, [&](const Eigen::Vector3f& point) { return point.dot(towards) < 0.2F; });
   scan.time = time;
@@ -130,7 +130,7 @@ TEST(SeenWithin, AMapKeepsItsAgesInItsFileAndInItsEdits) {
     map.insert(partial_scan(dice, 10.0 * round));
     other.insert(partial_scan(dice, 10.0 * round + 5));
   }
-  const testing::TemporaryFolder folder;
+  const worlds::TemporaryFolder folder;
   const Snapshot now = map.snapshot();
   save_map(now, folder / "map");
   const Eigen::AlignedBox3d box(Eigen::Vector3d(-0.4, -0.4, -0.4), Eigen::Vector3d(0.4, 0.4, 0.4));
@@ -172,7 +172,7 @@ TEST(SeenWithin, WhatAMapCannotAnswerIsRefusedByName) {
   FreeSpaceMap map({.resolution = edge});
   Dice dice(3);
   EXPECT_EQ(map.snapshot().seen(), nullptr);
-  Scan scan = testing::random_scan(dice, 20);
+  Scan scan = worlds::random_scan(dice, 20);
   scan.time = std::numeric_limits<double>::quiet_NaN();
   map.insert(scan);
   EXPECT_EQ(map.snapshot().seen(), nullptr);
@@ -190,5 +190,5 @@ TEST(SeenWithin, WhatAMapCannotAnswerIsRefusedByName) {
     EXPECT_NE(refusal(none, map.snapshot().seen()).find("finite time not below 0"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace seen_within_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace clearway {
-namespace {
+namespace tile_pool_test {
 
 TEST(TilePool, SlotsAreAlignedAndDoNotOverlap) {
   std::vector<unsigned char*> slots;
@@ -54,5 +54,5 @@ TEST(TilePool, ManyThreadsMayUseIt) {
   for (std::thread& thread : threads) thread.join();
 }
 
-}  // namespace
+}  // namespace tile_pool_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace tiled_cells_test {
 
 using Line = std::array<std::uint16_t, TiledCells::nx>;
 
@@ -16,7 +16,7 @@ Line line_of(std::uint16_t value) {
 }
 
 TEST(TiledCells, HoldWhatWasWrittenLastAndOnlyThere) {
-  testing::Dice dice(1);
+  worlds::Dice dice(1);
   const Eigen::Vector3i size(70, 20, 17);
   TiledCells cells(size, 7);
   std::vector<std::uint16_t> plain(static_cast<std::size_t>(size.prod()), 7);
@@ -61,5 +61,5 @@ TEST(TiledCells, WhatIsAlikeTakesOneTile) {
   EXPECT_EQ(cells.distinct_tiles(), 2U);
 }
 
-}  // namespace
+}  // namespace tiled_cells_test
 }  // namespace clearway

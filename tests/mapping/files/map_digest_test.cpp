@@ -7,7 +7,7 @@
 #include "tests/mapping/temporary_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace map_digest_test {
 
 TEST(MapDigest, sha256_of_known_texts) {  // FIPS 180-2, appendix B
   EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
@@ -15,7 +15,7 @@ TEST(MapDigest, sha256_of_known_texts) {  // FIPS 180-2, appendix B
 }
 
 TEST(MapDigest, is_that_of_the_file_which_the_map_is_saved_as) {
-  const testing::TemporaryFolder folder;
+  const worlds::TemporaryFolder folder;
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("free", {"tool"});
   map.paint(volume, {{0.1, 0.2, 0.3}, 0.4});
@@ -27,5 +27,5 @@ TEST(MapDigest, is_that_of_the_file_which_the_map_is_saved_as) {
   EXPECT_NE(map_sha256(snapshot), before);
 }
 
-}  // namespace
+}  // namespace map_digest_test
 }  // namespace clearway

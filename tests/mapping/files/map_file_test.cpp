@@ -14,13 +14,13 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace map_file_test {
 
 namespace fs = std::filesystem;
-using testing::Dice;
-using testing::read_all;
-using testing::TemporaryFolder;
-using testing::write_all;
+using worlds::Dice;
+using worlds::read_all;
+using worlds::TemporaryFolder;
+using worlds::write_all;
 
 /// Real files for trying, which are not part of the repository.
 fs::path shared_data(const std::string& name) {
@@ -30,7 +30,7 @@ fs::path shared_data(const std::string& name) {
 
 TEST(MapFile, ASavedMapIsReadBackWhole) {
   const TemporaryFolder folder;
-  const Snapshot map = testing::random_map(1).snapshot();
+  const Snapshot map = worlds::random_map(1).snapshot();
   save_map(map, folder / "deep/map");
   const Snapshot read = load_map(folder / "deep/map");
   EXPECT_TRUE(read.tree() == map.tree());
@@ -47,7 +47,7 @@ TEST(MapFile, ASavedMapIsReadBackWhole) {
 
 TEST(MapFile, ABareTreeBesidePaintedBallsTakesThem) {
   const TemporaryFolder folder;
-  const Snapshot map = testing::random_map(2).snapshot();
+  const Snapshot map = worlds::random_map(2).snapshot();
   save_map(map, folder / "map");
   export_map(map, folder / "map/map.ot");  // a tree of colours has no balls
   const Snapshot read = load_map(folder / "map");
@@ -59,7 +59,7 @@ TEST(MapFile, ABareTreeBesidePaintedBallsTakesThem) {
 
 TEST(MapFile, ExportedFilesKeepTheOccupiedVoxels) {
   const TemporaryFolder folder;
-  const Snapshot map = testing::random_map(3).snapshot();
+  const Snapshot map = worlds::random_map(3).snapshot();
   const VoxelCounts counts = map.counts();
   for (const char* name : {"a.ot", "a.bt", "a.pcd", "a.ply"}) {
     export_map(map, folder / name);
@@ -103,7 +103,7 @@ TEST(MapFile, AnEmptyFileOfAnyKindIsDamaged) {
 
 TEST(MapFile, AnotherKindUnderAWrongNameIsDamaged) {
   const TemporaryFolder folder;
-  const Snapshot map = testing::random_map(4).snapshot();
+  const Snapshot map = worlds::random_map(4).snapshot();
   export_map(map, folder / "a.ply");
   for (const char* name : {"b.ot", "b.bt", "b.pcd"}) {
     fs::copy_file(folder / "a.ply", folder / name);
@@ -113,7 +113,7 @@ TEST(MapFile, AnotherKindUnderAWrongNameIsDamaged) {
 
 TEST(MapFile, AnUnwritableTargetLeavesTheOldFile) {
   const TemporaryFolder folder;
-  const Snapshot map = testing::random_map(5).snapshot();
+  const Snapshot map = worlds::random_map(5).snapshot();
   write_all(folder / "file", "in the way");
   EXPECT_THROW(save_map(map, folder / "file"), std::runtime_error);
   EXPECT_THROW(save_map(map, folder / "file/map"), std::runtime_error);
@@ -265,5 +265,5 @@ TEST(MapFile, ReadsPclsTutorialClouds) {
   }
 }
 
-}  // namespace
+}  // namespace map_file_test
 }  // namespace clearway

@@ -14,10 +14,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace octomap_tools_test {
 
 namespace fs = std::filesystem;
-using testing::TemporaryFolder;
+using worlds::TemporaryFolder;
 
 class OctomapTools : public ::testing::Test {
  protected:
@@ -49,7 +49,7 @@ class OctomapTools : public ::testing::Test {
   }
 
   const TemporaryFolder folder_;
-  const Snapshot map_ = testing::random_map(11).snapshot();
+  const Snapshot map_ = worlds::random_map(11).snapshot();
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 };
@@ -88,5 +88,5 @@ TEST_F(OctomapTools, Bt2vrmlDrawsABoxForEachOccupiedLeafOfOurBinaryTree) {
   EXPECT_EQ(boxes, leaves);
 }
 
-}  // namespace
+}  // namespace octomap_tools_test
 }  // namespace clearway

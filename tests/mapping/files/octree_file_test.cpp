@@ -14,12 +14,12 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace octree_file_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 std::string own_file(unsigned seed, int points = 20) {
-  const Snapshot map = testing::random_map(seed, 0.2, 1, points).snapshot();
+  const Snapshot map = worlds::random_map(seed, 0.2, 1, points).snapshot();
   return format_fused_tree(map.tree(), map.volumes());
 }
 
@@ -58,7 +58,7 @@ bool is_refused(const std::string& bytes) {
 
 TEST(OctreeFile, OurFileReadsBackEqualAndWritesTheSameBytesAgain) {
   for (unsigned seed = 0; seed < 10; ++seed) {
-    const Snapshot map = testing::random_map(seed, 0.1 / 3.0).snapshot();
+    const Snapshot map = worlds::random_map(seed, 0.1 / 3.0).snapshot();
     const std::string bytes = format_fused_tree(map.tree(), map.volumes());
     const OctreeContent content = parse_octree(bytes, "map.ot");
     EXPECT_TRUE(*content.tree == map.tree());
@@ -93,7 +93,7 @@ TEST(OctreeFile, TheOccupancyThresholdTravelsWithTheMap) {
 
 TEST(OctreeFile, OctoMapsOwnReaderOpensOurFile) {
   FusedTree::register_type();
-  const Snapshot map = testing::random_map(2).snapshot();
+  const Snapshot map = worlds::random_map(2).snapshot();
   std::istringstream stream(format_fused_tree(map.tree(), map.volumes()));
   ::testing::internal::CaptureStderr();
   const std::unique_ptr<octomap::AbstractOcTree> tree(octomap::AbstractOcTree::read(stream));
@@ -223,7 +223,7 @@ TEST(OctreeFile, RefusesAHeaderThatMakesNoSense) {
 }
 
 TEST(OctreeFile, AColorTreeTellsStockProgramsWhatIsOccupied) {
-  const Snapshot map = testing::random_map(8).snapshot();
+  const Snapshot map = worlds::random_map(8).snapshot();
   std::istringstream stream(format_color_tree(map.tree()));
   ::testing::internal::CaptureStderr();
   const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(stream));
@@ -240,7 +240,7 @@ TEST(OctreeFile, AColorTreeTellsStockProgramsWhatIsOccupied) {
 }
 
 TEST(OctreeFile, ABinaryTreeTellsStockProgramsWhatIsOccupied) {
-  const Snapshot map = testing::random_map(9).snapshot();
+  const Snapshot map = worlds::random_map(9).snapshot();
   std::istringstream stream(format_binary_tree(map.tree()));
   octomap::OcTree tree(0.1);
   ::testing::internal::CaptureStderr();
@@ -255,5 +255,5 @@ TEST(OctreeFile, ABinaryTreeTellsStockProgramsWhatIsOccupied) {
   });
 }
 
-}  // namespace
+}  // namespace octree_file_test
 }  // namespace clearway

@@ -13,7 +13,7 @@
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
-namespace {
+namespace octree_reader_test {
 
 std::string file_of(bool binary, const std::string& size, const std::string& data) {
   return std::string(binary ? "# Octomap OcTree binary file" : "# Octomap OcTree file") +
@@ -126,5 +126,5 @@ TEST(OctreeReader, InnerNodesAreWorkedOutAndForeignTreesPruned) {
   EXPECT_EQ(kept->getRoot()->child(7)->getLogOdds(), 0.25F);
 }
 
-}  // namespace
+}  // namespace octree_reader_test
 }  // namespace clearway

@@ -8,10 +8,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace painted_csv_test {
 
 std::vector<PaintedVolume> awkward_volumes() {
-  testing::Dice dice(1);
+  worlds::Dice dice(1);
   std::vector<PaintedVolume> volumes = {
       {"plain", {"tool", "load"}}, {"a \"quoted\", label", {"semi;colon", "back\\slash", ""}}, {"", {}}};
   volumes[0].strokes = {{"first, \"quoted\"", "camera"}, {"", ""}};
@@ -107,7 +107,7 @@ TEST(PaintedCsv, RefusesStrokesThatContradictThemselves) {
 
 TEST(PaintedCsv, SurvivesRandomDamage) {
   const std::string text = format_painted(awkward_volumes());
-  testing::Dice dice(2);
+  worlds::Dice dice(2);
   for (int i = 0; i < 2000; ++i) {
     std::string damaged = text;
     damaged[static_cast<std::size_t>(dice.whole(0, static_cast<int>(text.size()) - 1))] ^=
@@ -122,28 +122,28 @@ TEST(PaintedCsv, SurvivesRandomDamage) {
 }
 
 TEST(PaintedCsv, beside_our_own_map_it_is_a_copy_and_whoever_changes_it_is_told_that_it_is_not_used) {
-  const testing::TemporaryFolder folder;
+  const worlds::TemporaryFolder folder;
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("tool", {"hand"});
   map.paint(volume, {{0.1, 0.2, 0.3}, 0.2});
   save_map(map.snapshot(), folder.path());
   const auto remark = [&] { return painted_csv_remark(folder.path(), load_map(folder.path())); };
   EXPECT_EQ(remark(), "");
-  const std::string text = testing::read_all(folder / "painted.csv");
+  const std::string text = worlds::read_all(folder / "painted.csv");
   std::string larger = text;
   larger.replace(larger.find(",0.2,0,"), 4, ",0.9");
   for (const std::string& changed : {larger, std::string("hello"), std::string()}) {
-    testing::write_all(folder / "painted.csv", changed);
+    worlds::write_all(folder / "painted.csv", changed);
     EXPECT_NE(remark().find("painted.csv' differs from the painted volumes in map.ot and is not used"),
               std::string::npos)
         << remark();
     EXPECT_EQ(load_map(folder.path()).volumes()[0].balls[0].radius, 0.2);
   }
-  testing::write_all(folder / "painted.csv", text);
+  worlds::write_all(folder / "painted.csv", text);
   export_map(map.snapshot(), folder / "map.ot");  // a tree of another program, without volumes
   EXPECT_EQ(load_map(folder.path()).volumes().size(), 1u);
   EXPECT_NE(remark().find("because map.ot holds none"), std::string::npos) << remark();
 }
 
-}  // namespace
+}  // namespace painted_csv_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace conflict_log_test {
 
 using Cell = std::array<int, 3>;
 
@@ -31,7 +31,7 @@ std::set<Cell> conflicts_of(const Snapshot& map) {
 TEST(ConflictLog, HoldsEveryVoxelThatBecomesAConflictWithWhatCameSecond) {
   std::size_t by_scan = 0, by_paint = 0;
   for (unsigned seed = 0; seed < 12; ++seed) {
-    testing::Dice dice(seed);
+    worlds::Dice dice(seed);
     FreeSpaceMap map({.resolution = 0.05});
     map.add_volume("a", {});
     map.add_volume("b", {});
@@ -42,15 +42,15 @@ TEST(ConflictLog, HoldsEveryVoxelThatBecomesAConflictWithWhatCameSecond) {
       const int kind = dice.whole(0, 5), volume = dice.whole(0, 1);
       const double time = 0.5 * step;
       if (kind < 3) {
-        Scan scan = testing::random_scan(dice, 150);
+        Scan scan = worlds::random_scan(dice, 150);
         scan.time = time;
         map.insert(scan);
         ++scans;
       } else if (kind < 5) {
         map.begin_stroke("stroke " + std::to_string(strokes++));
-        map.paint(volume, testing::random_ball(dice), time);
+        map.paint(volume, worlds::random_ball(dice), time);
       } else {
-        map.erase(volume, testing::random_ball(dice), time);
+        map.erase(volume, worlds::random_ball(dice), time);
       }
       const std::set<Cell> now = conflicts_of(map.snapshot());
       std::set<Cell> expected;
@@ -94,5 +94,5 @@ TEST(ConflictLog, CountsWhatItHasNoRoomFor) {
   EXPECT_EQ(map.conflicts().not_kept, conflicts - ConflictLog::record_limit);
 }
 
-}  // namespace
+}  // namespace conflict_log_test
 }  // namespace clearway

@@ -15,9 +15,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace provenance_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 /// What one scan does to an empty map: hit and missed voxels.
 class ScanAlone {
@@ -48,7 +48,7 @@ TEST(Provenance, NamesExactlyTheScansWhoseInsertionTouchedAVoxel) {
     filter.max_range = seed == 1 ? 0.8 : 0.0;
     std::vector<ScanAlone> alone;
     for (int i = 0; i < 8; ++i) {
-      Scan scan = testing::random_scan(dice, 300);
+      Scan scan = worlds::random_scan(dice, 300);
       scan.time = i;
       scan.sensor = i % 2 == 0 ? "left" : "right";
       map.insert(scan, filter);
@@ -83,11 +83,11 @@ TEST(Provenance, SaysWhichScansItForgotWhenTheBudgetIsUsedUp) {
   Dice dice(9);
   FreeSpaceMap full({.resolution = 0.02}), tight({.resolution = 0.02});
   full.keep_scans();
-  for (int i = 0; i < 12; ++i) full.insert(testing::random_scan(dice, 200));
+  for (int i = 0; i < 12; ++i) full.insert(worlds::random_scan(dice, 200));
   const ScanLog all = full.provenance().scans;
   tight.keep_scans(all.bytes() / 3);
   Dice again(9);
-  for (int i = 0; i < 12; ++i) tight.insert(testing::random_scan(again, 200));
+  for (int i = 0; i < 12; ++i) tight.insert(worlds::random_scan(again, 200));
   const ScanLog some = tight.provenance().scans;
   EXPECT_LE(some.bytes(), all.bytes() / 3);
   ASSERT_EQ(some.scans().size(), 12U);
@@ -110,7 +110,7 @@ TEST(Provenance, SaysWhichScansItForgotWhenTheBudgetIsUsedUp) {
   }
   EXPECT_GT(unknown, 50U);
   tight.keep_scans(0);
-  tight.insert(testing::random_scan(dice, 200));
+  tight.insert(worlds::random_scan(dice, 200));
   EXPECT_EQ(tight.provenance().scans.bytes(), 0U);
 }
 
@@ -157,7 +157,7 @@ TEST(Provenance, StrokesAgreeWithThePaintOfEveryVoxel) {
     for (int i = 0; i < 14; ++i) {
       map.begin_stroke(std::to_string(i));
       const int volume = dice.whole(0, 1);
-      const Sphere ball = testing::random_ball(dice);
+      const Sphere ball = worlds::random_ball(dice);
       i % 3 == 2 ? static_cast<void>(map.erase(volume, ball)) : static_cast<void>(map.paint(volume, ball));
     }
     const Snapshot snapshot = map.snapshot();
@@ -185,8 +185,8 @@ Provenance sample() {
   map.add_volume("dock", {});
   for (int i = 0; i < 4; ++i) {
     map.begin_stroke("stroke " + std::to_string(i), "hand");
-    map.paint(i % 2, testing::random_ball(dice), i);
-    Scan scan = testing::random_scan(dice, 150);
+    map.paint(i % 2, worlds::random_ball(dice), i);
+    Scan scan = worlds::random_scan(dice, 150);
     scan.sensor = "kinect";
     map.insert(scan);
     map.erase(i % 2, {dice.point(0.5), 0.1}, i);
@@ -251,8 +251,8 @@ TEST(ProvenanceFile, SurvivesDamageThatCarriesTheRightChecksum) {
 }
 
 TEST(ProvenanceFile, LiesBesideTheMapThatItBelongsTo) {
-  const testing::TemporaryFolder folder;
-  const Snapshot map = testing::random_map(1).snapshot();
+  const worlds::TemporaryFolder folder;
+  const Snapshot map = worlds::random_map(1).snapshot();
   save_map(map, folder.path());
   EXPECT_FALSE(load_provenance(folder.path()).has_value());
   save_provenance(sample(), folder.path());
@@ -264,5 +264,5 @@ TEST(ProvenanceFile, LiesBesideTheMapThatItBelongsTo) {
   EXPECT_THROW(load_provenance(folder.path()), DamagedFile);
 }
 
-}  // namespace
+}  // namespace provenance_test
 }  // namespace clearway

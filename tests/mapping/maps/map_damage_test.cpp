@@ -8,9 +8,9 @@
 #include "tests/mapping/temporary_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace map_damage_test {
 
-using testing::TemporaryFolder;
+using worlds::TemporaryFolder;
 
 /// A painted ball, of a recording that was damaged after `records` or not at all.
 Snapshot map_of(std::optional<std::size_t> records) {
@@ -36,5 +36,5 @@ TEST(MapDamage, StaysInTheFileAndInWhatIsMadeOfTheMap) {
   EXPECT_NE(damage_caveat(merge(loaded, map_of(1))).find("38 records"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace map_damage_test
 }  // namespace clearway

@@ -8,11 +8,11 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace map_difference_test {
 
 TEST(MapDifference, CountsVoxelsByThePairOfTheirStates) {
   for (unsigned seed = 0; seed < 2; ++seed) {
-    const Snapshot a = testing::random_map(seed).snapshot(), b = testing::random_map(seed + 50).snapshot();
+    const Snapshot a = worlds::random_map(seed).snapshot(), b = worlds::random_map(seed + 50).snapshot();
     const MapDifference found = difference(a, b);
     std::map<std::pair<VoxelState, VoxelState>, std::size_t> expected;
     std::size_t evidence = 0;
@@ -41,7 +41,7 @@ TEST(MapDifference, CountsVoxelsByThePairOfTheirStates) {
 }
 
 TEST(MapDifference, OfAMapWithItselfIsNone) {
-  const Snapshot a = testing::random_map(7).snapshot(), b = testing::random_map(7).snapshot();
+  const Snapshot a = worlds::random_map(7).snapshot(), b = worlds::random_map(7).snapshot();
   EXPECT_FALSE(difference(a, b).any());
 }
 
@@ -64,11 +64,11 @@ TEST(MapDifference, ComparesPaintByLabel) {
 
 TEST(MapDifference, DoesNotCompareVoxelsOfDifferentSize) {
   const MapDifference found =
-      difference(testing::random_map(1, 0.05).snapshot(), testing::random_map(1, 0.1).snapshot());
+      difference(worlds::random_map(1, 0.05).snapshot(), worlds::random_map(1, 0.1).snapshot());
   EXPECT_TRUE(found.resolution);
   EXPECT_TRUE(found.states.empty());
   EXPECT_TRUE(found.any());
 }
 
-}  // namespace
+}  // namespace map_difference_test
 }  // namespace clearway

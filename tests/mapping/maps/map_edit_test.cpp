@@ -11,9 +11,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace map_edit_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 constexpr double edge = 0.05;
 
@@ -49,8 +49,8 @@ Snapshot other_map(unsigned seed) {
   map.add_volume("lift", {});
   map.add_volume("dock", {"base"});
   for (int i = 0; i < 4; ++i) {
-    map.paint(dice.whole(0, 1), testing::random_ball(dice));
-    map.insert(testing::random_scan(dice, 200));
+    map.paint(dice.whole(0, 1), worlds::random_ball(dice));
+    map.insert(worlds::random_scan(dice, 200));
   }
   return map.snapshot();
 }
@@ -58,7 +58,7 @@ Snapshot other_map(unsigned seed) {
 TEST(Merge, HoldsTheEvidenceAndPaintOfBoth) {
   std::size_t conflicts = 0, both = 0;
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Snapshot a = testing::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
+    const Snapshot a = worlds::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
     const Snapshot merged = merge(a, b);
     const float threshold = a.tree().getOccupancyThresLog();
     for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {
@@ -93,7 +93,7 @@ bool is_blocked(VoxelState state) { return state == VoxelState::occupied || stat
 TEST(Merge, LosesNoObstacle) {
   std::size_t against_free = 0, against_paint = 0;
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Snapshot a = testing::random_map(seed, edge, 8, 2000).snapshot(), b = other_map(seed + 100);
+    const Snapshot a = worlds::random_map(seed, edge, 8, 2000).snapshot(), b = other_map(seed + 100);
     for (const auto& [one, two] : {std::pair(a, b), std::pair(b, a)}) {
       const Snapshot merged = merge(one, two);
       for_random_cells(30, 20000, [&](const Eigen::Vector3i& cell) {
@@ -142,8 +142,8 @@ void expect_same(const Snapshot& a, const Snapshot& b) {
 
 TEST(Merge, DoesNotDependOnTheOrderOfMapsNorOnHowOftenOneIsMerged) {
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Snapshot a = testing::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
-    const Snapshot c = testing::random_map(seed + 200, edge).snapshot();
+    const Snapshot a = worlds::random_map(seed, edge).snapshot(), b = other_map(seed + 100);
+    const Snapshot c = worlds::random_map(seed + 200, edge).snapshot();
     expect_same(merge(a, b), merge(b, a));
     expect_same(merge(merge(a, b), c), merge(a, merge(b, c)));
     expect_same(merge(merge(c, b), a), merge(merge(a, b), c));
@@ -153,7 +153,7 @@ TEST(Merge, DoesNotDependOnTheOrderOfMapsNorOnHowOftenOneIsMerged) {
 }
 
 TEST(Merge, OfAMapWithNothingIsTheMap) {
-  const Snapshot map = testing::random_map(3, edge).snapshot();
+  const Snapshot map = worlds::random_map(3, edge).snapshot();
   FreeSpaceMap nothing({.resolution = edge});
   EXPECT_TRUE(merge(map, nothing.snapshot()).tree() == map.tree());
   EXPECT_FALSE(difference(merge(nothing.snapshot(), map), map).any());
@@ -168,7 +168,7 @@ TEST(Merge, CountsABallThatBothHoldOnce) {
 }
 
 TEST(Merge, RefusesWhatDoesNotFit) {
-  const Snapshot map = testing::random_map(4, edge).snapshot();
+  const Snapshot map = worlds::random_map(4, edge).snapshot();
   EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = 0.1}).snapshot()), std::invalid_argument);
   EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = edge, .occupied_probability = 0.6}).snapshot()),
                std::invalid_argument);
@@ -182,7 +182,7 @@ TEST(Merge, RefusesWhatDoesNotFit) {
 TEST(Crop, KeepsTheVoxelsOfTheBoxAndNothingElse) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     Dice dice(seed);
-    const Snapshot map = testing::random_map(seed, edge).snapshot();
+    const Snapshot map = worlds::random_map(seed, edge).snapshot();
     const Eigen::Vector3i low(dice.whole(-15, 0), dice.whole(-15, 0), dice.whole(-15, 0));
     const Eigen::Vector3i high(dice.whole(1, 15), dice.whole(1, 15), dice.whole(1, 15));
     const double inwards = seed % 2 == 0 ? 0.0 : 0.4;  // a box that cuts voxels is snapped outwards
@@ -204,7 +204,7 @@ TEST(Crop, KeepsTheVoxelsOfTheBoxAndNothingElse) {
 }
 
 TEST(Crop, RefusesABoxThatIsNone) {
-  const Snapshot map = testing::random_map(4, edge).snapshot();
+  const Snapshot map = worlds::random_map(4, edge).snapshot();
   EXPECT_THROW(crop(map, {}), std::invalid_argument);
   EXPECT_THROW(crop(map, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 1)}), std::invalid_argument);
   EXPECT_THROW(crop(map, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, HUGE_VAL, 1)}), std::invalid_argument);
@@ -214,7 +214,7 @@ TEST(Coarsen, SaysOfACoarseVoxelOnlyWhatHoldsForAllOfIt) {
   std::size_t painted = 0, occupied = 0, seen_free = 0;
   for (unsigned seed = 0; seed < 8; ++seed) {
     const int factor = 1 << (1 + seed % 3);
-    FreeSpaceMap source = testing::random_map(seed, edge, 6, 3000);
+    FreeSpaceMap source = worlds::random_map(seed, edge, 6, 3000);
     source.paint(0, {{0.1, 0.1, 0.1}, 0.5});
     const Snapshot map = source.snapshot();
     const Snapshot coarse = coarsen(map, edge * factor);
@@ -256,10 +256,10 @@ TEST(Coarsen, KeepsCubesThatOneLeafStandsFor) {
 }
 
 TEST(Coarsen, RefusesWhatIsNoPowerOfTwo) {
-  const Snapshot map = testing::random_map(4, edge).snapshot();
+  const Snapshot map = worlds::random_map(4, edge).snapshot();
   for (const double bad : {0.05, 0.15, 0.025, 0.11, 204.8, 0.0, -0.1, std::nan("")})
     EXPECT_THROW(coarsen(map, bad), std::invalid_argument) << bad;
 }
 
-}  // namespace
+}  // namespace map_edit_test
 }  // namespace clearway

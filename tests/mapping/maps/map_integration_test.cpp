@@ -12,17 +12,17 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace map_integration_test {
 
-using testing::Dice;
+using worlds::Dice;
 using enum MapIntegration;
 
 Snapshot made_by(MapIntegration which, unsigned seed = 1) {
   FreeSpaceMap map(
       {.resolution = 0.1, .integration = which == compatible ? Integration::compatible : Integration::safe});
   Dice dice(seed);
-  map.paint(map.add_volume("v", {}), testing::random_ball(dice));
-  if (which != none) map.insert(testing::random_scan(dice, 50));
+  map.paint(map.add_volume("v", {}), worlds::random_ball(dice));
+  if (which != none) map.insert(worlds::random_scan(dice, 50));
   return map.snapshot();
 }
 
@@ -53,14 +53,14 @@ TEST(MapIntegration, OfTwoPartsTheLessSafeOneHolds) {
       ContinuedMap continued(made_by(a),
                              {.integration = b == safe ? Integration::safe : Integration::compatible});
       Dice dice(3);
-      continued.insert(testing::random_scan(dice, 50));
+      continued.insert(worlds::random_scan(dice, 50));
       EXPECT_EQ(integration_of(continued.snapshot()), expected);
     }
   }
 }
 
 TEST(MapIntegration, StaysThroughEditsAndFiles) {
-  const testing::TemporaryFolder folder;
+  const worlds::TemporaryFolder folder;
   for (const MapIntegration which : {none, safe, compatible}) {
     const Snapshot map = made_by(which);
     EXPECT_EQ(integration_of(coarsen(map, 0.2)), which);
@@ -71,7 +71,7 @@ TEST(MapIntegration, StaysThroughEditsAndFiles) {
 }
 
 TEST(MapIntegration, OfAForeignFileIsUnknownAndOfACloudNone) {
-  const testing::TemporaryFolder folder;
+  const worlds::TemporaryFolder folder;
   const Snapshot map = made_by(safe);
   for (const char* name : {"foreign.bt", "foreign.ot"}) {
     export_map(map, folder.path() / name);
@@ -99,7 +99,7 @@ TEST(MapIntegration, AFileThatDoesNotSayIsReadAsUnknownAndOneThatSaysNonsenseIsD
 }
 
 TEST(MapIntegration, AVerdictOnAMapOfCompatibleIntegrationOrForeignFreeSpaceSaysSo) {
-  const testing::TemporaryFolder folder;
+  const worlds::TemporaryFolder folder;
   EXPECT_EQ(integration_caveat(made_by(safe)), "");
   EXPECT_EQ(integration_caveat(made_by(none)), "");
   EXPECT_NE(integration_caveat(made_by(compatible)).find("compatible integration"), std::string::npos);
@@ -113,5 +113,5 @@ TEST(MapIntegration, AVerdictOnAMapOfCompatibleIntegrationOrForeignFreeSpaceSays
   EXPECT_EQ(integration_caveat(load_map(folder.path() / "obstacles.bt")), "");
 }
 
-}  // namespace
+}  // namespace map_integration_test
 }  // namespace clearway

@@ -8,11 +8,11 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace ray_states_test {
 
 TEST(RayStates, AgreeWithSamplesAlongTheRay) {
-  testing::Dice dice(1);
-  const Snapshot map = testing::random_map(1, 0.05, 4, 1500).snapshot();
+  worlds::Dice dice(1);
+  const Snapshot map = worlds::random_map(1, 0.05, 4, 1500).snapshot();
   int blocked = 0, through = 0;
   for (int trial = 0; trial < 400; ++trial) {
     const Eigen::Vector3d origin = dice.point(1.5);
@@ -68,12 +68,12 @@ TEST(RayStates, PassesAnEmptyMapWithoutAWord) {
 }
 
 TEST(RayStates, RefuseARayThatIsNone) {
-  const Snapshot map = testing::random_map(1).snapshot();
+  const Snapshot map = worlds::random_map(1).snapshot();
   EXPECT_THROW(ray_states(map, {0, 0, 0}, {0, 0, 0}), std::invalid_argument);
   EXPECT_THROW(ray_states(map, {0, 0, std::nan("")}, {0, 0, 1}), std::invalid_argument);
   EXPECT_THROW(ray_states(map, {0, 0, 0}, {0, HUGE_VAL, 1}), std::invalid_argument);
   EXPECT_THROW(ray_states(map, {1e9, 0, 0}, {0, 0, 1}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace ray_states_test
 }  // namespace clearway

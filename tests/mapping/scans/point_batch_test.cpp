@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace point_batch_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 TEST(PointBatch, PointsAndCellsAreThoseOfEigenAndTheTreeBitForBit) {
   Dice dice(3);
@@ -28,7 +28,7 @@ TEST(PointBatch, PointsAndCellsAreThoseOfEigenAndTheTreeBitForBit) {
     if (round % 7 == 0) points.back().y() = std::nanf("");
     if (round % 7 == 1) points.front().z() = -HUGE_VALF;
     if (round % 7 == 2) points.front().x() = 3e38F;
-    for (const InstructionSet set : testing::instruction_sets()) {
+    for (const InstructionSet set : worlds::instruction_sets()) {
       PointBatch batch;
       place_points(points.data(), points.size(), pose, 1.0 / resolution, set, batch);
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -53,5 +53,5 @@ TEST(PointBatch, PointsAndCellsAreThoseOfEigenAndTheTreeBitForBit) {
   EXPECT_GT(without_cell, 100U);
 }
 
-}  // namespace
+}  // namespace point_batch_test
 }  // namespace clearway

@@ -13,9 +13,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace ray_cast_test {
 
-using testing::Dice;
+using worlds::Dice;
 using Cells = std::set<std::tuple<int, int, int>>;
 
 Cells stock_cells(const ScanRays& rays, double resolution) {
@@ -44,7 +44,7 @@ Cells free_cells(ScanGrid& grid) {
 
 void expect_stock_cells(const ScanRays& rays, double resolution, RayWorkspace& workspace) {
   const Cells expected = stock_cells(rays, resolution);
-  for (const InstructionSet set : testing::instruction_sets()) {
+  for (const InstructionSet set : worlds::instruction_sets()) {
     for (const int threads : {1, 2, 3}) {
       ScanGrid grid;
       cast_rays(rays, resolution, threads, set, workspace, grid);
@@ -153,7 +153,7 @@ TEST(RayCast, AShorterReachFreesTheVoxelsThatTheRayLeavesWithinIt) {
         if (is_first || leaves <= ray.reach) expected.emplace(x, y, z);
       }
     }
-    for (const InstructionSet set : testing::instruction_sets()) {
+    for (const InstructionSet set : worlds::instruction_sets()) {
       ScanGrid grid;
       cast_rays(rays, resolution, 1, set, workspace, grid);
       Cells got = free_cells(grid), wanted = expected;
@@ -166,5 +166,5 @@ TEST(RayCast, AShorterReachFreesTheVoxelsThatTheRayLeavesWithinIt) {
   }
 }
 
-}  // namespace
+}  // namespace ray_cast_test
 }  // namespace clearway

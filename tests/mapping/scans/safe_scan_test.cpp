@@ -8,9 +8,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace safe_scan_test {
 
-using testing::Dice;
+using worlds::Dice;
 using Cell = std::array<int, 3>;
 
 /// Reached by the steps, cell by cell: the slow and obvious twin.
@@ -122,7 +122,7 @@ TEST(SafeScan, OfOneScanSafeFreesASubsetOfWhatCompatibleFreesAndHitsTheSame) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     Dice dice(seed);
     const double resolution = dice.uniform(0.02, 0.06);
-    const Scan scan = testing::random_scan(dice, 60);
+    const Scan scan = worlds::random_scan(dice, 60);
     FreeSpaceMap safe = map_with(resolution, Integration::safe);
     FreeSpaceMap compatible = map_with(resolution, Integration::compatible);
     const ScanCounts counts = safe.insert(scan, {.max_range = 0.8});
@@ -320,7 +320,7 @@ TEST(SafeScan, TheMapIsTheSameWhateverTheThreads) {
   for (const int threads : {1, 2, 5}) {
     Dice dice(3);
     FreeSpaceMap map = map_with(0.02, Integration::safe, threads);
-    for (int i = 0; i < 5; ++i) map.insert(testing::random_scan(dice, 300));
+    for (int i = 0; i < 5; ++i) map.insert(worlds::random_scan(dice, 300));
     snapshots.push_back(map.snapshot());
   }
   for (const Snapshot& other : {snapshots[1], snapshots[2]}) {
@@ -334,5 +334,5 @@ TEST(SafeScan, TheMapIsTheSameWhateverTheThreads) {
   }
 }
 
-}  // namespace
+}  // namespace safe_scan_test
 }  // namespace clearway

@@ -10,10 +10,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace scan_filter_test {
 
-using testing::Dice;
-using testing::random_scan;
+using worlds::Dice;
+using worlds::random_scan;
 
 TEST(ScanFilter, AnEmptyFilterKeepsAllPointsInTheMapFrame) {
   Dice dice(1);
@@ -150,5 +150,5 @@ TEST(ScanFilter, NamesTheFieldThatMakesNoSense) {
   refused("axis", [](ScanFilter& filter) { filter.bodies = {{{0, std::nan(""), 0}, {0, 0, 1}, 0.1}}; });
 }
 
-}  // namespace
+}  // namespace scan_filter_test
 }  // namespace clearway

@@ -13,11 +13,11 @@
 #include "tests/worlds/stock_octomap.hpp"
 
 namespace clearway {
-namespace {
+namespace scan_insertion_test {
 
-using testing::Dice;
-using testing::expect_equal;
-using testing::insert_stock;
+using worlds::Dice;
+using worlds::expect_equal;
+using worlds::insert_stock;
 
 /// Where a ray from inside meets the walls of a room or the pillar in it, with some noise.
 Eigen::Vector3f meet_room(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Dice& dice) {
@@ -62,7 +62,7 @@ TEST(ScanInsertion, ScansOfARoomGiveStockOctoMapsTreeWhateverTheInstructionsAndT
       octomap::OcTree stock(0.04);
       for (int i = 0; i < 12; ++i) insert_stock(stock, room_scan(i, lidar), max_range, discretize);
       std::string first;
-      for (const InstructionSet set : testing::instruction_sets()) {
+      for (const InstructionSet set : worlds::instruction_sets()) {
         for (const int threads : {1, 2, 3}) {
           FusedTree tree(0.04);
           ScanWorkspace workspace;
@@ -136,5 +136,5 @@ TEST(ScanInsertion, RepeatedScansOfARoomClampAndPruneAsStockOctoMapDoes) {
   }
 }
 
-}  // namespace
+}  // namespace scan_insertion_test
 }  // namespace clearway

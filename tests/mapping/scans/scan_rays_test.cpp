@@ -13,12 +13,12 @@
 #include "tests/worlds/stock_octomap.hpp"
 
 namespace clearway {
-namespace {
+namespace scan_rays_test {
 
-using testing::Dice;
-using testing::expect_equal;
-using testing::insert_stock;
-using testing::random_scan;
+using worlds::Dice;
+using worlds::expect_equal;
+using worlds::insert_stock;
+using worlds::random_scan;
 constexpr Integration compatible = Integration::compatible;
 
 TEST(ScanRays, WithoutPaintTheTreeIsStockOctoMaps) {
@@ -232,5 +232,5 @@ TEST(ScanRays, ARangeThatIsNoDistanceIsRefusedAndNotTakenForNoFilter) {
   }
 }
 
-}  // namespace
+}  // namespace scan_rays_test
 }  // namespace clearway

@@ -13,9 +13,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace seen_stamps_test {
 
-using testing::Dice;
+using worlds::Dice;
 using Cell = std::tuple<int, int, int>;
 using Truth = std::map<Cell, double>;  ///< when each cell was last seen
 
@@ -281,5 +281,5 @@ TEST(SeenStamps, ACropKeepsItsCellsAndACoarserVoxelIsAsOldAsItsOldestPart) {
   expect_true(seen, truth);
 }
 
-}  // namespace
+}  // namespace seen_stamps_test
 }  // namespace clearway

@@ -9,12 +9,12 @@
 #include "tests/mapping/temporary_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace atomic_file_test {
 
 namespace fs = std::filesystem;
-using testing::read_all;
-using testing::TemporaryFolder;
-using testing::write_all;
+using worlds::read_all;
+using worlds::TemporaryFolder;
+using worlds::write_all;
 
 std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
@@ -112,5 +112,5 @@ TEST(SaveFile, WritesThroughALinkToTheFileBehindIt) {
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace clearway

@@ -14,12 +14,12 @@
 #include "tests/mapping/temporary_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace atomic_folder_test {
 
 namespace fs = std::filesystem;
-using testing::read_all;
-using testing::TemporaryFolder;
-using testing::write_all;
+using worlds::read_all;
+using worlds::TemporaryFolder;
+using worlds::write_all;
 
 bool nothing_is_ours(const fs::path&) { return false; }
 bool text_is_ours(const fs::path& relative) { return relative.extension() == ".txt"; }
@@ -194,5 +194,5 @@ TEST(AtomicFolder, KeptWorkHasANameAndMakesWayForTheNext) {
   EXPECT_TRUE(fs::exists(partial));
 }
 
-}  // namespace
+}  // namespace atomic_folder_test
 }  // namespace clearway

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace clearway {
-namespace {
+namespace child_process_test {
 
 constexpr ChildLimits roomy{std::size_t{64} << 20U, std::size_t{16} << 20U, 10};
 
@@ -131,5 +131,5 @@ TEST(ChildProcess, IsSilent) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-}  // namespace
+}  // namespace child_process_test
 }  // namespace clearway

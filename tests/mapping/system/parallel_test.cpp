@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace clearway {
-namespace {
+namespace parallel_test {
 
 TEST(Parallel, EachIndexIsCalledOnceWhateverWasAskedForBefore) {
   for (const std::size_t threads : {1U, 3U, 2U, 5U, 1U, 4U}) {
@@ -76,5 +76,5 @@ TEST(Parallel, AForkedProcessHasHelpersOfItsOwn) {
   EXPECT_EQ(status, 0);
 }
 
-}  // namespace
+}  // namespace parallel_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace plain_text_test {
 
 TEST(PlainText, leaves_letters_of_any_language_and_escapes_what_moves_a_cursor) {
   EXPECT_EQ(plain("Würfel 1 µm → 家"), "Würfel 1 µm → 家");
@@ -61,5 +61,5 @@ TEST(PlainText, a_path_is_cut_to_255_characters) {
   EXPECT_EQ(quote_path(std::string(256, 'x')), "'" + std::string(255, 'x') + "…'");
 }
 
-}  // namespace
+}  // namespace plain_text_test
 }  // namespace clearway

@@ -11,12 +11,12 @@
 #include "tests/mapping/temporary_folder.hpp"
 
 namespace clearway {
-namespace {
+namespace temporary_name_test {
 
 namespace fs = std::filesystem;
-using testing::read_all;
-using testing::TemporaryFolder;
-using testing::write_all;
+using worlds::read_all;
+using worlds::TemporaryFolder;
+using worlds::write_all;
 
 /// Runs `work` in a process of its own, which ends without any cleaning up.
 template <class Work>
@@ -95,5 +95,5 @@ TEST(TemporaryName, AFolderThatWasMovedAsideAndHasNoSuccessorGetsItsNameBack) {
   EXPECT_EQ(read_all(folder / "map" / "map.ot"), "old");
 }
 
-}  // namespace
+}  // namespace temporary_name_test
 }  // namespace clearway

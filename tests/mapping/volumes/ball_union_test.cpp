@@ -9,10 +9,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace ball_union_test {
 
 using std::numbers::pi;
-using testing::Dice;
+using worlds::Dice;
 
 double ball_volume(double r) { return 4.0 / 3.0 * pi * r * r * r; }
 
@@ -136,5 +136,5 @@ TEST(BallUnion, RefusesWhatIsNoBall) {
   EXPECT_EQ(union_area({}).area, 0.0);
 }
 
-}  // namespace
+}  // namespace ball_union_test
 }  // namespace clearway

@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace painted_body_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 struct Body {
   Eigen::Vector3d a, b;
@@ -91,7 +91,7 @@ TEST(PaintedSpace, HoldsABodyExactlyWhenNoBlockedCubeMeetsIt) {
     FreeSpaceMap painted({.resolution = 0.06});
     painted.add_volume("v", {});
     for (int i = 0; i < 20; ++i) painted.paint(0, {dice.point(0.4), dice.uniform(0.1, 0.3)});
-    painted.insert(testing::random_scan(dice, 10));
+    painted.insert(worlds::random_scan(dice, 10));
     const Snapshot map = painted.snapshot();
     const PaintedSpace space(map, 1);
     int held = 0, tight = 0;
@@ -184,5 +184,5 @@ TEST(UnionContains, TellsWhatFormulasTell) {
   EXPECT_EQ(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 0}, 0.1}, 1e-3), Containment::outside);
 }
 
-}  // namespace
+}  // namespace painted_body_test
 }  // namespace clearway

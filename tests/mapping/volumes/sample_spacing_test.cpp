@@ -3,7 +3,7 @@
 #include "mapping/volumes/volume_quality.hpp"
 
 namespace clearway {
-namespace {
+namespace sample_spacing_test {
 
 Sphere at(double x, double radius) { return {{x, 0, 0}, radius}; }
 
@@ -43,5 +43,5 @@ TEST(SampleSpacing, OfFewerThanTwoBallsIsZero) {
   EXPECT_EQ(sample_spacing({at(0, 1)}).median, 0.0);
 }
 
-}  // namespace
+}  // namespace sample_spacing_test
 }  // namespace clearway

@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace volume_quality_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 FreeSpaceMap painted_map(double resolution, const std::vector<Sphere>& balls) {
   FreeSpaceMap map({.resolution = resolution});
@@ -174,5 +174,5 @@ TEST(VolumeQuality, OfAnEmptyVolumeIsZeroAndOfNoneIsRefused) {
   EXPECT_THROW(measure_volume(map, 0, {.neck_ratio = 1.0}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace volume_quality_test
 }  // namespace clearway

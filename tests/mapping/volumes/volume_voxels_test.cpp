@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace volume_voxels_test {
 
-using testing::Dice;
+using worlds::Dice;
 using Cells = std::set<std::array<int, 3>>;
 
 /// A block of `size` free cells along each axis inside the margin, less `blocked` (counted from the first).
@@ -201,5 +201,5 @@ TEST(Necks, TheNarrowestPlaceOfTheWidestWayIsThatOfFlooding) {
   }
 }
 
-}  // namespace
+}  // namespace volume_voxels_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
-namespace {
+namespace evidence_rule_test {
 
 /// OctoMap's own model: 0.7, 0.4, clamped at 0.1192 and 0.971.
 EvidenceRule rule_with(Integration integration) {
@@ -74,5 +74,5 @@ TEST(EvidenceRule, CompatibleAddsAndClamps) {
   EXPECT_FALSE(rule.tells_clear_looks(rule.high));
 }
 
-}  // namespace
+}  // namespace evidence_rule_test
 }  // namespace clearway

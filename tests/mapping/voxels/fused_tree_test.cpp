@@ -11,9 +11,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace fused_tree_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 octomap::OcTreeKey key_of(const FusedTree& tree, const Eigen::Vector3d& point) {
   octomap::OcTreeKey key;
@@ -39,7 +39,7 @@ Cells cells_of(const FusedTree& tree) {
 }
 
 FusedTree random_tree(unsigned seed) {
-  const FreeSpaceMap map = testing::random_map(seed);
+  const FreeSpaceMap map = worlds::random_map(seed);
   return FusedTree(map.snapshot().tree());
 }
 
@@ -96,7 +96,7 @@ FusedTree coarse_tree(unsigned seed) {
   map.add_volume("v", {});
   Dice dice(seed);
   for (int i = 0; i < 3; ++i) {
-    map.insert(testing::random_scan(dice, 50));
+    map.insert(worlds::random_scan(dice, 50));
     map.paint(0, {dice.point(0.5), 0.9});
   }
   return FusedTree(map.snapshot().tree());
@@ -127,8 +127,8 @@ TEST(FusedTree, CopiesStayAsTheyWereWhileTheOriginalIsWritten) {
     std::vector<Snapshot> copies;
     std::vector<Cells> expected;
     for (int i = 0; i < 12; ++i) {
-      if (i % 2 == 0) map.insert(testing::random_scan(dice, 100));
-      if (i % 3 != 1) map.paint(0, testing::random_ball(dice));
+      if (i % 2 == 0) map.insert(worlds::random_scan(dice, 100));
+      if (i % 3 != 1) map.paint(0, worlds::random_ball(dice));
       copies.push_back(map.snapshot());
       expected.push_back(cells_of(copies.back().tree()));
       if (i % 4 == 3) {  // some go away early, out of order
@@ -147,7 +147,7 @@ TEST(FusedTree, MoreCopiesMayLiveThanOwnersCanBeCounted) {
   FreeSpaceMap map({.resolution = 0.1});
   map.add_volume("v", {});
   Dice dice(3);
-  map.insert(testing::random_scan(dice, 200));
+  map.insert(worlds::random_scan(dice, 200));
   const Cells first = cells_of(map.snapshot().tree());
   std::vector<Snapshot> copies;
   for (int i = 0; i < 1000; ++i) {
@@ -169,8 +169,8 @@ TEST(FusedTree, ChangesBetweenVersionsAreExactlyWhatDiffers) {
     Snapshot before = map.snapshot();
     std::size_t visited = 0;
     for (int i = 0; i < 6; ++i) {
-      if (i % 2 == 0) map.insert(testing::random_scan(dice, 60));
-      if (i % 2 == 1) map.paint(0, testing::random_ball(dice));
+      if (i % 2 == 0) map.insert(worlds::random_scan(dice, 60));
+      if (i % 2 == 1) map.paint(0, worlds::random_ball(dice));
       const Snapshot now = map.snapshot();
       Cells patched = cells_of(before.tree());
       now.tree().visit_changes(
@@ -282,5 +282,5 @@ TEST(FusedTree, VisitingABoxVisitsTheLeavesThatOverlapItAndNoOthers) {
   EXPECT_EQ(found, expected);
 }
 
-}  // namespace
+}  // namespace fused_tree_test
 }  // namespace clearway

@@ -11,9 +11,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace fused_tree_update_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 octomap::OcTreeKey key_of(const Eigen::Vector3i& cell) {
   return {static_cast<octomap::key_type>(cell.x() + 32768), static_cast<octomap::key_type>(cell.y() + 32768),
@@ -176,5 +176,5 @@ TEST_P(FusedTreeUpdate, AnEmptyScanChangesNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, FusedTreeUpdate, ::testing::Values(1, 2, 3));
 
-}  // namespace
+}  // namespace fused_tree_update_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace clearway {
-namespace {
+namespace node_pool_test {
 
 void* slot() { return NodePool::allocate(NodePool::node_bytes); }
 void give_back(void* memory) { NodePool::free(memory, NodePool::node_bytes); }
@@ -77,5 +77,5 @@ TEST(NodePool, ThreadsMayFreeWhatOthersTookAndLeaveTheRestBehind) {
   EXPECT_EQ(NodePool::reserved_bytes(), reserved);
 }
 
-}  // namespace
+}  // namespace node_pool_test
 }  // namespace clearway

@@ -9,9 +9,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace paint_ball_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 bool corners_inside(const Eigen::Vector3i& cell, double resolution, const Sphere& ball) {
   for (int corner = 0; corner < 8; ++corner) {
@@ -64,7 +64,7 @@ TEST(Painting, PaintsExactlyTheVoxelsWhollyInsideABall) {
 }
 
 TEST(Painting, NoPaintedVoxelReachesOutsideTheUnionOfBalls) {
-  const Snapshot snapshot = testing::random_map(11, 0.04, 10).snapshot();
+  const Snapshot snapshot = worlds::random_map(11, 0.04, 10).snapshot();
   std::size_t painted = 0;
   snapshot.visit_leaves([&](const Voxel& voxel) {
     if (voxel.volumes == 0) return;
@@ -93,7 +93,7 @@ TEST(Painting, ABallMakesTheTreeThatItsVoxelsMakeOneByOne) {
     }
     for (int step = 0; step < 12; ++step) {
       const int volume = dice.whole(0, 1);
-      const Sphere ball = testing::random_ball(dice);
+      const Sphere ball = worlds::random_ball(dice);
       const Snapshot before = whole.snapshot();  // some nodes are shared, as when a reader looks on
       PaintCounts sum;
       const PaintCounts counts = whole.paint(volume, ball);
@@ -118,7 +118,7 @@ TEST(Painting, ABallMakesTheTreeThatItsVoxelsMakeOneByOne) {
       ASSERT_EQ(now.tree().size(), now.tree().calcNumNodes());
       if (now.tree().getRoot() != nullptr) expect_settled(*now.tree().getRoot());
       if (step % 3 != 0) continue;
-      const Scan scan = testing::random_scan(dice, 100);
+      const Scan scan = worlds::random_scan(dice, 100);
       whole.insert(scan);
       single.insert(scan);
     }
@@ -190,8 +190,8 @@ TEST(Painting, OrderOfBallsAndScansDoesNotMatterToTheVoxels) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     Dice dice(seed);
     std::vector<Sphere> balls;
-    for (int i = 0; i < 6; ++i) balls.push_back(testing::random_ball(dice));
-    const Scan scan = testing::random_scan(dice, 300);
+    for (int i = 0; i < 6; ++i) balls.push_back(worlds::random_ball(dice));
+    const Scan scan = worlds::random_scan(dice, 300);
     FreeSpaceMap paint_first({.resolution = 0.05}), scan_first({.resolution = 0.05});
     paint_first.add_volume("v", {});
     scan_first.add_volume("v", {});
@@ -210,8 +210,8 @@ TEST(Painting, NeverChangesWhatSensorsSay) {
     painted.add_volume("a", {});
     painted.add_volume("b", {});
     for (int step = 0; step < 12; ++step) {
-      for (int i = dice.whole(0, 3); i > 0; --i) painted.paint(dice.whole(0, 1), testing::random_ball(dice));
-      const Scan scan = testing::random_scan(dice, 60);
+      for (int i = dice.whole(0, 3); i > 0; --i) painted.paint(dice.whole(0, 1), worlds::random_ball(dice));
+      const Scan scan = worlds::random_scan(dice, 60);
       painted.insert(scan);
       twin.insert(scan);
     }
@@ -272,5 +272,5 @@ TEST(Painting, RefusesWhatIsNoBallOrNoVolume) {
   EXPECT_TRUE(map.volumes()[0].balls.empty());
 }
 
-}  // namespace
+}  // namespace paint_ball_test
 }  // namespace clearway

@@ -7,10 +7,10 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace painted_volume_test {
 
 TEST(Shrunk, LeavesABallThatOnlyTouchesTheEraser) {
-  testing::Dice dice(4);
+  worlds::Dice dice(4);
   int gone = 0, smaller = 0, untouched = 0;
   for (int trial = 0; trial < 100000; ++trial) {
     const double scale = std::pow(10.0, dice.uniform(-3, 3));
@@ -58,5 +58,5 @@ TEST(PaintedVolume, AStrokesTimeSpanIsThatOfItsBalls) {
   EXPECT_EQ((PaintedVolume{"old", {}, {{{0, 0, 0}, 1.0}}, {0.0}}.stroke(0)), nullptr);
 }
 
-}  // namespace
+}  // namespace painted_volume_test
 }  // namespace clearway

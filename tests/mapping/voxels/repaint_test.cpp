@@ -6,9 +6,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace repaint_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 /// Some balls, many of them meeting at a corner of many cubes of the tree.
 std::vector<Sphere> random_balls(Dice& dice, int count) {
@@ -17,7 +17,7 @@ std::vector<Sphere> random_balls(Dice& dice, int count) {
   return balls;
 }
 
-FusedTree seen_tree(unsigned seed) { return testing::random_map(seed, 0.04, 3, 100).snapshot().tree(); }
+FusedTree seen_tree(unsigned seed) { return worlds::random_map(seed, 0.04, 3, 100).snapshot().tree(); }
 
 TEST(Repaint, LeavesTheTreeThatOnlyTheRemainingBallsPainted) {
   std::size_t unpainted = 0, painted = 0;
@@ -82,5 +82,5 @@ TEST(Repaint, CutsAHoleIntoACubeThatOneLeafStandsFor) {
   EXPECT_TRUE(tree == expected);
 }
 
-}  // namespace
+}  // namespace repaint_test
 }  // namespace clearway

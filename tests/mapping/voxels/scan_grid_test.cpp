@@ -8,9 +8,9 @@
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
-namespace {
+namespace scan_grid_test {
 
-using testing::Dice;
+using worlds::Dice;
 
 Eigen::Vector3i random_cell(Dice& dice, int reach) {
   return {dice.whole(-reach, reach - 1), dice.whole(-reach, reach - 1), dice.whole(-reach, reach - 1)};
@@ -87,5 +87,5 @@ TEST(ScanGrid, TilesComeInOctreeOrder) {
   }
 }
 
-}  // namespace
+}  // namespace scan_grid_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace paint_advice_test {
 
 /// A compact painted volume about the straight way of the tool, with a pocket in it that was not painted: the
 /// hole of Fig. 17 of Chong et al. 2008, drawn by seed.
@@ -122,5 +122,5 @@ TEST(PaintAdvice, SaysNothingWhereNoPartHasToStayInPaint) {
   EXPECT_TRUE(advice.sentence().empty());
 }
 
-}  // namespace
+}  // namespace paint_advice_test
 }  // namespace clearway

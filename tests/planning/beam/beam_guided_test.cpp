@@ -12,7 +12,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace beam_guided_test {
 
 PlanResult plan_in(const PaintedTunnel& tunnel, const ConfigurationSpace& space, const char* planner,
                    const PlannerOptions& options = {}) {
@@ -134,5 +134,5 @@ TEST(Hand, IsThePaintedPartAndItsBallsAreInsideAndAround) {
   }
 }
 
-}  // namespace
+}  // namespace beam_guided_test
 }  // namespace clearway

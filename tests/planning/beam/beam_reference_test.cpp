@@ -12,7 +12,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace beam_reference_test {
 
 /// The robot with its first two joints sliding, by at most half a metre either way.
 Robot sliding(Robot robot) {
@@ -88,5 +88,5 @@ TEST(BeamReference, HasATwinInPaintWithSlidingJointsOtherSizesPayloadPaddingAndM
   EXPECT_GT(most_heads_in_a_step, 64U);
 }
 
-}  // namespace
+}  // namespace beam_reference_test
 }  // namespace clearway

@@ -10,7 +10,7 @@
 #include "tests/worlds/beam_world.hpp"
 
 namespace clearway {
-namespace {
+namespace beam_refusals_test {
 
 TEST(Beam, RefusesAJointThatMovesLessThanItsStep) {
   Robot robot = load_robot("point");
@@ -100,5 +100,5 @@ TEST(Beam, StartAndGoalPastALimitAreToldWithTheJoint) {
   }
 }
 
-}  // namespace
+}  // namespace beam_refusals_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "tests/worlds/beam_world.hpp"
 
 namespace clearway {
-namespace {
+namespace beam_test {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -339,5 +339,5 @@ TEST(Beam, LooksAtTheTimeAlsoBetweenNeighboursAtOneDistance) {
   EXPECT_LE(late.statistics.at("neighbours_generated"), 20.0 * 16.0);
 }
 
-}  // namespace
+}  // namespace beam_test
 }  // namespace clearway

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace clearway {
-namespace {
+namespace closed_nodes_test {
 
 /// As an enumeration that adds joint to joint asks.
 bool is_closed(const ClosedNodes& closed, const LatticeIndex& node) {
@@ -49,5 +49,5 @@ TEST(ClosedNodes, WhenNoJointMattersOneBlockedNodeClosesAll) {
   EXPECT_TRUE(is_closed(closed, {0, 1, 2}));
 }
 
-}  // namespace
+}  // namespace closed_nodes_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace head_group_test {
 
 /// The sums of the least and the greatest terms of a head's joints from `first` on, last joint first.
 std::pair<double, double> rest_of(const Lattice& lattice, const LatticeIndex& head, std::size_t first) {
@@ -111,5 +111,5 @@ TEST(HeadGroup, KnowsItsNearestAndItsFarthestNeighbour) {
   }
 }
 
-}  // namespace
+}  // namespace head_group_test
 }  // namespace clearway

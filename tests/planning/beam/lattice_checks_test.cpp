@@ -7,7 +7,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace lattice_checks_test {
 
 struct Counts {
   int free = 0, blocked = 0, free_edges = 0, blocked_edges = 0;
@@ -128,5 +128,5 @@ TEST(LatticeChecks, WhatItKnowsOfAClearanceIsNeverTooMuch) {
   EXPECT_GT(nodes, 200);
 }
 
-}  // namespace
+}  // namespace lattice_checks_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace lattice_poses_test {
 
 TEST(LatticePoses, AreThoseOfForwardKinematicsAtNodesAndHalfWayBitForBit) {
   Random random(3);
@@ -65,5 +65,5 @@ TEST(LatticePoses, GiveTheForcesOfAScaledRobotsCostBitForBit) {
   }
 }
 
-}  // namespace
+}  // namespace lattice_poses_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace neighbour_queue_test {
 
 using Popped = std::tuple<double, int, LatticeIndex>;
 
@@ -270,5 +270,5 @@ TEST(NeighbourQueue, ItsBandIsHowFarTheLastOneWasBeyondTheFirst) {
   EXPECT_EQ(queue.band(), last - first);
 }
 
-}  // namespace
+}  // namespace neighbour_queue_test
 }  // namespace clearway

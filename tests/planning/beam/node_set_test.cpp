@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace node_set_test {
 
 TEST(NodeSet, HoldsWhatASortedSetHolds) {
   Random random(3);
@@ -38,5 +38,5 @@ TEST(NodeSet, NodesThatDifferInTheirLastJointAloneAreDifferent) {
   EXPECT_FALSE(nodes.contains({0, 0, 0, 0, 0, 1, 0}));
 }
 
-}  // namespace
+}  // namespace node_set_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace boundary_following_test {
 
 using Eigen::Vector2d;
 using Eigen::VectorXd;
@@ -196,5 +196,5 @@ TEST(Followed, ThenTheRowMostLikeTheLastAndTheNearerOfEquals) {
   EXPECT_EQ(tracked(rows, Vector2d(0.0, 1.0)), 0);
 }
 
-}  // namespace
+}  // namespace boundary_following_test
 }  // namespace clearway

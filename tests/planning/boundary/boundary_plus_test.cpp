@@ -8,7 +8,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace boundary_plus_test {
 
 /// An arm of five joints before a wall with two windows, and configurations with the hand in them.
 struct Windows {
@@ -158,5 +158,5 @@ TEST(BoundaryPlus, ContradictoryAndUnknownOptionsAreRefused) {
   EXPECT_NE(refusal({{"guided_share", "1.5"}}).find("guided_share"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace boundary_plus_test
 }  // namespace clearway

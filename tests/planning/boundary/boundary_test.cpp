@@ -11,7 +11,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace boundary_test {
 
 using Eigen::Vector2d;
 
@@ -349,5 +349,5 @@ TEST(Boundary, InvalidEndsAreToldInASentence) {
   }
 }
 
-}  // namespace
+}  // namespace boundary_test
 }  // namespace clearway

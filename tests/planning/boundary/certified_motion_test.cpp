@@ -6,7 +6,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace certified_motion_test {
 
 using Eigen::Vector2d;
 
@@ -94,5 +94,5 @@ TEST(CreepWatch, SeesCreepingAndRockingButNotSteadyGain) {
   EXPECT_FALSE(rocking.is_creeping(10.0));
 }
 
-}  // namespace
+}  // namespace certified_motion_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace local_run_test {
 
 using Eigen::Vector2d;
 
@@ -122,5 +122,5 @@ TEST(PlaneDirection, LeadsTheBlockingPointOverAndUnderAndTowardsTheLimits) {
   EXPECT_NE(along(6), along(6));  // drawn
 }
 
-}  // namespace
+}  // namespace local_run_test
 }  // namespace clearway

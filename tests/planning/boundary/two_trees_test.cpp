@@ -6,7 +6,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace two_trees_test {
 
 using Eigen::Vector2d;
 
@@ -103,5 +103,5 @@ TEST(TwoTrees, JoiningTriesTheNearestNodesTheLatestOfEquallyNearOnesFirst) {
   EXPECT_EQ(trees.path()[1], Configuration(Vector2d(0.0, -0.3)));
 }
 
-}  // namespace
+}  // namespace two_trees_test
 }  // namespace clearway

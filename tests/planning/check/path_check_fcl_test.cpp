@@ -4,7 +4,7 @@
 #include "planning/check/path_check_model.hpp"
 
 namespace clearway::check {
-namespace {
+namespace path_check_fcl_test {
 
 TEST(PathCheckFcl, AFlatHullReachesToAllOfItsCorners) {
   for (int normal = 0; normal < 3; ++normal) {
@@ -43,5 +43,5 @@ TEST(PathCheckFcl, AFlatHullReachesToAllOfItsCorners) {
   }
 }
 
-}  // namespace
+}  // namespace path_check_fcl_test
 }  // namespace clearway::check

@@ -7,7 +7,7 @@
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway::check {
-namespace {
+namespace path_check_kdl_test {
 
 /// Moves joints a little, as far as each random number says, and compares the way of a body's outermost
 /// points with their bound. @return the largest share of the bound
@@ -35,15 +35,15 @@ double largest_share(const Robot& robot) {
 TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
   for (const char* name : {"puma560", "panda", "arm5", "planar2", "point"})
     EXPECT_GT(largest_share(load_robot(name)), 0.3) << name;
-  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
   for (const Robot& robot : {whip.robot(), telescope.robot()}) EXPECT_GT(largest_share(robot), 0.3);
 }
 
 TEST(PathCheckKdl, ABodyAboutTheOriginOfItsLinkMovesByItsOwnExtent) {
   for (const char* shape : {"<cylinder radius='0.01' length='2'/>", "<box size='0.02 0.02 2'/>"}) {
-    const testing::UrdfRobot rod("rod", "<link name='base'/>" + testing::urdf_link("rod", "0 0 0", shape) +
-                                            testing::urdf_joint("turn", "revolute", "base", "rod", "0 0 0",
-                                                                "0 0 1", testing::urdf_limit(-3, 3)));
+    const worlds::UrdfRobot rod("rod", "<link name='base'/>" + worlds::urdf_link("rod", "0 0 0", shape) +
+                                           worlds::urdf_joint("turn", "revolute", "base", "rod", "0 0 0",
+                                                              "0 0 1", worlds::urdf_limit(-3, 3)));
     const double extent = KdlArm(rod.robot()).motion(0, Configuration::Ones(1));
     EXPECT_GE(extent, 1.0) << shape;
     EXPECT_LE(extent, 1.02) << shape;
@@ -51,5 +51,5 @@ TEST(PathCheckKdl, ABodyAboutTheOriginOfItsLinkMovesByItsOwnExtent) {
   }
 }
 
-}  // namespace
+}  // namespace path_check_kdl_test
 }  // namespace clearway::check

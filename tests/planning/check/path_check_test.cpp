@@ -9,7 +9,7 @@
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace path_check_test {
 
 constexpr double edge = 0.05;
 
@@ -326,8 +326,8 @@ void expect_agreement_with_dense_samples(const Robot& robot, std::uint64_t seed,
 }
 
 TEST(PathCheck, NoEdgeOfMimicJointsSlidesOrTwoArmsIsValidThatTouchesOnItsWay) {
-  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope(),
-                           scissors = testing::scissors();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          scissors = worlds::scissors();
   for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
     expect_agreement_with_dense_samples(robot, 21, 0, 150);
     expect_agreement_with_dense_samples(robot, 22, 2, 150);
@@ -335,8 +335,8 @@ TEST(PathCheck, NoEdgeOfMimicJointsSlidesOrTwoArmsIsValidThatTouchesOnItsWay) {
 }
 
 TEST(PathCheck, NoBodyMovesFartherAndNoPairComesNearerThanItsBoundsForEveryKindOfJoint) {
-  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope(),
-                           scissors = testing::scissors();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          scissors = worlds::scissors();
   for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot(), load_robot("panda")}) {
     const check::KdlArm arm(robot);
     const check::FclBodies fcl(robot);
@@ -368,5 +368,5 @@ TEST(PathCheck, NoBodyMovesFartherAndNoPairComesNearerThanItsBoundsForEveryKindO
   }
 }
 
-}  // namespace
+}  // namespace path_check_test
 }  // namespace clearway

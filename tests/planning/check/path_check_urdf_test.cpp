@@ -11,11 +11,11 @@
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace path_check_urdf_test {
 
-using testing::urdf_joint;
-using testing::urdf_limit;
-using testing::UrdfRobot;
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::UrdfRobot;
 
 /// Mimic joints about the master's axis, against it and across it, turning and sliding, with a body each; a
 /// continuous joint, an axis that is not of unit length, and a fixed joint that turns the frame.
@@ -55,7 +55,7 @@ std::string contact(const Robot& robot) {
 }
 
 TEST(PathCheckUrdf, ReadsEveryRobotAsOurReaderDoesAtEveryScale) {
-  const UrdfRobot whip = testing::whip(), telescope = testing::telescope(), scissors = testing::scissors(),
+  const UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(), scissors = worlds::scissors(),
                   many = menagerie();
   std::vector<Robot> robots{whip.robot(), telescope.robot(), scissors.robot(), many.robot()};
   for (const auto& [name, description] : available_robots()) robots.push_back(load_robot(name));
@@ -107,9 +107,9 @@ TEST(PathCheckUrdf, RefusesARobotThatIsNotWhatItsFileSaysAndNamesTheLink) {
 
 TEST(PathCheckUrdf, AMimicJointsLimitsBindItsMaster) {
   const UrdfRobot tied("tied",
-                       testing::urdf_link("base", "0 0 0", "<sphere radius='0.1'/>") +
-                           testing::urdf_link("a", "1 0 0", "<sphere radius='0.1'/>") +
-                           testing::urdf_link("b", "1 0 0", "<sphere radius='0.1'/>") +
+                       worlds::urdf_link("base", "0 0 0", "<sphere radius='0.1'/>") +
+                           worlds::urdf_link("a", "1 0 0", "<sphere radius='0.1'/>") +
+                           worlds::urdf_link("b", "1 0 0", "<sphere radius='0.1'/>") +
                            urdf_joint("turn", "revolute", "base", "a", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
                            urdf_joint("copy", "revolute", "a", "b", "1 0 0", "0 0 1",
                                       urdf_limit(-1, 1) + "<mimic joint='turn' multiplier='2'/>"));
@@ -123,7 +123,7 @@ TEST(PathCheckUrdf, AMimicJointsLimitsBindItsMaster) {
 }
 
 TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsTold) {
-  const UrdfRobot whip = testing::whip();
+  const UrdfRobot whip = worlds::whip();
   const Robot robot = whip.robot();
   ASSERT_EQ(contact(robot), "");
   std::string text;
@@ -142,5 +142,5 @@ TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGo
   EXPECT_THROW(contact(robot), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace path_check_urdf_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace ball_cubes_test {
 
 constexpr double edge = 0.03, reach = 0.12, radius = 0.05;
 
@@ -103,5 +103,5 @@ TEST(BallCubes, AreAllThatTheBallReachesWhereTheFieldEndsTooSoon) {
   EXPECT_GT(total, 300U);
 }
 
-}  // namespace
+}  // namespace ball_cubes_test
 }  // namespace clearway

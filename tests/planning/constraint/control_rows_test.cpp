@@ -6,7 +6,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace control_rows_test {
 
 constexpr double edge = 0.03, influence = 0.12;
 
@@ -262,5 +262,5 @@ TEST(ControlRows, ADiscInOneLayerOfKnownSpaceSeesItsWallsAndNotItsFloor) {
   EXPECT_NEAR(toward_wall, 0.1, 1e-3);
 }
 
-}  // namespace
+}  // namespace control_rows_test
 }  // namespace clearway

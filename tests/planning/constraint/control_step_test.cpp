@@ -8,7 +8,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace control_step_test {
 
 constexpr double edge = 0.02;
 
@@ -290,5 +290,5 @@ TEST(ControlStep, RefusesDampersThatCouldCrossTheSecurityDistance) {
   EXPECT_THROW(ControlStep(space, damper(3)), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace control_step_test
 }  // namespace clearway

@@ -16,7 +16,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace live_control_test {
 
 using Time = LiveControl::Time;
 using std::chrono::milliseconds;
@@ -279,5 +279,5 @@ TEST(LiveControl, RefusesOptionsOutOfRangeAndKeepsItsMapWhenARobotDoesNotFit) {
   EXPECT_EQ(live.number(), 1U);
 }
 
-}  // namespace
+}  // namespace live_control_test
 }  // namespace clearway

@@ -10,7 +10,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace local_step_test {
 
 DamperOptions example() { return {0.1, 0.5, 0.1, 0.2, Eigen::Vector2d::Ones()}; }
 
@@ -135,5 +135,5 @@ TEST(Resolve, RefusesASpeedThatCouldCrossTheSecurityDistance) {
   EXPECT_THROW(resolve(options, {space, cost, q, q}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace local_step_test
 }  // namespace clearway

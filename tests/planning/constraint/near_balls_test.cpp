@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace near_balls_test {
 
 constexpr double edge = 0.03, reach = 0.1, close_to = 0.05;
 
@@ -56,5 +56,5 @@ TEST(NearBalls, AreAllThatAreWithinReachAndNoneThatTheFieldProvesToBeFar) {
   }
 }
 
-}  // namespace
+}  // namespace near_balls_test
 }  // namespace clearway

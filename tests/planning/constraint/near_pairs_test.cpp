@@ -6,7 +6,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace near_pairs_test {
 
 TEST(NearPairs, AreThoseWhoseDistanceIsWithinTheReachOfEach) {
   for (const char* name : {"puma560", "panda", "arm5", "planar2"}) {
@@ -71,5 +71,5 @@ TEST(NearPairs, TellsBoxesAndHullsByTheirBallsAlone) {
   EXPECT_GT(near, 100);
 }
 
-}  // namespace
+}  // namespace near_pairs_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace nearest_cubes_test {
 
 constexpr double edge = 0.05;
 
@@ -48,5 +48,5 @@ TEST(NearestCubes, AreBlockedAndAsNearAsTheSearchFinds) {
   }
 }
 
-}  // namespace
+}  // namespace nearest_cubes_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace obstacle_rows_test {
 
 Shape random_shape(Random& random) {
   switch (random.below(4)) {
@@ -159,5 +159,5 @@ TEST(ObstacleRows, WhatOverlapsIsAtDistanceZeroAndIsPushedApart) {
   EXPECT_NEAR(rows[0].gradient[0], 1.0, 1e-9);
 }
 
-}  // namespace
+}  // namespace obstacle_rows_test
 }  // namespace clearway

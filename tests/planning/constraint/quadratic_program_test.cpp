@@ -9,7 +9,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace quadratic_program_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -266,5 +266,5 @@ TEST(QuadraticProgram, RefusesNotANumber) {
   EXPECT_THROW(solve(p), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace quadratic_program_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "apps/bench/worlds/random_programs.hpp"
 
 namespace clearway {
-namespace {
+namespace quadratic_solver_test {
 
 using bench::ProgramDice;
 using bench::ProgramKind;
@@ -206,5 +206,5 @@ TEST(QuadraticSolver, RowsOutOfAllReachAreNoConstraintOrAContradiction) {
   EXPECT_EQ(solver.smallest_share(), 0.0);
 }
 
-}  // namespace
+}  // namespace quadratic_solver_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace voxel_key_test {
 
 TEST(VoxelKey, TellsItsVoxelAndAddsUpAsVoxelsDo) {
   Random random(1);
@@ -29,5 +29,5 @@ TEST(VoxelKey, WholeBelowIsTheFloor) {
     EXPECT_EQ(whole_below(value), static_cast<int>(std::floor(value)));
 }
 
-}  // namespace
+}  // namespace voxel_key_test
 }  // namespace clearway

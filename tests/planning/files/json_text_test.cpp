@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 namespace clearway {
-namespace {
+namespace json_text_test {
 
 std::string refusal(const std::string& text) {
   try {
@@ -59,5 +59,5 @@ TEST(JsonText, what_would_exhaust_the_stack_or_the_memory_is_refused) {
   EXPECT_NE(refusal(many + "0]").find("at most 1,000,000"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace json_text_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace plan_file_test {
 
 using Json = nlohmann::ordered_json;
 
@@ -198,5 +198,5 @@ TEST(PlanFile, CsvHasJointNamesAndOneRowPerWaypoint) {
       "\"\"2\"\"\"\n0,0.3333333333333333\n0.5,0.1\n1,0.3333333333333333\n1.5,0.1\n2,0.3333333333333333\n");
 }
 
-}  // namespace
+}  // namespace plan_file_test
 }  // namespace clearway

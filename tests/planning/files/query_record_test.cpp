@@ -11,7 +11,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace query_record_test {
 
 /// A folder that a record is written to and read from.
 class QueryRecordFile : public ::testing::Test {
@@ -101,5 +101,5 @@ TEST(QueryRecord, ConfigurationsOfOtherSizesOrWithNaNAreInfinitelyFarApart) {
             std::numeric_limits<double>::infinity());
 }
 
-}  // namespace
+}  // namespace query_record_test
 }  // namespace clearway

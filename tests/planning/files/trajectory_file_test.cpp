@@ -7,7 +7,7 @@
 #include <sstream>
 
 namespace clearway {
-namespace {
+namespace trajectory_file_test {
 
 /// `joints` turning joints, but the last one slides when `slides`.
 Robot chain(int joints, bool slides) {
@@ -125,5 +125,5 @@ TEST(TrajectoryFile, UrscriptIsForSixRevoluteJointsAndUnknownFormatsAreNamed) {
   EXPECT_NE(refusal("ross", chain(6, false)).find("'ross'; did you mean 'ros'?"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace trajectory_file_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "planning/geometry/convex_hull.hpp"
 
 namespace clearway {
-namespace {
+namespace convex_hull_test {
 
 double enclosed_volume(const std::vector<Eigen::Vector3d>& points) {
   double volume = 0.0;
@@ -54,5 +54,5 @@ TEST(HullTriangles, flat_points_have_no_surface) {
   EXPECT_TRUE(hull_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.5, 0}}).empty());
 }
 
-}  // namespace
+}  // namespace convex_hull_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace cube_gap_test {
 
 std::vector<Shape> every_kind() {
   return {Shape::sphere(0.07), Shape::capsule(0.05, 0.3), Shape::cylinder(0.06, 0.15),
@@ -102,5 +102,5 @@ TEST(CubeGap, OfWhatOverlapsIsZeroAndItsDirectionIsNoneOrThatOfTheirLastTouch) {
   }
 }
 
-}  // namespace
+}  // namespace cube_gap_test
 }  // namespace clearway

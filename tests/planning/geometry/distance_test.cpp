@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace distance_test {
 
 /// A body; sizes on a 5 cm grid or thin now and then, which is where distance codes fail.
 Shape random_shape(Random& random, bool on_grid) {
@@ -251,5 +251,5 @@ TEST(Distance, IsNotProvedForPosesThatAreNotFinite) {
   EXPECT_EQ(distance_to_cube(shape, pose, Eigen::Vector3d::Ones(), 0.1).lower, 0.0);
 }
 
-}  // namespace
+}  // namespace distance_test
 }  // namespace clearway

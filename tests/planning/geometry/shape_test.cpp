@@ -6,7 +6,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace shape_test {
 
 std::vector<Shape> some_shapes(Random& random) {
   std::vector<Eigen::Vector3d> points;
@@ -147,5 +147,5 @@ TEST(ConvexHull, KeepsTheCornersAndTheSupportOfFlatAndSolidPoints) {
   }
 }
 
-}  // namespace
+}  // namespace shape_test
 }  // namespace clearway

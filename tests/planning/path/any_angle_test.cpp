@@ -8,7 +8,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace any_angle_test {
 
 using Path = std::vector<Configuration>;
 
@@ -83,5 +83,5 @@ TEST(AnyAngle, OutOfTimeItReturnsACertifiedPath) {
   EXPECT_EQ(edges, 0u);
 }
 
-}  // namespace
+}  // namespace any_angle_test
 }  // namespace clearway

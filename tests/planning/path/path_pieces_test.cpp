@@ -9,7 +9,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace path_pieces_test {
 
 std::vector<Configuration> random_path(Random& random, int waypoints) {
   std::vector<Configuration> path;
@@ -47,5 +47,5 @@ TEST(PathPieces, CertifiesEdgeByEdgeUntilTheFirstThatIsBlocked) {
   EXPECT_EQ(edges, 3u);
 }
 
-}  // namespace
+}  // namespace path_pieces_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace rounded_corners_test {
 
 using Eigen::Vector2d;
 using Path = std::vector<Configuration>;
@@ -106,5 +106,5 @@ TEST(RoundedCorners, WithoutTimeAPathStaysAsItIs) {
   EXPECT_EQ(scene.edges, 0u);
 }
 
-}  // namespace
+}  // namespace rounded_corners_test
 }  // namespace clearway

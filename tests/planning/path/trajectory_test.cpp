@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace trajectory_test {
 
 /// A robot of `revolute` turning and `sliding` prismatic joints; every third has no velocity limit.
 Robot robot_of(int revolute, int sliding) {
@@ -232,5 +232,5 @@ TEST(Trajectory, RefusesWhatItCannotTimeAndNamesIt) {
   }
 }
 
-}  // namespace
+}  // namespace trajectory_test
 }  // namespace clearway

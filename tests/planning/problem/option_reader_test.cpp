@@ -8,7 +8,7 @@
 #include "mapping/system/nearest_name.hpp"
 
 namespace clearway {
-namespace {
+namespace option_reader_test {
 
 std::string message_of(const std::function<void()>& action) {
   try {
@@ -97,5 +97,5 @@ TEST(NearestName, CountsEdits) {
   EXPECT_EQ(nearest_name("x", {}), "");
 }
 
-}  // namespace
+}  // namespace option_reader_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace path_cost_test {
 
 constexpr double kGravity = 9.81;
 
@@ -175,5 +175,5 @@ TEST(PathCost, RefusesANegativeLoad) {
                std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace path_cost_test
 }  // namespace clearway

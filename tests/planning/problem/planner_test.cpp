@@ -12,7 +12,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace planner_test {
 
 /// Every planner of the table, so that a newcomer faces the same tests.
 class EveryPlanner : public testing::TestWithParam<std::string> {};
@@ -172,5 +172,5 @@ TEST(Planner, PrintedOptionsMakeTheSamePlanner) {
   }
 }
 
-}  // namespace
+}  // namespace planner_test
 }  // namespace clearway

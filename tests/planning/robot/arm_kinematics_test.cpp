@@ -6,7 +6,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace arm_kinematics_test {
 
 TEST(ArmKinematics, ASlidingLinkThatFollowsNoJointKeepsItsOffset) {
   Robot robot = load_robot("point");
@@ -73,5 +73,5 @@ TEST(ArmKinematics, NoPointOfABallMovesFartherThanItsBoundAndSomeMoveNearlySoFar
   }
 }
 
-}  // namespace
+}  // namespace arm_kinematics_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace idle_turns_test {
 
 /// How far the body reaches along a direction of the map.
 double reach_along(const Robot& robot, std::size_t body, const LinkPoses& poses, const Eigen::Vector3d& n) {
@@ -159,5 +159,5 @@ TEST(IdleTurns, BodiesThatAlwaysTouchAreRefusedAlsoWhenIdleTurnsCarryThemOnOneLi
   }
 }
 
-}  // namespace
+}  // namespace idle_turns_test
 }  // namespace clearway

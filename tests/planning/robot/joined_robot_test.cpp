@@ -9,7 +9,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace joined_robot_test {
 
 Robot placed(const std::string& name, double x, double yaw) {
   Robot robot = load_robot(name);
@@ -66,5 +66,5 @@ TEST(JoinedRobot, NamesMustDiffer) {
   EXPECT_THROW(joined_robot({}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace joined_robot_test
 }  // namespace clearway

@@ -11,7 +11,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace kinematics_test {
 
 Eigen::Isometry3d isometry(const KDL::Frame& frame) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -200,5 +200,5 @@ TEST(InverseKinematics, NumericSolverReachesRandomPosesWithinTolerance) {
   }
 }
 
-}  // namespace
+}  // namespace kinematics_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/worlds/hostile_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace mimic_joints_test {
 
 TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
   const RobotFolder folder("mimic_joints");
@@ -53,5 +53,5 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
   EXPECT_EQ(with("", "<mimic/>"), "r.urdf: joint 'finger': <mimic joint=…> is missing");
 }
 
-}  // namespace
+}  // namespace mimic_joints_test
 }  // namespace clearway

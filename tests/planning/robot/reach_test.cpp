@@ -8,7 +8,7 @@
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace reach_test {
 
 TEST(Reach, TheBoxHoldsTheBodyInEveryConfigurationAndIsNotFarTooLarge) {
   for (const char* name : {"puma560", "panda", "arm5", "planar2", "point"}) {
@@ -67,11 +67,11 @@ TEST(Reach, ALeverIsAsLongAsTheFarthestPointSeenFromTheJointAxis) {
 
 TEST(Reach, ALeverOfABodyOnItsOwnLinkIsTheSmallerOfTwoBounds) {
   for (const char* size : {"0.4 0.4 0.4", "2 0.02 0.02", "0.02 0.02 2", "0.5 0.5 0.01"}) {
-    const testing::UrdfRobot robot(
+    const worlds::UrdfRobot robot(
         "probe", "<link name='base'/>" +
-                     testing::urdf_link("slab", "0 0 0", std::string("<box size='") + size + "'/>") +
-                     testing::urdf_joint("turn", "revolute", "base", "slab", "0 0 0", "0 0 1",
-                                         testing::urdf_limit(-3, 3)));
+                     worlds::urdf_link("slab", "0 0 0", std::string("<box size='") + size + "'/>") +
+                     worlds::urdf_joint("turn", "revolute", "base", "slab", "0 0 0", "0 0 1",
+                                        worlds::urdf_limit(-3, 3)));
     const Body& body = robot.robot().bodies[0];
     double by_cover = 0.0;
     for (const Sphere& ball : body.cover)
@@ -82,7 +82,7 @@ TEST(Reach, ALeverOfABodyOnItsOwnLinkIsTheSmallerOfTwoBounds) {
 }
 
 TEST(Reach, ALeverHoldsForSlidesThatGoFarthestAtTheirLowerLimitAndForJointsThatFollowThem) {
-  const testing::UrdfRobot telescope = testing::telescope();
+  const worlds::UrdfRobot telescope = worlds::telescope();
   const Robot& robot = telescope.robot();
   Random random(8);
   for (const Body& body : robot.bodies) {
@@ -104,5 +104,5 @@ TEST(Reach, ALeverHoldsForSlidesThatGoFarthestAtTheirLowerLimitAndForJointsThatF
   }
 }
 
-}  // namespace
+}  // namespace reach_test
 }  // namespace clearway

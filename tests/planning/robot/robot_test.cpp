@@ -11,7 +11,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace robot_test {
 
 namespace fs = std::filesystem;
 
@@ -357,5 +357,5 @@ TEST(Robot, ScalingScalesEveryLengthAndMassesWithTheCube) {
   EXPECT_THROW(scaled(full, 0.0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace robot_test
 }  // namespace clearway

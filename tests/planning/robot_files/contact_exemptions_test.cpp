@@ -9,12 +9,12 @@
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace contact_exemptions_test {
 
-using testing::urdf_joint;
-using testing::urdf_limit;
-using testing::urdf_link;
-using testing::UrdfRobot;
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
+using worlds::UrdfRobot;
 using Pairs = std::vector<std::pair<int, int>>;
 
 /// A ball that turns about the middle of one on the base, then slides out of it: they touch for the first
@@ -70,7 +70,7 @@ TEST(ContactExemptions, NoPairIsExemptThatTouchesInLessThanNineTenthsByFcl) {
 }
 
 TEST(ContactExemptions, SiblingsWithJointsOfTheirOwnAreNotNeighbours) {
-  const UrdfRobot pair = testing::scissors();
+  const UrdfRobot pair = worlds::scissors();
   EXPECT_TRUE(adjacent_bodies(pair.robot()).empty());
   EXPECT_TRUE(pair.robot().exempt.empty());
   // With bodies on the base and on what is fixed to an arm: each arm to the base, the fixed one to its arm
@@ -96,5 +96,5 @@ TEST(ContactExemptions, SiblingsWithJointsOfTheirOwnAreNotNeighbours) {
   EXPECT_EQ(found, expected);
 }
 
-}  // namespace
+}  // namespace contact_exemptions_test
 }  // namespace clearway

@@ -12,7 +12,7 @@
 #include "tests/worlds/mesh_samples.hpp"
 
 namespace clearway {
-namespace {
+namespace mesh_file_test {
 
 namespace fs = std::filesystem;
 
@@ -247,5 +247,5 @@ TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
   EXPECT_THROW(find_mesh("package://arm/" + std::string(100'000, 'x'), from), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace mesh_file_test
 }  // namespace clearway

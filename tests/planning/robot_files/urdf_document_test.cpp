@@ -12,7 +12,7 @@
 #include "tests/worlds/mesh_samples.hpp"
 
 namespace clearway {
-namespace {
+namespace urdf_document_test {
 
 class UrdfDocumentFile : public testing::Test {
  protected:
@@ -235,5 +235,5 @@ TEST_F(UrdfDocumentFile, RobotsOfTheFieldLoad) {
   EXPECT_NEAR(moved("left").norm(), 0.04, 1e-12);
 }
 
-}  // namespace
+}  // namespace urdf_document_test
 }  // namespace clearway

@@ -6,7 +6,7 @@
 #include "tests/worlds/hostile_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace urdf_spelling_test {
 
 TEST(MisspeltName, SlipsAreRecognisedAndOtherWordsLeftAlone) {
   const std::vector<std::string> known{"xyz", "rpy", "lower", "upper", "collision", "length"};
@@ -70,5 +70,5 @@ TEST(UrdfSpelling, NamesThatWouldDisappearInSilenceAreRefusedWithWhatWasMeant) {
   }
 }
 
-}  // namespace
+}  // namespace urdf_spelling_test
 }  // namespace clearway

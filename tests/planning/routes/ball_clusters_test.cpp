@@ -9,7 +9,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace ball_clusters_test {
 
 /// Balls of many sizes along a winding stroke, as a hand paints them.
 std::vector<Sphere> stroke(Random& random, int count) {
@@ -88,5 +88,5 @@ TEST(BallClusters, OnceStoppedThereAreNone) {
   EXPECT_EQ(BallClusters(stroke(random, 3000), 500, [] { return true; }).size(), 0U);
 }
 
-}  // namespace
+}  // namespace ball_clusters_test
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace free_route_test {
 
 double free_of_charge(const Eigen::Vector3d&) { return 1.0; }
 
@@ -86,5 +86,5 @@ TEST(FreeRoute, AsksForTheTimeAlsoWhileItLooksCellsUp) {
   EXPECT_GE(asked + 1000000, 100);  // of a million cells, though the way is none at all
 }
 
-}  // namespace
+}  // namespace free_route_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace painted_parts_test {
 
 Robot painted_point() {
   Robot robot = load_robot("point");
@@ -109,5 +109,5 @@ TEST(PaintedParts, APaintedPolicyInAMapWithoutPaintIsTold) {
   EXPECT_EQ(empty_volume_sentence(ConfigurationSpace(robot, VoxelScene{}.snapshot())), "");  // known_free
 }
 
-}  // namespace
+}  // namespace painted_parts_test
 }  // namespace clearway

@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace painted_route_test {
 
 Snapshot painted(const std::vector<Sphere>& balls) {
   FreeSpaceMap map({.resolution = 0.05});
@@ -196,5 +196,5 @@ TEST(PaintedGraph, OnceStoppedItIsEmpty) {
   EXPECT_TRUE(graph.holding(Eigen::Vector3d::Zero()).empty());
 }
 
-}  // namespace
+}  // namespace painted_route_test
 }  // namespace clearway

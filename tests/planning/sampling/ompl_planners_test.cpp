@@ -9,7 +9,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace ompl_planners_test {
 
 using Eigen::Vector2d;
 
@@ -126,5 +126,5 @@ TEST(OmplPlanner, RrtStarAndBitStarComeNearTheShortestWayAsSamplesGrow) {
   }
 }
 
-}  // namespace
+}  // namespace ompl_planners_test
 }  // namespace clearway

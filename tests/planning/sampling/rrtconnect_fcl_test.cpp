@@ -16,7 +16,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace rrtconnect_fcl_test {
 
 using Eigen::Vector2d;
 
@@ -184,5 +184,5 @@ TEST(RrtConnectFcl, AMapThatChangedIsNotTakenForTheOldOne) {
   }
 }
 
-}  // namespace
+}  // namespace rrtconnect_fcl_test
 }  // namespace clearway

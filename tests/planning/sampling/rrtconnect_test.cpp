@@ -10,7 +10,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace rrtconnect_test {
 
 using Eigen::Vector2d;
 
@@ -96,5 +96,5 @@ TEST(Shortcut, ShortensKeepsTheEndsAndStaysCertified) {
   EXPECT_LT(last, 0.75 * length(path));
 }
 
-}  // namespace
+}  // namespace rrtconnect_test
 }  // namespace clearway

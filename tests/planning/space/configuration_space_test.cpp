@@ -7,7 +7,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace configuration_space_test {
 
 constexpr double edge = 0.05;
 
@@ -340,5 +340,5 @@ TEST(ConfigurationSpace, UnknownPartsAndImpossibleOptionsAreRefused) {
   EXPECT_THROW(ConfigurationSpace(robot, Snapshot(), {}, {.edge_resolution = 0.0}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace configuration_space_test
 }  // namespace clearway

@@ -11,7 +11,7 @@
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
-namespace {
+namespace edge_proof_test {
 
 constexpr double edge = 0.05;
 
@@ -63,7 +63,7 @@ Count try_edges(const Robot& robot, int obstacles, std::uint64_t seed, int edges
 }
 
 TEST(EdgeProof, NoEdgeOfAMimicJointIsAcceptedThatTouchesOnItsWay) {
-  const testing::UrdfRobot whip = testing::whip();
+  const worlds::UrdfRobot whip = worlds::whip();
   for (const int obstacles : {0, 2}) {
     const Count count = try_edges(whip.robot(), obstacles, 1, 300);
     EXPECT_GT(count.accepted, 30);
@@ -73,7 +73,7 @@ TEST(EdgeProof, NoEdgeOfAMimicJointIsAcceptedThatTouchesOnItsWay) {
 }
 
 TEST(EdgeProof, NoEdgeOfASlideIsAcceptedThatTouchesOnItsWay) {
-  const testing::UrdfRobot telescope = testing::telescope();
+  const worlds::UrdfRobot telescope = worlds::telescope();
   for (const int obstacles : {0, 2}) {
     const Count count = try_edges(telescope.robot(), obstacles, 2, 300);
     EXPECT_GT(count.accepted, 30);
@@ -83,7 +83,7 @@ TEST(EdgeProof, NoEdgeOfASlideIsAcceptedThatTouchesOnItsWay) {
 }
 
 TEST(EdgeProof, NoEdgeOfTwoArmsIsAcceptedOnWhichTheyMeet) {
-  const testing::UrdfRobot scissors = testing::scissors();
+  const worlds::UrdfRobot scissors = worlds::scissors();
   const Count count = try_edges(scissors.robot(), 0, 3, 400);
   EXPECT_GT(count.accepted, 80);
   EXPECT_GT(count.refused, 80);
@@ -93,13 +93,13 @@ TEST(EdgeProof, NoEdgeOfTwoArmsIsAcceptedOnWhichTheyMeet) {
 TEST(EdgeProof, ABodyThatRunsStraightIntoAnotherIsRefusedHoweverFarAwayItStarts) {
   // A ball that slides towards one on its base: no bound on its motion has slack.
   const std::string ball = "<sphere radius='0.05'/>";
-  const testing::UrdfRobot slider(
-      "slider", testing::urdf_link("base", "1 0 0", ball) + "<link name='turntable'/>" +
-                    testing::urdf_link("hand", "0 0 0", ball) +
-                    testing::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
-                                        testing::urdf_limit(-1, 1)) +
-                    testing::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
-                                        testing::urdf_limit(-10, 2)));
+  const worlds::UrdfRobot slider(
+      "slider", worlds::urdf_link("base", "1 0 0", ball) + "<link name='turntable'/>" +
+                    worlds::urdf_link("hand", "0 0 0", ball) +
+                    worlds::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
+                                       worlds::urdf_limit(-1, 1)) +
+                    worlds::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
+                                       worlds::urdf_limit(-10, 2)));
   const ConfigurationSpace space(slider.robot(), Snapshot(), not_occupied());
   for (const double start : {0.8, 0.5, 0.0, -2.0, -9.0}) {
     const auto reaches = [&](double end) {
@@ -126,8 +126,8 @@ TEST(EdgeProof, BodiesThatStandStillOnTheEdgeKeepTheirPadding) {
 }
 
 TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOfJoint) {
-  const testing::UrdfRobot whip = testing::whip(), telescope = testing::telescope(),
-                           scissors = testing::scissors();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          scissors = worlds::scissors();
   for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
     const ConfigurationSpace space(robot, Snapshot(), not_occupied());
     const std::vector<BodyPair> pairs = contact_pairs(robot);
@@ -167,5 +167,5 @@ TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOf
   }
 }
 
-}  // namespace
+}  // namespace edge_proof_test
 }  // namespace clearway

@@ -9,7 +9,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace guarded_body_test {
 
 Body body_of(const Shape& shape) {
   Body body{"body", 0, Eigen::Isometry3d::Identity(), shape, shape.ball_cover()};
@@ -197,5 +197,5 @@ TEST(GuardedBody, LooksOfOtherBodiesAndPosesBeforeChangeNothing) {
   EXPECT_LT(clear, 180);
 }
 
-}  // namespace
+}  // namespace guarded_body_test
 }  // namespace clearway

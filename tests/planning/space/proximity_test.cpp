@@ -6,7 +6,7 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace {
+namespace proximity_test {
 
 constexpr double edge = 0.05;
 
@@ -142,5 +142,5 @@ TEST(ProximityRows, BothWallsOfACorridorHaveRows) {
   EXPECT_TRUE(has(-1.0, 0.12));
 }
 
-}  // namespace
+}  // namespace proximity_test
 }  // namespace clearway

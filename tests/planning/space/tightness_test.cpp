@@ -7,7 +7,7 @@
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
-namespace {
+namespace tightness_test {
 
 class TightAsWellAsSafe : public testing::TestWithParam<const char*> {};
 
@@ -39,5 +39,5 @@ TEST_P(TightAsWellAsSafe, NoTouchingConfigurationIsAcceptedAndNoFreeOneRefusedUn
 INSTANTIATE_TEST_SUITE_P(Arms, TightAsWellAsSafe, testing::Values("puma560", "panda"),
                          [](const auto& test) { return std::string(test.param); });
 
-}  // namespace
+}  // namespace tightness_test
 }  // namespace clearway

@@ -11,7 +11,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace path_survey_test {
 
 Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
 
@@ -156,5 +156,5 @@ TEST(PartPolicies, a_robot_that_names_no_critical_part_is_known_free_wherever_fr
   EXPECT_EQ(one.at("link2"), Policy::known_free);
 }
 
-}  // namespace
+}  // namespace path_survey_test
 }  // namespace clearway

@@ -16,7 +16,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace swept_voxels_test {
 
 using Key = std::tuple<std::int64_t, std::int64_t, std::int64_t>;
 
@@ -227,5 +227,5 @@ TEST(StandingContacts, count_each_voxel_of_a_pruned_leaf) {
   }
 }
 
-}  // namespace
+}  // namespace swept_voxels_test
 }  // namespace clearway

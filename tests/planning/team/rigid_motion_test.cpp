@@ -6,7 +6,7 @@
 #include <random>
 
 namespace clearway {
-namespace {
+namespace rigid_motion_test {
 
 Eigen::Isometry3d pose_of(const Eigen::Vector3d& place, double angle, const Eigen::Vector3d& axis) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -77,5 +77,5 @@ TEST(RigidMotion, RefusesWhatIsNoMotion) {
   EXPECT_THROW(RigidMotion({{std::nan(""), Eigen::Isometry3d::Identity()}}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace rigid_motion_test
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace team_check_test {
 
 constexpr double radius = 0.2;  ///< of the point robot's disc
 
@@ -110,5 +110,5 @@ TEST(TeamCheck, TheMapAndTheLimitsOfSpeedAndAccelerationCount) {
   EXPECT_NEAR(free.greatest_acceleration_share, 0.2, 1e-9);  // from rest to 0.5 m/s in 0.5 s, limit 5 m/s^2
 }
 
-}  // namespace
+}  // namespace team_check_test
 }  // namespace clearway

@@ -11,7 +11,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace {
+namespace team_test {
 
 TeamRobot robot_at(const std::string& name, const std::string& kind, double x, double y, double yaw,
                    const Configuration& start, const Configuration& goal, const VoxelScene& scene = {}) {
@@ -263,5 +263,5 @@ TEST(Team, BrakingStepsEndWithinTheRoomAndNoLongerOnesDo) {
   }
 }
 
-}  // namespace
+}  // namespace team_test
 }  // namespace clearway
