@@ -7,6 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tracking/validation.hpp"
+
 namespace clearway {
 namespace {
 
@@ -24,18 +26,14 @@ std::string sentence(const Parts&... parts) {
   return text.str();
 }
 
-void check(bool ok, const char* field, const char* expected) {
-  if (!ok) throw std::invalid_argument(std::string("acceptance: ") + field + " must be " + expected);
-}
-
 void validate(const AcceptanceOptions& o) {
-  check(o.min_base_tags >= 1, "min_base_tags", "1 or more");
-  check(o.min_probe_tags >= 1, "min_probe_tags", "1 or more");
-  check(o.max_rms_px > 0.0, "max_rms_px", "> 0 pixels");
-  check(o.min_ambiguity_ratio >= 1.0, "min_ambiguity_ratio", "1 or more");
-  check(o.min_separation >= 0.0, "min_separation", "0 or more");
-  check(o.confidence_sigmas > 0.0, "confidence_sigmas", "> 0");
-  check(o.max_speed > 0.0, "max_speed", "> 0 metres per second");
+  require(o.min_base_tags >= 1, "acceptance: min_base_tags", "1 or more");
+  require(o.min_probe_tags >= 1, "acceptance: min_probe_tags", "1 or more");
+  require(o.max_rms_px > 0.0, "acceptance: max_rms_px", "> 0 pixels");
+  require(o.min_ambiguity_ratio >= 1.0, "acceptance: min_ambiguity_ratio", "1 or more");
+  require(o.min_separation >= 0.0, "acceptance: min_separation", "0 or more");
+  require(o.confidence_sigmas > 0.0, "acceptance: confidence_sigmas", "> 0");
+  require(o.max_speed > 0.0, "acceptance: max_speed", "> 0 metres per second");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
+#include "tracking/validation.hpp"
 
 namespace clearway {
 namespace {
@@ -105,30 +106,27 @@ double corner_variance(double squared_error, std::size_t corners, double stated_
   return excess > 1.0 + 3.0 * std::sqrt(2.0 / freedom) ? stated * excess : stated;
 }
 
-void check(bool ok, const std::string& where, const char* expected) {
-  if (!ok) throw std::invalid_argument(where + " must be " + expected);
-}
-
 }  // namespace
 
 void TagBody::validate() const {
   const std::string where = "tag body '" + name + "': ";
-  check(!tags.empty(), where + "tags", "at least one");
+  require(!tags.empty(), where + "tags", "at least one");
   for (const auto& [id, tag] : tags) {
     const std::string which = where + "tag " + std::to_string(id);
     const Eigen::Matrix3d r = tag.body_from_tag.linear();
-    check(id >= 0 && id <= kLastId, which, "an id of tag36h11, 0 to 586");
-    check(std::isfinite(tag.size) && tag.size > 0.0, which + " size", "> 0 metres");
-    check(tag.body_from_tag.matrix().allFinite() &&
-              (r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6 && r.determinant() > 0.0,
-          which + " body_from_tag", "a rotation and a translation, all finite");
+    require(id >= 0 && id <= kLastId, which, "an id of tag36h11, 0 to 586");
+    require(std::isfinite(tag.size) && tag.size > 0.0, which + " size", "> 0 metres");
+    require(tag.body_from_tag.matrix().allFinite() &&
+                (r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6 && r.determinant() > 0.0,
+            which + " body_from_tag", "a rotation and a translation, all finite");
   }
 }
 
 void BodyPoseOptions::validate() const {
-  check(std::isfinite(pixel_noise) && pixel_noise > 0.0, "body pose: pixel_noise", "> 0 pixels");
-  check(min_facing >= 0.0 && min_facing < 1.0, "body pose: min_facing", "at least 0 and below 1");
-  check(distinct_angle > 0.0 && distinct_angle < 1.0, "body pose: distinct_angle", "between 0 and 1 radian");
+  require(std::isfinite(pixel_noise) && pixel_noise > 0.0, "body pose: pixel_noise", "> 0 pixels");
+  require(min_facing >= 0.0 && min_facing < 1.0, "body pose: min_facing", "at least 0 and below 1");
+  require(distinct_angle > 0.0 && distinct_angle < 1.0, "body pose: distinct_angle",
+          "between 0 and 1 radian");
 }
 
 std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "tracking/validation.hpp"
+
 namespace clearway {
 namespace {
 
@@ -25,18 +27,14 @@ struct DetectionsDeleter {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
 };
 
-void check(bool ok, const char* option, const char* expected) {
-  if (!ok) throw std::invalid_argument(std::string("tag detector: ") + option + " must be " + expected);
-}
-
 void validate(const TagDetectorOptions& o) {
-  check(o.decimate == 1 || o.decimate == 2, "decimate", "1 or 2");
-  check(o.threads >= 1 && o.threads <= 64, "threads", "1 to 64");
-  check(o.sigma >= 0.0 && o.sigma <= 5.0, "sigma", "0 to 5 pixels");
-  check(o.sharpening >= 0.0 && o.sharpening <= 10.0, "sharpening", "0 to 10");
-  check(o.max_hamming >= 0 && o.max_hamming <= 2, "max_hamming", "0 to 2 bits");
-  check(o.min_margin >= 0.0 && o.min_margin <= 255.0, "min_margin", "0 to 255 grey levels");
-  check(o.border >= 0.0 && std::isfinite(o.border), "border", "0 pixels or more");
+  require(o.decimate == 1 || o.decimate == 2, "tag detector: decimate", "1 or 2");
+  require(o.threads >= 1 && o.threads <= 64, "tag detector: threads", "1 to 64");
+  require(o.sigma >= 0.0 && o.sigma <= 5.0, "tag detector: sigma", "0 to 5 pixels");
+  require(o.sharpening >= 0.0 && o.sharpening <= 10.0, "tag detector: sharpening", "0 to 10");
+  require(o.max_hamming >= 0 && o.max_hamming <= 2, "tag detector: max_hamming", "0 to 2 bits");
+  require(o.min_margin >= 0.0 && o.min_margin <= 255.0, "tag detector: min_margin", "0 to 255 grey levels");
+  require(o.border >= 0.0 && std::isfinite(o.border), "tag detector: border", "0 pixels or more");
 }
 
 TagDetection from_apriltag(const apriltag_detection_t& found) {

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<const char*, 3> arms = {"arm5", "puma560", "panda"};
 constexpr double between_robots = 0.08;    ///< m, at starts and goals
 constexpr double before_obstacles = 0.30;  ///< m, at starts
-constexpr int most_draws = 20000;
+constexpr int most_crossing_draws = 20000;
 
 Eigen::Vector3d direction(SuiteDice& dice) {
   const double z = dice.between(-1.0, 1.0), angle = dice.between(0.0, 2.0 * std::numbers::pi);
@@ -59,7 +59,7 @@ SuiteMoving draw_moving(int number, double ring, SuiteDice& dice) {
   return moving;
 }
 
-Configuration draw_configuration(const Robot& robot, SuiteDice& dice) {
+Configuration draw_within_limits(const Robot& robot, SuiteDice& dice) {
   Configuration q(static_cast<Eigen::Index>(robot.dof()));
   for (Eigen::Index j = 0; j < q.size(); ++j) {
     const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
@@ -96,8 +96,8 @@ std::vector<double> draw_end(const Team& team, std::size_t i, std::vector<Placed
   const ConfigurationSpace& space = *team.robots[i].space;
   const Robot& robot = space.robot();
   const std::vector<PlacedShape> standing = standing_bodies(team, i);
-  for (int draw = 0; draw < most_draws; ++draw) {
-    const Configuration q = draw_configuration(robot, dice);
+  for (int draw = 0; draw < most_crossing_draws; ++draw) {
+    const Configuration q = draw_within_limits(robot, dice);
     if (!is_apart(robot, q, others, between_robots) || !is_apart(robot, q, standing, between_robots) ||
         !is_apart(robot, q, obstacles, before_obstacles) || !space.is_free(q))
       continue;

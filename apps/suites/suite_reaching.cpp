@@ -11,7 +11,7 @@
 namespace clearway {
 namespace {
 
-constexpr int most_draws = 50000;
+constexpr int most_reach_draws = 50000;
 constexpr double widest_tilt = 50.0 * std::numbers::pi / 180.0;
 
 /// Which way the hand points: from its link to the tip, map frame.
@@ -91,8 +91,8 @@ ReachingScene draw_reaching(const SuiteGenerator& generator, std::size_t index, 
   scene.map = make_map(scene.world, robot.critical_parts);
   const ConfigurationSpace space(robot, scene.map, policies, {.padding = padding});
   ProblemDrawer drawer(space, scene.regions, SuiteDice(generator.seed, 2 * index + 1));
-  scene.problems = draw_problems(generator, index, problems_of_a_scene, most_draws, scene.world.name, robot,
-                                 [&] { return drawer.draw(); });
+  scene.problems = draw_problems(generator, index, problems_of_a_scene, most_reach_draws, scene.world.name,
+                                 robot, [&] { return drawer.draw(); });
   return scene;
 }
 

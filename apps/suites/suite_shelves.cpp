@@ -10,7 +10,7 @@
 namespace clearway {
 namespace {
 
-constexpr int most_draws = 20000;
+constexpr int most_shelf_draws = 20000;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr int rows = 3, columns = 3;
 constexpr double wall = 0.05, board = 0.024;  ///< thickness, metres at full size
@@ -120,8 +120,8 @@ Shelf draw_shelf(const SuiteGenerator& generator, std::size_t index, const Robot
   shelf.world = shelf_world("shelf " + std::to_string(index + 1), generator.resolution, robot, plan);
   shelf.map = make_map(shelf.world, robot.critical_parts);
   const ConfigurationSpace space(robot, shelf.map, policies, {.padding = padding});
-  shelf.problems = draw_problems(generator, index, problems_of_a_shelf, most_draws, shelf.world.name, robot,
-                                 [&] { return draw_problem(space, plan, dice); });
+  shelf.problems = draw_problems(generator, index, problems_of_a_shelf, most_shelf_draws, shelf.world.name,
+                                 robot, [&] { return draw_problem(space, plan, dice); });
   return shelf;
 }
 

@@ -13,7 +13,7 @@
 namespace clearway {
 namespace {
 
-constexpr int most_draws = 2000;
+constexpr int most_tunnel_draws = 2000;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double widest_turn = 1.2;  ///< rad (or share of m), of a joint between two turns of a way
 
@@ -166,7 +166,7 @@ bool is_free_all_along(const ConfigurationSpace& space, const std::vector<Config
 Tunnel draw_tunnel(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                    const Policies& policies, double padding) {
   TunnelDrawer drawer(generator, index, robot, padding);
-  for (int draw = 0; draw < most_draws; ++draw) {
+  for (int draw = 0; draw < most_tunnel_draws; ++draw) {
     Tunnel tunnel;
     tunnel.way = drawer.way();
     if (tunnel.way.empty()) continue;
@@ -180,7 +180,7 @@ Tunnel draw_tunnel(const SuiteGenerator& generator, std::size_t index, const Rob
     if (is_free_all_along(space, tunnel.way)) return tunnel;
   }
   throw std::runtime_error("tunnels: no tunnel found for robot '" + robot.name + "' in " +
-                           std::to_string(most_draws) + " draws");
+                           std::to_string(most_tunnel_draws) + " draws");
 }
 
 }  // namespace clearway

@@ -13,7 +13,7 @@ namespace {
 constexpr double fastest = 1000.0;  ///< m/s, of things that move
 constexpr double briefest = 1e-3;   ///< s, between two of their poses
 
-SuiteTeamRobot read_robot(const YamlFields& fields) {
+SuiteTeamRobot read_team_robot(const YamlFields& fields) {
   SuiteTeamRobot robot;
   robot.name = fields.text("name");
   robot.robot = fields.file("robot");
@@ -79,7 +79,7 @@ SuiteTeam read_team(const YamlFields& fields) {
   team.name = fields.text("name");
   std::set<std::string> names;
   for (const auto& entry : fields.list_of_maps("robots")) {
-    team.robots.push_back(read_robot(entry));
+    team.robots.push_back(read_team_robot(entry));
     take_name(names, team.robots.back().name, entry, "name");
   }
   if (team.robots.empty()) fields.fail("robots", "expected at least one robot");

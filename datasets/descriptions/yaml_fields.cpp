@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "datasets/descriptions/yaml_gate.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -22,11 +23,6 @@ std::string shown_number(double value) {
   if (value == std::round(value) && std::abs(value) < 1e15) out << std::fixed << std::setprecision(0);
   out << value;
   return out.str();
-}
-
-std::string shown_node(const YAML::Node& node) {
-  if (node.IsScalar()) return quote(node.Scalar());
-  return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
 std::string expectation(Bounds bounds, const std::string& kind = "number") {
@@ -49,27 +45,9 @@ std::optional<double> parsed_number(const YAML::Node& node) {
 
 }  // namespace
 
-std::string nearest_word(const std::string& word, const std::set<std::string>& known) {
-  constexpr size_t longest = 100;
-  if (word.size() > longest) return "";
-  std::string nearest;
-  size_t smallest = std::max<size_t>(2, word.size() / 2) + 1;
-  for (const auto& candidate : known) {
-    std::vector<size_t> row(candidate.size() + 1);
-    for (size_t j = 0; j < row.size(); ++j) row[j] = j;
-    for (size_t i = 1; i <= word.size(); ++i) {
-      size_t diagonal = std::exchange(row[0], i);
-      for (size_t j = 1; j < row.size(); ++j) {
-        const size_t changed = diagonal + (word[i - 1] != candidate[j - 1]);
-        diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, changed}));
-      }
-    }
-    if (row.back() < smallest) {
-      smallest = row.back();
-      nearest = candidate;
-    }
-  }
-  return nearest;
+std::string shown_node(const YAML::Node& node) {
+  if (node.IsScalar()) return quote(node.Scalar());
+  return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
 YamlFields::YamlFields(const std::string& text, const std::string& name) : name_(name) {
@@ -304,7 +282,8 @@ void YamlFields::finish() const {
   for (const auto& entry : *node_) {
     const std::string key = entry.first.Scalar();
     if (asked_.contains(key)) continue;
-    const std::string nearest = nearest_word(key, asked_);
+    const std::size_t near = key.size() > 100 ? 0 : std::max<std::size_t>(2, key.size() / 2);
+    const std::string nearest = nearest_name(key, {asked_.begin(), asked_.end()}, near);
     fail(key, "unknown key" + (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
   }
 }

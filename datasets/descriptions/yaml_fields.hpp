@@ -93,7 +93,7 @@ class YamlFields {
 /// Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Matrix3d rotation_from_rpy(double roll, double pitch, double yaw);
 
-/// The known word closest to `word` by edit distance; empty when none is close.
-std::string nearest_word(const std::string& word, const std::set<std::string>& known);
+/// What a message calls a node: a scalar by its quoted text, else "a list", "a map" or "nothing".
+std::string shown_node(const YAML::Node& node);
 
 }  // namespace clearway

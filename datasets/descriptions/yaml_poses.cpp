@@ -10,8 +10,6 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-std::string shown_node(const YAML::Node& node) { return node.IsScalar() ? quote(node.Scalar()) : "a map"; }
-
 }  // namespace
 
 Eigen::Matrix3d rotation_from_rpy(double roll, double pitch, double yaw) {

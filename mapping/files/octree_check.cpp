@@ -18,7 +18,7 @@ constexpr std::string_view text_header = "# Octomap OcTree file";
 constexpr std::string_view binary_header = "# Octomap OcTree binary file";
 constexpr std::size_t longest_foreign_header = 1U << 20U;
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
+[[noreturn]] void refuse_tree(const std::filesystem::path& file, const std::string& reason) {
   throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
 }
 
@@ -38,7 +38,7 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
   std::size_t at = 0;
   for (bool first = true;; first = false) {
     const auto end = bytes.find('\n', at);
-    if (end == std::string_view::npos) refuse(file, "the OctoMap header is cut off");
+    if (end == std::string_view::npos) refuse_tree(file, "the OctoMap header is cut off");
     const std::string_view line = bytes.substr(at, end - at);
     at = end + 1;
     const auto space = line.find(' ');
@@ -46,7 +46,7 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
     const std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
     if (first) {
       tree.binary = line == binary_header;
-      if (!tree.binary && line != text_header) refuse(file, "it does not start with an OctoMap header");
+      if (!tree.binary && line != text_header) refuse_tree(file, "it does not start with an OctoMap header");
     } else if (line == "data") {
       break;
     } else if (key == "id") {
@@ -56,12 +56,12 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
     } else if (key == "res") {
       has_resolution = parse(value, tree.resolution);
     } else if (!line.starts_with('#')) {
-      refuse(file, "its header holds a line that is none of id, size, res and data");
+      refuse_tree(file, "its header holds a line that is none of id, size, res and data");
     }
   }
-  if (!has_size) refuse(file, "its header lacks the number of nodes ('size')");
+  if (!has_size) refuse_tree(file, "its header lacks the number of nodes ('size')");
   if (!has_resolution || !(tree.resolution >= 1e-4 && tree.resolution <= 100.0)) {
-    refuse(file, "its resolution ('res') is not a number in [0.0001, 100] m");
+    refuse_tree(file, "its resolution ('res') is not a number in [0.0001, 100] m");
   }
   tree.header = bytes.substr(0, at);
   tree.data = bytes.substr(at);
@@ -80,11 +80,12 @@ std::string octree_header(bool binary, std::string_view type, std::size_t nodes,
 CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file) {
   CheckedOctree tree = parse_header(bytes, file);
   const bool fused = tree.type == FusedTree::type_name;
-  if (fused && !is_sealed(bytes)) refuse(file, "its checksum does not match its content");
-  if (!fused && tree.header.size() > longest_foreign_header) refuse(file, "its header is longer than 1 MiB");
+  if (fused && !is_sealed(bytes)) refuse_tree(file, "its checksum does not match its content");
+  if (!fused && tree.header.size() > longest_foreign_header)
+    refuse_tree(file, "its header is longer than 1 MiB");
   if (!tree.binary && !is_known(tree.type)) {
-    refuse(file, "its tree type " + quote(tree.type) +
-                     " is none of ClearwayFusedTree, OcTree, ColorOcTree, OcTreeStamped");
+    refuse_tree(file, "its tree type " + quote(tree.type) +
+                          " is none of ClearwayFusedTree, OcTree, ColorOcTree, OcTreeStamped");
   }
   return tree;
 }

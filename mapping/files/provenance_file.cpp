@@ -61,7 +61,7 @@ void put_scan(std::string& bytes, const ScanRecord& scan) {
 
 // ---- reading: every length is held against what is left
 
-class Reader : public ByteReader {
+class ProvenanceReader : public ByteReader {
  public:
   using ByteReader::ByteReader;
 
@@ -104,7 +104,7 @@ class Reader : public ByteReader {
   }
 };
 
-PaintEvent read_event(Reader& reader, std::size_t volumes, std::size_t strokes) {
+PaintEvent read_event(ProvenanceReader& reader, std::size_t volumes, std::size_t strokes) {
   PaintEvent event;
   event.volume = reader.index(volumes, false);
   event.stroke = reader.index(strokes, true);
@@ -116,7 +116,7 @@ PaintEvent read_event(Reader& reader, std::size_t volumes, std::size_t strokes) 
   return event;
 }
 
-ConflictRecord read_conflict(Reader& reader, std::size_t volumes, std::size_t strokes) {
+ConflictRecord read_conflict(ProvenanceReader& reader, std::size_t volumes, std::size_t strokes) {
   ConflictRecord record;
   record.cell = reader.cell();
   record.time = reader.get<double>();
@@ -126,7 +126,7 @@ ConflictRecord read_conflict(Reader& reader, std::size_t volumes, std::size_t st
   return record;
 }
 
-ScanRecord read_scan(Reader& reader) {
+ScanRecord read_scan(ProvenanceReader& reader) {
   ScanRecord scan;
   scan.number = reader.index(most_scans, false);
   scan.sensor = reader.text();
@@ -170,7 +170,7 @@ Provenance parse_provenance(std::string_view bytes, const std::filesystem::path&
   if (!bytes.starts_with(first_line) || header == std::string_view::npos || !is_sealed(bytes)) {
     throw DamagedFile("'" + file.string() + "' is damaged: its checksum does not fit");
   }
-  Reader reader(bytes.substr(header + end_of_header.size()), file);
+  ProvenanceReader reader(bytes.substr(header + end_of_header.size()), file);
   Provenance provenance;
   provenance.map_sha256 = reader.text();
   provenance.resolution = reader.get<double>();

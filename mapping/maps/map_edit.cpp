@@ -10,6 +10,7 @@
 
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/system/require.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "mapping/voxels/leaf_pairs.hpp"
 
@@ -22,10 +23,6 @@ std::shared_ptr<FusedTree> empty_like(const FusedTree& tree, double resolution) 
   result->clear();
   result->setResolution(resolution);
   return result;
-}
-
-void require(bool holds, const std::string& sentence) {
-  if (!holds) throw std::invalid_argument(sentence);
 }
 
 // ---- merging

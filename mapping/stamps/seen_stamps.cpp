@@ -10,7 +10,6 @@
 namespace clearway {
 namespace {
 
-constexpr std::int64_t most_periods = 65535;
 constexpr std::uint32_t no_stamp = 65536;
 
 std::uint64_t next_owner() {

@@ -14,7 +14,6 @@ namespace clearway {
 namespace {
 
 constexpr std::uint64_t every_key = std::uint64_t{1} << 33U;
-constexpr std::int64_t most_periods = 65535;
 constexpr int coarsest_exponent = 32;  ///< more than 2 latest_time / 65534 periods need
 
 /// The different stamps of a block, ascending.
@@ -121,7 +120,7 @@ SeenStamps parse_seen(std::string_view bytes, const std::filesystem::path& file)
   const auto newest = reader.get<double>();
   const bool is_time = std::abs(newest) <= SeenStamps::latest_time;
   const std::int64_t last = is_time ? seen.index_of(newest) : 0;
-  if (!is_time || seen.base_ > last || seen.base_ <= last - most_periods)
+  if (!is_time || seen.base_ > last || seen.base_ <= last - SeenStamps::most_periods)
     reader.refuse("its newest look has no time");
   seen.newest_ = newest;
   SeenStamps::Table& table = seen.table_for_writing();

@@ -6,12 +6,6 @@
 #include "planning/problem/option_reader.hpp"
 
 namespace clearway {
-namespace {
-
-/// With enter_ratio 0, a local step shorter than this share of the wanted one is null.
-constexpr double kDeadlock = 1e-4;
-
-}  // namespace
 
 std::string counted_deadlocks(int count) {
   return std::to_string(count) + (count == 1 ? " deadlock" : " deadlocks");
@@ -43,7 +37,7 @@ BoundaryChoice BoundaryController::next(const StepConstraints& constraints, cons
     if (bypass_ || !choice.why.empty()) return choice;
   }
   const bool is_creeping = watch_.is_creeping(to_goal);
-  const double least = std::max(given_.enter_ratio, kDeadlock) * wanted.norm();
+  const double least = std::max(given_.enter_ratio, deadlock_share) * wanted.norm();
   if (!wanted.isZero(0.0) && (is_creeping || local.step.norm() < least))
     return enter(constraints, local, q, goal);
   ++counts_.local;

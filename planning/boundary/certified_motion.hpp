@@ -9,6 +9,9 @@
 
 namespace clearway {
 
+/// A local step shorter than this share of the wanted one is a deadlock.
+inline constexpr double deadlock_share = 1e-4;
+
 /// The trace of a robot that moves step by step; each step is an edge that the configuration space certifies
 /// before it is taken.
 class CertifiedMotion {

@@ -5,12 +5,6 @@
 #include "planning/problem/option_reader.hpp"
 
 namespace clearway {
-namespace {
-
-/// A step shorter than this share of the wanted one is a deadlock.
-constexpr double kDeadlock = 1e-4;
-
-}  // namespace
 
 Constraint::Constraint(const PlannerOptions& options) {
   OptionReader reader("constraint", options);
@@ -39,7 +33,7 @@ PlanResult Constraint::plan(const PlanProblem& problem) const {
                                holding_back(problem.space, constraints, local.multipliers) + ".");
     };
     const bool is_creeping = watch.is_creeping(motion.distance_to_goal());
-    if (is_creeping || local.step.norm() < kDeadlock * wanted.norm())
+    if (is_creeping || local.step.norm() < deadlock_share * wanted.norm())
       return stop("Deadlock of the local method");
     if (motion.steps() >= max_steps) return stop("Reached max_steps");
     if (!motion.take(local.step)) return stop("The next step could not be certified free");

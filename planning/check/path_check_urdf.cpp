@@ -18,8 +18,8 @@ namespace clearway::check {
 namespace {
 
 constexpr std::size_t most_joints = 500;  ///< urdfdom and kdl_parser walk a chain recursively
-constexpr double tolerance = 1e-9;        ///< of limits, rad or m
-constexpr double most_turn = 1e3;         ///< beyond both ways (Gazebo writes 1e16) a joint turns without end
+constexpr double limit_tolerance = 1e-9;  ///< of limits, rad or m
+constexpr double endless_turn = 1e3;      ///< beyond both ways (Gazebo writes 1e16) a joint turns without end
 
 std::filesystem::path file_of(const Robot& robot) {
   const bool is_urdf = robot.source.extension() == ".urdf";
@@ -157,13 +157,14 @@ class FileReader {
   void require_limits(const urdf::Joint& joint, const Joint& mover) const {
     if (joint.type == urdf::Joint::CONTINUOUS) return;
     if (!joint.limits) disagree(robot_, "joint '" + joint.name + "' has no limits");
-    const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -most_turn &&
-                         joint.limits->upper > most_turn;
+    const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -endless_turn &&
+                         joint.limits->upper > endless_turn;
     if (endless) return;
     for (const double end : {mover.lower, mover.upper}) {
       const double factor = links_.multiplier.back();
       const double value = (factor == 0.0 ? 0.0 : factor * end) + links_.offset.back();
-      const double least = joint.limits->lower - tolerance, most = joint.limits->upper + tolerance;
+      const double least = joint.limits->lower - limit_tolerance,
+                   most = joint.limits->upper + limit_tolerance;
       if (value >= least && value <= most) continue;
       std::ostringstream text;
       text.imbue(std::locale::classic());

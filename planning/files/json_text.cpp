@@ -8,7 +8,7 @@
 namespace clearway {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 constexpr std::size_t deepest = 64, most_containers = 1'000'000, most_values = 8'000'000;
 
@@ -19,21 +19,21 @@ class Gate {
 
   bool null() { return value(); }
   bool boolean(bool) { return value(); }
-  bool number_integer(Json::number_integer_t) { return value(); }
-  bool number_unsigned(Json::number_unsigned_t) { return value(); }
-  bool number_float(Json::number_float_t, const Json::string_t&) { return value(); }
-  bool string(Json::string_t&) { return value(); }
-  bool binary(Json::binary_t&) { return value(); }
+  bool number_integer(AnyJson::number_integer_t) { return value(); }
+  bool number_unsigned(AnyJson::number_unsigned_t) { return value(); }
+  bool number_float(AnyJson::number_float_t, const AnyJson::string_t&) { return value(); }
+  bool string(AnyJson::string_t&) { return value(); }
+  bool binary(AnyJson::binary_t&) { return value(); }
   bool start_object(std::size_t) { return open(Place::object_start); }
   bool start_array(std::size_t) { return open(Place::array_start); }
-  bool key(Json::string_t&) {
+  bool key(AnyJson::string_t&) {
     open_.back() = Place::after_key;
     return true;
   }
   bool end_object() { return close(); }
   bool end_array() { return close(); }
 
-  bool parse_error(std::size_t position, const std::string&, const Json::exception& error) {
+  bool parse_error(std::size_t position, const std::string&, const AnyJson::exception& error) {
     constexpr int number_too_large = 406;
     const std::size_t start = word_start(position);
     refuse(start, error.id == number_too_large ? "a number that is not too large" : expected(before(start)));
@@ -126,7 +126,7 @@ class Gate {
 
 void require_json(std::string_view text, const std::string& name) {
   Gate gate(text, name);
-  static_cast<void>(Json::sax_parse(text, &gate));
+  static_cast<void>(AnyJson::sax_parse(text, &gate));
 }
 
 }  // namespace clearway

@@ -12,8 +12,8 @@
 namespace clearway {
 namespace {
 
-constexpr double at_limit = 1e-10;  ///< radians beyond a limit that are rounding
-constexpr double tolerance = 1e-9;  ///< relative, on the table's zeros and right angles
+constexpr double at_limit = 1e-10;        ///< radians beyond a limit that are rounding
+constexpr double table_tolerance = 1e-9;  ///< relative, on the table's zeros and right angles
 
 /// The lengths of Craig's table, at the robot's scale.
 struct PumaTable {
@@ -25,7 +25,7 @@ struct PumaTable {
 /// Whether `link` is turned by `alpha` about x against its parent; its offset is then (a, -d sin, d cos).
 bool is_turned(const Link& link, double alpha) {
   const Eigen::Matrix3d expected = Eigen::AngleAxisd(alpha, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  return (link.parent_from_link.linear() - expected).norm() < tolerance;
+  return (link.parent_from_link.linear() - expected).norm() < table_tolerance;
 }
 
 PumaTable read_table(const Robot& robot) {
@@ -56,7 +56,7 @@ PumaTable read_table(const Robot& robot) {
     const Joint& joint = robot.joints[i];
     const bool plain = link.joint == static_cast<int>(i) && link.multiplier == 1.0 && link.offset == 0.0;
     if (!plain || joint.kind != JointKind::revolute ||
-        (joint.axis - Eigen::Vector3d::UnitZ()).norm() > tolerance)
+        (joint.axis - Eigen::Vector3d::UnitZ()).norm() > table_tolerance)
       refuse();
     if (i > 0 && !is_turned(link, alpha[i])) refuse();
     offset[i] = link.parent_from_link.translation();
@@ -65,7 +65,7 @@ PumaTable read_table(const Robot& robot) {
   table.d3 = offset[2].z();
   table.a3 = offset[3].x();
   table.d4 = offset[3].y();
-  const double size = tolerance * (std::abs(table.a2) + std::abs(table.d4));
+  const double size = table_tolerance * (std::abs(table.a2) + std::abs(table.d4));
   const double zeros = std::max({offset[1].norm(), std::abs(offset[2].y()), std::abs(offset[3].z()),
                                  offset[4].norm(), offset[5].norm()});
   if (zeros > size || table.a2 <= 0.0 || table.d4 == 0.0) refuse();

@@ -7,15 +7,12 @@
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/require.hpp"
 #include "planning/problem/option_reader.hpp"
 #include "planning/team/team_member.hpp"
 
 namespace clearway {
 namespace {
-
-void require(bool holds, const std::string& sentence) {
-  if (!holds) throw std::invalid_argument(sentence);
-}
 
 /// What the others are for robot `i`: their bodies, then the obstacles.
 struct Surroundings {
