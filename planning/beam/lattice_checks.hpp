@@ -55,7 +55,7 @@ class LatticeChecks {
   bool refresh(std::size_t member, KnownClearances& own);
   double quick_clearance(std::size_t member);
 
-  const ConfigurationSpace::State& state_;
+  const CollisionModel& model_;
   const Lattice& lattice_;
   LatticePoses poses_;
   std::size_t deciding_joints_ = 0;

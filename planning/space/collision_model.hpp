@@ -1,9 +1,10 @@
 #pragma once
 
-// Private to the sources of ConfigurationSpace.
+// Not part of the installed library.
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planning/robot/self_contact.hpp"
@@ -19,7 +20,12 @@ struct EdgePoses {
   LinkPoses begin, middle, end;
 };
 
-struct ConfigurationSpace::State {
+/// What a ConfigurationSpace knows: the robot, what blocks each of its bodies, and bounds on their motion.
+/// Its constructor only stores what is given; ConfigurationSpace fills in the rest.
+struct CollisionModel {
+  CollisionModel(Robot given_robot, Snapshot snapshot, const SpaceOptions& space_options)
+      : given(std::move(given_robot)), map(std::move(snapshot)), options(space_options) {}
+
   Robot given;  ///< as the caller knows it
   Robot
       robot;  ///< the same without_idle_turns but where that hides a contact: all that follows is of this one

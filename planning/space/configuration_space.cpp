@@ -7,7 +7,7 @@
 
 #include "planning/robot/idle_turns.hpp"
 #include "planning/robot/reach.hpp"
-#include "planning/space/configuration_space_state.hpp"
+#include "planning/space/collision_model.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
@@ -104,16 +104,15 @@ Robot reduced(const Robot& given) {
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
                                        const SpaceOptions& options)
-    : state_(std::make_unique<State>(
-          State{std::move(robot), {}, std::move(map), options, {}, {}, {}, {}, {}, {}, {}})) {
-  State& state = *state_;
-  state.robot = reduced(state.given);
+    : model_(std::make_unique<CollisionModel>(std::move(robot), std::move(map), options)) {
+  CollisionModel& model = *model_;
+  model.robot = reduced(model.given);
   check_options(options);
-  if (state.options.max_distance == 0.0) {
-    state.options.max_distance = chosen_max_distance(state.robot, state.map.resolution());
+  if (model.options.max_distance == 0.0) {
+    model.options.max_distance = chosen_max_distance(model.robot, model.map.resolution());
   }
-  state.policies = part_policies(state.robot, state.map, policies);
-  require_seen_within(options.seen_within, state.map, state.policies);
+  model.policies = part_policies(model.robot, model.map, policies);
+  require_seen_within(options.seen_within, model.map, model.policies);
   std::vector<std::pair<Requirement, Eigen::AlignedBox3d>> reaches;  // one region for each requirement
   const auto reach_of = [&](const Requirement& requirement) -> Eigen::AlignedBox3d& {
     for (auto& [known, box] : reaches) {
@@ -122,52 +121,52 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     return reaches.emplace_back(requirement, Eigen::AlignedBox3d()).second;
   };
   const auto requirement_of = [&](const Body& body) {
-    return part_requirement(state.map, body.part, state.policies.at(body.part), options.seen_within);
+    return part_requirement(model.map, body.part, model.policies.at(body.part), options.seen_within);
   };
-  for (const Body& body : state.robot.bodies) {
-    if (is_moved(state.robot, body.link)) reach_of(requirement_of(body)).extend(reach_box(state.robot, body));
+  for (const Body& body : model.robot.bodies) {
+    if (is_moved(model.robot, body.link)) reach_of(requirement_of(body)).extend(reach_box(model.robot, body));
   }
-  const Eigen::AlignedBox3d bounds = state.map.bounds();
-  for (std::size_t i = 0; i < state.robot.bodies.size(); ++i) {
-    const Body& body = state.robot.bodies[i];
-    if (!is_moved(state.robot, body.link)) continue;
+  const Eigen::AlignedBox3d bounds = model.map.bounds();
+  for (std::size_t i = 0; i < model.robot.bodies.size(); ++i) {
+    const Body& body = model.robot.bodies[i];
+    if (!is_moved(model.robot, body.link)) continue;
     const Requirement requirement = requirement_of(body);
-    const double max_distance = state.options.max_distance;
-    const double wanted = std::max(max_distance, options.padding + state.map.resolution());
+    const double max_distance = model.options.max_distance;
+    const double wanted = std::max(max_distance, options.padding + model.map.resolution());
     const Eigen::AlignedBox3d region =
-        region_of(requirement, reach_of(requirement), bounds, state.map.resolution(), wanted);
-    Eigen::AlignedBox3d counts = reach_box(state.robot, body);  // voxels that can matter to the body
+        region_of(requirement, reach_of(requirement), bounds, model.map.resolution(), wanted);
+    Eigen::AlignedBox3d counts = reach_box(model.robot, body);  // voxels that can matter to the body
     const double rounding =
         1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());
     counts.min().array() -= options.padding + rounding;
     counts.max().array() += options.padding + rounding;
-    state.bodies.emplace_back(body, state.map.blocked_space(requirement, region, max_distance), counts);
-    state.indices.push_back(static_cast<int>(i));
-    state.levers.push_back(body_levers(state.robot, body));
-    state.turns.push_back(body_turns(state.robot, body));
+    model.bodies.emplace_back(body, model.map.blocked_space(requirement, region, max_distance), counts);
+    model.indices.push_back(static_cast<int>(i));
+    model.levers.push_back(body_levers(model.robot, body));
+    model.turns.push_back(body_turns(model.robot, body));
   }
-  state.pairs = contact_pairs(state.robot);
-  state.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(state.robot.dof()));
-  for (std::size_t member = 0; member < state.members(); ++member)
-    state.matters = state.matters.array().max((state.rates(member).array() > 0.0).cast<double>());
+  model.pairs = contact_pairs(model.robot);
+  model.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.robot.dof()));
+  for (std::size_t member = 0; member < model.members(); ++member)
+    model.matters = model.matters.array().max((model.rates(member).array() > 0.0).cast<double>());
 }
 
 ConfigurationSpace::~ConfigurationSpace() = default;
 ConfigurationSpace::ConfigurationSpace(ConfigurationSpace&&) noexcept = default;
 
-const Robot& ConfigurationSpace::robot() const { return state_->given; }
-const Snapshot& ConfigurationSpace::map() const { return state_->map; }
-const SpaceOptions& ConfigurationSpace::options() const { return state_->options; }
-const std::map<std::string, Policy>& ConfigurationSpace::policies() const { return state_->policies; }
+const Robot& ConfigurationSpace::robot() const { return model_->given; }
+const Snapshot& ConfigurationSpace::map() const { return model_->map; }
+const SpaceOptions& ConfigurationSpace::options() const { return model_->options; }
+const std::map<std::string, Policy>& ConfigurationSpace::policies() const { return model_->policies; }
 
 const BlockedSpace* ConfigurationSpace::blocked_space(int body) const {
-  for (std::size_t i = 0; i < state_->bodies.size(); ++i) {
-    if (state_->indices[i] == body) return &state_->bodies[i].space();
+  for (std::size_t i = 0; i < model_->bodies.size(); ++i) {
+    if (model_->indices[i] == body) return &model_->bodies[i].space();
   }
   return nullptr;
 }
 
-bool ConfigurationSpace::State::is_within_limits(const Configuration& q) const {
+bool CollisionModel::is_within_limits(const Configuration& q) const {
   if (q.size() != static_cast<Eigen::Index>(robot.dof())) return false;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const double value = q[static_cast<Eigen::Index>(j)];
@@ -177,40 +176,40 @@ bool ConfigurationSpace::State::is_within_limits(const Configuration& q) const {
 }
 
 bool ConfigurationSpace::is_free(const Configuration& q) const {
-  const State& state = *state_;
-  if (!state.is_within_limits(q)) return false;
+  const CollisionModel& model = *model_;
+  if (!model.is_within_limits(q)) return false;
   LinkPoses& poses = scratch_poses();
-  forward_kinematics(state.robot, q, poses);
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    if (!state.bodies[i].is_clear(state.pose(poses, i), state.options.padding)) return false;
+  forward_kinematics(model.robot, q, poses);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (!model.bodies[i].is_clear(model.pose(poses, i), model.options.padding)) return false;
   }
-  return std::all_of(state.pairs.begin(), state.pairs.end(),
-                     [&](const BodyPair& pair) { return is_apart(state.robot, pair, poses, 0.0); });
+  return std::all_of(model.pairs.begin(), model.pairs.end(),
+                     [&](const BodyPair& pair) { return is_apart(model.robot, pair, poses, 0.0); });
 }
 
 double ConfigurationSpace::clearance(const Configuration& q) const {
-  const State& state = *state_;
-  if (!state.is_within_limits(q)) return 0.0;
+  const CollisionModel& model = *model_;
+  if (!model.is_within_limits(q)) return 0.0;
   LinkPoses& poses = scratch_poses();
-  forward_kinematics(state.robot, q, poses);
-  double least = state.options.max_distance;
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    const GuardedBody& body = state.bodies[i];
-    const double padding = state.options.padding;
-    const double quick = body.quick_clearance(state.pose(poses, i)) - padding;
+  forward_kinematics(model.robot, q, poses);
+  double least = model.options.max_distance;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const GuardedBody& body = model.bodies[i];
+    const double padding = model.options.padding;
+    const double quick = body.quick_clearance(model.pose(poses, i)) - padding;
     if (quick >= least) continue;
     // Near a blocked voxel the balls stand out too far to tell; the exact shape does, in a small box.
-    const double slack = body.cover_excess() + 2.0 * state.map.resolution();
+    const double slack = body.cover_excess() + 2.0 * model.map.resolution();
     if (quick > 2.0 * slack) {
       least = quick;
       continue;
     }
     const double limit = std::min(least, std::max(quick, 0.0) + slack) + padding;
-    least = std::min(least, body.exact_clearance(state.pose(poses, i), limit) - padding);
+    least = std::min(least, body.exact_clearance(model.pose(poses, i), limit) - padding);
   }
-  for (const BodyPair& pair : state.pairs) {
-    if (!is_apart(state.robot, pair, poses, least)) {
-      least = std::min(least, pair_distance(state.robot, pair, poses).lower);
+  for (const BodyPair& pair : model.pairs) {
+    if (!is_apart(model.robot, pair, poses, least)) {
+      least = std::min(least, pair_distance(model.robot, pair, poses).lower);
     }
   }
   return least;

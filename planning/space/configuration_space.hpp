@@ -65,6 +65,8 @@ struct ProximityRow {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< n, from the robot to the obstacle
 };
 
+struct CollisionModel;  // planning/space/collision_model.hpp
+
 /// A robot in a map under a policy: the one place that says which configurations and edges are free.
 /// Bodies that no joint moves are part of the scene: tested against other bodies, not against the map.
 /// Immutable, safe from many threads; counts nothing, prints nothing.
@@ -106,13 +108,14 @@ class ConfigurationSpace {
   /// that no joint moves. Valid as long as this object.
   const BlockedSpace* blocked_space(int body) const;
 
+  /// What the answers are made of, for searches of this floor that remember some of them (LatticeChecks).
+  const CollisionModel& collision_model() const { return *model_; }
+
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
  private:
-  friend class LatticeChecks;  ///< the same answers for a search in small steps, which remembers some
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<CollisionModel> model_;
 };
 
 }  // namespace clearway

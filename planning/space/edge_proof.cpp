@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "planning/space/configuration_space_state.hpp"
+#include "planning/space/collision_model.hpp"
 
 namespace clearway {
 namespace {
@@ -69,115 +69,161 @@ Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& 
   return is_apart(robot, pair, poses, 0.0) ? Finding::open : Finding::blocked;
 }
 
+/// One proof: the edge is halved until each member is proved free on each piece.
+class EdgeProof {
+ public:
+  EdgeProof(const CollisionModel& model, Scratch& scratch, std::vector<RecentCubes>& recent,
+            KnownClearances* known_from, KnownClearances* known_to)
+      : model_(model), scratch_(scratch), recent_(recent), known_from_(known_from), known_to_(known_to) {}
+
+  bool holds(const std::vector<int>& members) {
+    bound_motions(members);
+    if (!stands_free(members)) return false;
+    scratch_.pieces.assign(1, {0.0, 1.0, 0, scratch_.open.size(), scratch_.used - 1, -1});
+    for (std::size_t next = 0; next < scratch_.pieces.size(); ++next) {  // halves in turn: far samples first
+      if (!examine_piece(scratch_.pieces[next])) return false;
+    }
+    return true;
+  }
+
+ private:
+  void bound_motions(const std::vector<int>& members) {
+    length_ = scratch_.step.cwiseProduct(model_.matters).norm();
+    scratch_.motion.resize(model_.members());
+    scratch_.bend.resize(model_.bodies.size());
+    for (const int member : members) {
+      const auto i = static_cast<std::size_t>(member);
+      scratch_.motion[i] = model_.motion(i, scratch_.distance);
+      if (i < model_.bodies.size())  // |x''| <= 2 (all turns) (all motion), and a chord is off by 1/8 of it
+        scratch_.bend[i] = model_.turns[i].dot(scratch_.distance) * scratch_.motion[i] / 4.0 * (1.0 + 1e-9);
+    }
+  }
+
+  /// What stands still is free on the edge where it is free at its start; what moves stays open.
+  bool stands_free(const std::vector<int>& members) {
+    scratch_.used = 0;
+    scratch_.open.clear();
+    for (const int member : members) {
+      const auto i = static_cast<std::size_t>(member);
+      if (scratch_.motion[i] > 0.0) {
+        scratch_.open.push_back(member);
+        continue;
+      }
+      if (scratch_.used == 0) scratch_.sample(model_.robot, 0.0);
+      if (!is_clear_where_it_stands(i)) return false;
+    }
+    return true;
+  }
+
+  bool is_clear_where_it_stands(std::size_t member) {
+    const std::size_t bodies = model_.bodies.size();
+    return member < bodies ? model_.bodies[member].is_clear(pose(0, member), model_.options.padding)
+                           : is_apart(model_.robot, model_.pairs[member - bodies], scratch_.samples[0], 0.0);
+  }
+
+  /// Proves what it can half way, and leaves the rest to both halves. False: something is not free, or not
+  /// proved on the shortest piece.
+  bool examine_piece(Piece piece) {
+    const double middle = (piece.begin + piece.end) / 2, half = (piece.end - piece.begin) / 2;
+    const bool is_finest = 2.0 * half * length_ <= model_.options.edge_resolution;
+    const int sample = scratch_.sample(model_.robot, middle);
+    const std::size_t bodies = model_.bodies.size(), first_open = scratch_.open.size();
+    for (std::size_t i = piece.first_open; i < piece.last_open; ++i) {
+      const auto id = static_cast<std::size_t>(scratch_.open[i]);
+      const Finding finding = id < bodies ? examine_body(id, piece, sample)
+                                          : examine_pair(model_.robot, model_.pairs[id - bodies],
+                                                         scratch_.samples[static_cast<std::size_t>(sample)],
+                                                         scratch_.motion[id] * half);
+      if (finding == Finding::proved) continue;
+      if (finding == Finding::blocked || is_finest) return false;
+      scratch_.open.push_back(static_cast<int>(id));
+    }
+    const std::size_t last_open = scratch_.open.size();
+    if (last_open == first_open) return true;
+    scratch_.pieces.push_back({piece.begin, middle, first_open, last_open, piece.begin_sample, sample});
+    scratch_.pieces.push_back({middle, piece.end, first_open, last_open, sample, piece.end_sample});
+    return true;
+  }
+
+  /// No point of the body is farther than its motion over half the piece from where it is at the middle.
+  Finding examine_body(std::size_t id, Piece& piece, int middle) {
+    const GuardedBody& body = model_.bodies[id];
+    const double part = piece.end - piece.begin, padding = model_.options.padding;
+    if (body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
+      return Finding::proved;
+    // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
+    const double finest = model_.options.edge_resolution / std::max(length_, model_.options.edge_resolution);
+    const double least = padding + scratch_.motion[id] * finest / 2;
+    const double bend = scratch_.bend[id] * part * part, resolution = model_.map.resolution();
+    if (bend <= bend_within_voxels * resolution &&
+        scratch_.motion[id] * part <= sweep_within_voxels * resolution) {
+      const Finding finding = examine_sweep(id, piece, middle, least, bend);
+      if (finding != Finding::open) return finding;
+    }
+    return body.is_clear(pose(middle, id), least, &recent_[id]) ? Finding::open : Finding::blocked;
+  }
+
+  /// The hull of the body at the ends and half way, grown by how far its points leave their chords.
+  Finding examine_sweep(std::size_t id, Piece& piece, int middle, double least, double bend) {
+    const GuardedBody& body = model_.bodies[id];
+    if (piece.begin_sample < 0) piece.begin_sample = scratch_.sample(model_.robot, piece.begin);
+    if (piece.end_sample < 0) piece.end_sample = scratch_.sample(model_.robot, piece.end);
+    const Eigen::Isometry3d &begin = pose(piece.begin_sample, id), &end = pose(piece.end_sample, id);
+    // What is known to block, or is met again, is what the looks below would find.
+    if (piece.begin == 0.0 && known_from_ != nullptr && known_from_->less_than[id] <= least)
+      return Finding::blocked;
+    if (piece.end == 1.0 && known_to_ != nullptr && known_to_->less_than[id] <= least)
+      return Finding::blocked;
+    if (body.is_met(pose(middle, id), least, recent_[id])) return Finding::blocked;
+    if (body.is_sweep_clear(begin, pose(middle, id), end, least + bend, recent_[id])) return Finding::proved;
+    if (body.is_met(pose(middle, id), least, recent_[id])) return Finding::blocked;
+    if (piece.begin == 0.0 && !is_clear_at_end(body, begin, id, least, recent_[id], known_from_))
+      return Finding::blocked;
+    if (piece.end == 1.0 && !is_clear_at_end(body, end, id, least, recent_[id], known_to_))
+      return Finding::blocked;
+    return Finding::open;
+  }
+
+  const Eigen::Isometry3d& pose(int sample, std::size_t body) const {
+    return model_.pose(scratch_.samples[static_cast<std::size_t>(sample)], body);
+  }
+
+  const CollisionModel& model_;
+  Scratch& scratch_;
+  std::vector<RecentCubes>& recent_;
+  KnownClearances *known_from_, *known_to_;
+  double length_ = 0.0;  ///< of the edge, over the joints that matter
+};
+
 }  // namespace
 
 bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
-  const State& state = *state_;
-  if (!state.is_within_limits(from) || !state.is_within_limits(to)) return false;
+  const CollisionModel& model = *model_;
+  if (!model.is_within_limits(from) || !model.is_within_limits(to)) return false;
   thread_local std::vector<int> all;
   thread_local std::vector<RecentCubes> recent;
-  all.resize(state.members());
+  all.resize(model.members());
   std::iota(all.begin(), all.end(), 0);
-  recent.assign(state.bodies.size(), {});
-  return state.is_edge_free(from, to, all, recent);
+  recent.assign(model.bodies.size(), {});
+  return model.is_edge_free(from, to, all, recent);
 }
 
-bool ConfigurationSpace::State::is_edge_free(const Configuration& from, const Configuration& to,
-                                             const std::vector<int>& members,
-                                             std::vector<RecentCubes>& recent, KnownClearances* known_from,
-                                             KnownClearances* known_to, const EdgePoses* poses) const {
-  const State& state = *this;
+bool CollisionModel::is_edge_free(const Configuration& from, const Configuration& to,
+                                  const std::vector<int>& members, std::vector<RecentCubes>& recent,
+                                  KnownClearances* known_from, KnownClearances* known_to,
+                                  const EdgePoses* poses) const {
   thread_local Scratch scratch;
   scratch.from = &from;
   scratch.to = &to;
   scratch.known = poses;
   scratch.step = to - from;
   scratch.distance = scratch.step.cwiseAbs();
-  const double length = scratch.step.cwiseProduct(state.matters).norm();
-  const std::size_t count = state.bodies.size();
-  scratch.motion.resize(state.members());
-  scratch.bend.resize(count);
-  for (const int member : members) {
-    const auto i = static_cast<std::size_t>(member);
-    scratch.motion[i] = state.motion(i, scratch.distance);
-    if (i < count)  // |x''| <= 2 (all turns) (all motion), and a chord is off by 1/8 of it
-      scratch.bend[i] = state.turns[i].dot(scratch.distance) * scratch.motion[i] / 4.0 * (1.0 + 1e-9);
-  }
-  scratch.used = 0;
-  scratch.open.clear();
-  for (const int member : members) {  // what stands still is free on the edge where it is free at its start
-    const auto i = static_cast<std::size_t>(member);
-    if (scratch.motion[i] > 0.0) {
-      scratch.open.push_back(member);
-      continue;
-    }
-    if (scratch.used == 0) scratch.sample(state.robot, 0.0);
-    if (i < count ? !state.bodies[i].is_clear(state.pose(scratch.samples[0], i), state.options.padding)
-                  : !is_apart(state.robot, state.pairs[i - count], scratch.samples[0], 0.0))
-      return false;
-  }
-  scratch.pieces.assign(1, {0.0, 1.0, 0, scratch.open.size(), scratch.used - 1, -1});
-  const double resolution = state.map.resolution();
-  const double finest = state.options.edge_resolution / std::max(length, state.options.edge_resolution);
-  /// No point of the body is farther than its motion over half the piece from where it is at the middle.
-  const auto examine_body = [&](std::size_t id, Piece& piece, int middle) {
-    const GuardedBody& body = state.bodies[id];
-    const double part = piece.end - piece.begin, padding = state.options.padding;
-    const auto pose = [&](int sample) -> const Eigen::Isometry3d& {
-      return state.pose(scratch.samples[static_cast<std::size_t>(sample)], id);
-    };
-    if (body.is_quickly_clear(pose(middle), padding + scratch.motion[id] * part / 2)) return Finding::proved;
-    // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
-    const double least = padding + scratch.motion[id] * finest / 2;
-    const double bend = scratch.bend[id] * part * part;
-    if (bend <= bend_within_voxels * resolution &&
-        scratch.motion[id] * part <= sweep_within_voxels * resolution) {
-      if (piece.begin_sample < 0) piece.begin_sample = scratch.sample(state.robot, piece.begin);
-      if (piece.end_sample < 0) piece.end_sample = scratch.sample(state.robot, piece.end);
-      const Eigen::Isometry3d &begin = pose(piece.begin_sample), &end = pose(piece.end_sample);
-      // What is known to block, or is met again, is what the looks below would find.
-      if (piece.begin == 0.0 && known_from != nullptr && known_from->less_than[id] <= least)
-        return Finding::blocked;
-      if (piece.end == 1.0 && known_to != nullptr && known_to->less_than[id] <= least)
-        return Finding::blocked;
-      if (body.is_met(pose(middle), least, recent[id])) return Finding::blocked;
-      if (body.is_sweep_clear(begin, pose(middle), end, least + bend, recent[id])) return Finding::proved;
-      if (body.is_met(pose(middle), least, recent[id])) return Finding::blocked;
-      if (piece.begin == 0.0 && !is_clear_at_end(body, begin, id, least, recent[id], known_from))
-        return Finding::blocked;
-      if (piece.end == 1.0 && !is_clear_at_end(body, end, id, least, recent[id], known_to))
-        return Finding::blocked;
-    }
-    return body.is_clear(pose(middle), least, &recent[id]) ? Finding::open : Finding::blocked;
-  };
-
-  for (std::size_t next = 0; next < scratch.pieces.size(); ++next) {  // halves in turn: far samples first
-    Piece piece = scratch.pieces[next];
-    const double middle = (piece.begin + piece.end) / 2, half = (piece.end - piece.begin) / 2;
-    const bool is_finest = 2.0 * half * length <= state.options.edge_resolution;
-    const int sample = scratch.sample(state.robot, middle);
-    const std::size_t first_open = scratch.open.size();
-    for (std::size_t i = piece.first_open; i < piece.last_open; ++i) {
-      const auto id = static_cast<std::size_t>(scratch.open[i]);
-      const Finding finding = id < count ? examine_body(id, piece, sample)
-                                         : examine_pair(state.robot, state.pairs[id - count],
-                                                        scratch.samples[static_cast<std::size_t>(sample)],
-                                                        scratch.motion[id] * half);
-      if (finding == Finding::proved) continue;
-      if (finding == Finding::blocked || is_finest) return false;
-      scratch.open.push_back(static_cast<int>(id));
-    }
-    if (scratch.open.size() == first_open) continue;
-    scratch.pieces.push_back(
-        {piece.begin, middle, first_open, scratch.open.size(), piece.begin_sample, sample});
-    scratch.pieces.push_back({middle, piece.end, first_open, scratch.open.size(), sample, piece.end_sample});
-  }
-  return true;
+  return EdgeProof(*this, scratch, recent, known_from, known_to).holds(members);
 }
 
 double ConfigurationSpace::motion_bound(const Eigen::VectorXd& abs_dq) const {
   double largest = 0.0;
-  for (const Eigen::VectorXd& levers : state_->levers) largest = std::max(largest, levers.dot(abs_dq));
+  for (const Eigen::VectorXd& levers : model_->levers) largest = std::max(largest, levers.dot(abs_dq));
   return largest;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planning/space/configuration_space_state.hpp"
+#include "planning/space/collision_model.hpp"
 
 namespace clearway {
 namespace {
@@ -102,41 +102,41 @@ std::array<Nearest, max_pieces * directions> nearest_cubes(const GuardedBody& gu
 
 std::vector<ProximityRow> ConfigurationSpace::proximity_rows(const Configuration& q,
                                                              double influence_distance) const {
-  const State& state = *state_;
-  const LinkPoses poses = forward_kinematics(state.robot, q);
+  const CollisionModel& model = *model_;
+  const LinkPoses poses = forward_kinematics(model.robot, q);
   std::vector<ProximityRow> rows;
   const auto append = [&](ProximityRow row) {
     if (row.gradient.cwiseAbs().maxCoeff() > 1e-12) rows.push_back(std::move(row));
   };
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    const GuardedBody& guarded = state.bodies[i];
-    const double padding = state.options.padding;
-    for (const Nearest& near : nearest_cubes(guarded, state.pose(poses, i), influence_distance + padding)) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const GuardedBody& guarded = model.bodies[i];
+    const double padding = model.options.padding;
+    for (const Nearest& near : nearest_cubes(guarded, model.pose(poses, i), influence_distance + padding)) {
       if (!std::isfinite(near.distance)) continue;
       ProximityRow row;
       row.distance = near.distance - padding;
-      row.body = state.indices[i];
+      row.body = model.indices[i];
       row.point = near.bounds.point_a;
       row.normal = near.distance > 0.0 ? near.bounds.direction : near.fallback;
       if (near.distance <= 0.0) row.point = near.cube;
       row.gradient =
-          jacobian(state.robot, poses, guarded.body().link, row.point).topRows<3>().transpose() * row.normal;
+          jacobian(model.robot, poses, guarded.body().link, row.point).topRows<3>().transpose() * row.normal;
       append(std::move(row));
     }
   }
-  for (const BodyPair& pair : state.pairs) {
-    if (is_apart(state.robot, pair, poses, influence_distance)) continue;
-    const DistanceBounds bounds = pair_distance(state.robot, pair, poses);
+  for (const BodyPair& pair : model.pairs) {
+    if (is_apart(model.robot, pair, poses, influence_distance)) continue;
+    const DistanceBounds bounds = pair_distance(model.robot, pair, poses);
     if (bounds.direction.squaredNorm() < 0.5) continue;
-    const int link_a = state.robot.bodies[static_cast<std::size_t>(pair.first)].link;
-    const int link_b = state.robot.bodies[static_cast<std::size_t>(pair.second)].link;
+    const int link_a = model.robot.bodies[static_cast<std::size_t>(pair.first)].link;
+    const int link_b = model.robot.bodies[static_cast<std::size_t>(pair.second)].link;
     ProximityRow row;
     row.distance = bounds.lower;
     row.body = pair.first;
     row.point = bounds.point_a;
     row.normal = bounds.direction;
-    row.gradient = (jacobian(state.robot, poses, link_a, bounds.point_a) -
-                    jacobian(state.robot, poses, link_b, bounds.point_b))
+    row.gradient = (jacobian(model.robot, poses, link_a, bounds.point_a) -
+                    jacobian(model.robot, poses, link_b, bounds.point_b))
                        .topRows<3>()
                        .transpose() *
                    row.normal;

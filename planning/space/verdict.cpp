@@ -6,7 +6,7 @@
 #include <locale>
 #include <sstream>
 
-#include "planning/space/configuration_space_state.hpp"
+#include "planning/space/collision_model.hpp"
 
 namespace clearway {
 namespace {
@@ -76,21 +76,21 @@ Verdict limit_verdict(const Robot& robot, const Configuration& q) {
 }  // namespace
 
 Verdict ConfigurationSpace::check(const Configuration& q) const {
-  const State& state = *state_;
-  if (Verdict verdict = limit_verdict(state.robot, q); !verdict.is_free()) return verdict;
-  const LinkPoses poses = forward_kinematics(state.robot, q);
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    if (state.bodies[i].is_clear(state.pose(poses, i), state.options.padding)) continue;
-    Verdict verdict = blocked_by(state.bodies[i], state.pose(poses, i), state.map, state.options.padding);
+  const CollisionModel& model = *model_;
+  if (Verdict verdict = limit_verdict(model.robot, q); !verdict.is_free()) return verdict;
+  const LinkPoses poses = forward_kinematics(model.robot, q);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].is_clear(model.pose(poses, i), model.options.padding)) continue;
+    Verdict verdict = blocked_by(model.bodies[i], model.pose(poses, i), model.map, model.options.padding);
     if (!verdict.is_free()) return verdict;
   }
-  for (const BodyPair& pair : state.pairs) {
-    if (is_apart(state.robot, pair, poses, 0.0)) continue;
+  for (const BodyPair& pair : model.pairs) {
+    if (is_apart(model.robot, pair, poses, 0.0)) continue;
     Verdict verdict;
     verdict.obstruction = Obstruction::self_contact;
-    verdict.part = state.robot.bodies[static_cast<std::size_t>(pair.first)].part;
-    verdict.other = state.robot.bodies[static_cast<std::size_t>(pair.second)].part;
-    verdict.point = pair_distance(state.robot, pair, poses).point_a;
+    verdict.part = model.robot.bodies[static_cast<std::size_t>(pair.first)].part;
+    verdict.other = model.robot.bodies[static_cast<std::size_t>(pair.second)].part;
+    verdict.point = pair_distance(model.robot, pair, poses).point_a;
     return verdict;
   }
   return {};

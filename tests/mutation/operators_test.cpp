@@ -9,7 +9,7 @@
 #include "tests/mutation/draw.hpp"
 
 namespace clearway::mutation {
-namespace {
+namespace operators_test {
 
 /// What the operators make of one line inside a function, without the line's other text.
 std::set<std::string> changed(const std::string& line) {
@@ -98,5 +98,5 @@ TEST(MutationDraw, FindsEveryFileThatDecides) {
   EXPECT_GT(drawn(CLEARWAY_SOURCE_DIR, files, 1).size(), 2000U);
 }
 
-}  // namespace
+}  // namespace operators_test
 }  // namespace clearway::mutation
