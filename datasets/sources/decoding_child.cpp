@@ -1,14 +1,12 @@
 #include "datasets/sources/decoding_child.hpp"
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -16,6 +14,7 @@
 #include "datasets/sources/inflating_stream.hpp"
 #include "datasets/sources/rawlog_decoder.hpp"
 #include "datasets/sources/sealed_records.hpp"
+#include "mapping/system/child_guard.hpp"
 
 namespace clearway {
 namespace {
@@ -32,52 +31,14 @@ class Sender {
   explicit Sender(int descriptor) : descriptor_(descriptor) {}
   void send(ChildMessage::Kind kind, uint64_t offset, std::string_view text) const {
     const MessageHead head{kind, offset, text.size()};
-    write_fully(&head, sizeof head);
-    write_fully(text.data(), text.size());
+    const bool heard =
+        write_fully(descriptor_, &head, sizeof head) && write_fully(descriptor_, text.data(), text.size());
+    if (!heard) _exit(3);
   }
 
  private:
-  void write_fully(const void* from, size_t size) const {
-    const char* next = static_cast<const char*>(from);
-    while (size > 0) {
-      const ssize_t done = ::write(descriptor_, next, size);
-      if (done < 0 && errno == EINTR) continue;
-      if (done <= 0) _exit(3);
-      next += done;
-      size -= static_cast<size_t>(done);
-    }
-  }
   int descriptor_;
 };
-
-uint64_t memory_in_use() {
-  std::ifstream file("/proc/self/statm");
-  file.imbue(std::locale::classic());
-  uint64_t pages = 0;
-  file >> pages;
-  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-}
-
-void limit(__rlimit_resource resource, uint64_t value) {
-  const rlimit bounds{value, value + 1};  // one apart: at the hard limit of time comes an untold SIGKILL
-  setrlimit(resource, &bounds);
-}
-
-/// What the child may do and may see: two descriptors (3 = pipe, 4 = file), bounded memory and time.
-void shut_in(int pipe, int file, uint64_t file_size) {
-  for (int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPIPE, SIGTERM, SIGINT})
-    std::signal(signal, SIG_DFL);
-  const int pipe_copy = fcntl(pipe, F_DUPFD, 10), file_copy = fcntl(file, F_DUPFD, 10);
-  const int nowhere = open("/dev/null", O_RDWR);
-  for (int standard : {0, 1, 2}) dup2(nowhere, standard);
-  dup2(pipe_copy, 3);
-  dup2(file_copy, 4);
-  close_range(5, ~0U, 0);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
-  limit(RLIMIT_AS, memory_in_use() + 512 * megabyte + 20 * file_size);
-  limit(RLIMIT_CPU, 60 + 10 * (file_size / megabyte));
-}
 
 /// MRPT's messages run over many lines and name source files; the first line that says something is enough.
 std::string first_line(const std::string& message) {
@@ -96,8 +57,8 @@ std::string undecoded(const std::exception& error) {
 }
 
 /// A log whose records have no checksums of their own: damage ends it.
-void decode_stream(const Sender& sender) {
-  InflatingStream stream(4);
+void decode_stream(const Sender& sender, int file) {
+  InflatingStream stream(file);
   RawlogDecoder decoder([&stream](void* target, size_t size) { return stream.Read(target, size); });
   const auto send = [&](ChildMessage::Kind kind, std::string_view text) {
     sender.send(kind, stream.file_offset(), text);
@@ -117,8 +78,8 @@ void decode_stream(const Sender& sender) {
 }
 
 /// A log of ours: MRPT sees only records that pass their checksums.
-void decode_sealed(const Sender& sender, uint64_t file_size) {
-  SealedRecords records(4, file_size);
+void decode_sealed(const Sender& sender, int file, uint64_t file_size) {
+  SealedRecords records(file, file_size);
   std::string_view left;
   RawlogDecoder decoder([&left](void* target, size_t size) {
     const size_t part = std::min(size, left.size());
@@ -148,23 +109,23 @@ void decode_sealed(const Sender& sender, uint64_t file_size) {
   }
 }
 
-void decode(const Sender& sender, uint64_t file_size) {
-  if (SealedRecords::are_in(4, file_size)) return decode_sealed(sender, file_size);
-  decode_stream(sender);
+void decode(const Sender& sender, int file, uint64_t file_size) {
+  if (SealedRecords::are_in(file, file_size)) return decode_sealed(sender, file, file_size);
+  decode_stream(sender, file);
 }
 
 }  // namespace
 
 DecodingChild::DecodingChild(int descriptor, uint64_t file_size)
-    : largest_message_(512 * megabyte + 20 * file_size) {
+    : largest_message_(128 * megabyte + 20 * file_size) {
   register_rawlog_classes();  // before the fork: other threads may hold MRPT's locks during it
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("no pipe: ") + std::strerror(errno));
   child_ = fork();
   if (child_ == 0) {
-    shut_in(ends[1], descriptor, file_size);
+    guard_child({ends[1], descriptor}, 128 * megabyte + 20 * file_size, 60 + 10 * (file_size / megabyte));
     try {
-      decode(Sender(3), file_size);
+      decode(Sender(ends[1]), descriptor, file_size);
     } catch (...) {
       _exit(2);
     }

@@ -23,7 +23,7 @@ struct ChildMessage {
   std::string text;
 };
 
-/// The child process that decodes a rawlog: its memory is limited to 512 MB + 20 times the file (beyond what
+/// The child process that decodes a rawlog: its memory is limited to 128 MB + 20 times the file (beyond what
 /// this process already uses), its processor time to a minute and 10 s per MB, it prints nothing and touches
 /// nothing. It dies when this object does.
 class DecodingChild {

@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,11 +11,11 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <locale>
 #include <new>
 #include <stdexcept>
 #include <string_view>
+
+#include "mapping/system/child_guard.hpp"
 
 namespace clearway {
 namespace {
@@ -33,60 +31,14 @@ constexpr std::size_t most_heads = 1 << 16;  ///< bytes of heads, beyond the par
 constexpr const char* too_large = "its content is larger than it may be";
 constexpr const char* too_much_memory = "it asks for more memory than a file of its size can justify";
 
-void limit(__rlimit_resource resource, rlim_t value) {
-  // One apart: at the hard limit of time comes a SIGKILL, which does not say what it is for.
-  const rlimit bound{value, value + 1};
-  ::setrlimit(resource, &bound);
-}
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-void limit_memory(std::size_t) {}  // sanitizers reserve terabytes
-#else
-void limit_memory(std::size_t beyond_present) {
-  std::ifstream statm("/proc/self/statm");
-  statm.imbue(std::locale::classic());
-  std::size_t pages = 0;
-  statm >> pages;
-  limit(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + beyond_present);
-}
-#endif
-
-void write_fully(int pipe, const void* from, std::size_t size) {
-  const char* next = static_cast<const char*>(from);
-  while (size > 0) {
-    const ssize_t written = ::write(pipe, next, size);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) ::_exit(0);  // nobody listens any more
-    next += written;
-    size -= static_cast<std::size_t>(written);
-  }
-}
-
 void send(int pipe, Mark mark, std::string_view text) {
   const MessageHead head{mark, text.size()};
-  write_fully(pipe, &head, sizeof(head));
-  write_fully(pipe, text.data(), text.size());
-}
-
-/// Takes from the child what it needs not: the parent's signal handlers, terminal and files, core dumps,
-/// writing files, memory and time beyond the limits, and life beyond the parent's.
-void shut_in(int pipe, const ChildLimits& limits) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (int number = 1; number < NSIG; ++number) ::signal(number, SIG_DFL);
-  ::signal(SIGPIPE, SIG_IGN);
-  const int nowhere = ::open("/dev/null", O_RDWR);
-  for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
-  if (pipe > 3) ::close_range(3, static_cast<unsigned>(pipe) - 1, 0);
-  ::close_range(static_cast<unsigned>(pipe) + 1, ~0U, 0);
-  const rlimit none{0, 0};
-  ::setrlimit(RLIMIT_CORE, &none);
-  ::setrlimit(RLIMIT_FSIZE, &none);
-  limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
-  limit_memory(limits.memory);
+  const bool heard = write_fully(pipe, &head, sizeof(head)) && write_fully(pipe, text.data(), text.size());
+  if (!heard) ::_exit(0);  // nobody listens any more
 }
 
 [[noreturn]] void run_child(int pipe, const PartedWork& work, const ChildLimits& limits) {
-  shut_in(pipe, limits);
+  guard_child({pipe}, limits.memory, static_cast<std::uint64_t>(limits.seconds));
   try {
     work([pipe](std::string_view part) { send(pipe, Mark::part, part); });
     send(pipe, Mark::end, "");
