@@ -8,41 +8,26 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "apps/commands/manual.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/failure.hpp"
 #include "apps/console/flags.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
 
 namespace {
 
-/// "did you mean": the candidate with the smallest edit distance, if it is near.
-std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
-  const auto edits = [](const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i;
-      for (std::size_t j = 1; j <= b.size(); ++j) {
-        const std::size_t above = row[j];
-        row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-        diagonal = above;
-      }
-    }
-    return row[b.size()];
-  };
-  std::string best;
-  std::size_t best_edits = 4;
-  for (const std::string& candidate : candidates) {
-    const std::size_t distance = edits(word, candidate);
-    if (distance < best_edits && distance < candidate.size()) {
-      best_edits = distance;
-      best = candidate;
-    }
-  }
-  return best;
+/// What a flag writes instead of running a command.
+struct Text {
+  std::string text;
+};
+
+/// "did you mean": the nearest candidate, if it is near.
+std::string meant(const std::string& word, std::vector<std::string> candidates) {
+  std::erase_if(candidates, [&](const std::string& c) { return edit_distance(word, c) >= c.size(); });
+  return nearest_name(word, candidates, 3);
 }
 
 Command add_replay(CLI::App& app, Console& console) {
@@ -56,7 +41,7 @@ Command add_replay(CLI::App& app, Console& console) {
       ->type_name("RECORDING");
   command
       ->add_option("--setup", options->setup,
-                   "tag boards, probe, robot and queries; default: the recording's own")
+                   "tag boards, probe, robot and queries, by file or name; default: the recording's own")
       ->type_name("SETUP.yaml");
   command
       ->add_option("--out", options->out, "folder for map.ot, painted.csv, report.json, report.html, plans/")
@@ -165,7 +150,9 @@ Command add_simulate(CLI::App& app, Console& console) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command =
       add_command(app, "simulate", "render a scene file as a recording with exact truth", console);
-  command->add_option("scene", options->scene, "scene file")->required()->type_name("SCENE.yaml");
+  command->add_option("scene", options->scene, "scene file, or the name of one that comes with the program")
+      ->required()
+      ->type_name("SCENE.yaml");
   command->add_option("--out", options->out, "recording to write (.rawlog); truth.json appears beside it")
       ->required()
       ->check(file_name)
@@ -187,7 +174,7 @@ int tell_usage_error(const CLI::App& app, const std::vector<std::string>& argume
   const bool known = std::find(names.begin(), names.end(), arguments[0]) != names.end();
   if (!known && !arguments[0].starts_with('-')) {
     sentence = "unknown command '" + arguments[0] + "'";
-    const std::string guess = nearest(arguments[0], names);
+    const std::string guess = meant(arguments[0], names);
     sentence += guess.empty() ? " (see clearway --help)" : "; did you mean '" + guess + "'?";
   } else if (known) {
     sentence = arguments[0] + ": " + sentence + " (see clearway " + arguments[0] + " --help)";
@@ -199,7 +186,7 @@ int tell_usage_error(const CLI::App& app, const std::vector<std::string>& argume
     for (const std::string& argument : arguments) {
       const std::string flag = argument.substr(0, argument.find('='));
       if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
-      const std::string guess = nearest(flag, flags);
+      const std::string guess = meant(flag, flags);
       sentence =
           arguments[0] + ": unknown flag '" + flag + "'" +
           (guess.empty() ? " (see clearway " + arguments[0] + " --help)" : "; did you mean '" + guess + "'?");
@@ -228,6 +215,13 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("clearway ") + CLEARWAY_VERSION);
   app.get_formatter()->column_width(16);
+  app.add_flag_callback(
+      "--manual", [&app] { throw Text{manual_page(app)}; }, "write the page of the manual (roff)");
+  app.add_option_function<std::string>(
+         "--completion", [&app](const std::string& shell) { throw Text{completion(app, shell)}; },
+         "write the completion of a shell, bash or zsh")
+      ->check(CLI::IsMember({"bash", "zsh"}))
+      ->type_name("SHELL");
   std::vector<std::pair<std::string, Command>> commands = {
       {"replay", add_replay(app, console)},   {"plan", add_plan(app, console)},
       {"check", add_check(app, console)},     {"inspect", add_inspect(app, console)},
@@ -246,6 +240,9 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   } catch (const CLI::CallForHelp&) {
     const auto chosen = app.get_subcommands();
     console.out() << (chosen.empty() ? app.help() : chosen.front()->help("clearway"));
+    return exit_done;
+  } catch (const Text& text) {
+    console.out() << text.text;
     return exit_done;
   } catch (const CLI::CallForVersion&) {
     console.out() << app.version() << '\n';

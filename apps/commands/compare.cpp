@@ -14,6 +14,7 @@
 #include "apps/compare/finished_problems.hpp"
 #include "apps/console/build_stamp.hpp"
 #include "apps/console/commands.hpp"
+#include "apps/console/shipped_file.hpp"
 #include "apps/console/stopwatch.hpp"
 #include "apps/console/table.hpp"
 #include "mapping/system/atomic_file.hpp"
@@ -36,7 +37,7 @@ void require_known(const std::string& flag, const std::vector<std::string>& chos
 }
 
 Suite chosen_suite(const CompareOptions& options) {
-  Suite suite = load_suite(options.suite);
+  Suite suite = load_suite(shipped_file("suites", options.suite));
   std::vector<std::string> names;
   for (const SuiteExperiment& experiment : suite.experiments) names.push_back(experiment.name);
   require_known("--experiments", options.experiments, names);

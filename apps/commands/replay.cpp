@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
 #include "apps/inspect/map_folder.hpp"
@@ -219,9 +220,10 @@ int run_replay(const ReplayOptions& options, Console& console) {
   report.recording = options.recording;
 
   auto begin = Clock::now();
-  Fusion fusion =
-      fuse(options.recording, {options.setup, options.resolution, options.integration, options.threads},
-           console.bar("fusing"));
+  Fusion fusion = fuse(options.recording,
+                       {options.setup.empty() ? options.setup : shipped_file("setups", options.setup),
+                        options.resolution, options.integration, options.threads},
+                       console.bar("fusing"));
   report.fusion = &fusion;
   report.timings = {{"read", fusion.counts.read_s},
                     {"track", fusion.counts.track_s},

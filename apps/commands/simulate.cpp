@@ -5,13 +5,14 @@
 
 #include "apps/console/commands.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "datasets/descriptions/scene.hpp"
 
 namespace clearway {
 
 int run_simulate(const SimulateOptions& options, Console& console) {
-  const Scene scene = load_scene(options.scene);
+  const Scene scene = load_scene(shipped_file("scenes", options.scene));
   const SimulationResult result = simulate(scene, options.out, console.bar("rendering"));
   if (console.json) {
     const nlohmann::ordered_json json{{"recording", result.recording.string()},

@@ -53,7 +53,17 @@ void cover_bodies(Robot& robot) {
 
 fs::path datasets_folder() {
   const char* chosen = std::getenv("CLEARWAY_DATASETS");
-  return chosen && *chosen ? fs::path(chosen) : fs::path(CLEARWAY_DATASETS_DIR);
+  if (chosen && *chosen) {
+    if (fs::is_directory(fs::path(chosen) / "robots")) return chosen;
+    throw std::invalid_argument("CLEARWAY_DATASETS is " + quote_path(chosen) +
+                                ": expected a folder that holds a folder 'robots'");
+  }
+  std::error_code failed;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  const fs::path beside = program.parent_path().parent_path() / "share" / "clearway";
+  if (!failed && fs::is_directory(beside / "robots", failed)) return fs::canonical(beside);
+  const fs::path installed = CLEARWAY_FALLBACK_DATASETS;
+  return fs::is_directory(installed / "robots", failed) ? installed : fs::path("/usr/share/clearway");
 }
 
 std::vector<std::pair<std::string, std::string>> available_robots() {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace clearway {
+
+/// The file that a user's word means: a path as it is, or the name of a description that comes with the
+/// program, as "quick" for datasets/suites/quick.yaml. A file of that name in the working folder goes first.
+/// @param folder "suites", "scenes" or "setups"
+/// @throws std::invalid_argument for a word that is neither, naming those that there are.
+std::filesystem::path shipped_file(const std::string& folder, const std::filesystem::path& given);
+
+}  // namespace clearway
