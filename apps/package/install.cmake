@@ -1,0 +1,48 @@
+# cmake --install: the libraries (see clearway_library) with find_package(clearway), the program, its data, its pages
+# of the manual and its completion. CPack makes a Debian package of all.
+include(CMakePackageConfigHelpers)
+set(config ${CMAKE_INSTALL_LIBDIR}/cmake/clearway)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/clearway-config.cmake.in
+  ${PROJECT_BINARY_DIR}/clearway-config.cmake INSTALL_DESTINATION ${config}
+  PATH_VARS CMAKE_INSTALL_DATADIR)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/clearway-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/clearway-config.cmake ${PROJECT_BINARY_DIR}/clearway-config-version.cmake
+  DESTINATION ${config})
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/datasets/robots ${PROJECT_SOURCE_DIR}/datasets/scenes
+  ${PROJECT_SOURCE_DIR}/datasets/setups ${PROJECT_SOURCE_DIR}/datasets/suites
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/clearway)
+install(FILES LICENSE CHANGELOG.md TRUST.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+if(CLEARWAY_APPS)
+  install(TARGETS clearway)
+
+  # The program itself writes its manual and its completion.
+  set(texts ${PROJECT_BINARY_DIR}/manual)
+  file(MAKE_DIRECTORY ${texts})
+  find_program(GZIP gzip REQUIRED)
+  add_custom_command(OUTPUT ${texts}/clearway.1.gz ${texts}/clearway ${texts}/_clearway
+    COMMAND clearway --manual > clearway.1
+    COMMAND ${GZIP} -9nf clearway.1
+    COMMAND clearway --completion bash > clearway
+    COMMAND clearway --completion zsh > _clearway
+    DEPENDS clearway WORKING_DIRECTORY ${texts} COMMENT "Writing the manual" VERBATIM)
+  add_custom_target(clearway_manual ALL DEPENDS ${texts}/clearway.1.gz)
+  install(FILES ${texts}/clearway.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${texts}/clearway DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(FILES ${texts}/_clearway DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+endif()
+
+# cpack in the build folder: clearway_VERSION_amd64.deb. It depends on what the program loads; what programs that link
+# the libraries need as well is only suggested.
+file(STRINGS ${PROJECT_SOURCE_DIR}/.ci/packages packages REGEX "^[a-z].*-dev$")
+list(JOIN packages ", " packages)
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "the Clearway authors <clearway@example.org>")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "${packages}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+include(CPack)

@@ -1,0 +1,64 @@
+# Installs the build into a folder of its own, builds the examples against that alone, and runs what came out.
+# cmake -DBUILD=… -DSOURCE=… -DWORK=… -P installed.cmake
+function(run)
+  cmake_parse_arguments(arg "" "PRINTS" "COMMAND" ${ARGN})
+  execute_process(COMMAND ${arg_COMMAND} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${arg_COMMAND} ended with ${status}:\n${out}${err}")
+  endif()
+  if(DEFINED arg_PRINTS AND NOT out MATCHES "${arg_PRINTS}")
+    message(FATAL_ERROR "${arg_COMMAND}: expected '${arg_PRINTS}', got\n${out}${err}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+unset(ENV{CLEARWAY_DATASETS})
+set(prefix ${WORK}/installed)
+run(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+
+# The program finds its robots and suites beside it.
+run(COMMAND ${prefix}/bin/clearway robots PRINTS "puma560")
+run(COMMAND ${prefix}/bin/clearway --version PRINTS "^clearway [0-9]+\\.[0-9]+\\.[0-9]+\n$")
+run(COMMAND ${prefix}/bin/clearway compare quick --out ${WORK}/quick PRINTS "valid")
+foreach(file share/man/man1/clearway.1.gz share/bash-completion/completions/clearway
+    share/zsh/vendor-completions/_clearway share/clearway/suites/quick.yaml include/clearway/mapping/snapshot.hpp)
+  if(NOT EXISTS ${prefix}/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
+run(COMMAND bash -c "source ${prefix}/share/bash-completion/completions/clearway; COMP_WORDS=(clearway pl); \
+COMP_CWORD=1; _clearway; echo \${COMPREPLY[*]}" PRINTS "^plan planners\n$")
+
+# Headers and libraries serve somebody else's project. Every header is there, and none needs the source tree.
+file(GLOB_RECURSE headers RELATIVE ${prefix}/include/clearway ${prefix}/include/clearway/*.hpp)
+list(REVERSE headers)  # so that a header that leans on one before it in the alphabet is found
+list(TRANSFORM headers REPLACE "(.+)" "#include \"\\1\"")
+list(JOIN headers "\n" includes)
+file(WRITE ${WORK}/headers/all.cpp "${includes}\nint main() {}\n")
+file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(all LANGUAGES C CXX)\n\
+find_package(clearway 0.2 REQUIRED)\nadd_executable(all all.cpp)\ntarget_link_libraries(all PRIVATE\n\
+  clearway::mapping clearway::planning clearway::tracking clearway::datasets)\n")
+foreach(project headers examples)
+  set(source ${WORK}/headers)
+  if(project STREQUAL examples)
+    set(source ${SOURCE}/apps/examples)
+  endif()
+  run(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${source} -B ${WORK}/${project}/build -DCMAKE_PREFIX_PATH=${prefix}
+    -DCMAKE_CXX_FLAGS=-Wall -DCMAKE_COMPILE_WARNING_AS_ERROR=ON)
+  run(COMMAND ${CMAKE_COMMAND} --build ${WORK}/${project}/build)
+endforeach()
+set(ENV{CLEARWAY_DATASETS} ${prefix}/share/clearway)
+file(GLOB examples ${SOURCE}/apps/examples/*.cpp)
+foreach(example ${examples})
+  get_filename_component(name ${example} NAME_WE)
+  file(STRINGS ${example} lines)
+  list(LENGTH lines count)
+  if(count GREATER 100)
+    message(FATAL_ERROR "${name} has ${count} lines: expected at most 100")
+  endif()
+  run(COMMAND ${WORK}/examples/build/${name} PRINTS ".")
+endforeach()
+
+# Another project may take in the sources as well.
+run(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/apps/package/as_subproject -B ${WORK}/as_subproject
+  -DCLEARWAY_SOURCE=${SOURCE})
