@@ -40,7 +40,7 @@ struct FreeSpaceMap::State {
     tree.setClampingThresMax(options.max_probability);
     tree.setOccupancyThres(options.occupied_probability);
   }
-  void check_ball(int volume, const Sphere& ball, double time) const;
+  void check_sphere(int volume, const Sphere& sphere, double time) const;
   RepaintTally repaint(const PaintLog::Change& change);
 
   MapOptions options;
@@ -55,22 +55,22 @@ struct FreeSpaceMap::State {
   int scans_inserted = 0;
 };
 
-void FreeSpaceMap::State::check_ball(int volume, const Sphere& ball, double time) const {
+void FreeSpaceMap::State::check_sphere(int volume, const Sphere& sphere, double time) const {
   const std::size_t volumes = paint.volumes().size();
   if (volume < 0 || volume >= static_cast<int>(volumes)) {
     throw std::invalid_argument("painted volume " + std::to_string(volume) + " does not exist, " +
                                 std::to_string(volumes) + " were added");
   }
-  if (!ball.center.allFinite() || !std::isfinite(ball.radius) || !(ball.radius > 0.0) ||
+  if (!sphere.center.allFinite() || !std::isfinite(sphere.radius) || !(sphere.radius > 0.0) ||
       !std::isfinite(time)) {
     throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
   }
 }
 
-/// Lets the voxels agree with the balls again.
+/// Lets the voxels agree with the spheres again.
 RepaintTally FreeSpaceMap::State::repaint(const PaintLog::Change& change) {
   const PaintedVolume& volume = paint.volumes()[static_cast<std::size_t>(change.volume)];
-  const RepaintTally tally = tree.repaint(change.volume, change.balls, volume.balls);
+  const RepaintTally tally = tree.repaint(change.volume, change.spheres, volume.spheres);
   conflicts.repainted(tree);
   return tally;
 }
@@ -101,17 +101,17 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
   return state_->paint.add_volume(label, critical_parts);
 }
 
-PaintCounts FreeSpaceMap::paint(int volume, const Sphere& ball, double time) {
-  state_->check_ball(volume, ball, time);
-  const PaintTally tally = state_->tree.paint(volume, ball);
-  state_->paint.paint(volume, ball, time);
-  state_->conflicts.painted(ball, state_->options.resolution, tally.new_conflicts, time,
+PaintCounts FreeSpaceMap::paint(int volume, const Sphere& sphere, double time) {
+  state_->check_sphere(volume, sphere, time);
+  const PaintTally tally = state_->tree.paint(volume, sphere);
+  state_->paint.paint(volume, sphere, time);
+  state_->conflicts.painted(sphere, state_->options.resolution, tally.new_conflicts, time,
                             state_->paint.open_stroke(), volume);
   return {tally.painted, tally.newly, tally.conflicts};
 }
 
 EraseCounts FreeSpaceMap::erase(int volume, const Sphere& eraser, double time) {
-  state_->check_ball(volume, eraser, time);
+  state_->check_sphere(volume, eraser, time);
   const PaintLog::Change change = state_->paint.erase(volume, eraser, time);
   const std::size_t unpainted = state_->repaint(change).unpainted;
   return {change.shrunk, change.removed, unpainted};

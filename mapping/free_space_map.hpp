@@ -27,21 +27,21 @@ struct MapOptions {
   SafeMargins margins{};                        ///< of safe integration
 };
 
-/// What one painted ball did to the voxels.
+/// What one painted sphere did to the voxels.
 struct PaintCounts {
-  std::size_t painted = 0;    ///< voxels wholly inside the ball
+  std::size_t painted = 0;    ///< voxels wholly inside the sphere
   std::size_t newly = 0;      ///< of these, voxels that this volume had not painted before
   std::size_t conflicts = 0;  ///< of these, voxels that sensors call occupied
 };
 
-/// What one eraser did to the balls of a volume and to the voxels.
+/// What one eraser did to the spheres of a volume and to the voxels.
 struct EraseCounts {
-  std::size_t shrunk = 0;     ///< balls that are smaller now
-  std::size_t removed = 0;    ///< balls of which nothing was left
+  std::size_t shrunk = 0;     ///< spheres that are smaller now
+  std::size_t removed = 0;    ///< spheres of which nothing was left
   std::size_t unpainted = 0;  ///< voxels that this volume does not paint any more
 };
 
-/// The one map: fuses painted balls and scans into one OctoMap tree. Written by one thread; read through
+/// The one map: fuses painted spheres and scans into one OctoMap tree. Written by one thread; read through
 /// snapshots. Painting never changes a sensor's log-odds; sensing never erases paint: a voxel that is both
 /// painted and occupied is a conflict, blocked and counted.
 class FreeSpaceMap {
@@ -56,13 +56,14 @@ class FreeSpaceMap {
   /// @throws std::invalid_argument when the label exists already or 15 volumes exist.
   int add_volume(const std::string& label, const std::vector<std::string>& critical_parts);
 
-  /// Paints the voxels that lie wholly inside `ball` and keeps the ball itself (Chong et al. 2008, eq. 2).
-  /// @throws std::invalid_argument for an unknown volume, a non-finite ball or a radius <= 0.
-  PaintCounts paint(int volume, const Sphere& ball, double time = 0.0);
+  /// Paints the voxels that lie wholly inside `sphere` and keeps the sphere itself (Chong et al. 2008, eq.
+  /// 2).
+  /// @throws std::invalid_argument for an unknown volume, a non-finite sphere or a radius <= 0.
+  PaintCounts paint(int volume, const Sphere& sphere, double time = 0.0);
 
-  /// Erases what `volume` painted inside of `eraser`: shrinks each of its balls that the eraser reaches to
+  /// Erases what `volume` painted inside of `eraser`: shrinks each of its spheres that the eraser reaches to
   /// the radius at which the two only touch, and removes those whose centre it holds. So no painted voxel
-  /// overlaps the eraser, and what is left is a union of balls again; but a ball that is large beside the
+  /// overlaps the eraser, and what is left is a union of spheres again; but a sphere that is large beside the
   /// eraser loses more than the eraser holds. What is painted later is not erased.
   /// @throws std::invalid_argument as `paint`.
   EraseCounts erase(int volume, const Sphere& eraser, double time = 0.0);
@@ -74,9 +75,9 @@ class FreeSpaceMap {
   int begin_stroke(const std::string& label, const std::string& source = "");
   void end_stroke();
 
-  /// Undoes a stroke, or the last one that is not undone: balls and voxels are afterwards as if it had never
-  /// been, with all that was painted, erased and sensed since. Ends an open stroke.
-  /// Returns the number of the stroke undone, -1 when there is none.
+  /// Undoes a stroke, or the last one that is not undone: spheres and voxels are afterwards as if it had
+  /// never been, with all that was painted, erased and sensed since. Ends an open stroke. Returns the number
+  /// of the stroke undone, -1 when there is none.
   /// @throws std::invalid_argument for a number that no stroke has.
   int undo_stroke();
   int undo_stroke(int stroke);

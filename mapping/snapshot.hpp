@@ -48,7 +48,7 @@ class Snapshot {
            const Snapshot& previous, std::shared_ptr<const SeenStamps> seen = nullptr);
 
   double resolution() const;                          ///< metres
-  const std::vector<PaintedVolume>& volumes() const;  ///< exact balls; empty for a bare tree
+  const std::vector<PaintedVolume>& volumes() const;  ///< exact spheres; empty for a bare tree
   const FusedTree& tree() const;                      ///< include mapping/voxels/fused_tree.hpp to use it
   VoxelCounts counts() const;
   /// By how much one look through a voxel lowers its log-odds: that of the map's sensor model, or OctoMap's

@@ -7,14 +7,15 @@ namespace clearway {
 /// The hand-held probe: a tag body with a physical ball on it.
 struct PaintingProbe {
   TagBody body;
-  Eigen::Vector3d ball_in_probe = Eigen::Vector3d::Zero();  ///< W_T_W' of eq. 1: the ball's centre, metres
-  double ball_radius = 0.0;                                 ///< r, metres
+  Eigen::Vector3d ball_in_probe =
+      Eigen::Vector3d::Zero();  ///< W_T_W' of Chong 2008, eq. 1: the ball's centre, metres
+  double ball_radius = 0.0;     ///< r, metres
 
   /// Throws std::invalid_argument naming the field and what was expected.
   void validate() const;
 };
 
-/// What eq. 3 takes off the ball's radius, metres each.
+/// What Chong 2008, eq. 3 takes off the ball's radius, metres each.
 struct ErrorBudget {
   double robot = 0.001;      ///< the robot's position error while it moves along a path
   double tracking = 0.005;   ///< the error of a painted centre; samples less sure than this are refused
@@ -27,8 +28,8 @@ struct ErrorBudget {
 /// when an error is negative or not finite, or when nothing is left of the ball.
 double painted_radius(double ball_radius, const ErrorBudget& budget);
 
-/// A ball of free space in the base frame, metres: S_i(c_i, r0) of eq. 2.
-struct PaintedBall {
+/// A sphere of free space in the base frame, metres: S_i(c_i, r0) of Chong 2008, eq. 2.
+struct PaintedSphere {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0.0;
 };

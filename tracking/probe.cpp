@@ -112,7 +112,7 @@ Probe::Verdict Probe::judge_body(const BodyPose& pose, const TagBody& body, int 
   return {};
 }
 
-// Eq. 1, and whether its two poses may be trusted.
+// Chong 2008, eq. 1, and whether its two poses may be trusted.
 Probe::Verdict Probe::judge_poses(PaintingSample& sample) {
   if (!sample.base) return {Refusal::base_not_seen, "base '" + base_.name + "' is not seen"};
   const Verdict base = judge_body(*sample.base, base_, acceptance_.min_base_tags);
@@ -126,7 +126,7 @@ Probe::Verdict Probe::judge_poses(PaintingSample& sample) {
   if (!sample.probe) return {Refusal::probe_not_seen, "probe '" + probe_.body.name + "' is not seen"};
   sample.base_from_probe = clearway::base_from_probe(camera_from_base, sample.probe->camera_from_body);
   const UncertainPoint center = transform(sample.base_from_probe, probe_.ball_in_probe);
-  sample.ball = {center.point, radius_};
+  sample.sphere = {center.point, radius_};
   sample.center_sigma = center.largest_sigma();
   if (base.refusal != Refusal::none) return base;
   const Verdict probe = judge_body(*sample.probe, probe_.body, acceptance_.min_probe_tags);
@@ -144,7 +144,7 @@ Probe::Verdict Probe::judge_center(PaintingSample& sample) const {
   double fastest = 0.0;
   for (const std::optional<Place>& last : {last_measured_, last_accepted_})
     if (last)
-      fastest = std::max(fastest, (sample.ball.center - last->center).norm() / (sample.time - last->time));
+      fastest = std::max(fastest, (sample.sphere.center - last->center).norm() / (sample.time - last->time));
   sample.speed = fastest;
   if (!(fastest <= acceptance_.max_speed))
     return {Refusal::too_fast,
@@ -153,7 +153,7 @@ Probe::Verdict Probe::judge_center(PaintingSample& sample) const {
 }
 
 void Probe::remember(const PaintingSample& sample, Refusal refusal) {
-  const Place place{sample.time, sample.ball.center};
+  const Place place{sample.time, sample.sphere.center};
   if (refusal == Refusal::none || refusal == Refusal::too_fast) last_measured_ = place;
   if (refusal == Refusal::none) last_accepted_ = place;
 }

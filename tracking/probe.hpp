@@ -24,7 +24,8 @@ enum class Refusal {
   reprojection_error,  ///< a pose does not explain its corners: moved or bent tags, blur, wrong calibration
   ambiguous_pose,      ///< another pose explains the corners nearly as well
   base_moved,          ///< fixed camera only: the base board is not where it was
-  uncertain_center,    ///< the ball's centre may be off by more than the tracking error of eq. 3 allows
+  uncertain_center,    ///< the ball's centre may be off by more than the tracking error of Chong 2008, eq. 3
+                       ///< allows
   too_fast             ///< the ball moved too fast: blur, or a jump
 };
 constexpr int kRefusals = 11;
@@ -51,21 +52,21 @@ struct PaintingSample {
   Refusal refusal = Refusal::none;
   std::string reason;             ///< one sentence with the figures; empty when accepted
   double time = 0.0;              ///< seconds, of the image
-  PaintedBall ball;               ///< base frame; meaningful when base and probe were seen
+  PaintedSphere sphere;           ///< base frame; meaningful when base and probe were seen
   double center_sigma = 0.0;      ///< standard deviation of the centre in its worst direction, metres
   double speed = 0.0;             ///< of the centre since the last trusted image, m/s; 0 without one
-  UncertainPose base_from_probe;  ///< eq. 1
+  UncertainPose base_from_probe;  ///< Chong 2008, eq. 1
   std::optional<BodyPose> base;   ///< as seen in this image
   std::optional<BodyPose> probe;  ///< as seen in this image
 };
 
-/// Turns detections into balls of free space: eq. 1 and 3 of Chong et al. 2008 and the rules of acceptance.
-/// One accepted image gives one ball where the ball was. Nothing is interpolated between images: space
+/// Turns detections into spheres of free space: eq. 1 and 3 of Chong et al. 2008 and the rules of acceptance.
+/// One accepted image gives one sphere where the ball was. Nothing is interpolated between images: space
 /// between two samples was never shown to be free. Deterministic; not to be shared between threads.
 class Probe {
  public:
-  /// Throws std::invalid_argument when a part is invalid, base and probe share a tag id, or eq. 3 leaves no
-  /// ball.
+  /// Throws std::invalid_argument when a part is invalid, base and probe share a tag id, or Chong 2008, eq. 3
+  /// leaves no ball.
   Probe(const Camera& camera, const TagBody& base, const PaintingProbe& probe, const ErrorBudget& budget,
         const AcceptanceOptions& acceptance = {}, const BodyPoseOptions& pose = {});
 
@@ -78,7 +79,7 @@ class Probe {
   std::int64_t count(Refusal refusal) const { return counts_[static_cast<std::size_t>(refusal)]; }
   /// Counts by `to_string`, every reason present: what a report prints.
   std::map<std::string, std::int64_t> counts() const;
-  double painted_radius() const { return radius_; }  ///< r0 of eq. 3, metres
+  double painted_radius() const { return radius_; }  ///< r0 of Chong 2008, eq. 3, metres
 
  private:
   struct Verdict {

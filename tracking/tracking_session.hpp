@@ -25,8 +25,9 @@ struct TrackedImage {
   PaintingSample sample;
 };
 
-/// Image in, painted ball (or the reason why not) out: detector, body poses, eq. 1 and 3, acceptance. The
-/// easy call; the parts are in the headers it names. One session per camera, used by one thread at a time.
+/// Image in, painted sphere (or the reason why not) out: detector, body poses, Chong 2008, eq. 1 and 3,
+/// acceptance. The easy call; the parts are in the headers it names. One session per camera, used by one
+/// thread at a time.
 class TrackingSession {
  public:
   /// Throws std::invalid_argument as TagDetector and Probe do.

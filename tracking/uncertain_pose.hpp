@@ -38,7 +38,8 @@ UncertainPose compose(const UncertainPose& a_from_b, const UncertainPose& b_from
 /// that one image gives. Their errors are taken as independent (pixel noise is; a wrong calibration is not).
 UncertainPose base_from_probe(const UncertainPose& camera_from_base, const UncertainPose& camera_from_probe);
 
-/// `a_from_b * point` for an exactly known point of frame b (the W_T_W' of eq. 1: the ball's centre).
+/// `a_from_b * point` for an exactly known point of frame b (the W_T_W' of Chong 2008, eq. 1: the ball's
+/// centre).
 UncertainPoint transform(const UncertainPose& a_from_b, const Eigen::Vector3d& point);
 
 /// The small motion (v, w) with b = a * [Exp(w), v].

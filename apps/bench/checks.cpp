@@ -6,15 +6,15 @@
 #include "planning/robot/reach.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
-#include "planning/space/guarded_body.hpp"
+#include "planning/space/body_collision.hpp"
 
 namespace clearway::bench {
 namespace {
 
-/// What the first stage, balls against the field, would say alone.
-class BallsAlone {
+/// What the first stage, spheres against the field, would say alone.
+class SpheresAlone {
  public:
-  BallsAlone(const Robot& robot, const Snapshot& map) {
+  SpheresAlone(const Robot& robot, const Snapshot& map) {
     for (const Body& body : robot.bodies) {
       if (!is_moved(robot, body.link)) continue;
       const Eigen::AlignedBox3d reach = reach_box(robot, body);
@@ -22,13 +22,13 @@ class BallsAlone {
     }
   }
   bool is_clear(const LinkPoses& poses) const {
-    return std::all_of(bodies_.begin(), bodies_.end(), [&](const GuardedBody& body) {
+    return std::all_of(bodies_.begin(), bodies_.end(), [&](const BodyCollision& body) {
       return body.quick_clearance(poses[static_cast<std::size_t>(body.body().link)]) > 0.0;
     });
   }
 
  private:
-  std::vector<GuardedBody> bodies_;
+  std::vector<BodyCollision> bodies_;
 };
 
 constexpr int judged = 100'000;  ///< configurations of each arm against brute force
@@ -53,15 +53,15 @@ nlohmann::ordered_json count_errors(const Robot& robot, const Snapshot& map) {
   return {{"uniform", told(uniform)}, {"borderline", told(borderline)}};
 }
 
-/// Of the truly free configurations, those that balls alone would refuse, percent.
-double refused_by_balls(const Robot& robot, const Snapshot& map, const std::vector<Configuration>& list) {
+/// Of the truly free configurations, those that spheres alone would refuse, percent.
+double refused_by_spheres(const Robot& robot, const Snapshot& map, const std::vector<Configuration>& list) {
   const ConfigurationSpace space(robot, map, {.critical_by_default = false});
-  const BallsAlone balls(robot, map);
+  const SpheresAlone spheres(robot, map);
   int free = 0, refused = 0;
   for (const Configuration& q : list) {
     if (!space.is_free(q)) continue;
     ++free;
-    refused += !balls.is_clear(forward_kinematics(robot, q));
+    refused += !spheres.is_clear(forward_kinematics(robot, q));
   }
   return 100.0 * refused / std::max(free, 1);
 }
@@ -102,7 +102,7 @@ BenchResult bench_checks(const BenchOptions& options) {
                     {"peer_per_s", pair.peer},
                     {"occupied_voxels", map.counts().occupied},
                     {"free_percent", 100.0 * free_ours / static_cast<double>(list.size())},
-                    {"free_but_refused_by_balls_alone_percent", refused_by_balls(robot, map, list)},
+                    {"free_but_refused_by_balls_alone_percent", refused_by_spheres(robot, map, list)},
                     {"against_brute_force", count_errors(robot, map)}};
   }
   return {*std::min_element(ours.begin(), ours.end()),

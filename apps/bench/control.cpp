@@ -1,6 +1,6 @@
-// One control step (kinematics, rows, quadratic program) of a 6-joint arm in a map of more than a million
-// voxels, against the same step with FCL's distances of each body to an fcl::OcTree of the same map. In
-// `detail`: where the time goes, three arms together, and our distance between bodies against FCL's.
+// One control step (kinematics, constraints, quadratic program) of a 6-joint arm in a map of more than a
+// million voxels, against the same step with FCL's distances of each body to an fcl::OcTree of the same map.
+// In `detail`: where the time goes, three arms together, and our distance between bodies against FCL's.
 
 #include <fcl/geometry/octree/octree.h>
 #include <octomap/OcTree.h>
@@ -13,8 +13,8 @@
 #include "apps/bench/peers/fcl_bodies.hpp"
 #include "apps/bench/worlds/arm_worlds.hpp"
 #include "planning/constraint/control_step.hpp"
-#include "planning/constraint/obstacle_rows.hpp"
-#include "planning/robot/self_contact.hpp"
+#include "planning/constraint/obstacle_constraints.hpp"
+#include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/blocked_octree.hpp"
 
@@ -64,19 +64,19 @@ std::vector<Task> tasks_near(const ConfigurationSpace& space) {
 
 /// What each step took, us, and what it saw.
 struct Times {
-  std::vector<double> whole, kinematics, rows, program;
+  std::vector<double> whole, kinematics, constraints, program;
   std::vector<double> in_motion;  ///< of whole: without the first step of each motion, to which the arm jumps
-  double row_count = 0.0, active = 0.0;
+  double constraint_count = 0.0, active = 0.0;
 
   nlohmann::ordered_json told() const {
-    const double all = median(kinematics) + median(rows) + median(program);
+    const double all = median(kinematics) + median(constraints) + median(program);
     return {{"median_us", median(whole)},
             {"p95_us", quantile(whole, 0.95)},
             {"p99_us", quantile(whole, 0.99)},
-            {"rows", row_count / static_cast<double>(whole.size())},
+            {"rows", constraint_count / static_cast<double>(whole.size())},
             {"active_rows", active / static_cast<double>(whole.size())},
             {"share_kinematics", median(kinematics) / all},
-            {"share_rows", median(rows) / all},
+            {"share_rows", median(constraints) / all},
             {"share_program", median(program) / all}};
   }
 };
@@ -88,9 +88,9 @@ nlohmann::ordered_json told_of_all(const std::vector<Times>& runs) {
   std::vector<double> medians;
   for (const Times& run : runs) {
     for (const auto part :
-         {&Times::whole, &Times::in_motion, &Times::kinematics, &Times::rows, &Times::program})
+         {&Times::whole, &Times::in_motion, &Times::kinematics, &Times::constraints, &Times::program})
       (all.*part).insert((all.*part).end(), (run.*part).begin(), (run.*part).end());
-    all.row_count += run.row_count;
+    all.constraint_count += run.constraint_count;
     all.active += run.active;
   }
   for (std::size_t step = 0; step < runs.front().whole.size(); ++step) {
@@ -126,21 +126,21 @@ Times run_ours(const ConfigurationSpace& space, const DamperOptions& options, co
     const Eigen::VectorXd& step = control.solve(wanted);
     times.whole.push_back(std::max(0.0, now_us() - begin - clock));
     if (!is_first) times.in_motion.push_back(times.whole.back());
-    times.row_count += static_cast<double>(control.rows().rows().size());
+    times.constraint_count += static_cast<double>(control.constraints().constraints().size());
     for (const double multiplier : control.solver().multipliers()) times.active += multiplier > 0.0;
     return step;
   });
   ControlStep parts(space, options);
   walk(options, tasks, steps, [&](const Configuration& q, const Eigen::VectorXd& wanted, bool) {
     const double begin = now_us();
-    parts.rows().place(q);
+    parts.constraints().place(q);
     const double placed = now_us();
-    parts.rows().find_rows();
+    parts.constraints().find_constraints();
     const double found = now_us();
     parts.load(q);
     const Eigen::VectorXd& step = parts.solve(wanted);
     times.kinematics.push_back(std::max(0.0, placed - begin - clock));
-    times.rows.push_back(std::max(0.0, found - placed - clock));
+    times.constraints.push_back(std::max(0.0, found - placed - clock));
     times.program.push_back(std::max(0.0, now_us() - found - clock));
     return step;
   });
@@ -154,7 +154,7 @@ class FclStep {
       : space_(space),
         options_(options),
         bodies_(space.robot()),
-        pairs_(contact_pairs(space.robot())),
+        pairs_(self_collision_pairs(space.robot())),
         tree_(blocked_octree(space.map(), {Policy::not_occupied})) {}
 
   double us(const Configuration& q, const Eigen::VectorXd& wanted) {
@@ -188,9 +188,10 @@ class FclStep {
   void add(const Robot& robot, const LinkPoses& poses, int link, const Eigen::Vector3d& point,
            const Eigen::Vector3d& way, double distance) {
     if (distance >= influence || !(distance > 0.0)) return;
-    const Eigen::VectorXd row =
+    const Eigen::VectorXd normal =
         jacobian(robot, poses, link, point).topRows<3>().transpose() * way.stableNormalized();
-    solver_.add_row({row.data(), static_cast<std::size_t>(row.size())}, damper_bound(options_, distance));
+    solver_.add_constraint({normal.data(), static_cast<std::size_t>(normal.size())},
+                           damper_bound(options_, distance));
   }
 
   const ConfigurationSpace& space_;
@@ -201,14 +202,15 @@ class FclStep {
   QuadraticSolver solver_;
 };
 
-/// Three arms that stand 0.9 m apart, each with rows against the map, itself and the bodies of both others.
+/// Three arms that stand 0.9 m apart, each with constraints against the map, itself and the bodies of both
+/// others.
 nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
   struct Arm {
     std::unique_ptr<ConfigurationSpace> space;
     std::unique_ptr<ControlStep> control;
-    std::unique_ptr<ObstacleRows> near;
+    std::unique_ptr<ObstacleConstraints> near;
     std::vector<PlacedShape> bodies;
-    std::vector<ObstacleRow> rows;
+    std::vector<ObstacleConstraint> constraints;
     Configuration q, goal;
   };
   std::vector<Arm> arms(3);
@@ -221,10 +223,10 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
     DamperOptions options = damper(robot);
     options.xi /= 2.0;
     arms[i].control = std::make_unique<ControlStep>(*arms[i].space, options);
-    arms[i].near = std::make_unique<ObstacleRows>(arms[i].space->robot());
+    arms[i].near = std::make_unique<ObstacleConstraints>(arms[i].space->robot());
   }
   std::vector<double> times;
-  double pairs = 0.0, rows = 0.0;
+  double pairs = 0.0, constraints = 0.0;
   const double clock = clock_us();
   for (int start = 0; start < 60; ++start) {
     for (Arm& arm : arms) {
@@ -237,20 +239,21 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
       const double begin = now_us();
       for (Arm& arm : arms) {
         arm.control->look(arm.q);
-        move_bodies(arm.space->robot(), arm.control->rows().kinematics().map_from_link(),
+        move_bodies(arm.space->robot(), arm.control->constraints().kinematics().map_from_link(),
                     Eigen::VectorXd::Zero(6), arm.bodies);
       }
       for (Arm& arm : arms) {
-        arm.rows.clear();
+        arm.constraints.clear();
         for (const Arm& other : arms) {
           if (&other != &arm)
-            arm.near->append(arm.control->rows().kinematics().map_from_link(), other.bodies, influence,
-                             arm.rows);
+            arm.near->append(arm.control->constraints().kinematics().map_from_link(), other.bodies, influence,
+                             arm.constraints);
         }
-        for (const ObstacleRow& row : arm.rows)
-          arm.control->add({row.gradient.data(), 6}, damper_bound(arm.control->options(), row.distance));
-        pairs += static_cast<double>(arm.rows.size());
-        rows += static_cast<double>(arm.control->rows().rows().size());
+        for (const ObstacleConstraint& constraint : arm.constraints)
+          arm.control->add({constraint.gradient.data(), 6},
+                           damper_bound(arm.control->options(), constraint.distance));
+        pairs += static_cast<double>(arm.constraints.size());
+        constraints += static_cast<double>(arm.control->constraints().constraints().size());
         arm.q += arm.control->solve(step_to_goal(arm.control->options(), arm.q, arm.goal));
       }
       times.push_back(now_us() - begin - clock);
@@ -260,13 +263,13 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
   return {{"median_us", median(times)},
           {"p99_us", quantile(times, 0.99)},
           {"rows_between_arms", pairs / count},
-          {"other_rows", rows / count}};
+          {"other_rows", constraints / count}};
 }
 
-/// How much farther than the nearest voxel of all the nearest row of a body is, by exact shapes.
+/// How much farther than the nearest voxel of all the nearest constraint of a body is, by exact shapes.
 nlohmann::ordered_json against_exact(const ConfigurationSpace& space) {
   const Robot& robot = space.robot();
-  ControlRows all(space, influence, 0.5 * (influence + security));
+  ControlConstraints all(space, influence, 0.5 * (influence + security));
   Dice dice(7);
   int near = 0, farther = 0, farther_by_1_mm = 0;
   double worst = 0.0;
@@ -278,8 +281,10 @@ nlohmann::ordered_json against_exact(const ConfigurationSpace& space) {
       double& known = least[static_cast<std::size_t>(body)];
       known = std::min(known, distance);
     };
-    for (const ControlRow& row : all.rows()) note(ours, row.body, row.distance);
-    for (const ProximityRow& row : space.proximity_rows(q, influence)) note(exact, row.body, row.distance);
+    for (const ControlConstraint& constraint : all.constraints())
+      note(ours, constraint.body, constraint.distance);
+    for (const ProximityConstraint& constraint : space.proximity_constraints(q, influence))
+      note(exact, constraint.body, constraint.distance);
     for (std::size_t body = 0; body < ours.size(); ++body) {
       if (exact[body] >= influence) continue;
       const double by = ours[body] - exact[body];
@@ -340,7 +345,7 @@ BenchResult bench_control(const BenchOptions& options) {
   const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
   const Robot robot = load_robot("puma560");
   const Snapshot map =
-      ArmWorld{.resolution = resolution, .half = 1.2, .balls = 60, .gap = resolution}.snapshot(robot);
+      ArmWorld{.resolution = resolution, .half = 1.2, .spheres = 60, .gap = resolution}.snapshot(robot);
   const ConfigurationSpace space(robot, map, {.critical_by_default = false});
   const std::vector<Task> tasks = tasks_near(space);
   const DamperOptions damping = damper(robot);
@@ -367,7 +372,7 @@ BenchResult bench_control(const BenchOptions& options) {
     if (clearance > security && clearance < influence) jumps.push_back({q, q});
   }
   detail["from_place_to_place"] = run_ours(space, damping, jumps, 1).told();
-  detail["balls"] = ControlRows(space, damping).balls();
+  detail["balls"] = ControlConstraints(space, damping).spheres();
   detail["known_voxels"] = map.counts().seen_free + map.counts().occupied;
   detail["blocked_voxels"] = space.blocked_space(2)->blocked_count();
   detail["resolution"] = resolution;

@@ -91,7 +91,7 @@ Json told(const std::vector<Update>& updates) {
 }
 
 /// From handing over the first map that has a fist, and from its frame, until the end of the first step with
-/// a row for it.
+/// a constraint for it.
 Json reactions(const std::vector<Update>& updates, const std::vector<LoopTurn>& turns) {
   std::vector<double> published, taken;
   std::size_t never = 0;
@@ -102,9 +102,9 @@ Json reactions(const std::vector<Update>& updates, const std::vector<LoopTurn>& 
     if (!is_new || update.published > turns.back().begin - 0.1) continue;
     const auto first = std::find_if(turns.begin(), turns.end(),
                                     [&](const LoopTurn& turn) { return turn.number >= update.number; });
-    const auto has_row = [&](const LoopTurn& turn) { return (turn.places >> update.known & 1U) != 0; };
-    if (first == turns.begin() || has_row(*(first - 1))) continue;  // not forgotten since last time
-    const auto reacted = std::find_if(first, turns.end(), has_row);
+    const auto has_constraint = [&](const LoopTurn& turn) { return (turn.places >> update.known & 1U) != 0; };
+    if (first == turns.begin() || has_constraint(*(first - 1))) continue;  // not forgotten since last time
+    const auto reacted = std::find_if(first, turns.end(), has_constraint);
     if (reacted == turns.end() || reacted->end - update.published > 0.1) {
       ++never;
       continue;

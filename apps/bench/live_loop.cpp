@@ -32,12 +32,12 @@ bool set_scheduling(int policy, int priority) {
   return pthread_setschedparam(pthread_self(), policy, &parameters) == 0;
 }
 
-/// Which of the places hold a voxel that some row keeps the arm from.
-std::uint32_t places_in_rows(const LoopTask& task, const ControlRows& rows) {
+/// Which of the places hold a voxel that some constraint keeps the arm from.
+std::uint32_t places_in_constraints(const LoopTask& task, const ControlConstraints& constraints) {
   std::uint32_t found = 0;
-  for (const ControlRow& row : rows.rows()) {
-    if (row.other >= 0) continue;
-    const Eigen::Vector3d at = row.point + row.distance * row.normal;
+  for (const ControlConstraint& constraint : constraints.constraints()) {
+    if (constraint.other >= 0) continue;
+    const Eigen::Vector3d at = constraint.point + constraint.distance * constraint.normal;
     for (std::size_t k = 0; k < task.places.size(); ++k) {
       const double within = task.places[k].radius + 2.0 * task.resolution;
       if ((at - task.places[k].center).squaredNorm() < within * within) found |= 1U << k;
@@ -84,7 +84,7 @@ LoopLog run_loop(LiveControl& live, const LoopTask& task, bool real_time,
     turn.age = std::chrono::duration<double>(live.age(now)).count();
     turn.number = static_cast<std::uint32_t>(live.number());
     turn.is_braking = live.is_braking();
-    turn.places = places_in_rows(task, live.control().rows());
+    turn.places = places_in_constraints(task, live.control().constraints());
     q += step;
     if ((goal - q).norm() < 1e-3) goal = goal == task.one ? task.other : task.one;
     if (count % restart == restart - 1) q = task.one;

@@ -16,7 +16,7 @@ struct LoopTurn {
   double fetch = 0.0, fetch_cpu = 0.0;      ///< how long fetching held it
   double cpu = 0.0;                         ///< fetching and stepping
   double age = 0.0;                         ///< of the map that it stepped with
-  std::uint32_t number = 0, places = 0;     ///< of the map; bit k: a row has the fist at place k
+  std::uint32_t number = 0, places = 0;     ///< of the map; bit k: a constraint has the fist at place k
   bool is_new = false, is_braking = false;  ///< the first with this map
 };
 
@@ -24,7 +24,7 @@ struct LoopTurn {
 /// what turned up may have pushed it away.
 struct LoopTask {
   Configuration one, other;
-  std::vector<Sphere> places;  ///< whose rows are looked for
+  std::vector<Sphere> places;  ///< whose constraints are looked for
   double resolution = 0.02;
   double period = 0.0;    ///< s; 0: without a pause
   double duration = 1.0;  ///< s

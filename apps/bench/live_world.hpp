@@ -21,7 +21,8 @@ struct LiveWorld {
 };
 
 /// The arm is near something, and five places for the fist are beside it: seen by the camera, in free space,
-/// and wherever the arm is on its way their visible side is within reach of its rows, but not in its way.
+/// and wherever the arm is on its way their visible side is within reach of its constraints, but not in its
+/// way.
 LiveWorld make_live_world(double resolution, double influence);
 
 }  // namespace clearway::bench

@@ -17,7 +17,7 @@ Scan scan_of(const CloudFrame& frame) {
   return scan;
 }
 
-/// A dense stroke of 1,000 balls of 4 cm along 2 m.
+/// A dense stroke of 1,000 spheres of 4 cm along 2 m.
 void paint_stroke(FreeSpaceMap& map) {
   map.begin_stroke("stroke");
   for (int i = 0; i < 1000; ++i) map.paint(0, {{0.5 + 0.002 * i, 1.0, 1.0}, 0.04});

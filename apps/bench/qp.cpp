@@ -43,26 +43,26 @@ nlohmann::ordered_json judge_kind(ProgramKind kind, int count, double& worst) {
           {"worst_residual_of_proofs", proof}};
 }
 
-/// Steps of an arm with six joints among `rows` rows, of which some are active.
-std::vector<QuadraticProgram> steps(int rows) {
+/// Steps of an arm with six joints among `constraints` constraints, of which some are active.
+std::vector<QuadraticProgram> steps(int constraints) {
   ProgramDice dice(5);
   std::vector<QuadraticProgram> programs(timed);
   for (QuadraticProgram& p : programs) {
     p.target = dice.vector(6, 0.01);
-    p.rows.resize(rows, 6);
-    for (Eigen::Index i = 0; i < rows; ++i) p.rows.row(i) = dice.vector(6, 0.5).transpose();
-    p.bounds = dice.vector(rows, 0.006).array() + 0.008;
+    p.matrix.resize(constraints, 6);
+    for (Eigen::Index i = 0; i < constraints; ++i) p.matrix.row(i) = dice.vector(6, 0.5).transpose();
+    p.bounds = dice.vector(constraints, 0.006).array() + 0.008;
     p.lower = Eigen::VectorXd::Constant(6, -0.02);
     p.upper = -p.lower;
   }
   return programs;
 }
 
-/// CPU us a program with a solver that is kept, rows handed over one by one.
+/// CPU us a program with a solver that is kept, constraints handed over one by one.
 double time_ours(const std::vector<QuadraticProgram>& programs, QuadraticSolver& solver, int& iterations) {
   iterations = 0;
   std::vector<Eigen::MatrixXd> normals;
-  for (const QuadraticProgram& p : programs) normals.emplace_back(p.rows.transpose());
+  for (const QuadraticProgram& p : programs) normals.emplace_back(p.matrix.transpose());
   const auto numbers = [](const auto& dense) {
     return std::span(dense.data(), static_cast<std::size_t>(dense.size()));
   };
@@ -73,7 +73,7 @@ double time_ours(const std::vector<QuadraticProgram>& programs, QuadraticSolver&
              solver.set_target(numbers(p.target));
              solver.set_limits(numbers(p.lower), numbers(p.upper));
              for (Eigen::Index i = 0; i < p.bounds.size(); ++i)
-               solver.add_row({normals[k].col(i).data(), 6}, p.bounds[i]);
+               solver.add_constraint({normals[k].col(i).data(), 6}, p.bounds[i]);
              solver.solve();
              iterations += solver.iterations();
            }
@@ -92,8 +92,8 @@ BenchResult bench_qp(const BenchOptions& options) {
   detail["worst_residual"] = worst;
   QuadraticSolver solver;
   Pair pair;
-  for (const int rows : {5, 40, 10}) {
-    const std::vector<QuadraticProgram> programs = steps(rows);
+  for (const int constraints : {5, 40, 10}) {
+    const std::vector<QuadraticProgram> programs = steps(constraints);
     int iterations = 0;
     pair = interleave(
         options.runs, [&] { return time_ours(programs, solver, iterations); },
@@ -102,9 +102,9 @@ BenchResult bench_qp(const BenchOptions& options) {
                    for (const QuadraticProgram& program : programs) solve_densely(program);
                  });
         });
-    detail["rows_" + std::to_string(rows)] = {{"ours_us", pair.ours},
-                                              {"peer_us", pair.peer},
-                                              {"iterations", static_cast<double>(iterations) / timed}};
+    detail["rows_" + std::to_string(constraints)] = {{"ours_us", pair.ours},
+                                                     {"peer_us", pair.peer},
+                                                     {"iterations", static_cast<double>(iterations) / timed}};
   }
   return {pair.ours,    pair.peer, "the same method in dense matrices", "CPU us, 6 joints, 10 rows", true,
           options.runs, detail};

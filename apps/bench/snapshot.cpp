@@ -32,12 +32,12 @@ void insert_stock(octomap::OcTree& tree, const Scan& scan) {
 /// What one live run measured, milliseconds.
 struct Live {
   std::vector<double> waits;      ///< of readers, for the latest snapshot
-  std::vector<double> visible;    ///< from the begin of painting a ball until a reader sees it
-  std::vector<double> paint;      ///< painting and publishing one ball
+  std::vector<double> visible;    ///< from the begin of painting a sphere until a reader sees it
+  std::vector<double> paint;      ///< painting and publishing one sphere
   std::vector<double> insertion;  ///< one scan
 };
 
-/// Paints balls of r = 4 cm at 60 Hz for some seconds, inserts the scans at `scan_rate`, while four readers
+/// Paints spheres of r = 4 cm at 60 Hz for some seconds, inserts the scans at `scan_rate`, while four readers
 /// ask for the latest snapshot and look into it.
 Live run_live(FreeSpaceMap& map, const std::vector<Scan>& scans, double scan_rate, double seconds) {
   Live live;
@@ -56,9 +56,9 @@ Live run_live(FreeSpaceMap& map, const std::vector<Scan>& scans, double scan_rat
         const double now = wall_time();
         seen.waits.push_back(1e3 * (now - asked));
         if (!snapshot->volumes().empty()) {
-          const auto& balls = snapshot->volumes().front().balls;
-          for (; known < balls.size(); ++known) seen.visible.push_back(1e3 * (now - painted_at[known]));
-          if (!balls.empty()) static_cast<void>(snapshot->state(balls.back().center));
+          const auto& spheres = snapshot->volumes().front().spheres;
+          for (; known < spheres.size(); ++known) seen.visible.push_back(1e3 * (now - painted_at[known]));
+          if (!spheres.empty()) static_cast<void>(snapshot->state(spheres.back().center));
         }
         std::this_thread::sleep_for(std::chrono::microseconds(500));
       }
@@ -69,12 +69,12 @@ Live run_live(FreeSpaceMap& map, const std::vector<Scan>& scans, double scan_rat
   }
   const double begin = wall_time();
   std::size_t scan = 0;
-  for (std::size_t ball = 0; ball + 1 < painted_at.size(); ++ball) {
-    const double due = begin + static_cast<double>(ball) / 60.0;
+  for (std::size_t sphere = 0; sphere + 1 < painted_at.size(); ++sphere) {
+    const double due = begin + static_cast<double>(sphere) / 60.0;
     if (due > wall_time()) std::this_thread::sleep_for(std::chrono::duration<double>(due - wall_time()));
     const double start = wall_time();
-    painted_at[ball] = start;
-    const double turn = 0.03 * static_cast<double>(ball);
+    painted_at[sphere] = start;
+    const double turn = 0.03 * static_cast<double>(sphere);
     map.paint(0, {{0.5 * std::cos(turn), 0.5 * std::sin(turn), 0.9 + 0.1 * std::sin(0.3 * turn)}, 0.04});
     latest.publish(map.snapshot());
     live.paint.push_back(1e3 * (wall_time() - start));

@@ -52,7 +52,7 @@ void save_trajectories(const PlanOptions& options, const Robot& robot, const Pla
                       : "not solved (" + std::string(to_string(plan.status())) + ")"));
     return;
   }
-  const Trajectory trajectory = time_path(robot, plan.waypoints());
+  const Trajectory trajectory = time_parameterize(robot, plan.waypoints());
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
   }

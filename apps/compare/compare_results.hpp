@@ -56,8 +56,8 @@ struct CompareRun {
   double time = 0.0;                            ///< s, wall clock, all legs
   std::string plan_file;                        ///< below the folder of results
   std::map<std::string, double> statistics;     ///< of those with columns of their own (compare_columns)
-  std::optional<CompareMotion> motion;          ///< of a valid path as time_path times it, or of a team
-  std::optional<CompareTeamRun> team;           ///< teams: then min_clearance is the least separation
+  std::optional<CompareMotion> motion;  ///< of a valid path as time_parameterize times it, or of a team
+  std::optional<CompareTeamRun> team;   ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return status == PlanStatus::solved; }
   bool is_valid() const { return is_solved() && check == "valid"; }

@@ -30,13 +30,13 @@ std::string verdict_of(const Plan& plan) {
   return plan.validation.undecided ? "undecided" : "refused";
 }
 
-/// For eq. 9 edges are cut into pieces of at most that, rad (m): so paths of few long edges and of many short
-/// ones are judged alike, whatever their planner reckons.
+/// For Chong 2008, eq. 9, edges are cut into pieces of at most that, rad (m): so paths of few long edges and
+/// of many short ones are judged alike, whatever their planner reckons.
 constexpr double cost_step = 0.05;
 
 /// Nothing for a motion that lasts too long to be sampled.
 std::optional<CompareMotion> motion_of(const Robot& robot, const std::vector<Configuration>& path) try {
-  const Trajectory trajectory = time_path(robot, path);
+  const Trajectory trajectory = time_parameterize(robot, path);
   const LimitShares shares = limit_shares(robot, trajectory);
   return CompareMotion{trajectory.points.back().time, shares.velocity, shares.acceleration};
 } catch (const std::invalid_argument&) {

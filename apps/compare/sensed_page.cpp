@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/console/parse.hpp"
-#include "planning/constraint/obstacle_rows.hpp"
+#include "planning/constraint/obstacle_constraints.hpp"
 
 namespace clearway {
 namespace {

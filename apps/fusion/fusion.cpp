@@ -38,7 +38,7 @@ void require_tags(const Fusion& fusion, const std::filesystem::path& recording) 
 
 void warn_of_leftovers(Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  if (fusion.setup.probe && counts.balls == 0) {
+  if (fusion.setup.probe && counts.spheres == 0) {
     std::string reasons;
     for (const auto& [reason, count] : counts.samples) {
       if (count > 0) reasons += (reasons.empty() ? "" : ", ") + reason + " " + std::to_string(count);

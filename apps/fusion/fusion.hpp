@@ -20,14 +20,14 @@ struct FusionCounts {
   std::size_t images_with_tags = 0;
   std::map<std::string, std::int64_t> samples;  ///< by "accepted" or the reason of refusal
   std::size_t accepted_outside_volumes = 0;     ///< accepted, but outside every volume's time span
-  std::size_t balls = 0;
+  std::size_t spheres = 0;
   ScanCounts points;  ///< summed over the scans
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();          ///< of the scans, metres: from where they looked
   std::size_t scans_without_pose = 0;   ///< at their time nothing tells where their sensor was: left out
   std::size_t scans_without_probe = 0;  ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_refused = 0;        ///< whose origin was outside the map's key range
-  double painted_radius = 0.0;          ///< r0 of eq. 3, metres
+  double painted_radius = 0.0;          ///< r0 of Chong 2008, eq. 3, metres
   double largest_center_sigma = 0.0;    ///< of the accepted samples, worst direction, metres
   double mean_center_sigma = 0.0;
   double mean_reprojection_px = 0.0;  ///< of the probe, accepted samples
@@ -55,7 +55,7 @@ struct Fusion {
   std::vector<std::string> warnings;
 };
 
-/// Recording -> tag poses -> painted balls and integrated scans -> one fused map.
+/// Recording -> tag poses -> painted spheres and integrated scans -> one fused map.
 /// `recording`: a rawlog, or clouds (see frame_source.hpp).
 /// @throws std::invalid_argument: the recording or setup cannot be used (missing, a probe without boards, not
 /// one

@@ -68,9 +68,9 @@ void Painter::finish() {
     counts_.samples = session_->probe().counts();
     counts_.painted_radius = session_->probe().painted_radius();
   }
-  if (counts_.balls > 0) {
-    counts_.mean_center_sigma /= static_cast<double>(counts_.balls);
-    counts_.mean_reprojection_px /= static_cast<double>(counts_.balls);
+  if (counts_.spheres > 0) {
+    counts_.mean_center_sigma /= static_cast<double>(counts_.spheres);
+    counts_.mean_reprojection_px /= static_cast<double>(counts_.spheres);
   }
 }
 
@@ -92,23 +92,23 @@ void Painter::continue_stroke(const std::string& sensor, double since_start) {
   if (!goes_on) map_.begin_stroke("stroke " + std::to_string(++strokes_), sensor);
 }
 
-/// The ball in the map frame, into the volumes whose time it is.
+/// The sphere in the map frame, into the volumes whose time it is.
 void Painter::paint(const PaintingSample& sample, const std::string& sensor, double since_start) {
   const Stopwatch watch(counts_.paint_s);
   continue_stroke(sensor, since_start);
   const Eigen::Isometry3d map_from_base = base_->map_from_board.value_or(Eigen::Isometry3d::Identity());
-  const Sphere ball{map_from_base * sample.ball.center, sample.ball.radius};
+  const Sphere sphere{map_from_base * sample.sphere.center, sample.sphere.radius};
   bool used = false;
   for (std::size_t v = 0; v < volumes_.size(); ++v) {
     if (since_start < volumes_[v].from || since_start > volumes_[v].to) continue;
-    map_.paint(static_cast<int>(v), ball, since_start);
+    map_.paint(static_cast<int>(v), sphere, since_start);
     used = true;
   }
   if (!used) {
     ++counts_.accepted_outside_volumes;
     return;
   }
-  ++counts_.balls;
+  ++counts_.spheres;
   counts_.largest_center_sigma = std::max(counts_.largest_center_sigma, sample.center_sigma);
   counts_.mean_center_sigma += sample.center_sigma;
   counts_.mean_reprojection_px += sample.probe ? sample.probe->rms_px : 0.0;

@@ -19,7 +19,7 @@ TrackingOptions tracking_options(const AcceptanceSetup& acceptance);
 /// @throws std::invalid_argument when there is none; `needed_by` is what needs it.
 const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by);
 
-/// Image -> painted ball: a tracking session, made when the first image tells the camera.
+/// Image -> painted sphere: a tracking session, made when the first image tells the camera.
 class Painter {
  public:
   /// @pre setup.probe

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t most_waiting = 32;
 
-/// The robot's bodies at its setup's joints, as the balls that cover them, grown by the margin.
+/// The robot's bodies at its setup's joints, as the spheres that cover them, grown by the margin.
 std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
   RobotChoice choice;
   choice.robot = setup.name;
@@ -29,9 +29,9 @@ std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
   std::vector<Capsule> capsules;
   for (const Body& body : robot.bodies) {
     const Eigen::Isometry3d& pose = poses[static_cast<std::size_t>(body.link)];
-    for (const Sphere& ball : body.cover) {
-      const Eigen::Vector3d center = pose * ball.center;
-      capsules.push_back({center, center, ball.radius + setup.self_margin});
+    for (const Sphere& sphere : body.cover) {
+      const Eigen::Vector3d center = pose * sphere.center;
+      capsules.push_back({center, center, sphere.radius + setup.self_margin});
     }
   }
   return capsules;

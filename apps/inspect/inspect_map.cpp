@@ -51,8 +51,9 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
   json["painted_volume_m3"] = static_cast<double>(counts.painted) * voxel_volume;
   json["volumes"] = Json::array();
   for (const PaintedVolume& volume : map.volumes()) {
-    json["volumes"].push_back(
-        {{"label", volume.label}, {"critical_parts", volume.critical_parts}, {"balls", volume.balls.size()}});
+    json["volumes"].push_back({{"label", volume.label},
+                               {"critical_parts", volume.critical_parts},
+                               {"balls", volume.spheres.size()}});
   }
   if (const SeenStamps* seen = map.seen()) {
     json["seen"] = {{"newest_s", seen->newest()},   {"oldest_s", seen->oldest()},

@@ -61,7 +61,7 @@ Json describe_provenance(const Provenance& provenance, const Snapshot& map, cons
         {{"volume", provenance.volumes[static_cast<std::size_t>(touch.volume)]},
          {"stroke", stroke_name(provenance, touch.stroke)},
          {"source", named ? provenance.strokes[static_cast<std::size_t>(touch.stroke)].source : ""},
-         {"balls", touch.balls},
+         {"balls", touch.spheres},
          {"from_s", touch.first},
          {"to_s", touch.last}});
   }

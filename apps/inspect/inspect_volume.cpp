@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t most_rows = 12;  ///< of holes, necks and gaps in the text; JSON has them all
 
 Json describe_exact(const VolumeQuality& quality) {
-  if (quality.balls == 0) return nullptr;
+  if (quality.spheres == 0) return nullptr;
   return {{"volume_m3", quality.exact.middle()},
           {"volume_error_m3", quality.exact.half_width()},
           {"not_covered_m3", quality.loss()},
@@ -34,7 +34,7 @@ Json describe_spacing(const SampleSpacing& spacing) {
             {"largest_over_radius", spacing.largest_relative},
             {"thin", Json::array()}};
   for (const ThinOverlap& thin : spacing.thin) {
-    json["thin"].push_back({{"ball", thin.ball},
+    json["thin"].push_back({{"ball", thin.sphere},
                             {"position", to_json(thin.position)},
                             {"distance_m", thin.distance},
                             {"circle_radius_m", thin.radius}});
@@ -44,7 +44,7 @@ Json describe_spacing(const SampleSpacing& spacing) {
 
 Json describe_volume(const VolumeQuality& quality) {
   Json json{{"label", quality.label},
-            {"balls", quality.balls},
+            {"balls", quality.spheres},
             {"voxels", quality.voxels},
             {"occupied_voxels", quality.occupied},
             {"voxel_volume_m3", quality.voxel_volume},
@@ -59,7 +59,7 @@ Json describe_volume(const VolumeQuality& quality) {
                              {"inside", to_json(hole.inside)},
                              {"voxels", hole.voxels},
                              {"volume_m3", hole.volume},
-                             {"voxels_beyond_balls", hole.beyond_balls},
+                             {"voxels_beyond_balls", hole.beyond_spheres},
                              {"occupied_voxels", hole.occupied}});
   }
   for (const VolumeNeck& neck : quality.necks) {

@@ -94,8 +94,8 @@ ReportPage page_of_map(const Snapshot& map, const std::string& title) {
   page.voxels.assign(sets.begin(), sets.end());
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     page.volume_labels.push_back(map.volumes()[v].label);
-    for (const Sphere& ball : map.volumes()[v].balls) {
-      page.balls.push_back({ball.center, ball.radius, static_cast<int>(v)});
+    for (const Sphere& sphere : map.volumes()[v].spheres) {
+      page.spheres.push_back({sphere.center, sphere.radius, static_cast<int>(v)});
     }
   }
   return page;
@@ -163,7 +163,7 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     shown_plan.clearance.push_back(space.clearance(q));
     shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
   }
-  for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.ball);
+  for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.sphere);
   shown_plan.start_poses = forward_kinematics(robot, start);
   if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(robot, plan.goals.back());
   return shown_plan;

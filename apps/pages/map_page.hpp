@@ -9,7 +9,7 @@
 
 namespace clearway {
 
-/// A page that shows `map`: its voxels by state and its exact balls.
+/// A page that shows `map`: its voxels by state and its exact spheres.
 ReportPage page_of_map(const Snapshot& map, const std::string& title);
 
 /// The first view of the page stands beside `from`, so that no wall hides what can be seen from there: where

@@ -72,7 +72,7 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
   const double least = least_duration(robot, path);
   if (least == 0.0 || least > longest_motion) return {};
   const TrajectoryOptions options;
-  const Trajectory trajectory = time_path(robot, path, options);
+  const Trajectory trajectory = time_parameterize(robot, path, options);
   std::vector<Configuration> positions;
   std::vector<Eigen::VectorXd> velocities;
   for (const TrajectoryPoint& point : trajectory.points) {

@@ -18,9 +18,9 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
                                      const std::vector<Eigen::VectorXd>& velocities, double period,
                                      double max_acceleration);
 
-/// The same for what a controller is given for a path (time_path with its defaults), with figures. Paths of
-/// fewer than two different waypoints, and those that take more than 20 minutes, are left as they are:
-/// nothing is returned.
+/// The same for what a controller is given for a path (time_parameterize with its defaults), with figures.
+/// Paths of fewer than two different waypoints, and those that take more than 20 minutes, are left as they
+/// are: nothing is returned.
 std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
                                      const std::vector<Configuration>& path);
 

@@ -93,7 +93,7 @@ std::string report_json(const ReplayReport& report) {
                     {"scans", counts.scans},
                     {"odometry", counts.odometry}};
   json["tracking"] = tracking_json(counts, report.fusion->setup);
-  json["balls"] = counts.balls;
+  json["balls"] = counts.spheres;
   json["scans"] = {{"count", counts.scans},
                    {"refused", counts.scans_refused},
                    {"without_pose", counts.scans_without_pose},
@@ -116,8 +116,9 @@ std::string report_json(const ReplayReport& report) {
   json["conflict_records"] = describe_conflicts(report.provenance);
   json["volumes"] = Json::array();
   for (const PaintedVolume& volume : report.map.volumes()) {
-    json["volumes"].push_back(
-        {{"label", volume.label}, {"critical_parts", volume.critical_parts}, {"balls", volume.balls.size()}});
+    json["volumes"].push_back({{"label", volume.label},
+                               {"critical_parts", volume.critical_parts},
+                               {"balls", volume.spheres.size()}});
   }
   json["painted_volumes"] = describe_volumes(report.map);
   json["plans"] = Json::array();
@@ -141,7 +142,7 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
       if (reason != "accepted" && count > 0) refused += ", " + reason + " " + std::to_string(count);
     }
     rows.emplace_back("balls painted",
-                      grouped(counts.balls) + " of r0 = " + significant(counts.painted_radius * 1000.0, 3) +
+                      grouped(counts.spheres) + " of r0 = " + significant(counts.painted_radius * 1000.0, 3) +
                           " mm" + (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
     rows.emplace_back("centre error",
                       "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) + " mm, budget " +

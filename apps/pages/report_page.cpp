@@ -90,14 +90,14 @@ json all_voxels_json(PageArrays& arrays, const ReportPage& page) {
   return sets;
 }
 
-json balls_json(PageArrays& arrays, const ReportPage& page) {
+json spheres_json(PageArrays& arrays, const ReportPage& page) {
   std::vector<float> values;
-  for (const PageBall& ball : page.balls) {
-    if (ball.volume < 0 || static_cast<std::size_t>(ball.volume) >= page.volume_labels.size())
+  for (const PageSphere& sphere : page.spheres) {
+    if (sphere.volume < 0 || static_cast<std::size_t>(sphere.volume) >= page.volume_labels.size())
       refuse("balls.volume", "must be an index into volume_labels");
-    for (int a = 0; a < 3; ++a) values.push_back(static_cast<float>(ball.center[a]));
-    values.push_back(static_cast<float>(ball.radius));
-    values.push_back(static_cast<float>(ball.volume));
+    for (int a = 0; a < 3; ++a) values.push_back(static_cast<float>(sphere.center[a]));
+    values.push_back(static_cast<float>(sphere.radius));
+    values.push_back(static_cast<float>(sphere.volume));
   }
   return place(arrays.add(std::span<const float>(values)));
 }
@@ -218,15 +218,15 @@ json seen_json(PageArrays& arrays, const PagePlan& plan) {
           {"cells", place(arrays.add(std::span<const std::uint16_t>(cells)))}};
 }
 
-/// Of the page's ball colours the orange one, so that balls to paint stand out of those that are painted.
+/// Of the page's sphere colours the orange one, so that spheres to paint stand out of those that are painted.
 constexpr float kPaintColour = 2.0F;
 
 json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
   require_sizes(plan, links);
   std::vector<float> poses, clearance, paint;
   const std::size_t joints = plan.joints.size();
-  for (const Sphere& ball : plan.to_paint) {
-    for (const double value : {ball.center.x(), ball.center.y(), ball.center.z(), ball.radius})
+  for (const Sphere& sphere : plan.to_paint) {
+    for (const double value : {sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius})
       paint.push_back(static_cast<float>(value));
     paint.push_back(kPaintColour);
   }
@@ -277,7 +277,7 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
           {"resolution", page.resolution},
           {"origin", kOriginVoxel},
           {"voxels", all_voxels_json(arrays, page)},
-          {"balls", balls_json(arrays, page)},
+          {"balls", spheres_json(arrays, page)},
           {"volumes", page.volume_labels},
           {"robot", robot},
           {"home", place_poses(arrays, page.robot_home)},

@@ -71,8 +71,8 @@ struct PagePlan {
   std::vector<Eigen::Isometry3d> start_poses, goal_poses;
 };
 
-/// An exact painted ball.
-struct PageBall {
+/// An exact painted sphere.
+struct PageSphere {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0.0;
   int volume = 0;  ///< index into volume_labels
@@ -91,7 +91,7 @@ struct ReportPage {
   double iso_azimuth_deg = 35.0;   ///< where the eye of the first view stands: 0 at -y, 90 at +x
   double resolution = 0.0;         ///< of the map, metres; > 0 when there are voxels
   std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
-  std::vector<PageBall> balls;
+  std::vector<PageSphere> spheres;
   std::vector<std::string> volume_labels;
   std::vector<PageShape> robot;
   std::vector<Eigen::Isometry3d> robot_home;  ///< map_from_link, drawn when no plan gives a pose

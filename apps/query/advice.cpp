@@ -34,7 +34,7 @@ void advise(const Query& query, Plan& plan) {
   } catch (const std::invalid_argument&) {
     return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
   }
-  plan.paint = advice.balls;
+  plan.paint = advice.spheres;
   if (const std::string sentence = advice.sentence(); !sentence.empty()) {
     std::string& explanation = plan.legs[failed].explanation;
     explanation += (explanation.empty() ? "" : " ") + sentence;

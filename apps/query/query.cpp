@@ -194,7 +194,8 @@ Plan solve(const Query& query, const Planner& planner) {
 
 namespace {
 
-/// A beam counts what lies within a step of its goal as reached (eq. 11): `check` wants the goal itself.
+/// A beam counts what lies within a step of its goal as reached (Chong 2008, eq. 11): `check` wants the goal
+/// itself.
 void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std::string>>& rows) {
   for (std::size_t i = 0; i < plan.legs.size() && i < plan.goals.size(); ++i) {
     if (plan.legs[i].status != PlanStatus::solved) continue;

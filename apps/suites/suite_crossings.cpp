@@ -35,7 +35,7 @@ SuiteMoving draw_moving(int number, double ring, SuiteDice& dice) {
   moving.shape.name = "obstacle" + std::to_string(number);
   switch (dice.whole(0, 2)) {
     case 0:
-      moving.shape.geometry = BallShape{dice.between(0.05, 0.15)};
+      moving.shape.geometry = SphereShape{dice.between(0.05, 0.15)};
       break;
     case 1: {
       const double x = dice.between(0.08, 0.3), y = dice.between(0.08, 0.3), z = dice.between(0.08, 0.3);
@@ -70,9 +70,10 @@ Configuration draw_within_limits(const Robot& robot, SuiteDice& dice) {
 
 bool is_apart(const Robot& robot, const Configuration& q, const std::vector<PlacedShape>& others,
               double margin) {
-  std::vector<ObstacleRow> rows;
-  return ObstacleRows(robot).append(forward_kinematics(robot, q), others, margin, rows) >= margin &&
-         rows.empty();
+  std::vector<ObstacleConstraint> constraints;
+  return ObstacleConstraints(robot).append(forward_kinematics(robot, q), others, margin, constraints) >=
+             margin &&
+         constraints.empty();
 }
 
 /// The bodies of all robots but one that no joint moves.

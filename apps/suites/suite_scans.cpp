@@ -58,12 +58,13 @@ Points points_on(const CylinderShape& cylinder, double spacing) {
   return points;
 }
 
-Points points_on(const BallShape& ball, double spacing) {
+Points points_on(const SphereShape& sphere, double spacing) {
   Points points;
-  const int rings = pieces(std::numbers::pi * ball.radius, spacing);
+  const int rings = pieces(std::numbers::pi * sphere.radius, spacing);
   for (int i = 0; i <= rings; ++i) {
     const double polar = std::numbers::pi * i / rings;
-    add_ring(inside * ball.radius * std::sin(polar), inside * ball.radius * std::cos(polar), spacing, points);
+    add_ring(inside * sphere.radius * std::sin(polar), inside * sphere.radius * std::cos(polar), spacing,
+             points);
   }
   return points;
 }

@@ -18,7 +18,7 @@ Shape shape_of(const SceneShape& shape) {
   if (const auto* box = std::get_if<BoxShape>(&shape.geometry)) return Shape::box(box->size);
   if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
     return Shape::cylinder(cylinder->radius, cylinder->length);
-  return Shape::sphere(std::get<BallShape>(shape.geometry).radius);
+  return Shape::sphere(std::get<SphereShape>(shape.geometry).radius);
 }
 
 TeamRobot make_robot(const SuiteTeamRobot& given, const Snapshot& map,

@@ -26,9 +26,9 @@ Team make_team(const SuiteTeam& team, const Snapshot& map,
 Snapshot empty_map();
 
 /// Draws team number `index` of a generator of the kind "crossings": two to five arms (arm5, puma560, panda)
-/// that stand in a ring, 0.8 to 1.4 m from their neighbours, and up to three balls, boxes and cylinders that
-/// cross the ring to and fro at 0.05 to 0.4 m/s. Starts and goals are drawn evenly within the joint limits
-/// until nothing is nearer than 8 cm to another robot, nor at the start than 30 cm to an obstacle.
+/// that stand in a ring, 0.8 to 1.4 m from their neighbours, and up to three spheres, boxes and cylinders
+/// that cross the ring to and fro at 0.05 to 0.4 m/s. Starts and goals are drawn evenly within the joint
+/// limits until nothing is nearer than 8 cm to another robot, nor at the start than 30 cm to an obstacle.
 /// Deterministic: the same team whatever the generator's count.
 SuiteTeam draw_crossing(const SuiteGenerator& generator, std::size_t index);
 

@@ -17,10 +17,10 @@ constexpr int most_tunnel_draws = 2000;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double widest_turn = 1.2;  ///< rad (or share of m), of a joint between two turns of a way
 
-/// The ball about the robot's critical parts.
-class Hand {
+/// The sphere about the robot's critical parts.
+class EndEffector {
  public:
-  explicit Hand(const Robot& robot) : robot_(robot) {
+  explicit EndEffector(const Robot& robot) : robot_(robot) {
     const std::set<std::string> critical(robot.critical_parts.begin(), robot.critical_parts.end());
     for (const Body& body : robot.bodies) {
       if (critical.empty() ? body.link == robot.tip_link : critical.count(body.part) > 0)
@@ -32,16 +32,16 @@ class Hand {
     }
   }
 
-  Sphere ball(const Configuration& q) const {
+  Sphere sphere(const Configuration& q) const {
     const LinkPoses poses = forward_kinematics(robot_, q);
     Eigen::AlignedBox3d box;
     for (const Body* body : bodies_) box.extend(center(*body, poses));
-    Sphere ball{box.center(), 0.0};
+    Sphere sphere{box.center(), 0.0};
     for (const Body* body : bodies_) {
-      const double off = (center(*body, poses) - ball.center).norm();
-      ball.radius = std::max(ball.radius, off + body->shape.bounding_radius());
+      const double off = (center(*body, poses) - sphere.center).norm();
+      sphere.radius = std::max(sphere.radius, off + body->shape.bounding_radius());
     }
-    return ball;
+    return sphere;
   }
 
  private:
@@ -85,21 +85,21 @@ class TunnelDrawer {
     return way;
   }
 
-  /// The balls along the hand's way, a stroke for each straight piece.
-  std::vector<std::vector<SuiteBall>> strokes(const std::vector<Configuration>& way) {
-    std::vector<std::vector<SuiteBall>> strokes;
+  /// The spheres along the hand's way, a stroke for each straight piece.
+  std::vector<std::vector<SuiteSphere>> strokes(const std::vector<Configuration>& way) {
+    std::vector<std::vector<SuiteSphere>> strokes;
     for (std::size_t i = 1; i < way.size(); ++i) {
       auto& stroke = strokes.emplace_back();
-      Eigen::Vector3d last = hand_.ball(way[i - 1]).center;
-      stroke.push_back(painted(hand_.ball(way[i - 1])));
+      Eigen::Vector3d last = hand_.sphere(way[i - 1]).center;
+      stroke.push_back(painted(hand_.sphere(way[i - 1])));
       for (const Configuration& q : finely(way[i - 1], way[i], 0.1 * degree)) {
-        const Sphere ball = hand_.ball(q);
-        if ((ball.center - last).norm() < painted_radius(ball) / 3.0) continue;
-        stroke.push_back(painted(ball));
-        last = ball.center;
+        const Sphere sphere = hand_.sphere(q);
+        if ((sphere.center - last).norm() < painted_radius(sphere) / 3.0) continue;
+        stroke.push_back(painted(sphere));
+        last = sphere.center;
       }
     }
-    strokes.back().push_back(painted(hand_.ball(way.back())));
+    strokes.back().push_back(painted(hand_.sphere(way.back())));
     return strokes;
   }
 
@@ -116,7 +116,7 @@ class TunnelDrawer {
 
   /// A configuration a straight edge away, with the hand clear of where it was painted before.
   std::optional<Configuration> next_turn(const Configuration& from) {
-    const Sphere hand = hand_.ball(from);
+    const Sphere hand = hand_.sphere(from);
     for (int attempt = 0; attempt < 30; ++attempt) {
       Configuration next = from;
       for (Eigen::Index j = 0; j < next.size(); ++j) {
@@ -124,7 +124,7 @@ class TunnelDrawer {
         const double most = std::min(widest_turn, 0.3 * (joint.upper - joint.lower));
         next[j] += dice_.between(-most, most);
       }
-      if ((hand_.ball(next).center - hand.center).norm() < 2.0 * painted_radius(hand)) continue;
+      if ((hand_.sphere(next).center - hand.center).norm() < 2.0 * painted_radius(hand)) continue;
       if (bare_.is_edge_free(from, next)) return next;
     }
     return std::nullopt;
@@ -132,13 +132,13 @@ class TunnelDrawer {
 
   double jitter() const { return resolution_ / 2.0; }
 
-  /// Of a ball that holds the hand with a voxel to spare when it is up to a sixth of its radius, and the
+  /// Of a sphere that holds the hand with a voxel to spare when it is up to a sixth of its radius, and the
   /// jitter, off the hand; voxels are painted when they lie inside as a whole.
   double painted_radius(const Sphere& hand) const {
     return 1.2 * (hand.radius + padding_ + jitter() + (1.0 + std::sqrt(3.0)) * resolution_);
   }
 
-  SuiteBall painted(const Sphere& hand) {
+  SuiteSphere painted(const Sphere& hand) {
     const double most = jitter() / std::sqrt(3.0);
     const Eigen::Vector3d aside(dice_.between(-most, most), dice_.between(-most, most),
                                 dice_.between(-most, most));
@@ -147,7 +147,7 @@ class TunnelDrawer {
 
   double resolution_, padding_;
   const Robot& robot_;
-  Hand hand_;
+  EndEffector hand_;
   ConfigurationSpace bare_;
   SuiteDice dice_;
 };

@@ -16,7 +16,7 @@ struct Tunnel {
 };
 
 /// Draws tunnel number `index` of a generator: a winding joint-space way of the robot, and one volume painted
-/// along the way of its hand (its critical parts, or what is on its tip's link when it has none). The balls
+/// along the way of its hand (its critical parts, or what is on its tip's link when it has none). The spheres
 /// hold the hand with a voxel to spare however it is turned, a third of their radius apart and up to half a
 /// voxel off the way, as a human's are.
 /// Start and goal are free, every piece of the way is proved free, the straight edge from start to goal is

@@ -8,9 +8,9 @@
 namespace clearway {
 namespace {
 
-bool meets_pocket(const SuiteWorld& world, const SuiteBall& ball) {
-  return std::any_of(world.pockets.begin(), world.pockets.end(), [&](const SuiteBall& pocket) {
-    return (ball.center - pocket.center).norm() < ball.radius + pocket.radius;
+bool meets_pocket(const SuiteWorld& world, const SuiteSphere& sphere) {
+  return std::any_of(world.pockets.begin(), world.pockets.end(), [&](const SuiteSphere& pocket) {
+    return (sphere.center - pocket.center).norm() < sphere.radius + pocket.radius;
   });
 }
 
@@ -20,8 +20,8 @@ void paint(const SuiteWorld& world, const SuiteVolume& volume, const std::vector
       map.add_volume(volume.label, volume.critical_parts.empty() ? critical_parts : volume.critical_parts);
   for (const auto& stroke : volume.strokes) {
     map.begin_stroke(volume.label);
-    for (const SuiteBall& ball : stroke)
-      if (!meets_pocket(world, ball)) map.paint(index, {ball.center, ball.radius});
+    for (const SuiteSphere& sphere : stroke)
+      if (!meets_pocket(world, sphere)) map.paint(index, {sphere.center, sphere.radius});
     map.end_stroke();
   }
 }

@@ -162,7 +162,7 @@ SceneShape read_scene_shape(const YamlFields& fields) {
     const auto values = fields.numbers("cylinder", positive, 2);
     shape.geometry = CylinderShape{values[0], values[1]};
   } else {
-    shape.geometry = BallShape{fields.number("sphere", positive)};
+    shape.geometry = SphereShape{fields.number("sphere", positive)};
   }
   shape.map_from_shape = fields.pose("pose", shape.map_from_shape);
   shape.grey = fields.number("grey", grey_levels, shape.grey);

@@ -18,14 +18,14 @@ struct BoxShape {
 struct CylinderShape {
   double radius, length;  ///< m, along z, centred on the shape's origin
 };
-struct BallShape {
+struct SphereShape {
   double radius;  ///< m
 };
 
 /// A solid thing of the scene.
 struct SceneShape {
   std::string name;
-  std::variant<BoxShape, CylinderShape, BallShape> geometry;
+  std::variant<BoxShape, CylinderShape, SphereShape> geometry;
   Eigen::Isometry3d map_from_shape = Eigen::Isometry3d::Identity();
   double grey = 160;  ///< 0 black to 255 white, before shading
 };

@@ -71,7 +71,7 @@ struct ProbeSetup {
   double robot_error = 0, tracking_error = 0, modelling_error = 0;  ///< m
   std::vector<CapsuleSetup> hand;  ///< what holds it; scans must not see it, nor the ball and its stick
 
-  /// Radius that is painted, eq. 3: r0 = r - (robot + tracking + modelling error).
+  /// Radius that is painted, Chong 2008, eq. 3: r0 = r - (robot + tracking + modelling error).
   double painted_radius() const { return ball_radius - robot_error - tracking_error - modelling_error; }
 };
 

@@ -42,7 +42,7 @@ void read_made_world(const YamlFields& fields, SuiteWorld& world) {
     take_name(labels, world.volumes.back().label, entry, "label");
   }
   if (world.volumes.size() > 15) fields.fail("volumes", "expected at most 15 of them");
-  if (fields.has("pockets")) world.pockets = read_balls(fields, "pockets");
+  if (fields.has("pockets")) world.pockets = read_spheres(fields, "pockets");
   if (!world.solids.empty() && world.sensors.empty())
     fields.fail("sensors", "expected at least one sensor that looks at the solids");
   if (world.sensors.empty() && world.volumes.empty())

@@ -13,17 +13,17 @@
 
 namespace clearway {
 
-/// A ball that is painted.
-struct SuiteBall {
+/// A sphere that is painted.
+struct SuiteSphere {
   Eigen::Vector3d center;  ///< m, map frame
   double radius = 0;       ///< m, as painted (eq. 3 of Chong et al. 2008 already applied)
 };
 
-/// A volume painted without a recording: balls, and strokes of balls along polylines.
+/// A volume painted without a recording: spheres, and strokes of spheres along polylines.
 struct SuiteVolume {
   std::string label;
-  std::vector<std::string> critical_parts;      ///< empty: the robot's own choice
-  std::vector<std::vector<SuiteBall>> strokes;  ///< in the order painted; single balls are strokes of one
+  std::vector<std::string> critical_parts;        ///< empty: the robot's own choice
+  std::vector<std::vector<SuiteSphere>> strokes;  ///< in the order painted; single spheres are strokes of one
 };
 
 /// A map to plan in: loaded, or made of solids that sensors look at and of paint.
@@ -35,7 +35,7 @@ struct SuiteWorld {
   std::vector<Eigen::Vector3d> sensors;  ///< where range sensors stand that look all around; may be empty
   double sensor_range = 5;               ///< m
   std::vector<SuiteVolume> volumes;      ///< painted
-  std::vector<SuiteBall> pockets;  ///< left out of all painted volumes: balls meeting one are not painted
+  std::vector<SuiteSphere> pockets;  ///< left out of all painted volumes: spheres meeting one are not painted
 };
 
 struct SuiteProblem {

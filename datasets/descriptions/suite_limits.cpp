@@ -29,7 +29,7 @@ double area(const BoxShape& box) {
 double area(const CylinderShape& cylinder) {
   return 2 * std::numbers::pi * cylinder.radius * (cylinder.length + cylinder.radius);
 }
-double area(const BallShape& ball) { return 4 * std::numbers::pi * ball.radius * ball.radius; }
+double area(const SphereShape& sphere) { return 4 * std::numbers::pi * sphere.radius * sphere.radius; }
 
 /// Rays end on solids half a voxel apart.
 void require_solids(const YamlFields& fields, const SuiteWorld& world) {
@@ -71,7 +71,7 @@ void require_range(const YamlFields& fields, const std::string& key, double rang
                        "; shorten it or make the resolution coarser");
 }
 
-/// Octrees hold the surface of what is painted; balls that overlap share the box about all of them.
+/// Octrees hold the surface of what is painted; spheres that overlap share the box about all of them.
 void require_paint(const YamlFields& fields, const SuiteWorld& world) {
   constexpr double most = budget / bytes_of_painted;
   const double voxel = world.resolution;
@@ -81,10 +81,10 @@ void require_paint(const YamlFields& fields, const SuiteWorld& world) {
     double surfaces = 0;
     Eigen::AlignedBox3d box;
     for (const auto& stroke : world.volumes[i].strokes)
-      for (const SuiteBall& ball : stroke) {
-        surfaces += 4 * std::numbers::pi * std::pow(ball.radius / voxel, 2);
-        box.extend(Eigen::Vector3d(ball.center.array() - ball.radius));
-        box.extend(Eigen::Vector3d(ball.center.array() + ball.radius));
+      for (const SuiteSphere& sphere : stroke) {
+        surfaces += 4 * std::numbers::pi * std::pow(sphere.radius / voxel, 2);
+        box.extend(Eigen::Vector3d(sphere.center.array() - sphere.radius));
+        box.extend(Eigen::Vector3d(sphere.center.array() + sphere.radius));
       }
     voxels += std::min(surfaces, box.volume() / std::pow(voxel, 3));
     if (voxels > most)

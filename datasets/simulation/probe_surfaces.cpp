@@ -26,7 +26,7 @@ std::vector<Surface> probe_surfaces(const Setup& setup, const Eigen::Isometry3d&
   const ProbeSetup& probe = *setup.probe;
   std::vector<Surface> surfaces;
   add_tags(*setup.board(probe.board), map_from_probe, surfaces);
-  SceneShape ball{"ball", BallShape{probe.ball_radius}, map_from_probe, 150};
+  SceneShape ball{"ball", SphereShape{probe.ball_radius}, map_from_probe, 150};
   ball.map_from_shape.translate(probe.ball_center);
   surfaces.emplace_back(ball);
   const double length = probe.ball_center.norm();

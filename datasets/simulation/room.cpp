@@ -25,7 +25,7 @@ SceneShape cylinder(const char* name, double radius, double length, const Eigen:
 }
 
 SceneShape ball(const char* name, double radius, const Eigen::Vector3d& center) {
-  SceneShape shape{name, BallShape{radius}};
+  SceneShape shape{name, SphereShape{radius}};
   shape.map_from_shape.translate(center);
   return shape;
 }
@@ -96,7 +96,7 @@ Scene room_scene(std::size_t frames) {
 /// Signed distance from a point to the surface of a shape, negative inside. Exact.
 double signed_distance(const SceneShape& shape, const Eigen::Vector3d& point) {
   const Eigen::Vector3d local = shape.map_from_shape.inverse() * point;
-  if (const auto* sphere = std::get_if<BallShape>(&shape.geometry)) return local.norm() - sphere->radius;
+  if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) return local.norm() - sphere->radius;
   Eigen::Array3d beyond = Eigen::Array3d::Zero();  // of each pair of sides
   if (const auto* block = std::get_if<BoxShape>(&shape.geometry)) {
     beyond = local.array().abs() - 0.5 * block->size.array();

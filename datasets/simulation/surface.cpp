@@ -42,15 +42,15 @@ bool meet(const BoxShape& box, const LocalRay& ray, LocalHit& hit) {
   return true;
 }
 
-bool meet(const BallShape& ball, const LocalRay& ray, LocalHit& hit) {
+bool meet(const SphereShape& sphere, const LocalRay& ray, LocalHit& hit) {
   const double a = ray.direction.squaredNorm(), b = ray.origin.dot(ray.direction);
-  const double c = ray.origin.squaredNorm() - ball.radius * ball.radius, under_root = b * b - a * c;
+  const double c = ray.origin.squaredNorm() - sphere.radius * sphere.radius, under_root = b * b - a * c;
   if (under_root < 0) return false;
   const double root = std::sqrt(under_root);
   hit.along = (-b - root) / a;
   if (hit.along <= nearest_allowed) hit.along = (-b + root) / a;
   if (!(hit.along > nearest_allowed && hit.along < ray.limit)) return false;
-  hit.normal = (ray.origin + hit.along * ray.direction) / ball.radius;
+  hit.normal = (ray.origin + hit.along * ray.direction) / sphere.radius;
   hit.part = 0;
   return true;
 }
@@ -101,7 +101,7 @@ bool meet(const TagShape& tag, const LocalRay& ray, LocalHit& hit) {
 
 double reach_of(const BoxShape& box) { return box.size.norm() / 2; }
 double reach_of(const CylinderShape& cylinder) { return std::hypot(cylinder.radius, cylinder.length / 2); }
-double reach_of(const BallShape& ball) { return ball.radius; }
+double reach_of(const SphereShape& sphere) { return sphere.radius; }
 double reach_of(const TagShape& tag) { return tag.size * 10 / 8 / std::sqrt(2); }
 
 }  // namespace
@@ -129,7 +129,7 @@ bool Surface::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
   const Eigen::Vector3d to_center = center() - origin;
   const double ahead = to_center.dot(direction);
   if ((to_center.squaredNorm() - 1.000001 * reach_ * reach_) * direction.squaredNorm() > ahead * ahead)
-    return false;  // the ray passes by the ball around it
+    return false;  // the ray passes by the sphere around it
   const LocalRay ray{surface_from_map_ * origin, surface_from_map_.linear() * direction, nearest.along};
   LocalHit hit{0, 0, Eigen::Vector3d::Zero(), grey_};
   if (!std::visit([&](const auto& geometry) { return clearway::meet(geometry, ray, hit); }, geometry_))

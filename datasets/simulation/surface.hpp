@@ -34,12 +34,12 @@ class Surface {
   /// Puts the first meeting in front of `nearest.along` into `nearest` and returns true, or leaves it alone.
   bool meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const;
 
-  /// Ball around all of it.
+  /// Sphere around all of it.
   Eigen::Vector3d center() const { return map_from_surface_.translation(); }
   double reach() const { return reach_; }
 
  private:
-  std::variant<BoxShape, CylinderShape, BallShape, TagShape> geometry_;
+  std::variant<BoxShape, CylinderShape, SphereShape, TagShape> geometry_;
   Eigen::Isometry3d map_from_surface_, surface_from_map_;
   double grey_, reach_;
 };

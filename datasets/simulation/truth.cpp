@@ -34,7 +34,7 @@ Json to_json(const SceneShape& shape) {
   if (const auto* box = std::get_if<BoxShape>(&shape.geometry)) json["box"] = to_json(box->size);
   if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
     json["cylinder"] = {cylinder->radius, cylinder->length};
-  if (const auto* ball = std::get_if<BallShape>(&shape.geometry)) json["sphere"] = ball->radius;
+  if (const auto* ball = std::get_if<SphereShape>(&shape.geometry)) json["sphere"] = ball->radius;
   json["map_from_shape"] = to_json(shape.map_from_shape);
   json["grey"] = shape.grey;
   return json;

@@ -28,7 +28,8 @@ struct RayHit {
 };
 
 /// Coordinates of many points, an array an axis, all of one length; metres. Doubles, as whoever computes the
-/// middle of a ball has it: there is no rounding to float that one would have to add to the ball's radius.
+/// middle of a sphere has it: there is no rounding to float that one would have to add to the sphere's
+/// radius.
 struct PointArrays {
   std::span<const double> x, y, z;
 };

@@ -164,7 +164,7 @@ int stroke_of(const Row& row, PaintedVolume& volume, const Reader& reader) {
   return static_cast<int>(stroke);
 }
 
-/// Strokes in the order in which their balls appear, which is the order that stroke_of expects.
+/// Strokes in the order in which their spheres appear, which is the order that stroke_of expects.
 class StrokeNumbers {
  public:
   int number(int stroke) {
@@ -175,15 +175,15 @@ class StrokeNumbers {
   std::map<int, int> numbers_;
 };
 
-std::string stroke_columns(const PaintedVolume& volume, std::size_t ball, StrokeNumbers& numbers) {
-  const Stroke* stroke = volume.stroke(ball);
+std::string stroke_columns(const PaintedVolume& volume, std::size_t sphere, StrokeNumbers& numbers) {
+  const Stroke* stroke = volume.stroke(sphere);
   if (stroke == nullptr) return ",,,";
   if (!is_storable_name(stroke->label) || !is_storable_name(stroke->source)) {
     throw std::invalid_argument("stroke " + quote(stroke->label) +
                                 ": expected names without control characters");
   }
-  return "," + std::to_string(numbers.number(volume.stroke_of[ball])) + "," + in_quotes(stroke->label) + "," +
-         in_quotes(stroke->source);
+  return "," + std::to_string(numbers.number(volume.stroke_of[sphere])) + "," + in_quotes(stroke->label) +
+         "," + in_quotes(stroke->source);
 }
 
 }  // namespace
@@ -199,13 +199,13 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes) {
     }
     const std::string start = std::to_string(v) + "," + in_quotes(volume.label) + "," +
                               in_quotes(join_parts(volume.critical_parts)) + ",";
-    if (volume.balls.empty()) text += start + ",,,,,,,\n";
+    if (volume.spheres.empty()) text += start + ",,,,,,,\n";
     StrokeNumbers numbers;
-    for (std::size_t i = 0; i < volume.balls.size(); ++i) {
-      const Sphere& ball = volume.balls[i];
+    for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
+      const Sphere& sphere = volume.spheres[i];
       const double time = i < volume.times.size() ? volume.times[i] : 0.0;
       text += start;
-      for (double value : {ball.center.x(), ball.center.y(), ball.center.z(), ball.radius})
+      for (double value : {sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius})
         text += number(value) + ",";
       text += number(time) + stroke_columns(volume, i, numbers) + "\n";
     }
@@ -222,10 +222,10 @@ std::vector<PaintedVolume> parse_painted(std::string_view text, const std::files
     PaintedVolume& volume = volume_of(row, volumes, reader);
     if (std::all_of(row.begin() + 3, row.end(), [](const std::string& field) { return field.empty(); }))
       continue;
-    const Sphere ball{{reader.finite(row[3], "x"), reader.finite(row[4], "y"), reader.finite(row[5], "z")},
-                      reader.finite(row[6], "radius")};
-    if (!(ball.radius > 0.0)) reader.refuse("a radius > 0");
-    volume.add(ball, reader.finite(row[7], "time"), stroke_of(row, volume, reader));
+    const Sphere sphere{{reader.finite(row[3], "x"), reader.finite(row[4], "y"), reader.finite(row[5], "z")},
+                        reader.finite(row[6], "radius")};
+    if (!(sphere.radius > 0.0)) reader.refuse("a radius > 0");
+    volume.add(sphere, reader.finite(row[7], "time"), stroke_of(row, volume, reader));
   }
   return volumes;
 }

@@ -9,17 +9,17 @@
 
 namespace clearway {
 
-/// The painted volumes as comma-separated text: one line a ball, in painting order, volumes by index; metres
-/// and seconds with every digit that a double has, so that reading gives the same bits. Columns:
+/// The painted volumes as comma-separated text: one line a sphere, in painting order, volumes by index;
+/// metres and seconds with every digit that a double has, so that reading gives the same bits. Columns:
 ///   volume,label,critical_parts,x,y,z,radius,time,stroke,stroke_label,source
-/// Balls are those that are left after erasing. Strokes are numbered within their volume by their first ball;
-/// a ball of no stroke leaves the last three columns empty. Critical parts are separated by ';' ('\' escapes
-/// ';' and '\'). A volume without balls has one line with empty numbers.
+/// Spheres are those that are left after erasing. Strokes are numbered within their volume by their first
+/// sphere; a sphere of no stroke leaves the last three columns empty. Critical parts are separated by ';'
+/// ('\' escapes ';' and '\'). A volume without spheres has one line with empty numbers.
 /// @throws std::invalid_argument for a label, part or source with control characters.
 std::string format_painted(const std::vector<PaintedVolume>& volumes);
 
 /// Reads what format_painted wrote, or a text without the last three columns, as earlier versions wrote it;
-/// the time span of a stroke is that of its balls. `file` is named in errors.
+/// the time span of a stroke is that of its spheres. `file` is named in errors.
 /// @throws DamagedFile naming the line and what was expected there.
 std::vector<PaintedVolume> parse_painted(std::string_view text, const std::filesystem::path& file);
 

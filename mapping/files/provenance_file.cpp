@@ -34,8 +34,8 @@ void put_event(std::string& bytes, const PaintEvent& event) {
   put(bytes, static_cast<std::int32_t>(event.volume));
   put(bytes, static_cast<std::int32_t>(event.stroke));
   put(bytes, static_cast<std::uint8_t>(event.erases));
-  for (int axis = 0; axis < 3; ++axis) put(bytes, event.ball.center[axis]);
-  put(bytes, event.ball.radius);
+  for (int axis = 0; axis < 3; ++axis) put(bytes, event.sphere.center[axis]);
+  put(bytes, event.sphere.radius);
   put(bytes, event.time);
 }
 
@@ -109,10 +109,10 @@ PaintEvent read_event(ProvenanceReader& reader, std::size_t volumes, std::size_t
   event.volume = reader.index(volumes, false);
   event.stroke = reader.index(strokes, true);
   event.erases = reader.flag();
-  for (int axis = 0; axis < 3; ++axis) event.ball.center[axis] = reader.get<double>();
-  event.ball.radius = reader.get<double>();
+  for (int axis = 0; axis < 3; ++axis) event.sphere.center[axis] = reader.get<double>();
+  event.sphere.radius = reader.get<double>();
   event.time = reader.get<double>();
-  if (!(event.ball.radius > 0.0)) reader.refuse("a ball has no radius");
+  if (!(event.sphere.radius > 0.0)) reader.refuse("a ball has no radius");
   return event;
 }
 

@@ -43,14 +43,14 @@ void ConflictWatch::meet(const ConflictRecord& record) {
   ++log_.not_kept;
 }
 
-void ConflictWatch::painted(const Sphere& ball, double resolution, const std::vector<CellCube>& newly,
+void ConflictWatch::painted(const Sphere& sphere, double resolution, const std::vector<CellCube>& newly,
                             double time, int stroke, int volume) {
   constexpr double widest = 8.0;  // tiles along an edge that are listed one by one
   const double tile_edge = ScanTile::edge * resolution;
-  if (2.0 * ball.radius > widest * tile_edge) painted_everywhere_ = true;
+  if (2.0 * sphere.radius > widest * tile_edge) painted_everywhere_ = true;
   if (!painted_everywhere_) {
-    const Eigen::Array3d low = ((ball.center.array() - ball.radius) / tile_edge).floor();
-    const Eigen::Array3d high = ((ball.center.array() + ball.radius) / tile_edge).floor();
+    const Eigen::Array3d low = ((sphere.center.array() - sphere.radius) / tile_edge).floor();
+    const Eigen::Array3d high = ((sphere.center.array() + sphere.radius) / tile_edge).floor();
     const auto tile = [](double number) {
       return static_cast<int>(std::clamp(number, -1024.0, 1023.0)) * ScanTile::edge;
     };

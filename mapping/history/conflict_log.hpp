@@ -18,7 +18,7 @@ struct CellCube;
 /// One voxel that became a conflict, and what came second.
 struct ConflictRecord {
   Eigen::Vector3i cell = Eigen::Vector3i::Zero();  ///< of the voxel, see FusedTree::cell
-  double time = 0.0;                               ///< seconds: of the scan or ball that came second
+  double time = 0.0;                               ///< seconds: of the scan or sphere that came second
   bool by_scan = false;                            ///< a scan hit painted space; else paint met an obstacle
   int index = -1;   ///< of the scan (in order of insertion), or of the stroke (-1: outside any stroke)
   int volume = -1;  ///< that was painted second; -1 for a scan
@@ -38,8 +38,8 @@ class ConflictWatch {
  public:
   static constexpr std::size_t watch_limit = 100000;
 
-  /// After a ball was painted; `newly` are cubes of occupied voxels that the volume had not painted before.
-  void painted(const Sphere& ball, double resolution, const std::vector<CellCube>& newly, double time,
+  /// After a sphere was painted; `newly` are cubes of occupied voxels that the volume had not painted before.
+  void painted(const Sphere& sphere, double resolution, const std::vector<CellCube>& newly, double time,
                int stroke, int volume);
   /// After a scan was inserted; `grid` holds what it touched.
   void inserted(const FusedTree& tree, ScanGrid& grid, double time, int scan);
@@ -56,7 +56,7 @@ class ConflictWatch {
   ConflictLog log_;
   std::set<Cell> present_;           ///< voxels that are conflicts now
   std::set<Cell> painted_tiles_;     ///< corners of the scan tiles that hold paint
-  bool painted_everywhere_ = false;  ///< some ball was too large to list its tiles
+  bool painted_everywhere_ = false;  ///< some sphere was too large to list its tiles
 };
 
 }  // namespace clearway

@@ -15,7 +15,7 @@ bool less(const Sphere& a, const Sphere& b) {
   return tied(a) < tied(b);
 }
 
-/// Balls of one list but not of the other.
+/// Spheres of one list but not of the other.
 std::vector<Sphere> difference(std::vector<Sphere> before, std::vector<Sphere> now) {
   std::sort(before.begin(), before.end(), less);
   std::sort(now.begin(), now.end(), less);
@@ -25,26 +25,26 @@ std::vector<Sphere> difference(std::vector<Sphere> before, std::vector<Sphere> n
   return changed;
 }
 
-/// Shrinks the balls of a volume and removes those of which nothing is left.
+/// Shrinks the spheres of a volume and removes those of which nothing is left.
 PaintLog::Change erase_from(PaintedVolume& volume, const Sphere& eraser) {
   PaintLog::Change change;
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < volume.balls.size(); ++i) {
-    const std::optional<Sphere> left = shrunk(volume.balls[i], eraser);
-    if (!left || left->radius != volume.balls[i].radius) change.balls.push_back(volume.balls[i]);
+  for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
+    const std::optional<Sphere> left = shrunk(volume.spheres[i], eraser);
+    if (!left || left->radius != volume.spheres[i].radius) change.spheres.push_back(volume.spheres[i]);
     if (!left) {
       ++change.removed;
       continue;
     }
-    if (left->radius != volume.balls[i].radius) {
+    if (left->radius != volume.spheres[i].radius) {
       ++change.shrunk;
-      change.balls.push_back(*left);
+      change.spheres.push_back(*left);
     }
-    volume.balls[kept] = *left;
+    volume.spheres[kept] = *left;
     volume.times[kept] = volume.times[i];
     volume.stroke_of[kept++] = volume.stroke_of[i];
   }
-  volume.balls.resize(kept);
+  volume.spheres.resize(kept);
   volume.times.resize(kept);
   volume.stroke_of.resize(kept);
   return change;
@@ -64,8 +64,8 @@ int PaintLog::begin_stroke(const std::string& label, const std::string& source) 
   return open_;
 }
 
-void PaintLog::paint(int volume, const Sphere& ball, double time) {
-  events_.push_back({volume, open_, false, ball, time});
+void PaintLog::paint(int volume, const Sphere& sphere, double time) {
+  events_.push_back({volume, open_, false, sphere, time});
   apply(events_.back());
 }
 
@@ -80,7 +80,7 @@ void PaintLog::apply(const PaintEvent& event) {
   const auto index = static_cast<std::size_t>(event.volume);
   PaintedVolume& volume = volumes_[index];
   if (event.erases) {
-    erase_from(volume, event.ball);
+    erase_from(volume, event.sphere);
     return;
   }
   int local = -1;
@@ -94,7 +94,7 @@ void PaintLog::apply(const PaintEvent& event) {
       volume.strokes.push_back({stroke.label, stroke.source});
     }
   }
-  volume.add(event.ball, event.time, local);
+  volume.add(event.sphere, event.time, local);
 }
 
 void PaintLog::rebuild(int volume) {
@@ -115,9 +115,9 @@ std::vector<PaintLog::Change> PaintLog::undo(int stroke) {
     const auto kept = std::remove_if(events_.begin(), events_.end(), undone);
     if (kept == events_.end()) continue;
     events_.erase(kept, events_.end());
-    const std::vector<Sphere> before = volumes_[v].balls;
+    const std::vector<Sphere> before = volumes_[v].spheres;
     rebuild(volume);
-    changes.push_back({volume, difference(before, volumes_[v].balls)});
+    changes.push_back({volume, difference(before, volumes_[v].spheres)});
   }
   return changes;
 }

@@ -8,24 +8,24 @@
 
 namespace clearway {
 
-/// One ball that was painted into a volume, or one that erased from it.
+/// One sphere that was painted into a volume, or one that erased from it.
 struct PaintEvent {
   int volume = 0;
   int stroke = -1;  ///< index into PaintLog::strokes, -1 for none
   bool erases = false;
-  Sphere ball;
+  Sphere sphere;
   double time = 0.0;  ///< seconds
 };
 
 /// Everything that was painted and erased and not undone, in order, and the volumes that this makes: an
-/// eraser shrinks the balls painted before it (see `shrunk`), later balls are whole. Knows no voxels.
+/// eraser shrinks the spheres painted before it (see `shrunk`), later spheres are whole. Knows no voxels.
 class PaintLog {
  public:
-  /// Balls of one volume that changed: as they were before, and as they are now.
+  /// Spheres of one volume that changed: as they were before, and as they are now.
   struct Change {
     int volume = 0;
-    std::vector<Sphere> balls{};
-    std::size_t shrunk = 0, removed = 0;  ///< of the volume's balls
+    std::vector<Sphere> spheres{};
+    std::size_t shrunk = 0, removed = 0;  ///< of the volume's spheres
   };
 
   /// Precondition: the label is new.
@@ -36,7 +36,7 @@ class PaintLog {
   void end_stroke() { open_ = -1; }
   int open_stroke() const { return open_; }  ///< -1 for none
 
-  void paint(int volume, const Sphere& ball, double time);
+  void paint(int volume, const Sphere& sphere, double time);
   Change erase(int volume, const Sphere& eraser, double time);
   /// Takes a stroke out, as if it had never been; later strokes stay. Ends the open one.
   std::vector<Change> undo(int stroke);

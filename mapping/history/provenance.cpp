@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "mapping/voxels/ball_cells.hpp"
+#include "mapping/voxels/sphere_cells.hpp"
 
 namespace clearway {
 namespace {
 
-/// A ball that covers the voxel, as far as it is left.
-struct CoveringBall {
+/// A sphere that covers the voxel, as far as it is left.
+struct CoveringSphere {
   const PaintEvent* event = nullptr;
   Sphere left;
 };
@@ -25,7 +25,7 @@ StrokeTouch& touch_of(std::vector<StrokeTouch>& touches, const PaintEvent& event
 
 void count(std::vector<StrokeTouch>& touches, const PaintEvent& event) {
   StrokeTouch& touch = touch_of(touches, event);
-  ++touch.balls;
+  ++touch.spheres;
   touch.first = std::min(touch.first, event.time);
   touch.last = std::max(touch.last, event.time);
 }
@@ -34,22 +34,22 @@ void count(std::vector<StrokeTouch>& touches, const PaintEvent& event) {
 
 std::vector<StrokeTouch> strokes_at(const Provenance& provenance, const Eigen::Vector3i& cell) {
   const CellCube voxel{cell, 1};
-  std::vector<CoveringBall> covering;
+  std::vector<CoveringSphere> covering;
   std::vector<const PaintEvent*> telling;
   for (const PaintEvent& event : provenance.events) {
     if (!event.erases) {
-      if (covers(event.ball, voxel, provenance.resolution)) covering.push_back({&event, event.ball});
+      if (covers(event.sphere, voxel, provenance.resolution)) covering.push_back({&event, event.sphere});
       continue;
     }
-    const auto uncovered = [&](CoveringBall& ball) {
-      if (ball.event->volume != event.volume) return false;
-      const std::optional<Sphere> left = shrunk(ball.left, event.ball);
-      if (left) ball.left = *left;
+    const auto uncovered = [&](CoveringSphere& sphere) {
+      if (sphere.event->volume != event.volume) return false;
+      const std::optional<Sphere> left = shrunk(sphere.left, event.sphere);
+      if (left) sphere.left = *left;
       return !left || !covers(*left, voxel, provenance.resolution);
     };
     if (std::erase_if(covering, uncovered) > 0) telling.push_back(&event);
   }
-  for (const CoveringBall& ball : covering) telling.push_back(ball.event);
+  for (const CoveringSphere& sphere : covering) telling.push_back(sphere.event);
   std::sort(telling.begin(), telling.end());  // events lie in one array, in order
   std::vector<StrokeTouch> touches;
   for (const PaintEvent* event : telling) count(touches, *event);

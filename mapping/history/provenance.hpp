@@ -73,16 +73,16 @@ struct Provenance {
   ScanLog scans;
 };
 
-/// What a stroke did to one voxel: how many of its balls cover (or erased) it, first and last time.
+/// What a stroke did to one voxel: how many of its spheres cover (or erased) it, first and last time.
 struct StrokeTouch {
   int volume = 0, stroke = -1;
   bool erases = false;
-  std::size_t balls = 0;
+  std::size_t spheres = 0;
   double first = 0.0, last = 0.0;  ///< seconds
 };
 
-/// The strokes that made the paint of a voxel what it is, in the order of their first ball: those with balls
-/// that cover it still, and those that erased balls that had covered it.
+/// The strokes that made the paint of a voxel what it is, in the order of their first sphere: those with
+/// spheres that cover it still, and those that erased spheres that had covered it.
 std::vector<StrokeTouch> strokes_at(const Provenance& provenance, const Eigen::Vector3i& cell);
 
 /// As bytes, with a checksum.

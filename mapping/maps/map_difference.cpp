@@ -8,11 +8,11 @@
 namespace clearway {
 namespace {
 
-bool same_balls(const PaintedVolume& a, const PaintedVolume& b) {
+bool same_spheres(const PaintedVolume& a, const PaintedVolume& b) {
   const auto same = [](const Sphere& x, const Sphere& y) {
     return x.center == y.center && x.radius == y.radius;
   };
-  return std::equal(a.balls.begin(), a.balls.end(), b.balls.begin(), b.balls.end(), same);
+  return std::equal(a.spheres.begin(), a.spheres.end(), b.spheres.begin(), b.spheres.end(), same);
 }
 
 const PaintedVolume* with_label(const std::vector<PaintedVolume>& volumes, const std::string& label) {
@@ -26,7 +26,7 @@ std::vector<std::string> different_volumes(const std::vector<PaintedVolume>& min
   std::vector<std::string> labels;
   for (const PaintedVolume& volume : mine) {
     const PaintedVolume* other = with_label(theirs, volume.label);
-    if (other == nullptr || other->critical_parts != volume.critical_parts || !same_balls(volume, *other))
+    if (other == nullptr || other->critical_parts != volume.critical_parts || !same_spheres(volume, *other))
       labels.push_back(volume.label);
   }
   for (const PaintedVolume& volume : theirs) {

@@ -27,20 +27,21 @@ std::shared_ptr<FusedTree> empty_like(const FusedTree& tree, double resolution) 
 
 // ---- merging
 
-/// The balls in the order of their times, so that it does not matter which map came first.
+/// The spheres in the order of their times, so that it does not matter which map came first.
 void put_in_order(PaintedVolume& volume) {
-  volume.times.resize(volume.balls.size(), 0.0);
-  volume.stroke_of.resize(volume.balls.size(), -1);
-  std::vector<std::size_t> order(volume.balls.size());
+  volume.times.resize(volume.spheres.size(), 0.0);
+  volume.stroke_of.resize(volume.spheres.size(), -1);
+  std::vector<std::size_t> order(volume.spheres.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto key = [&](std::size_t i) {
-    const Sphere& ball = volume.balls[i];
-    return std::tuple(volume.times[i], ball.center.x(), ball.center.y(), ball.center.z(), ball.radius);
+    const Sphere& sphere = volume.spheres[i];
+    return std::tuple(volume.times[i], sphere.center.x(), sphere.center.y(), sphere.center.z(),
+                      sphere.radius);
   };
   std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return key(i) < key(j); });
   PaintedVolume ordered{volume.label, volume.critical_parts};
   ordered.strokes = volume.strokes;
-  for (const std::size_t i : order) ordered.add(volume.balls[i], volume.times[i], volume.stroke_of[i]);
+  for (const std::size_t i : order) ordered.add(volume.spheres[i], volume.times[i], volume.stroke_of[i]);
   volume = std::move(ordered);
 }
 
@@ -60,16 +61,16 @@ std::vector<std::size_t> merge_volumes(std::vector<PaintedVolume>& volumes,
             "merge: volume " + quote(other.label) +
                 " has other critical parts in the two maps, expected the same");
     const auto strokes = static_cast<int>(found->strokes.size());
-    const std::vector<Sphere> known = found->balls;
+    const std::vector<Sphere> known = found->spheres;
     found->strokes.insert(found->strokes.end(), other.strokes.begin(), other.strokes.end());
-    for (std::size_t i = 0; i < other.balls.size(); ++i) {
-      const Sphere& ball = other.balls[i];
-      const auto is_ball = [&](const Sphere& b) {
-        return b.center == ball.center && b.radius == ball.radius;
+    for (std::size_t i = 0; i < other.spheres.size(); ++i) {
+      const Sphere& sphere = other.spheres[i];
+      const auto is_sphere = [&](const Sphere& b) {
+        return b.center == sphere.center && b.radius == sphere.radius;
       };
-      if (std::any_of(known.begin(), known.end(), is_ball)) continue;
+      if (std::any_of(known.begin(), known.end(), is_sphere)) continue;
       const int stroke = i < other.stroke_of.size() ? other.stroke_of[i] : -1;
-      found->add(ball, i < other.times.size() ? other.times[i] : 0.0, stroke < 0 ? -1 : strokes + stroke);
+      found->add(sphere, i < other.times.size() ? other.times[i] : 0.0, stroke < 0 ? -1 : strokes + stroke);
     }
   }
   require(volumes.size() <= static_cast<std::size_t>(FusedTree::volume_limit),
@@ -158,14 +159,14 @@ void crop_below(const FusedNode& node, const CellCube& cube, const Eigen::Vector
   }
 }
 
-/// The volume with the balls that reach the box.
+/// The volume with the spheres that reach the box.
 PaintedVolume cropped(const PaintedVolume& volume, const Eigen::AlignedBox3d& box) {
   PaintedVolume result{volume.label, volume.critical_parts};
   result.strokes = volume.strokes;
-  for (std::size_t i = 0; i < volume.balls.size(); ++i) {
-    const Sphere& ball = volume.balls[i];
-    if (box.squaredExteriorDistance(ball.center) > ball.radius * ball.radius) continue;
-    result.add(ball, i < volume.times.size() ? volume.times[i] : 0.0,
+  for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
+    const Sphere& sphere = volume.spheres[i];
+    if (box.squaredExteriorDistance(sphere.center) > sphere.radius * sphere.radius) continue;
+    result.add(sphere, i < volume.times.size() ? volume.times[i] : 0.0,
                i < volume.stroke_of.size() ? volume.stroke_of[i] : -1);
   }
   return result;

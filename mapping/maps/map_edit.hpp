@@ -6,8 +6,8 @@
 
 namespace clearway {
 
-// Maps made of maps. None calls a voxel free that its sources do not; the exact balls go with the voxels, and
-// painted voxels lie in the union of the balls that remain.
+// Maps made of maps. None calls a voxel free that its sources do not; the exact spheres go with the voxels,
+// and painted voxels lie in the union of the spheres that remain.
 //
 // Of the times at which voxels were last seen, merge keeps the later (and so supposes that the scans of both
 // maps have times of one clock, as recordings with real dates do), crop those of the box, and coarsen the
@@ -17,14 +17,14 @@ namespace clearway {
 /// Both maps in one. No obstacle is lost: a voxel that either map calls occupied is occupied, or a conflict
 /// where either painted it, and has the higher log-odds of the two; one that both saw and neither calls
 /// occupied has the lower. So neither the order of maps nor a scan that is in both makes a difference.
-/// Painted volumes of the same label become one (balls that both hold count once).
+/// Painted volumes of the same label become one (spheres that both hold count once).
 /// @throws std::invalid_argument when resolution, occupancy threshold or the critical parts of a common
 /// volume
 ///         differ, or there would be more than 15 volumes.
 Snapshot merge(const Snapshot& map, const Snapshot& other);
 
-/// The voxels of a box, snapped outwards to voxels; all else is unknown. Balls that do not reach the box go;
-/// the others stay whole.
+/// The voxels of a box, snapped outwards to voxels; all else is unknown. Spheres that do not reach the box
+/// go; the others stay whole.
 /// @throws std::invalid_argument for an empty or non-finite box.
 Snapshot crop(const Snapshot& map, const Eigen::AlignedBox3d& box);
 

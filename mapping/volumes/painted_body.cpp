@@ -25,7 +25,7 @@ void check(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius) {
 /// A capsule, or a cylinder when `flat`.
 struct PaintedSpace::Rod {
   Eigen::Vector3d start;
-  Eigen::Vector3d axis;  ///< unit; zero for a ball
+  Eigen::Vector3d axis;  ///< unit; zero for a sphere
   double length = 0.0;
   double radius = 0.0;
   bool flat = false;
@@ -40,7 +40,7 @@ struct PaintedSpace::Rod {
     const double along = (point - start).dot(axis);
     return !flat || (along >= 0.0 && along <= length);
   }
-  /// How far along the axis, to either side of a point, a ball of `clearance` about it holds the rod.
+  /// How far along the axis, to either side of a point, a sphere of `clearance` about it holds the rod.
   double reach(double clearance) const {
     if (clearance <= radius) return 0.0;
     return flat ? std::sqrt(clearance * clearance - radius * radius) : clearance - radius;
@@ -62,8 +62,8 @@ PaintedSpace::PaintedSpace(const Snapshot& map, std::uint16_t volumes) {
   space_ = map.blocked_space({Policy::painted, volumes}, box, 89.0 * map.resolution());
 }
 
-bool PaintedSpace::contains(const Sphere& ball) const {
-  return contains(Capsule{ball.center, ball.center, ball.radius});
+bool PaintedSpace::contains(const Sphere& sphere) const {
+  return contains(Capsule{sphere.center, sphere.center, sphere.radius});
 }
 
 bool PaintedSpace::contains(const Capsule& capsule) const {

@@ -20,7 +20,7 @@ struct Cylinder {
 
 /// Whether simple bodies lie wholly inside the painted voxels of some volumes: the CFV check of Chong et al.
 /// 2008, 4.1. The voxels decide, as they do for planners, and a voxel that is sensed occupied blocks; so what
-/// is inside here is inside the exact union of balls, and what is nearer to its surface than a voxel or two
+/// is inside here is inside the exact union of spheres, and what is nearer to its surface than a voxel or two
 /// is refused. The distance field decides the clear cases, the exact body against voxel cubes the rest.
 /// Immutable and safe to read from many threads.
 class PaintedSpace {
@@ -30,7 +30,7 @@ class PaintedSpace {
   PaintedSpace(const Snapshot& map, std::uint16_t volumes);
 
   /// @throws std::invalid_argument for a body that is not finite or whose radius is not > 0.
-  bool contains(const Sphere& ball) const;
+  bool contains(const Sphere& sphere) const;
   bool contains(const Capsule& capsule) const;
   bool contains(const Cylinder& cylinder) const;
 
@@ -44,11 +44,11 @@ class PaintedSpace {
 
 enum class Containment : std::uint8_t { inside, outside, undecided };
 
-/// The same question to the exact union of balls. `inside`: the body was cut into cubes each of which lies in
-/// one ball; `outside`: a point of the body lies in no ball; `undecided`: nearer to the union's surface than
-/// `tolerance` (metres, > 0), or more than a million cubes.
+/// The same question to the exact union of spheres. `inside`: the body was cut into cubes each of which lies
+/// in one sphere; `outside`: a point of the body lies in no sphere; `undecided`: nearer to the union's
+/// surface than `tolerance` (metres, > 0), or more than a million cubes.
 /// @throws std::invalid_argument for a body or tolerance that is out of range.
-Containment union_contains(const std::vector<Sphere>& balls, const Capsule& capsule, double tolerance);
-Containment union_contains(const std::vector<Sphere>& balls, const Cylinder& cylinder, double tolerance);
+Containment union_contains(const std::vector<Sphere>& spheres, const Capsule& capsule, double tolerance);
+Containment union_contains(const std::vector<Sphere>& spheres, const Cylinder& cylinder, double tolerance);
 
 }  // namespace clearway

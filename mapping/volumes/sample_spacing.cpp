@@ -28,19 +28,19 @@ Circle circle_between(const Sphere& a, const Sphere& b, double distance) {
 
 }  // namespace
 
-SampleSpacing sample_spacing(const std::vector<Sphere>& balls) {
+SampleSpacing sample_spacing(const std::vector<Sphere>& spheres) {
   SampleSpacing spacing;
   std::vector<double> distances, relative;
-  for (std::size_t i = 1; i < balls.size(); ++i) {
-    const Sphere& a = balls[i - 1];
-    const Sphere& b = balls[i];
+  for (std::size_t i = 1; i < spheres.size(); ++i) {
+    const Sphere& a = spheres[i - 1];
+    const Sphere& b = spheres[i];
     const double smaller = std::min(a.radius, b.radius);
     const double distance = (b.center - a.center).norm();
     distances.push_back(distance);
     relative.push_back(distance / smaller);
     if (distance + smaller <= std::max(a.radius, b.radius)) continue;  // one lies in the other
     const Circle circle = circle_between(a, b, distance);
-    // A smaller ball whose centre the plane lies beyond shows its full width.
+    // A smaller sphere whose centre the plane lies beyond shows its full width.
     const bool full_width = circle.along < 0.0 || circle.along > distance;
     if (full_width || circle.radius >= 0.5 * smaller) continue;
     spacing.thin.push_back(

@@ -1,4 +1,4 @@
-// Bodies in the exact union of balls: cubes that lie in one ball, down to a tolerance.
+// Bodies in the exact union of spheres: cubes that lie in one sphere, down to a tolerance.
 
 #include <algorithm>
 #include <cmath>
@@ -29,12 +29,12 @@ Eigen::Vector3d nearest_point(const Eigen::Vector3d& a, const Eigen::Vector3d& b
 template <class Body>
 class UnionTest {
  public:
-  UnionTest(const std::vector<Sphere>& balls, const Body& body, bool flat, double tolerance)
-      : balls_(balls), body_(body), flat_(flat), tolerance_(tolerance) {}
+  UnionTest(const std::vector<Sphere>& spheres, const Body& body, bool flat, double tolerance)
+      : spheres_(spheres), body_(body), flat_(flat), tolerance_(tolerance) {}
 
   /// Level by level, so that a point outside is found in as large a cube as shows it.
   Containment run() {
-    lists_.emplace_back(balls_.size());
+    lists_.emplace_back(spheres_.size());
     std::iota(lists_[0].begin(), lists_[0].end(), 0U);
     double half = 0.5 * (body_.b - body_.a).cwiseAbs().maxCoeff() + body_.radius;
     std::vector<Cube> cubes{{0.5 * (body_.a + body_.b), 0}};
@@ -53,10 +53,10 @@ class UnionTest {
  private:
   struct Cube {
     Eigen::Vector3d center;
-    std::size_t list;  ///< the balls that may reach it, in `lists_`
+    std::size_t list;  ///< the spheres that may reach it, in `lists_`
   };
 
-  /// False when a point of the body in the cube lies in no ball. Leaves what one ball does not hold to
+  /// False when a point of the body in the cube lies in no sphere. Leaves what one sphere does not hold to
   /// smaller cubes.
   bool look(const Cube& cube, double half, std::vector<Cube>& smaller) {
     const Eigen::Vector3d point = nearest_point(body_.a, body_.b, body_.radius, flat_, cube.center);
@@ -64,13 +64,13 @@ class UnionTest {
     std::vector<unsigned> near;
     bool held = false;
     for (const unsigned index : lists_[cube.list]) {
-      const Sphere& ball = balls_[index];
-      const Eigen::Array3d away = (ball.center - cube.center).array().abs();
-      const double squared = ball.radius * ball.radius;
+      const Sphere& sphere = spheres_[index];
+      const Eigen::Array3d away = (sphere.center - cube.center).array().abs();
+      const double squared = sphere.radius * sphere.radius;
       if ((away + half).square().sum() <= squared) return true;
       if ((away - half).max(0.0).square().sum() > squared) continue;
       near.push_back(index);
-      held = held || (point - ball.center).squaredNorm() <= squared;
+      held = held || (point - sphere.center).squaredNorm() <= squared;
     }
     const bool in_cube = ((point - cube.center).array().abs() <= half).all();
     if (in_cube && !held) return false;
@@ -82,7 +82,7 @@ class UnionTest {
     return true;
   }
 
-  const std::vector<Sphere>& balls_;
+  const std::vector<Sphere>& spheres_;
   Body body_;
   bool flat_;
   double tolerance_;
@@ -90,23 +90,23 @@ class UnionTest {
 };
 
 template <class Body>
-Containment test(const std::vector<Sphere>& balls, const Body& body, bool flat, double tolerance) {
+Containment test(const std::vector<Sphere>& spheres, const Body& body, bool flat, double tolerance) {
   if (!body.a.allFinite() || !body.b.allFinite() || !std::isfinite(body.radius) || !(body.radius > 0.0) ||
       !(tolerance > 0.0)) {
     throw std::invalid_argument(
         "body in a union of balls: expected finite ends, a radius and a tolerance > 0 in metres");
   }
-  return UnionTest<Body>(balls, body, flat, tolerance).run();
+  return UnionTest<Body>(spheres, body, flat, tolerance).run();
 }
 
 }  // namespace
 
-Containment union_contains(const std::vector<Sphere>& balls, const Capsule& capsule, double tolerance) {
-  return test(balls, capsule, false, tolerance);
+Containment union_contains(const std::vector<Sphere>& spheres, const Capsule& capsule, double tolerance) {
+  return test(spheres, capsule, false, tolerance);
 }
 
-Containment union_contains(const std::vector<Sphere>& balls, const Cylinder& cylinder, double tolerance) {
-  return test(balls, cylinder, cylinder.a != cylinder.b, tolerance);
+Containment union_contains(const std::vector<Sphere>& spheres, const Cylinder& cylinder, double tolerance) {
+  return test(spheres, cylinder, cylinder.a != cylinder.b, tolerance);
 }
 
 }  // namespace clearway

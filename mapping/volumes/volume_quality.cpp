@@ -36,10 +36,10 @@ PaintedCells count_painted(const FusedTree& tree, std::uint16_t bit) {
   return cells;
 }
 
-/// Wide enough to tell necks between parts in which the largest ball fits one and a half times.
-std::uint16_t cap_for(const std::vector<Sphere>& balls, double resolution) {
+/// Wide enough to tell necks between parts in which the largest sphere fits one and a half times.
+std::uint16_t cap_for(const std::vector<Sphere>& spheres, double resolution) {
   double half_voxels = 80.0;
-  for (const Sphere& ball : balls) half_voxels = std::max(half_voxels, 3.0 * ball.radius / resolution);
+  for (const Sphere& sphere : spheres) half_voxels = std::max(half_voxels, 3.0 * sphere.radius / resolution);
   return static_cast<std::uint16_t>(std::min(half_voxels * half_voxels, static_cast<double>(largest_cap)));
 }
 
@@ -79,7 +79,7 @@ std::vector<VolumeHole> describe_holes(const VolumeVoxels& voxels, const FusedTr
         best = off;
         hole.inside = center;
       }
-      if (!exact.contains(center)) ++hole.beyond_balls;
+      if (!exact.contains(center)) ++hole.beyond_spheres;
       CellCube cube;
       const FusedNode* node = tree.find_leaf(voxels.cell(cell), cube);
       if (node != nullptr && (node->painted() & bit) != 0) ++hole.occupied;
@@ -102,7 +102,7 @@ void search_voxels(const FusedTree& tree, std::uint16_t bit, const PaintedCells&
                            " million that are searched";
     return;
   }
-  VolumeVoxels voxels = gather(tree, bit, cells, cap_for(exact.balls, tree.getResolution()));
+  VolumeVoxels voxels = gather(tree, bit, cells, cap_for(exact.spheres, tree.getResolution()));
   quality.holes = describe_holes(voxels, tree, bit, exact);
   transform_distances(voxels.block);
   VolumeParts parts = find_parts(voxels, options.neck_ratio);
@@ -138,13 +138,13 @@ VolumeQuality measure_volume(const Snapshot& map, int index, const QualityOption
 
   VolumeQuality quality;
   quality.label = volume.label;
-  quality.balls = volume.balls.size();
-  quality.exact = union_volume(volume.balls, options.relative_width);
-  quality.surface = union_area(volume.balls);
+  quality.spheres = volume.spheres.size();
+  quality.exact = union_volume(volume.spheres, options.relative_width);
+  quality.surface = union_area(volume.spheres);
   quality.voxels = cells.painted;
   quality.occupied = cells.occupied;
   quality.voxel_volume = static_cast<double>(cells.painted) * std::pow(map.resolution(), 3);
-  quality.spacing = sample_spacing(volume.balls);
+  quality.spacing = sample_spacing(volume.spheres);
   search_voxels(map.tree(), bit, cells, volume, options, quality);
   return quality;
 }

@@ -28,7 +28,7 @@ struct VolumeVoxels {
 /// their first cells.
 std::vector<std::vector<std::size_t>> find_pockets(const VolumeVoxels& voxels);
 
-/// Where two parts of the volume meet as the balls that must pass grow smaller.
+/// Where two parts of the volume meet as the spheres that must pass grow smaller.
 struct PartsMeet {
   std::size_t cell = 0;
   double level = 0.0;                  ///< distance from its centre to the nearest blocked cube, voxels

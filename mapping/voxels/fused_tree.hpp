@@ -34,7 +34,7 @@ struct CellCube {
   std::size_t volume() const { return static_cast<std::size_t>(edge) * edge * edge; }
 };
 
-/// What painting one ball did; see PaintCounts.
+/// What painting one sphere did; see PaintCounts.
 struct PaintTally {
   std::size_t painted = 0, newly = 0, conflicts = 0;
   std::vector<CellCube>
@@ -73,15 +73,15 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// A sensor's evidence, clamped; the first one starts from log-odds 0.
   void updateNodeLogOdds(FusedNode* node, const float& update) const override;
 
-  /// Paints with bit `volume` the voxels that lie wholly inside `ball`; descends to single voxels (or paints
-  /// a cube that lies inside as a whole) and prunes on the way back.
-  PaintTally paint(int volume, const Sphere& ball);
+  /// Paints with bit `volume` the voxels that lie wholly inside `sphere`; descends to single voxels (or
+  /// paints a cube that lies inside as a whole) and prunes on the way back.
+  PaintTally paint(int volume, const Sphere& sphere);
 
-  /// Makes the paint of `volume` agree with the list of its balls again after some of them changed: a voxel
-  /// is painted when it lies wholly inside one of `balls`. Looks only at voxels wholly inside one of
-  /// `changed`, which must hold the balls that were in the list before or are now, but not both. Afterwards
-  /// the tree is the one that only ever was painted with `balls`.
-  RepaintTally repaint(int volume, const std::vector<Sphere>& changed, const std::vector<Sphere>& balls);
+  /// Makes the paint of `volume` agree with the list of its spheres again after some of them changed: a voxel
+  /// is painted when it lies wholly inside one of `spheres`. Looks only at voxels wholly inside one of
+  /// `changed`, which must hold the spheres that were in the list before or are now, but not both. Afterwards
+  /// the tree is the one that only ever was painted with `spheres`.
+  RepaintTally repaint(int volume, const std::vector<Sphere>& changed, const std::vector<Sphere>& spheres);
 
   /// Sets one voxel to an observed log-odds; leaves inner nodes and pruning to finish().
   void set_observed(const octomap::OcTreeKey& key, float log_odds);
@@ -92,7 +92,7 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   void finish();
 
   /// Applies one scan: a miss to each voxel that is free in `grid` and not occupied, a hit to each occupied
-  /// one, as EvidenceRule says; in `compatible` integration the tree that updateNode makes of them one by
+  /// one, as OccupancyUpdate says; in `compatible` integration the tree that updateNode makes of them one by
   /// one. Takes the occupied bits out of the free ones.
   /// @param threads >= 1; the result does not depend on it.
   void update(ScanGrid& grid, Integration integration = Integration::compatible, int threads = 1);

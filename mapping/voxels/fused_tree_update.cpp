@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "mapping/system/parallel.hpp"
-#include "mapping/voxels/evidence_rule.hpp"
 #include "mapping/voxels/fused_tree.hpp"
+#include "mapping/voxels/occupancy_update.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 
 namespace clearway {
@@ -98,7 +98,7 @@ class FusedTree::ScanUpdate {
   }
 
   std::size_t nodes_ = 0;
-  EvidenceRule rule_;
+  OccupancyUpdate rule_;
 };
 
 void FusedTree::ScanUpdate::Tile::read(ScanTile& scan) {

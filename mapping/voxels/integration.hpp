@@ -11,7 +11,7 @@ enum class Integration {
   compatible,  ///< as OctoMap: frees every voxel that a ray passes and no ray of the scan ends in; adds
                ///< log-odds
   safe,        ///< frees less: nothing beside a surface, nothing within the noise of the range (SafeMargins);
-               ///< what it hits is blocked at once (EvidenceRule)
+               ///< what it hits is blocked at once (OccupancyUpdate)
 };
 
 /// Which integration put into a map what sensors saw. In order: of a map that was made of two, the later one

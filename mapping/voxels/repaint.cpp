@@ -1,27 +1,27 @@
 // Erasing and undoing: FusedTree's descent that paints and unpaints until the voxels agree with a list of
-// balls again. Like painting it goes to single voxels, never through a node that stands for many.
+// spheres again. Like painting it goes to single voxels, never through a node that stands for many.
 
 #include <algorithm>
 
-#include "mapping/voxels/ball_cells.hpp"
+#include "mapping/voxels/sphere_cells.hpp"
 
 namespace clearway {
 
 namespace {
 
-using Balls = std::vector<const Sphere*>;
+using Spheres = std::vector<const Sphere*>;
 
-Balls pointers(const std::vector<Sphere>& balls) {
-  Balls result;
-  result.reserve(balls.size());
-  for (const Sphere& ball : balls) result.push_back(&ball);
+Spheres pointers(const std::vector<Sphere>& spheres) {
+  Spheres result;
+  result.reserve(spheres.size());
+  for (const Sphere& sphere : spheres) result.push_back(&sphere);
   return result;
 }
 
-Balls covering_some_voxel(const Balls& balls, const CellCube& cube, double resolution) {
-  Balls result;
-  for (const Sphere* ball : balls) {
-    if (covers_some_voxel(*ball, cube, resolution)) result.push_back(ball);
+Spheres covering_some_voxel(const Spheres& spheres, const CellCube& cube, double resolution) {
+  Spheres result;
+  for (const Sphere* sphere : spheres) {
+    if (covers_some_voxel(*sphere, cube, resolution)) result.push_back(sphere);
   }
   return result;
 }
@@ -35,21 +35,21 @@ bool nothing_known(const FusedNode& node) {
 /// The part of the work that lies in one cube.
 struct FusedTree::Repainting {
   CellCube cube;
-  Balls changed;  ///< where voxels may have changed; of those that cover some voxel of the cube
-  Balls balls;    ///< of the volume, likewise
+  Spheres changed;  ///< where voxels may have changed; of those that cover some voxel of the cube
+  Spheres spheres;  ///< of the volume, likewise
   std::uint16_t bit = 0;
   RepaintTally* tally = nullptr;
 };
 
 RepaintTally FusedTree::repaint(int volume, const std::vector<Sphere>& changed,
-                                const std::vector<Sphere>& balls) {
+                                const std::vector<Sphere>& spheres) {
   RepaintTally tally;
   const CellCube whole;
-  const Balls where = covering_some_voxel(pointers(changed), whole, resolution);
+  const Spheres where = covering_some_voxel(pointers(changed), whole, resolution);
   if (where.empty()) return tally;
-  const Repainting work{whole, where, covering_some_voxel(pointers(balls), whole, resolution),
+  const Repainting work{whole, where, covering_some_voxel(pointers(spheres), whole, resolution),
                         static_cast<std::uint16_t>(1U << volume), &tally};
-  if (work.balls.empty() && root == nullptr) return tally;
+  if (work.spheres.empty() && root == nullptr) return tally;
   bool created = false;
   FusedNode& top = root_for_writing(created);
   repaint_cube(top, created, work);
@@ -57,18 +57,18 @@ RepaintTally FusedTree::repaint(int volume, const std::vector<Sphere>& changed,
   return tally;
 }
 
-/// Precondition: every voxel of the volume outside of the changed balls agrees with the balls.
+/// Precondition: every voxel of the volume outside of the changed spheres agrees with the spheres.
 void FusedTree::repaint_cube(FusedNode& node, bool just_created, const Repainting& work) {
-  const auto covers_all = [&](const Sphere* ball) { return covers(*ball, work.cube, resolution); };
-  if (work.balls.empty()) return repaint_all(node, false, work.cube, work);
-  if (std::any_of(work.balls.begin(), work.balls.end(), covers_all))
+  const auto covers_all = [&](const Sphere* sphere) { return covers(*sphere, work.cube, resolution); };
+  if (work.spheres.empty()) return repaint_all(node, false, work.cube, work);
+  if (std::any_of(work.spheres.begin(), work.spheres.end(), covers_all))
     return repaint_all(node, true, work.cube, work);
   for (unsigned i = 0; i < 8; ++i) {
     Repainting part{work.cube.child(i), {}, {}, work.bit, work.tally};
     part.changed = covering_some_voxel(work.changed, part.cube, resolution);
     if (part.changed.empty()) continue;
-    part.balls = covering_some_voxel(work.balls, part.cube, resolution);
-    if (part.balls.empty() && !may_be_painted(node, i, just_created, work.bit)) continue;
+    part.spheres = covering_some_voxel(work.spheres, part.cube, resolution);
+    if (part.spheres.empty() && !may_be_painted(node, i, just_created, work.bit)) continue;
     bool created = false;
     FusedNode& child = child_for_writing(node, i, just_created, created);
     repaint_cube(child, created, part);

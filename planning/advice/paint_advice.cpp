@@ -11,9 +11,9 @@
 #include "planning/beam/beam_guided.hpp"
 #include "planning/beam/via_beam.hpp"
 #include "planning/robot/reach.hpp"
+#include "planning/routes/end_effector.hpp"
 #include "planning/routes/free_route.hpp"
-#include "planning/routes/hand.hpp"
-#include "planning/space/guarded_body.hpp"
+#include "planning/space/body_collision.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -32,8 +32,8 @@ ConfigurationSpace relaxed(const ConfigurationSpace& space) {
 
 /// A body that has to stay in painted or known space.
 struct BoundBody {
-  GuardedBody guarded;
-  double radius;  ///< of a ball about the middle of its shape that holds it
+  BodyCollision collision;
+  double radius;  ///< of a sphere about the middle of its shape that holds it
 };
 
 std::vector<BoundBody> bound_bodies(const ConfigurationSpace& space) {
@@ -47,14 +47,14 @@ std::vector<BoundBody> bound_bodies(const ConfigurationSpace& space) {
     Eigen::AlignedBox3d reach = reach_box(robot, body);
     const double beyond = space.options().padding + space.map().resolution();
     reach.min().array() -= beyond, reach.max().array() += beyond;
-    bodies.push_back({GuardedBody(body, borrowed, reach), body.shape.bounding_radius()});
+    bodies.push_back({BodyCollision(body, borrowed, reach), body.shape.bounding_radius()});
   }
   return bodies;
 }
 
-/// Balls that hold the bodies wherever they leave their space along the path, or come within half a voxel of
-/// leaving it. A ball that lies within a voxel of one advised before is left out: that one is made a voxel
-/// larger for it.
+/// Spheres that hold the bodies wherever they leave their space along the path, or come within half a voxel
+/// of leaving it. A sphere that lies within a voxel of one advised before is left out: that one is made a
+/// voxel larger for it.
 std::vector<PaintHint> missing_paint(const ConfigurationSpace& space, const Path& path) {
   const Robot& robot = space.robot();
   const std::vector<BoundBody> bodies = bound_bodies(space);
@@ -63,16 +63,16 @@ std::vector<PaintHint> missing_paint(const ConfigurationSpace& space, const Path
   std::vector<PaintHint> hints;
   const auto look = [&](const Configuration& q) {
     const LinkPoses poses = forward_kinematics(robot, q);
-    for (const auto& [guarded, radius] : bodies) {
-      const Body& body = guarded.body();
+    for (const auto& [collision, radius] : bodies) {
+      const Body& body = collision.body();
       const Eigen::Isometry3d& pose = poses[static_cast<std::size_t>(body.link)];
-      if (guarded.is_clear(pose, margin)) continue;
-      const Sphere ball{pose * body.link_from_shape.translation(), radius + larger};
+      if (collision.is_clear(pose, margin)) continue;
+      const Sphere sphere{pose * body.link_from_shape.translation(), radius + larger};
       const bool known = std::any_of(hints.begin(), hints.end(), [&](const PaintHint& hint) {
-        return hint.part == body.part && hint.ball.radius >= ball.radius &&
-               (hint.ball.center - ball.center).norm() <= voxel;
+        return hint.part == body.part && hint.sphere.radius >= sphere.radius &&
+               (hint.sphere.center - sphere.center).norm() <= voxel;
       });
-      if (!known) hints.push_back({ball, body.part});
+      if (!known) hints.push_back({sphere, body.part});
     }
   };
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -87,7 +87,7 @@ std::vector<PaintHint> missing_paint(const ConfigurationSpace& space, const Path
 /// A path in the relaxed space along the route for the hand that keeps to the paint where it can.
 Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
   const Robot& robot = strict.space.robot();
-  const Hand hand = find_hand(strict.space);
+  const EndEffector hand = find_end_effector(strict.space);
   const BlockedSpace& paint = hand.blocked(strict.space);
   const BlockedSpace& open = hand.blocked(free.space);
   const double voxel = strict.space.map().resolution();
@@ -97,7 +97,7 @@ Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
   about.extend(from).extend(to);
   about.min().array() -= 4.0 * hand.outer_radius, about.max().array() += 4.0 * hand.outer_radius;
   bounds = bounds.intersection(about);
-  const HandRoute route = free_route(
+  const EndEffectorRoute route = free_route(
       open, bounds, from, to, hand.inner_radius, 2.0 * voxel,
       [&](const Eigen::Vector3d& point) {
         const double clearance = paint.clearance(point), most = paint.max_distance();
@@ -110,9 +110,9 @@ Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
   return search_via_regions(free, hand, route, joint_weights(free.space, 0.0), {}).waypoints;
 }
 
-void write_ball(std::ostream& text, const Sphere& ball) {
-  text << std::lround(100.0 * ball.radius) << " cm around (" << std::setprecision(2) << ball.center.x()
-       << ", " << ball.center.y() << ", " << ball.center.z() << ')';
+void write_sphere(std::ostream& text, const Sphere& sphere) {
+  text << std::lround(100.0 * sphere.radius) << " cm around (" << std::setprecision(2) << sphere.center.x()
+       << ", " << sphere.center.y() << ", " << sphere.center.z() << ')';
 }
 
 }  // namespace
@@ -122,25 +122,26 @@ std::string PaintAdvice::sentence() const {
   text.imbue(std::locale::classic());
   text << std::fixed;
   if (way_exists) text << "beam_guided finds a path that needs no more paint.";
-  if (balls.empty()) return text.str();
+  if (spheres.empty()) return text.str();
   if (way_exists) text << ' ';
   text << "Painting would connect start and goal: ";
   std::size_t strokes = 0;
-  for (std::size_t i = 0; i < balls.size();) {  // balls that follow each other and overlap are one stroke
+  for (std::size_t i = 0; i < spheres.size();) {  // spheres that follow each other and overlap are one stroke
     std::size_t last = i;
-    while (last + 1 < balls.size() && balls[last + 1].part == balls[i].part &&
-           (balls[last + 1].ball.center - balls[last].ball.center).norm() < balls[last].ball.radius) {
+    while (last + 1 < spheres.size() && spheres[last + 1].part == spheres[i].part &&
+           (spheres[last + 1].sphere.center - spheres[last].sphere.center).norm() <
+               spheres[last].sphere.radius) {
       ++last;
     }
     if (strokes++ > 0) text << "; ";
-    write_ball(text, balls[i].ball);
+    write_sphere(text, spheres[i].sphere);
     if (last > i)
-      text << " and on to (" << balls[last].ball.center.x() << ", " << balls[last].ball.center.y() << ", "
-           << balls[last].ball.center.z() << ')';
-    text << " for " << balls[i].part;
+      text << " and on to (" << spheres[last].sphere.center.x() << ", " << spheres[last].sphere.center.y()
+           << ", " << spheres[last].sphere.center.z() << ')';
+    text << " for " << spheres[i].part;
     i = last + 1;
-    if (strokes == 4 && i < balls.size()) {
-      text << "; and " << balls.size() - i << " balls more";
+    if (strokes == 4 && i < spheres.size()) {
+      text << "; and " << spheres.size() - i << " balls more";
       break;
     }
   }
@@ -167,7 +168,7 @@ PaintAdvice advise_paint(const Planner& planner, const PlanProblem& problem, boo
   if (!near_paint.empty()) other = missing_paint(problem.space, near_paint);
   const bool takes_other =
       other && !other->empty() && (!ours || (!follows_lattice && 2 * other->size() < ours->size()));
-  if (takes_other || ours) advice.balls = takes_other ? std::move(*other) : std::move(*ours);
+  if (takes_other || ours) advice.spheres = takes_other ? std::move(*other) : std::move(*ours);
   return advice;
 }
 

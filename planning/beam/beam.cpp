@@ -69,7 +69,7 @@ class NearestHeads {
   LatticeChecks checks_;
   LatticePoses cost_poses_;
   std::size_t deciding_;  ///< joints
-  ClosedNodes closed_;    ///< so that the neighbours of a beam along a wall are not checked again and again
+  BlockedNodes closed_;   ///< so that the neighbours of a beam along a wall are not checked again and again
   NeighbourQueue queue_;
   NodeSet free_;  ///< by the deciding joints
   std::vector<KnownClearances> free_clearances_;

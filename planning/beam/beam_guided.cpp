@@ -66,10 +66,10 @@ Found beam_leg(const PlanProblem& problem, const Configuration& from, const Conf
 class GuidedSearch {
  public:
   GuidedSearch(const PlanProblem& problem, const Eigen::VectorXd& weight, PlanResult& result)
-      : problem_(problem), weight_(weight), result_(result), hand_(find_hand(problem.space)) {}
+      : problem_(problem), weight_(weight), result_(result), hand_(find_end_effector(problem.space)) {}
 
-  const HandRoute& route() {
-    if (!looked_) first_route_ = find_hand_route(problem_, hand_);
+  const EndEffectorRoute& route() {
+    if (!looked_) first_route_ = find_end_effector_route(problem_, hand_);
     looked_ = true;
     return first_route_;
   }
@@ -78,7 +78,8 @@ class GuidedSearch {
   Path through_regions(int routes, const ViaBeamOptions& options) {
     std::vector<Sphere> avoided;
     for (int attempt = 0; attempt < routes && !problem_.out_of_time(); ++attempt) {
-      const HandRoute next = attempt == 0 ? route() : find_hand_route(problem_, hand_, avoided);
+      const EndEffectorRoute next =
+          attempt == 0 ? route() : find_end_effector_route(problem_, hand_, avoided);
       if (next.points.empty()) break;
       ViaPath via = search_via_regions(problem_, hand_, next, weight_, options);
       count(via.configurations, via.edges);
@@ -123,8 +124,8 @@ class GuidedSearch {
   const PlanProblem& problem_;
   const Eigen::VectorXd& weight_;
   PlanResult& result_;
-  Hand hand_;
-  HandRoute first_route_;
+  EndEffector hand_;
+  EndEffectorRoute first_route_;
   bool looked_ = false;
 };
 

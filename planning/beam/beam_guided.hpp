@@ -7,7 +7,7 @@ namespace clearway {
 /// Ours, beyond Chong et al. 2008: a beam search that is led to the goal by via regions of its own. In turn,
 /// until one succeeds:
 /// 1. the straight edge; then `beam` on a coarse lattice, as long as it goes well;
-/// 2. a route for the hand, through the graph of painted balls (the strokes are a human's way) or through
+/// 2. a route for the hand, through the graph of painted spheres (the strokes are a human's way) or through
 /// free
 ///    voxels where nothing is painted, and a beam through its via regions (see via_beam.hpp), lightly;
 /// 3. two trees (RRT-Connect) that grow towards configurations with the hand on the route, briefly;

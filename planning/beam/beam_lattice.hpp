@@ -17,7 +17,7 @@ struct BeamOptions {
   int max_steps = 0;             ///< 0: 20 max_j |dq_j| / epsilon_j + 200
   bool last_segment = true;      ///< append the certified segment to the exact goal
   bool node_only = false;        ///< check nodes only, as the paper does: paths are then not certified
-  double prismatic_scale = 0.0;  ///< rad per metre in eq. 10; 0: see joint_weights
+  double prismatic_scale = 0.0;  ///< rad per metre in Chong 2008, eq. 10; 0: see joint_weights
 };
 
 /// @throws std::invalid_argument as OptionReader does.
@@ -42,9 +42,9 @@ class Lattice {
 
   /// One joint's share of the squared dist_to_goal: (w_j (q_j - q_jG))^2 where index_j = `index`.
   double distance_term(Eigen::Index joint, int index) const;
-  /// Squared dist_to_goal, eq. 10, summed in joint order.
+  /// Squared dist_to_goal, Chong 2008, eq. 10, summed in joint order.
   double squared_distance(const LatticeIndex& node) const;
-  /// Eq. 11: |q_j - q_jG| <= epsilon_j for all j (1e-9 epsilon_j granted for rounding).
+  /// Chong 2008, eq. 11: |q_j - q_jG| <= epsilon_j for all j (1e-9 epsilon_j granted for rounding).
   bool reaches_goal(const LatticeIndex& node) const;
 
   /// max_j |q_jG - q_jS| / epsilon_j: the fewest steps that scenario 1 of the paper needs, within one.

@@ -8,7 +8,7 @@
 namespace clearway {
 namespace {
 
-/// Eq. 5: the next of the 3^n perturbations, counting with digits -1, 0, 1. False after the last.
+/// Chong 2008, eq. 5: the next of the 3^n perturbations, counting with digits -1, 0, 1. False after the last.
 bool next_perturbation(std::vector<int>& change) {
   for (int& digit : change) {
     if (++digit <= 1) return true;

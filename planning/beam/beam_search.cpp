@@ -33,7 +33,7 @@ std::string blocking_sentence(const PlanProblem& problem, const Lattice& lattice
          " best neighbours are blocked; at the best of them, " + first + ".";
 }
 
-/// The optional last edge from the goal box of eq. 11 to the exact goal.
+/// The optional last edge from the goal box of Chong 2008, eq. 11 to the exact goal.
 void append_last_segment(const PlanProblem& problem, PlanResult& result) {
   const Configuration end = result.waypoints.back();
   if (end == problem.goal) return;

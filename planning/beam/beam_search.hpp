@@ -12,10 +12,10 @@ namespace clearway {
 /// A node selected as the head of a path, with the path that leads to it.
 struct Head {
   LatticeIndex node;
-  double squared_distance = 0.0;  ///< eq. 10
-  double cost = 0.0;              ///< current-path-cost of eq. 9
+  double squared_distance = 0.0;  ///< Chong 2008, eq. 10
+  double cost = 0.0;              ///< current-path-cost of Chong 2008, eq. 9
   int parent = -1;                ///< the head before it, -1 for the start
-  Eigen::VectorXd forces;         ///< eq. 8, at the node
+  Eigen::VectorXd forces;         ///< Chong 2008, eq. 8, at the node
 };
 
 /// How much the search asked the configuration space.
@@ -33,7 +33,8 @@ class BeamPaths {
   const Head& head(int i) const { return heads_[static_cast<std::size_t>(i)]; }
   /// Filter 3: selected as a head at any earlier step, also if its path was dropped since.
   const NodeSet& visited() const { return visited_; }
-  /// The head at `node` reached from head `parent`: eq. 9 with the generalized `forces` at the node.
+  /// The head at `node` reached from head `parent`: Chong 2008, eq. 9 with the generalized `forces` at the
+  /// node.
   Head extend(int parent, const LatticeIndex& node, const Eigen::VectorXd& forces) const;
   /// What its path costs, given also the configurations `from` and `to` of both.
   double cost_through(int parent, const Configuration& from, const Configuration& to,

@@ -47,11 +47,11 @@ LatticeChecks::LatticeChecks(const ConfigurationSpace& space, const Lattice& lat
       slack_.push_back(pair_slack);
       continue;
     }
-    // is_edge_free proves a body at once when each of its balls is farther than the motion by the coarse
+    // is_edge_free proves a body at once when each of its spheres is farther than the motion by the coarse
     // field at the middle: these stand out of the body, and the field falls short of the distance and ends.
-    const GuardedBody& body = model_.bodies[m];
+    const BodyCollision& body = model_.bodies[m];
     double largest = 0.0;
-    for (const Sphere& ball : body.body().cover) largest = std::max(largest, ball.radius);
+    for (const Sphere& sphere : body.body().cover) largest = std::max(largest, sphere.radius);
     // At most |motion| / |length of the edge| times half of its resolution: levers . |dq| <= |levers| |dq|.
     edge_margin_.push_back(model_.options.padding +
                            model_.levers[m].norm() * model_.options.edge_resolution / 2.0 * (1.0 + 1e-6));
@@ -117,10 +117,10 @@ void LatticeChecks::find_motion(const LatticeIndex& from, const LatticeIndex& to
   if (from.size() <= tabled_joints) motions_[which] = motion;
 }
 
-/// A lower bound from balls, fields and bounding balls alone.
+/// A lower bound from spheres, fields and bounding spheres alone.
 double LatticeChecks::quick_clearance(std::size_t member) {
   if (member < model_.bodies.size()) {
-    const GuardedBody& body = model_.bodies[member];
+    const BodyCollision& body = model_.bodies[member];
     return body.coarse_clearance(pose(static_cast<std::size_t>(body.body().link)));
   }
   const BodyPair& pair = model_.pairs[member - model_.bodies.size()];
@@ -147,7 +147,7 @@ bool LatticeChecks::refresh(std::size_t member, KnownClearances& own) {
     return known > rounding ||
            is_apart(model_.robot, model_.pairs[member - model_.bodies.size()], map_from_link_, 0.0);
   }
-  const GuardedBody& body = model_.bodies[member];
+  const BodyCollision& body = model_.bodies[member];
   const Eigen::Isometry3d& map_from_link = pose(static_cast<std::size_t>(body.body().link));
   const double padding = model_.options.padding, margin = edge_margin_[member];  // what edges will ask
   const double found = body.clearance_beyond(map_from_link, padding, margin, recent_[member]);

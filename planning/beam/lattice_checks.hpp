@@ -7,8 +7,8 @@
 
 #include "planning/beam/beam_lattice.hpp"
 #include "planning/beam/lattice_poses.hpp"
+#include "planning/space/body_collision.hpp"
 #include "planning/space/configuration_space.hpp"
-#include "planning/space/guarded_body.hpp"
 #include "planning/space/known_clearances.hpp"
 
 namespace clearway {

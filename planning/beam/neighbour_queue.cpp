@@ -30,7 +30,7 @@ void NeighbourQueue::restart(double band) {
 void NeighbourQueue::add_head(int number, const LatticeIndex& node) {
   if (has_begun_) throw std::logic_error("beam: a head is added to neighbours that are being taken");
   joints_ = node.size();
-  if (numbers_.size() % HeadGroup::most == 0) {
+  if (numbers_.size() % FrontierBatch::most == 0) {
     if (group_count_ == groups_.size()) groups_.emplace_back();
     groups_[group_count_++].clear();
   }
@@ -164,10 +164,10 @@ void NeighbourQueue::enumerate(std::size_t joint, double sum, std::uint64_t hash
     if (sum > begin_ && sum <= end_) add_way(sum, hash, heads);
     return;
   }
-  const HeadGroup& group = groups_[group_];
+  const FrontierBatch& group = groups_[group_];
   const double highest = end_ * (1.0 + rounding), lowest = begin_ * (1.0 - rounding);
   const double beyond = highest - group.least_rest(joint + 1);
-  for (const HeadGroup::Choice& choice : group.choices(joint)) {
+  for (const FrontierBatch::Choice& choice : group.choices(joint)) {
     if (ways_.size() > most_ways_ || was_stopped_) return;
     const double next = sum + choice.term;
     if (next > beyond) return;
@@ -203,7 +203,7 @@ void NeighbourQueue::pop(Neighbour& neighbour) {
   neighbour.node.assign(node, node + static_cast<std::ptrdiff_t>(joints_));
   neighbour.heads.clear();
   for (std::uint32_t way = first.first_way; way != none; way = ways_[way].next) {
-    const std::size_t begin = ways_[way].group * HeadGroup::most;
+    const std::size_t begin = ways_[way].group * FrontierBatch::most;
     for (std::uint64_t left = ways_[way].heads; left != 0; left &= left - 1)
       neighbour.heads.push_back(numbers_[begin + static_cast<std::size_t>(std::countr_zero(left))]);
   }

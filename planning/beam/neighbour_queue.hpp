@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "planning/beam/beam_lattice.hpp"
-#include "planning/beam/closed_nodes.hpp"
-#include "planning/beam/head_group.hpp"
+#include "planning/beam/blocked_nodes.hpp"
+#include "planning/beam/frontier_batch.hpp"
 
 namespace clearway {
 
 /// A neighbour of one head or several, not yet filtered.
 struct Neighbour {
-  double squared_distance = 0.0;  ///< of eq. 10
+  double squared_distance = 0.0;  ///< of Chong 2008, eq. 10
   LatticeIndex node;
   std::vector<int> heads;  ///< the numbers under which they were added, ascending
 };
@@ -29,7 +29,7 @@ class NeighbourQueue {
   /// @param closed null: nothing is. Outlives the queue.
   /// @param is_stopped asked now and then while neighbours are enumerated, which may be many at one distance;
   /// once true, what comes out of the queue may be anything.
-  explicit NeighbourQueue(const Lattice& lattice, double band = 0.0, const ClosedNodes* closed = nullptr,
+  explicit NeighbourQueue(const Lattice& lattice, double band = 0.0, const BlockedNodes* closed = nullptr,
                           std::function<bool()> is_stopped = nullptr)
       : lattice_(&lattice), closed_(closed), is_stopped_(std::move(is_stopped)), band_(band) {}
 
@@ -74,10 +74,10 @@ class NeighbourQueue {
   void grow_slots();
 
   const Lattice* lattice_;
-  const ClosedNodes* closed_;
+  const BlockedNodes* closed_;
   std::function<bool()> is_stopped_;
-  std::vector<int> numbers_;       ///< of the heads, group after group
-  std::vector<HeadGroup> groups_;  ///< the first group_count_
+  std::vector<int> numbers_;           ///< of the heads, group after group
+  std::vector<FrontierBatch> groups_;  ///< the first group_count_
   std::size_t group_count_ = 0, joints_ = 0;
   std::vector<Entry> entries_;        ///< of the band, nearest first, from next_ on
   std::vector<Way> ways_;             ///< to these

@@ -24,7 +24,7 @@ struct Region {
 };
 
 /// Points of the route every `spacing` metres, its ends included.
-std::vector<Region> regions_of(const HandRoute& route, const Hand& hand, double spacing) {
+std::vector<Region> regions_of(const EndEffectorRoute& route, const EndEffector& hand, double spacing) {
   std::vector<Region> regions;
   double left = 0.0;  // to the next region
   const double least_play = 0.1 * hand.outer_radius;
@@ -43,7 +43,7 @@ std::vector<Region> regions_of(const HandRoute& route, const Hand& hand, double 
 
 class Search {
  public:
-  Search(const PlanProblem& problem, const Hand& hand, const Eigen::VectorXd& weight,
+  Search(const PlanProblem& problem, const EndEffector& hand, const Eigen::VectorXd& weight,
          const ViaBeamOptions& options)
       : problem_(problem),
         robot_(problem.space.robot()),
@@ -181,7 +181,7 @@ class Search {
 
   const PlanProblem& problem_;
   const Robot& robot_;
-  const Hand& hand_;
+  const EndEffector& hand_;
   const Eigen::VectorXd& weight_;
   ViaBeamOptions options_;
   std::mt19937_64 random_;
@@ -193,7 +193,7 @@ class Search {
 
 }  // namespace
 
-ViaPath search_via_regions(const PlanProblem& problem, const Hand& hand, const HandRoute& route,
+ViaPath search_via_regions(const PlanProblem& problem, const EndEffector& hand, const EndEffectorRoute& route,
                            const Eigen::VectorXd& weight, const ViaBeamOptions& options) {
   ViaPath result;
   double spacing = options.spacing > 0.0 ? options.spacing : 0.5 * hand.outer_radius;

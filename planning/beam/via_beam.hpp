@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "planning/problem/planner.hpp"
-#include "planning/routes/hand.hpp"
+#include "planning/routes/end_effector.hpp"
 #include "planning/routes/painted_route.hpp"
 
 namespace clearway {
@@ -31,11 +31,11 @@ struct ViaPath {
 /// region i, is moved to region i + 1 in several ways: by the least joint motion, drawn towards the goal
 /// configuration by its share of what is left, and with random changes that leave the hand where it is
 /// (damped least squares, 3 rows). Children that are free and whose edge from the head is certified are
-/// ranked by half the length behind them plus dist_to_goal (eq. 10); `width` are kept, no two alike where
-/// there is a choice. A region that none reaches is tried again with more and wilder children, then all with
-/// half the spacing. The last region holds the goal's
-/// hand, from where the straight edge to the goal is tried from each head.
-ViaPath search_via_regions(const PlanProblem& problem, const Hand& hand, const HandRoute& route,
+/// ranked by half the length behind them plus dist_to_goal (Chong 2008, eq. 10); `width` are kept, no two
+/// alike where there is a choice. A region that none reaches is tried again with more and wilder children,
+/// then all with half the spacing. The last region holds the goal's hand, from where the straight edge to the
+/// goal is tried from each head.
+ViaPath search_via_regions(const PlanProblem& problem, const EndEffector& hand, const EndEffectorRoute& route,
                            const Eigen::VectorXd& weight, const ViaBeamOptions& options);
 
 }  // namespace clearway

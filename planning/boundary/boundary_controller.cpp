@@ -66,10 +66,10 @@ BoundaryChoice BoundaryController::enter(const StepConstraints& constraints, con
                               w.cwiseProduct(side_limits(robot_, q, given_.upper)));
   if (q.size() == 2) keep_sense_of_turn(bypass.plane);
   bypass.lock_distance = bypass.nearest = w.cwiseProduct(goal - q).norm();
-  const std::vector<ProjectedRow> rows = project(constraints, bypass.plane, options_.max_step);
-  const int first = first_followed(rows, local.multipliers);
+  const std::vector<ProjectedConstraint> projected = project(constraints, bypass.plane, options_.max_step);
+  const int first = first_followed(projected, local.multipliers);
   if (first < 0) return stuck(local.step, "Deadlock without a constraint to follow");
-  bypass.followed = bypass.lock.followed = rows[static_cast<std::size_t>(first)].direction;
+  bypass.followed = bypass.lock.followed = projected[static_cast<std::size_t>(first)].direction;
   ++counts_.deadlocks;
   bypass_ = std::move(bypass);
   return follow(constraints, q);
@@ -93,16 +93,16 @@ BoundaryChoice BoundaryController::follow(const StepConstraints& constraints, co
                             " of its distance there (leave_ratio " + to_text(given_.leave_ratio) +
                             "): no path on this side in this plane");
   }
-  const std::vector<ProjectedRow> rows = project(constraints, bypass_->plane, max_step);
-  const int followed = tracked(rows, bypass_->followed);
+  const std::vector<ProjectedConstraint> projected = project(constraints, bypass_->plane, max_step);
+  const int followed = tracked(projected, bypass_->followed);
   if (followed < 0) {  // nothing near any more: nothing to go round
     end_bypass();
     ++counts_.lost;
     return {};
   }
-  const BoundaryStep step = boundary_step(rows, followed, max_step);
+  const BoundaryStep step = boundary_step(projected, followed, max_step);
   if (step.is_null) return stuck(still, "Boundary following found no vertex to move to");
-  bypass_->followed = rows[static_cast<std::size_t>(step.followed)].direction;
+  bypass_->followed = projected[static_cast<std::size_t>(step.followed)].direction;
   counts_.switches += step.switches;
   if (step.relaxed) ++counts_.relaxed;
   ++bypass_->steps;

@@ -14,7 +14,7 @@ namespace clearway {
 /// A place on a boundary, to tell when the robot is there again.
 struct Milestone {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();     ///< (u1, u2)
-  Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of the row followed there
+  Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of the constraint followed there
   int since = 0;                                       ///< steps made since
   bool went_away = false;                              ///< has been more than two steps' length away
 
@@ -61,7 +61,7 @@ class BoundaryController {
 
   /// The step from q.
   /// @param constraints at q
-  /// @param local what eq. 9 makes of the `wanted` step to the goal there (step_to_goal, or a shorter one)
+  /// @param local what Lahouar 2006, eq. 9 makes of the `wanted` step there (step_to_goal, or a shorter one)
   /// When `why` is not empty, the method as published ends here; where things move, one may take the
   /// step all the same (it keeps all constraints) and go on: the boundary is then looked for anew.
   BoundaryChoice next(const StepConstraints& constraints, const LocalStep& local,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "planning/boundary/plus_search.hpp"
+#include "planning/boundary/boundary_plus_search.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/rounded_corners.hpp"
@@ -24,8 +24,8 @@ std::vector<Configuration> shortened(const PlanProblem& problem, std::vector<Con
   return path;
 }
 
-/// As for `constraint`, but the automatic influence is shorter (rows cost as many voxels as they look at) and
-/// the automatic step longer.
+/// As for `constraint`, but the automatic influence is shorter (constraints cost as many voxels as they look
+/// at) and the automatic step longer.
 DamperOptions damper_of(const BoundaryPlusOptions& options, const PlanProblem& problem) {
   constexpr double influence_share = 0.75;
   ConstraintOptions local = options.local;
@@ -36,7 +36,7 @@ DamperOptions damper_of(const BoundaryPlusOptions& options, const PlanProblem& p
   return damper;
 }
 
-PlanResult failed(const PlanProblem& problem, const PlusSearch& search, PlanResult result) {
+PlanResult failed(const PlanProblem& problem, const BoundaryPlusSearch& search, PlanResult result) {
   result.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
   result.explored = search.explored();
   result.final_distance = (problem.goal - result.explored.back()).norm();
@@ -96,7 +96,7 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   PlanResult result = check_ends(problem);
   if (result.status != PlanStatus::solved) return result;
   const DamperOptions damper = damper_of(options_, problem);
-  PlusSearch search(problem, options_, damper);
+  BoundaryPlusSearch search(problem, options_, damper);
   const PlusStage stage = search.solve();
   search.add_statistics(result);
   add_figures(damper, result);

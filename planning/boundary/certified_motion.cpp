@@ -43,7 +43,7 @@ bool CertifiedMotion::take(const Eigen::VectorXd& step) {
 }
 
 void CertifiedMotion::note(const StepConstraints& constraints, const LocalStep& step) {
-  most_rows_ = std::max(most_rows_, constraints.pairs.size());
+  most_constraints_ = std::max(most_constraints_, constraints.pairs.size());
   least_separation_ = std::min(least_separation_, constraints.separation);
   if (step.demand < 1.0) ++relaxed_;
 }
@@ -58,7 +58,7 @@ PlanResult CertifiedMotion::result(PlanResult result, PlanStatus status,
   result.edges_checked += edges_checked_;
   (is_at_goal() ? result.waypoints : result.explored) = trace_;
   if (is_at_goal()) result.cost = problem_.cost(trace_);
-  result.statistics["most_rows"] = static_cast<double>(most_rows_);
+  result.statistics["most_rows"] = static_cast<double>(most_constraints_);
   result.statistics["steps_shortened"] = shortened_;
   result.statistics["steps_relaxed"] = relaxed_;
   result.statistics["least_separation_m"] = least_separation_;
@@ -89,7 +89,7 @@ std::string holding_back(const ConfigurationSpace& space, const StepConstraints&
     return "joint " + robot.joints[static_cast<std::size_t>((strongest - pairs) % n)].name +
            " is at its limit";
   }
-  const ProximityRow& pair = constraints.pairs[static_cast<std::size_t>(strongest)];
+  const ProximityConstraint& pair = constraints.pairs[static_cast<std::size_t>(strongest)];
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.setf(std::ios::fixed);

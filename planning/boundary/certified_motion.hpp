@@ -20,7 +20,7 @@ class CertifiedMotion {
 
   const Configuration& position() const { return trace_.back(); }
   Eigen::VectorXd weighted_position() const { return options_.weight.cwiseProduct(position()); }
-  double distance_to_goal() const;  ///< eq. 21, weighted units
+  double distance_to_goal() const;  ///< Lahouar 2006, eq. 21, weighted units
   bool is_at_goal() const { return position() == problem_.goal; }
   int steps() const { return static_cast<int>(trace_.size()) - 1; }
 
@@ -41,7 +41,7 @@ class CertifiedMotion {
   const DamperOptions& options_;
   std::vector<Configuration> trace_;
   std::uint64_t edges_checked_ = 0;
-  std::size_t most_rows_ = 0;
+  std::size_t most_constraints_ = 0;
   int shortened_ = 0, relaxed_ = 0;
   double least_separation_;
 };

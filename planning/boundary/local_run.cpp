@@ -13,22 +13,24 @@ constexpr double least_share = 0.05;
 /// Steps between two looks whether the straight edge to the goal is free.
 constexpr int steps_between_looks = 4;
 
-/// As constraints_at, by the rows of a control step.
-StepConstraints step_constraints(ControlRows& near, const Configuration& q, const DamperOptions& damper) {
+/// As constraints_at, by the constraints of a control step.
+StepConstraints step_constraints(ControlConstraints& near, const Configuration& q,
+                                 const DamperOptions& damper) {
   near.look(q);
-  const auto n = q.size(), count = static_cast<Eigen::Index>(near.rows().size());
+  const auto n = q.size(), count = static_cast<Eigen::Index>(near.constraints().size());
   StepConstraints constraints;
-  constraints.rows.resize(count, n);
+  constraints.matrix.resize(count, n);
   constraints.bounds.resize(count);
   constraints.separation = damper.influence_distance;
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const ControlRow& row = near.rows()[at];
+    const ControlConstraint& constraint = near.constraints()[at];
     const Eigen::VectorXd gradient = Eigen::Map<const Eigen::VectorXd>(near.gradient(at).data(), n);
-    constraints.rows.row(i) = gradient.cwiseQuotient(damper.weight).transpose();
-    constraints.bounds[i] = damper_bound(damper, row.distance);
-    constraints.separation = std::min(constraints.separation, row.distance);
-    constraints.pairs.push_back({gradient, row.distance, row.body, row.point, row.normal});
+    constraints.matrix.row(i) = gradient.cwiseQuotient(damper.weight).transpose();
+    constraints.bounds[i] = damper_bound(damper, constraint.distance);
+    constraints.separation = std::min(constraints.separation, constraint.distance);
+    constraints.pairs.push_back(
+        {gradient, constraint.distance, constraint.body, constraint.point, constraint.normal});
   }
   constraints.lower.resize(n);
   constraints.upper.resize(n);
@@ -42,10 +44,11 @@ StepConstraints step_constraints(ControlRows& near, const Configuration& q, cons
 
 class Runner {
  public:
-  Runner(const PlanProblem& leg, const DamperOptions& damper, ControlRows& rows, const DeadlockMemory& memory)
+  Runner(const PlanProblem& leg, const DamperOptions& damper, ControlConstraints& constraints,
+         const DeadlockMemory& memory)
       : leg_(leg),
         damper_(damper),
-        rows_(rows),
+        constraints_(constraints),
         memory_(memory),
         motion_(leg, damper),
         watch_(100.0 * damper.max_step) {
@@ -83,17 +86,18 @@ class Runner {
     const Eigen::VectorXd here = motion_.weighted_position();
     bypass_->plane = bypass_plane(here, damper_.weight.cwiseProduct(leg_.goal), here + direction);
     bypass_->lock_distance = bypass_->nearest = motion_.distance_to_goal();
-    const std::vector<ProjectedRow> rows = project(run_.constraints, bypass_->plane, damper_.max_step);
-    const int first = first_followed(rows, run_.local.multipliers);
+    const std::vector<ProjectedConstraint> projected =
+        project(run_.constraints, bypass_->plane, damper_.max_step);
+    const int first = first_followed(projected, run_.local.multipliers);
     if (first < 0) return false;
-    bypass_->followed = bypass_->lock.followed = rows[static_cast<std::size_t>(first)].direction;
+    bypass_->followed = bypass_->lock.followed = projected[static_cast<std::size_t>(first)].direction;
     return true;
   }
 
   void look() {
-    // Along a boundary what lies in every direction counts, for a local step what is nearest to each ball.
+    // Along a boundary what lies in every direction counts, for a local step what is nearest to each sphere.
     run_.constraints = bypass_ ? constraints_at(leg_.space, motion_.position(), damper_)
-                               : step_constraints(rows_, motion_.position(), damper_);
+                               : step_constraints(constraints_, motion_.position(), damper_);
     wanted_ = step_to_goal(damper_, motion_.position(), leg_.goal);
     run_.local = local_step(run_.constraints, wanted_, damper_);
   }
@@ -124,15 +128,16 @@ class Runner {
 
   std::optional<RunEnd> follow() {
     if (bypass_->goes_round(motion_.weighted_position(), damper_.max_step)) return RunEnd::no_way_round;
-    const std::vector<ProjectedRow> rows = project(run_.constraints, bypass_->plane, damper_.max_step);
-    const int followed = tracked(rows, bypass_->followed);
+    const std::vector<ProjectedConstraint> projected =
+        project(run_.constraints, bypass_->plane, damper_.max_step);
+    const int followed = tracked(projected, bypass_->followed);
     if (followed < 0) {  // nothing near any more: nothing to go round
       end_bypass();
       return motion_.take(run_.local.step) ? std::nullopt : std::optional(RunEnd::deadlock);
     }
-    const BoundaryStep step = boundary_step(rows, followed, damper_.max_step);
+    const BoundaryStep step = boundary_step(projected, followed, damper_.max_step);
     if (step.is_null || !motion_.take(bypass_->plane.lift(step.vertex.du))) return RunEnd::no_way_round;
-    bypass_->followed = rows[static_cast<std::size_t>(step.followed)].direction;
+    bypass_->followed = projected[static_cast<std::size_t>(step.followed)].direction;
     ++bypass_->steps;
     ++run_.boundary_steps;
     return std::nullopt;
@@ -140,7 +145,7 @@ class Runner {
 
   const PlanProblem& leg_;
   const DamperOptions& damper_;
-  ControlRows& rows_;
+  ControlConstraints& constraints_;
   const DeadlockMemory& memory_;
   CertifiedMotion motion_;
   CreepWatch watch_;
@@ -157,14 +162,14 @@ bool DeadlockMemory::knows(const Configuration& q) const {
                      [&](const Eigen::VectorXd& place) { return (place - y).norm() < radius_; });
 }
 
-LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlRows& rows,
+LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlConstraints& constraints,
                    const DeadlockMemory& memory, int most_steps,
                    const std::optional<Eigen::VectorXd>& direction) {
-  return Runner(leg, damper, rows, memory).run(most_steps, direction);
+  return Runner(leg, damper, constraints, memory).run(most_steps, direction);
 }
 
-ControlRows rows_for(const ConfigurationSpace& space, const DamperOptions& damper) {
-  return {space, damper.influence_distance, 0.0};  // of each ball the nearest voxel alone
+ControlConstraints constraints_for(const ConfigurationSpace& space, const DamperOptions& damper) {
+  return {space, damper.influence_distance, 0.0};  // of each sphere the nearest voxel alone
 }
 
 }  // namespace clearway

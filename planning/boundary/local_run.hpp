@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "planning/constraint/control_rows.hpp"
+#include "planning/constraint/control_constraints.hpp"
 #include "planning/constraint/local_step.hpp"
 #include "planning/problem/planner.hpp"
 
@@ -45,12 +45,12 @@ struct LocalRun {
 /// With a `direction` (weighted units) it begins by following the boundary in the plane through start, goal
 /// and start + direction (section 3, with that direction in the place of q_lim - q_lock in eq. 11) until it
 /// is nearer to the goal than it began, or has lost the boundary.
-/// @param rows of the leg's space, made for the damper's influence distance: what limits each step
-LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlRows& rows,
+/// @param constraints of the leg's space, made for the damper's influence distance: what limits each step
+LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlConstraints& constraints,
                    const DeadlockMemory& memory, int most_steps,
                    const std::optional<Eigen::VectorXd>& direction = std::nullopt);
 
-/// Rows as run_local wants them.
-ControlRows rows_for(const ConfigurationSpace& space, const DamperOptions& damper);
+/// Constraints as run_local wants them.
+ControlConstraints constraints_for(const ConfigurationSpace& space, const DamperOptions& damper);
 
 }  // namespace clearway

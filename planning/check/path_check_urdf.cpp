@@ -32,7 +32,7 @@ bool is_read_of_joint(const std::string& element, bool is_fixed) {
   return !is_fixed && (element == "axis" || element == "limit" || element == "mimic");
 }
 
-/// The file's joints and links alone. A body's shape becomes a ball, because urdfdom knows no capsules and
+/// The file's joints and links alone. A body's shape becomes a sphere, because urdfdom knows no capsules and
 /// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
 std::string bare_text(const Robot& robot) {
   const std::string text = read_text(file_of(robot));

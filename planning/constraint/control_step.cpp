@@ -23,31 +23,31 @@ DamperOptions checked(DamperOptions options, std::size_t joints) {
   return options;
 }
 
-/// A row's right-hand side: the damper's for the nearest voxel; for one that is behind it, that of a longer
-/// distance, but never so much that one step crosses the security distance.
-double row_bound(const DamperOptions& options, const ControlRow& row) {
-  const double bound = damper_bound(options, row.distance);
-  if (row.behind <= 0.0) return bound;
-  return std::max(bound, std::min(damper_bound(options, row.distance + row.behind),
-                                  row.distance - options.security_distance));
+/// A constraint's right-hand side: the damper's for the nearest voxel; for one that is behind it, that of a
+/// longer distance, but never so much that one step crosses the security distance.
+double constraint_bound(const DamperOptions& options, const ControlConstraint& constraint) {
+  const double bound = damper_bound(options, constraint.distance);
+  if (constraint.behind <= 0.0) return bound;
+  return std::max(bound, std::min(damper_bound(options, constraint.distance + constraint.behind),
+                                  constraint.distance - options.security_distance));
 }
 
 }  // namespace
 
 ControlStep::ControlStep(const ConfigurationSpace& space, DamperOptions options)
-    : options_(checked(std::move(options), space.robot().dof())), rows_(space, options_) {
+    : options_(checked(std::move(options), space.robot().dof())), constraints_(space, options_) {
   const auto n = static_cast<Eigen::Index>(space.robot().dof());
-  for (Eigen::VectorXd* vector : {&lower_, &upper_, &row_, &step_}) vector->setZero(n);
+  for (Eigen::VectorXd* vector : {&lower_, &upper_, &weighted_gradient_, &step_}) vector->setZero(n);
   per_weight_ = options_.weight.cwiseInverse();
 }
 
 void ControlStep::look(const Configuration& q) {
-  rows_.look(q);
+  constraints_.look(q);
   load(q);
 }
 
 void ControlStep::load(const Configuration& q) {
-  const Robot& robot = rows_.robot();
+  const Robot& robot = constraints_.robot();
   solver_.begin(static_cast<int>(robot.dof()));
   for (Eigen::Index j = 0; j < q.size(); ++j) {
     const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
@@ -55,19 +55,19 @@ void ControlStep::load(const Configuration& q) {
     upper_[j] = std::clamp(options_.weight[j] * (joint.upper - q[j]), 0.0, options_.max_step);
   }
   solver_.set_limits(numbers(lower_), numbers(upper_));
-  for (std::size_t i = 0; i < rows_.rows().size(); ++i)
-    add(rows_.gradient(i), row_bound(options_, rows_.rows()[i]));
+  for (std::size_t i = 0; i < constraints_.constraints().size(); ++i)
+    add(constraints_.gradient(i), constraint_bound(options_, constraints_.constraints()[i]));
 }
 
 void ControlStep::add(std::span<const double> gradient, double bound) {
-  for (Eigen::Index j = 0; j < row_.size(); ++j)
-    row_[j] = gradient[static_cast<std::size_t>(j)] * per_weight_[j];
-  solver_.add_row(numbers(row_), bound);
+  for (Eigen::Index j = 0; j < weighted_gradient_.size(); ++j)
+    weighted_gradient_[j] = gradient[static_cast<std::size_t>(j)] * per_weight_[j];
+  solver_.add_constraint(numbers(weighted_gradient_), bound);
 }
 
 const Eigen::VectorXd& ControlStep::solve(const Eigen::VectorXd& wanted) {
   solver_.set_target(numbers(wanted));
-  step_.setZero();  // where rounding leaves no step: standing still keeps every row that demands nothing
+  step_.setZero();  // where rounding leaves no step: standing still keeps what demands nothing
   if (!solver_.solve_relaxed()) return step_;
   const Eigen::Map<const Eigen::VectorXd> found(solver_.x().data(), step_.size());
   const double rounding = 1e-6 * options_.max_step;
@@ -78,7 +78,8 @@ const Eigen::VectorXd& ControlStep::solve(const Eigen::VectorXd& wanted) {
 
 double ControlStep::separation() const {
   double least = options_.influence_distance;
-  for (const ControlRow& row : rows_.rows()) least = std::min(least, row.distance);
+  for (const ControlConstraint& constraint : constraints_.constraints())
+    least = std::min(least, constraint.distance);
   return least;
 }
 

@@ -23,15 +23,15 @@ struct LiveControl::Map {
 
 namespace {
 
-/// More rows than an arm between obstacles has.
-constexpr int rows_foreseen = 256;
+/// More constraints than an arm between obstacles has.
+constexpr int constraints_foreseen = 256;
 
 /// So that the loop finds the program's memory large enough, and the cubes about the robot remembered.
 void run_once(ControlStep& control, const Configuration& q) {
   control.look(q);
-  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(q.size()), row = Eigen::VectorXd::Ones(q.size());
-  for (int i = 0; i < rows_foreseen; ++i)
-    control.add({row.data(), static_cast<std::size_t>(row.size())}, 1.0);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(q.size()), gradient = Eigen::VectorXd::Ones(q.size());
+  for (int i = 0; i < constraints_foreseen; ++i)
+    control.add({gradient.data(), static_cast<std::size_t>(gradient.size())}, 1.0);
   control.solve(nothing);
 }
 

@@ -32,8 +32,8 @@ struct LiveOptions {
 /// loop's, and two that are made, wait for it or were given back.
 ///
 /// The loop goes on with the map it has and knows its age. Without a map, or with one older than max_age,
-/// `step` brakes: along the last step, shorter and shorter, still within the rows of the map it has. It goes
-/// on by itself once a newer map has come.
+/// `step` brakes: along the last step, shorter and shorter, still within the constraints of the map it has.
+/// It goes on by itself once a newer map has come.
 class LiveControl {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -82,7 +82,7 @@ class LiveControl {
   /// fetch; control().look; then solve for `wanted`, or for what brakes.
   /// Weighted units, valid until the next call.
   const Eigen::VectorXd& step(const Configuration& q, const Eigen::VectorXd& wanted, Time now);
-  /// The second half, for who has added rows of its own to control() after look.
+  /// The second half, for who has added constraints of its own to control() after look.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted, Time now);
   /// Whether the last step was one that brakes.
   bool is_braking() const { return is_braking_; }

@@ -16,7 +16,8 @@ using Eigen::VectorXd;
 
 double nearest_pair(const ConfigurationSpace& space, const Configuration& q, double limit) {
   double nearest = limit;
-  for (const ProximityRow& row : space.proximity_rows(q, limit)) nearest = std::min(nearest, row.distance);
+  for (const ProximityConstraint& constraint : space.proximity_constraints(q, limit))
+    nearest = std::min(nearest, constraint.distance);
   return nearest;
 }
 
@@ -38,14 +39,14 @@ double automatic_influence(const Robot& robot, const VectorXd& reach, double res
 
 }  // namespace
 
-double damper_bound(const DamperOptions& options, double distance) {  // eq. 4
+double damper_bound(const DamperOptions& options, double distance) {  // Lahouar 2006, eq. 4
   return options.xi * (distance - options.security_distance) /
          (options.influence_distance - options.security_distance);
 }
 
 VectorXd step_to_goal(const DamperOptions& options, const Configuration& q, const Configuration& goal) {
   const VectorXd way = options.weight.cwiseProduct(goal - q);
-  const double length = way.norm();  // eq. 1, else 2
+  const double length = way.norm();  // Lahouar 2006, eq. 1, else 2
   return length > options.max_step ? VectorXd(way * (options.max_step / length)) : way;
 }
 
@@ -53,14 +54,15 @@ StepConstraints constraints_at(const ConfigurationSpace& space, const Configurat
                                const DamperOptions& options) {
   const Robot& robot = space.robot();
   StepConstraints constraints;
-  constraints.pairs = space.proximity_rows(q, options.influence_distance);
+  constraints.pairs = space.proximity_constraints(q, options.influence_distance);
   const auto count = static_cast<Index>(constraints.pairs.size());
-  constraints.rows.resize(count, q.size());
+  constraints.matrix.resize(count, q.size());
   constraints.bounds.resize(count);
   constraints.separation = options.influence_distance;
   for (Index i = 0; i < count; ++i) {
-    const ProximityRow& pair = constraints.pairs[static_cast<std::size_t>(i)];
-    constraints.rows.row(i) = pair.gradient.cwiseQuotient(options.weight).transpose();  // eq. 6, 7
+    const ProximityConstraint& pair = constraints.pairs[static_cast<std::size_t>(i)];
+    constraints.matrix.row(i) =
+        pair.gradient.cwiseQuotient(options.weight).transpose();  // Lahouar 2006, eq. 6, 7
     constraints.bounds[i] = damper_bound(options, pair.distance);
     constraints.separation = std::min(constraints.separation, pair.distance);
   }
@@ -78,7 +80,7 @@ LocalStep local_step(const StepConstraints& constraints, const VectorXd& wanted,
                      const DamperOptions& options) {
   const double longest = options.max_step;
   QuadraticSolution solution =
-      solve_relaxed({wanted, constraints.rows, constraints.bounds, constraints.lower.cwiseMax(-longest),
+      solve_relaxed({wanted, constraints.matrix, constraints.bounds, constraints.lower.cwiseMax(-longest),
                      constraints.upper.cwiseMin(longest)});
   if (!solution.feasible) solution.x.setZero();  // rounding only: standing still keeps every constraint
   return {solution.x, solution.multipliers, solution.demand, solution.shares};

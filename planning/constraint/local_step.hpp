@@ -14,7 +14,7 @@ namespace clearway {
 /// Parameters of the constraint method, Lahouar et al. 2006, eq. 1-9. Joint-space lengths are in weighted
 /// units y = w q: radians, and metres times prismatic_scale (see joint_weights).
 struct DamperOptions {
-  double max_step = 0.0;            ///< Delta q_max of eq. 1 and the box, weighted units, > 0
+  double max_step = 0.0;            ///< Delta q_max of Lahouar 2006, eq. 1, and the box, weighted units, > 0
   double influence_distance = 0.0;  ///< d_i, metres: nearer objects are constraints
   double security_distance = 0.0;   ///< d_s, metres: where approach stops, < d_i
   double xi = 0.0;                  ///< xi, metres per step: approach allowed at d_i, <= d_i - d_s
@@ -22,31 +22,31 @@ struct DamperOptions {
 };
 
 /// Right-hand side of the velocity damper, xi (d - d_s) / (d_i - d_s): xi at d_i, 0 at d_s, negative
-/// (separation demanded) below. The paper's copy prints eq. 4-9 with d_i and d_s exchanged.
+/// (separation demanded) below. Our copy of Lahouar 2006 prints eq. 4-9 with d_i and d_s exchanged.
 double damper_bound(const DamperOptions& options, double distance);
 
-/// Eq. 1-2: straight at the goal, at most max_step long. Weighted units.
+/// Lahouar 2006, eq. 1-2: straight at the goal, at most max_step long. Weighted units.
 Eigen::VectorXd step_to_goal(const DamperOptions& options, const Configuration& q, const Configuration& goal);
 
-/// Everything that limits the next step from q, in weighted units: eq. 6-7 for each near pair, and the box
-/// of joint limits and max_step.
+/// Everything that limits the next step from q, in weighted units: Lahouar 2006, eq. 6-7 for each near pair,
+/// and the box of joint limits and max_step.
 struct StepConstraints {
-  Eigen::MatrixXd rows;             ///< a_i / w
-  Eigen::VectorXd bounds;           ///< b_i, damper_bound
-  Eigen::VectorXd lower, upper;     ///< joint limits only, about q; <= 0 and >= 0
-  std::vector<ProximityRow> pairs;  ///< what each row stands for
-  double separation = 0.0;          ///< smallest distance of all pairs; influence_distance when there is none
+  Eigen::MatrixXd matrix;                  ///< a_i / w
+  Eigen::VectorXd bounds;                  ///< b_i, damper_bound
+  Eigen::VectorXd lower, upper;            ///< joint limits only, about q; <= 0 and >= 0
+  std::vector<ProximityConstraint> pairs;  ///< what each constraint stands for
+  double separation = 0.0;  ///< smallest distance of all pairs; influence_distance when there is none
 };
 StepConstraints constraints_at(const ConfigurationSpace& space, const Configuration& q,
                                const DamperOptions& options);
 
-/// Eq. 9: the step nearest to `wanted` that keeps all constraints. When they contradict each other, the
-/// demanded separations are relaxed together (solve_relaxed); `demand` < 1 tells it.
+/// Lahouar 2006, eq. 9: the step nearest to `wanted` that keeps all constraints. When they contradict each
+/// other, the demanded separations are relaxed together (solve_relaxed); `demand` < 1 tells it.
 struct LocalStep {
   Eigen::VectorXd step;         ///< weighted units
-  Eigen::VectorXd multipliers;  ///< >= 0: rows, then upper, then lower limits; > 0: the constraint is active
+  Eigen::VectorXd multipliers;  ///< >= 0: inequalities, then upper, then lower limits; > 0: active
   double demand = 1.0;
-  Eigen::VectorXd shares;  ///< of each row's demand what was kept; 1 for rows that did not give way
+  Eigen::VectorXd shares;  ///< of each demand what was kept; 1 where nothing gave way
 };
 LocalStep local_step(const StepConstraints& constraints, const Eigen::VectorXd& wanted,
                      const DamperOptions& options);

@@ -41,7 +41,7 @@ bool is_beyond_end(const Eigen::Vector3d& middle, const Eigen::Vector3d& half, c
 
 }  // namespace
 
-Sphere ball_around(const Body& body) {
+Sphere sphere_around(const Body& body) {
   const Eigen::Vector3d middle = body.shape.bounds(Eigen::Isometry3d::Identity()).center();
   double radius = body.shape.bounding_radius();
   if (body.shape.kind() == Shape::Kind::convex) {
@@ -55,13 +55,13 @@ Sphere ball_around(const Body& body) {
 NearPairs::NearPairs(const Robot& robot, const std::function<double(const BodyPair&)>& within) {
   for (const Body& body : robot.bodies) {
     const double length = body.shape.kind() == Shape::Kind::sphere ? 0.0 : body.shape.length();
-    bodies_.push_back({&body, ball_around(body), has_axis(body.shape),
+    bodies_.push_back({&body, sphere_around(body), has_axis(body.shape),
                        0.5 * length * body.link_from_shape.linear().col(2)});
   }
-  for (const BodyPair& pair : contact_pairs(robot)) {
+  for (const BodyPair& pair : self_collision_pairs(robot)) {
     const Placed& first = bodies_[static_cast<std::size_t>(pair.first)];
     const Placed& second = bodies_[static_cast<std::size_t>(pair.second)];
-    const double reach = within(pair), size = first.ball.radius + second.ball.radius;
+    const double reach = within(pair), size = first.sphere.radius + second.sphere.radius;
     if (reach < 0.0) continue;
     const double axes = first.body->shape.radius() + second.body->shape.radius() + reach + 1e-6 * size;
     pairs_.push_back({pair.first, pair.second, reach, (size + reach) * (size + reach),
@@ -75,7 +75,7 @@ std::span<const NearPair> NearPairs::look(const LinkPoses& map_from_link) {
   const auto pose = [&](const Placed& placed) -> const Eigen::Isometry3d& {
     return map_from_link[static_cast<std::size_t>(placed.body->link)];
   };
-  for (Placed& placed : bodies_) placed.middle = moved(pose(placed), placed.ball.center);
+  for (Placed& placed : bodies_) placed.middle = moved(pose(placed), placed.sphere.center);
   for (const Pair& pair : pairs_) {
     if (is_far(pair, map_from_link)) continue;
     const Placed& first = bodies_[static_cast<std::size_t>(pair.first)];
@@ -100,7 +100,7 @@ std::span<const NearPair> NearPairs::look(const LinkPoses& map_from_link) {
 bool NearPairs::is_far(const Pair& pair, const LinkPoses& map_from_link) const {
   const Placed& first = bodies_[static_cast<std::size_t>(pair.first)];
   const Placed& second = bodies_[static_cast<std::size_t>(pair.second)];
-  if ((first.middle - second.middle).squaredNorm() > pair.balls_apart) return true;
+  if ((first.middle - second.middle).squaredNorm() > pair.spheres_apart) return true;
   if (pair.axes_apart == 0.0) return false;
   const auto along = [&](const Placed& placed) -> Eigen::Vector3d {
     return map_from_link[static_cast<std::size_t>(placed.body->link)].linear().lazyProduct(placed.half);

@@ -21,21 +21,21 @@ VectorXd vector_of(std::span<const double> numbers) {
 /// The problem in a solver of this thread, which keeps its memory.
 QuadraticSolver& loaded(const QuadraticProgram& p) {
   const Index n = p.target.size();
-  const bool sizes = p.rows.rows() == p.bounds.size() && (p.rows.rows() == 0 || p.rows.cols() == n) &&
+  const bool sizes = p.matrix.rows() == p.bounds.size() && (p.matrix.rows() == 0 || p.matrix.cols() == n) &&
                      (p.lower.size() == 0 || p.lower.size() == n) &&
                      (p.upper.size() == 0 || p.upper.size() == n);
   if (!sizes) throw std::invalid_argument("quadratic program: sizes of target, rows and bounds do not match");
   thread_local QuadraticSolver solver;
-  thread_local VectorXd row, lower, upper;
+  thread_local VectorXd normal, lower, upper;
   const double infinity = std::numeric_limits<double>::infinity();
   lower = p.lower.size() ? p.lower : VectorXd::Constant(n, -infinity);
   upper = p.upper.size() ? p.upper : VectorXd::Constant(n, infinity);
   solver.begin(static_cast<int>(n));
   solver.set_target(numbers(p.target));
   solver.set_limits(numbers(lower), numbers(upper));
-  for (Index i = 0; i < p.rows.rows(); ++i) {
-    row = p.rows.row(i).transpose();
-    solver.add_row(numbers(row), p.bounds[i]);
+  for (Index i = 0; i < p.matrix.rows(); ++i) {
+    normal = p.matrix.row(i).transpose();
+    solver.add_constraint(numbers(normal), p.bounds[i]);
   }
   return solver;
 }

@@ -24,7 +24,7 @@ constexpr unsigned char kSetAside = 2;
 }  // namespace
 
 void QuadraticSolver::begin(int variables) {
-  rows_.begin(variables);
+  constraints_.begin(variables);
   normals_.begin(variables);
   const auto length = static_cast<std::size_t>(lanes::padded(variables));
   target_.assign(length, 0.0);
@@ -40,15 +40,17 @@ void QuadraticSolver::set_target(std::span<const double> target) {
 }
 
 void QuadraticSolver::set_limits(std::span<const double> lower, std::span<const double> upper) {
-  rows_.set_limits(lower, upper);
+  constraints_.set_limits(lower, upper);
 }
 
-void QuadraticSolver::add_row(std::span<const double> normal, double bound) { rows_.add(normal, bound); }
+void QuadraticSolver::add_constraint(std::span<const double> normal, double bound) {
+  constraints_.add(normal, bound);
+}
 
 /// Takes up a constraint, letting go those that block it.
 QuadraticSolver::Addition QuadraticSolver::add(const Violation& violation) {
   const int p = violation.constraint, length = static_cast<int>(x_.size());
-  rows_.load(p, normal_.data());
+  constraints_.load(p, normal_.data());
   double multiplier = 0.0, depth = violation.depth;
   for (;;) {
     const double rest = normals_.split(normal_.data());
@@ -77,19 +79,19 @@ QuadraticSolver::Addition QuadraticSolver::add(const Violation& violation) {
       normals_.append(rest);
       active_.push_back(p);
       active_multipliers_.push_back(multiplier);
-      active_bounds_.push_back(rows_.bound(p));
+      active_bounds_.push_back(constraints_.bound(p));
       is_out_[static_cast<std::size_t>(p)] = 1;
       return Addition::added;
     }
     drop(dropped);
-    depth = lanes::dot(normal_.data(), x_.data(), length) - rows_.bound(p);
+    depth = lanes::dot(normal_.data(), x_.data(), length) - constraints_.bound(p);
   }
 }
 
 /// Whether a normal that depends on the active ones is violated by more than the rounding of what says so.
 bool QuadraticSolver::is_real(const Violation& violation, double rest) const {
   const double size = std::sqrt(lanes::dot(x_.data(), x_.data(), static_cast<int>(x_.size())));
-  double terms = std::abs(rows_.bound(violation.constraint)) + size;
+  double terms = std::abs(constraints_.bound(violation.constraint)) + size;
   for (int i = 0; i < normals_.count(); ++i) {
     terms += std::abs(normals_.weights()[i]) * (std::abs(active_bounds_[static_cast<std::size_t>(i)]) + size);
   }
@@ -128,20 +130,20 @@ bool QuadraticSolver::run() {
   active_.clear();
   active_multipliers_.clear();
   active_bounds_.clear();
-  const auto constraints = static_cast<std::size_t>(rows_.constraints());
+  const auto constraints = static_cast<std::size_t>(constraints_.size());
   is_out_.assign(constraints, 0);
   multipliers_.assign(constraints, 0.0);
   // Every pass raises the dual value, so no active set returns; the cap only guards against rounding.
-  const int cap = iterations_ + 100 + 20 * rows_.constraints();
+  const int cap = iterations_ + 100 + 20 * constraints_.size();
   // x is the point nearest to the target that the active constraints allow, so no feasible one is nearer.
-  const double out_of_reach = 4.0 * target_size_ + 2.0 * rows_.farthest_within_limits();
+  const double out_of_reach = 4.0 * target_size_ + 2.0 * constraints_.farthest_within_limits();
   for (bool is_polished = true;;) {
     const double size = target_size_ + std::sqrt(lanes::dot(x_.data(), x_.data(), length));
     if (size > out_of_reach) {
       tell_proof_by_limits();
       return false;
     }
-    const Violation worst = rows_.most_violated(x_.data(), size, is_out_);
+    const Violation worst = constraints_.most_violated(x_.data(), size, is_out_);
     if (worst.constraint < 0) {
       if (is_polished && worst.is_lost) return false;
       if (is_polished) break;
@@ -160,7 +162,8 @@ bool QuadraticSolver::run() {
     if (iterations_ >= cap) return false;  // no proof: the multipliers stay 0
   }
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    multipliers_[static_cast<std::size_t>(active_[i])] = active_multipliers_[i] / rows_.length(active_[i]);
+    multipliers_[static_cast<std::size_t>(active_[i])] =
+        active_multipliers_[i] / constraints_.length(active_[i]);
   }
   return true;
 }
@@ -170,9 +173,9 @@ void QuadraticSolver::tell_proof(int last) {
   if (conflicting_ < 0) conflicting_ = last;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     multipliers_[static_cast<std::size_t>(active_[i])] =
-        std::max(0.0, -normals_.weights()[i]) / rows_.length(active_[i]);
+        std::max(0.0, -normals_.weights()[i]) / constraints_.length(active_[i]);
   }
-  multipliers_[static_cast<std::size_t>(last)] = 1.0 / rows_.length(last);
+  multipliers_[static_cast<std::size_t>(last)] = 1.0 / constraints_.length(last);
 }
 
 /// The active constraints, y a x <= y b with y the multipliers, ask for more along their sum, target - x,
@@ -180,21 +183,22 @@ void QuadraticSolver::tell_proof(int last) {
 void QuadraticSolver::tell_proof_by_limits() {
   if (conflicting_ < 0) conflicting_ = active_.back();
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    multipliers_[static_cast<std::size_t>(active_[i])] = active_multipliers_[i] / rows_.length(active_[i]);
+    multipliers_[static_cast<std::size_t>(active_[i])] =
+        active_multipliers_[i] / constraints_.length(active_[i]);
   }
   for (int j = 0; j < variables(); ++j) {
     const auto place = static_cast<std::size_t>(j);
     const double sum = target_[place] - x_[place];
-    const int limit = rows_.rows() + (sum > 0.0 ? variables() : 0) + j;
+    const int limit = constraints_.inequalities() + (sum > 0.0 ? variables() : 0) + j;
     multipliers_[static_cast<std::size_t>(limit)] += std::abs(sum);
   }
 }
 
 bool QuadraticSolver::solve() {
-  rows_.normalise();
-  shares_.assign(static_cast<std::size_t>(rows_.rows()), 1.0);
-  for (int row = 0; row < rows_.rows(); ++row) {  // what solve_relaxed may have lowered
-    if (rows_.demand(row) < 0.0) rows_.lower_demand(row, 1.0);
+  constraints_.normalise();
+  shares_.assign(static_cast<std::size_t>(constraints_.inequalities()), 1.0);
+  for (int i = 0; i < constraints_.inequalities(); ++i) {  // what solve_relaxed may have lowered
+    if (constraints_.demand(i) < 0.0) constraints_.lower_demand(i, 1.0);
   }
   conflicting_ = -1;
   iterations_ = 0;
@@ -204,33 +208,33 @@ bool QuadraticSolver::solve() {
 /// Ends the contradiction that multipliers() tells: the sum of y_i s_i |b_i| over the demands that take part
 /// must not exceed what the other constraints of the proof leave. False when no demand takes part.
 bool QuadraticSolver::lower_shares() {
-  const auto weight = [&](int i) {  // of the unit row
-    return multipliers_[static_cast<std::size_t>(i)] * rows_.length(i);
+  const auto weight = [&](int i) {  // of the normalized constraint
+    return multipliers_[static_cast<std::size_t>(i)] * constraints_.length(i);
   };
-  const auto takes_part = [&](int row) { return rows_.demand(row) < 0.0 && weight(row) > 0.0; };
+  const auto takes_part = [&](int i) { return constraints_.demand(i) < 0.0 && weight(i) > 0.0; };
   double room = 0.0;
-  for (int i = 0; i < rows_.constraints(); ++i) {
-    const bool is_demand = i < rows_.rows() && rows_.demand(i) < 0.0;
-    if (!is_demand && weight(i) > 0.0) room += weight(i) * rows_.bound(i);
+  for (int i = 0; i < constraints_.size(); ++i) {
+    const bool is_demand = i < constraints_.inequalities() && constraints_.demand(i) < 0.0;
+    if (!is_demand && weight(i) > 0.0) room += weight(i) * constraints_.bound(i);
   }
   double cap = -1.0;  // grows: demands whose share is smaller leave more to the others
-  for (int pass = 0; pass <= rows_.rows(); ++pass) {
+  for (int pass = 0; pass <= constraints_.inequalities(); ++pass) {
     double left = room, open = 0.0;
-    for (int row = 0; row < rows_.rows(); ++row) {
-      if (!takes_part(row)) continue;
-      const double share = shares_[static_cast<std::size_t>(row)];
-      (share <= cap ? left : open) += weight(row) * rows_.demand(row) * (share <= cap ? share : -1.0);
+    for (int i = 0; i < constraints_.inequalities(); ++i) {
+      if (!takes_part(i)) continue;
+      const double share = shares_[static_cast<std::size_t>(i)];
+      (share <= cap ? left : open) += weight(i) * constraints_.demand(i) * (share <= cap ? share : -1.0);
     }
     const double next = open > 0.0 ? std::max(0.0, left / open) : cap;
     if (next <= cap) break;
     cap = next;
   }
   bool has_changed = false;
-  for (int row = 0; row < rows_.rows(); ++row) {
-    double& share = shares_[static_cast<std::size_t>(row)];
-    if (!takes_part(row) || share <= cap) continue;
+  for (int i = 0; i < constraints_.inequalities(); ++i) {
+    double& share = shares_[static_cast<std::size_t>(i)];
+    if (!takes_part(i) || share <= cap) continue;
     share = cap;
-    rows_.lower_demand(row, share);
+    constraints_.lower_demand(i, share);
     has_changed = true;
   }
   return has_changed;
@@ -238,12 +242,13 @@ bool QuadraticSolver::lower_shares() {
 
 bool QuadraticSolver::solve_relaxed() {
   bool is_feasible = solve();
-  for (int pass = 0; !is_feasible && pass < rows_.rows() + 50 && lower_shares(); ++pass) is_feasible = run();
+  for (int pass = 0; !is_feasible && pass < constraints_.inequalities() + 50 && lower_shares(); ++pass)
+    is_feasible = run();
   if (is_feasible) return true;
-  for (int row = 0; row < rows_.rows(); ++row) {  // by rounding alone: nothing approaches
-    if (rows_.demand(row) >= 0.0) continue;
-    shares_[static_cast<std::size_t>(row)] = 0.0;
-    rows_.lower_demand(row, 0.0);
+  for (int i = 0; i < constraints_.inequalities(); ++i) {  // by rounding alone: nothing approaches
+    if (constraints_.demand(i) >= 0.0) continue;
+    shares_[static_cast<std::size_t>(i)] = 0.0;
+    constraints_.lower_demand(i, 0.0);
   }
   return run();
 }

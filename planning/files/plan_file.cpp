@@ -68,9 +68,9 @@ Json legs_json(const std::vector<PlanResult>& legs) {
 
 Json paint_json(const std::vector<PaintHint>& hints) {
   Json json = Json::array();
-  for (const auto& [ball, part] : hints) {
+  for (const auto& [sphere, part] : hints) {
     json.push_back(
-        {{"part", part}, {"center", json_of(Eigen::VectorXd(ball.center))}, {"radius", ball.radius}});
+        {{"part", part}, {"center", json_of(Eigen::VectorXd(sphere.center))}, {"radius", sphere.radius}});
   }
   return json;
 }

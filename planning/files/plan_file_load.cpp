@@ -74,9 +74,9 @@ PathVerdict validation(const JsonField& field) {
 PaintHint paint_hint(const JsonField& field) {
   PaintHint hint;
   hint.part = field.at("part").text();
-  hint.ball.center = field.at("center").numbers(3);
-  hint.ball.radius = field.at("radius").number();
-  if (!(hint.ball.radius > 0.0)) field.at("radius").refuse("a number above 0");
+  hint.sphere.center = field.at("center").numbers(3);
+  hint.sphere.radius = field.at("radius").number();
+  if (!(hint.sphere.radius > 0.0)) field.at("radius").refuse("a number above 0");
   return hint;
 }
 

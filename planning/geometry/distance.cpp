@@ -66,7 +66,7 @@ CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, doub
   double last = 1e300;
   if (direction.squaredNorm() < 1e-300) direction = Eigen::Vector3d::UnitX();
   for (int i = 0; i < max_iterations; ++i) {
-    DifferencePoint point;
+    SupportPoint point;
     point.a = a.support(direction);
     point.b = b.support(-direction);
     point.difference = point.b - point.a;

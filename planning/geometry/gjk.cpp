@@ -61,7 +61,7 @@ bool holds_origin(const Simplex& s) {
 
 }  // namespace
 
-bool Simplex::add_and_reduce(const DifferencePoint& point) {
+bool Simplex::add_and_reduce(const SupportPoint& point) {
   const int newest = size++;
   points[static_cast<std::size_t>(newest)] = point;
   if (size == 4 && holds_origin(*this)) return true;
@@ -71,7 +71,7 @@ bool Simplex::add_and_reduce(const DifferencePoint& point) {
     consider_edge(*this, best, newest, i);
     for (int j = i + 1; j < newest; ++j) consider_triangle(*this, best, newest, i, j);
   }
-  const std::array<DifferencePoint, 4> old = points;
+  const std::array<SupportPoint, 4> old = points;
   size = best.size;
   weights = best.weight;
   for (int i = 0; i < size; ++i) {

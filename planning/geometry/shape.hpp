@@ -33,11 +33,12 @@ class Shape {
   /// Axis-aligned box of the shape placed at `pose`.
   Eigen::AlignedBox3d bounds(const Eigen::Isometry3d& pose) const;
 
-  /// Radius of the smallest origin-centred ball that holds the shape.
+  /// Radius of the smallest origin-centred sphere that holds the shape.
   double bounding_radius() const;
 
-  /// Balls in the shape's frame whose union contains the shape; exact for spheres, tighter for more balls.
-  std::vector<Sphere> ball_cover() const;
+  /// Spheres in the shape's frame whose union contains the shape; exact for spheres, tighter for more
+  /// spheres.
+  std::vector<Sphere> sphere_cover() const;
 
   Shape scaled(double factor) const;
 

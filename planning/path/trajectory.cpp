@@ -227,8 +227,8 @@ LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory, const
   return shares;
 }
 
-Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypoints,
-                     const TrajectoryOptions& options) {
+Trajectory time_parameterize(const Robot& robot, const std::vector<Configuration>& waypoints,
+                             const TrajectoryOptions& options) {
   check(robot, waypoints, options);
   for (double share = 1.0;;) {
     Trajectory trajectory = timed(robot, waypoints, options, share);

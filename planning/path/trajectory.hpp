@@ -43,8 +43,8 @@ struct Trajectory {
 /// a row count once; a path of one point is one sample at rest.
 /// @throws std::invalid_argument for no waypoints, a wrong size, a value that is not finite, an option out of
 ///         range, or a motion of more than ten million samples.
-Trajectory time_path(const Robot& robot, const std::vector<Configuration>& waypoints,
-                     const TrajectoryOptions& options = {});
+Trajectory time_parameterize(const Robot& robot, const std::vector<Configuration>& waypoints,
+                             const TrajectoryOptions& options = {});
 
 /// How much of the limits a trajectory uses, from sample to sample: 1 is all of them.
 struct LimitShares {

@@ -31,7 +31,7 @@ void distal_masses(const Robot& robot, const LinkPoses& poses, double payload, s
   }
 }
 
-/// Friction magnitude and signed gravity force of each joint, eq. 8.
+/// Friction magnitude and signed gravity force of each joint, Chong 2008, eq. 8.
 struct JointForces {
   Eigen::VectorXd friction;  ///< mu_j F_N r_j or mu_j F_N, >= 0
   Eigen::VectorXd gravity;   ///< what holds the arm still: -W.(z x rho) or -W.z; |gravity| = F_T r_j or F_T

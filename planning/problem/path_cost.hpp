@@ -20,17 +20,18 @@ class PathCost {
   /// @throws std::invalid_argument when gravity is not finite or the payload negative.
   explicit PathCost(const Robot& robot, const CostOptions& options = {});
 
-  /// u_j: torque (Nm) or force (N) magnitude of each joint at q, eq. 8: friction and gravity terms. Never <
-  /// 0.
+  /// u_j: torque (Nm) or force (N) magnitude of each joint at q, Chong 2008, eq. 8: friction and gravity
+  /// terms. Never < 0.
   Eigen::VectorXd generalized_forces(const Configuration& q) const;
   /// The same for who knows the poses of links of the robot as it is costed, `robot()`, at full_size(q).
   Eigen::VectorXd generalized_forces(const LinkPoses& poses) const;
   /// The gravity part alone, signed (tau_j such that it holds the arm): for comparison with rigid-body codes.
   Eigen::VectorXd gravity_torques(const Configuration& q) const;
-  /// Eq. 9 for one step: sum over joints of mean(u_from, u_to) |dq_j|; for prismatic joints dq at full size.
+  /// Chong 2008, eq. 9 for one step: sum over joints of mean(u_from, u_to) |dq_j|; for prismatic joints dq at
+  /// full size.
   double step_cost(const Eigen::VectorXd& forces_from, const Eigen::VectorXd& forces_to,
                    const Eigen::VectorXd& dq) const;
-  /// Eq. 9 for a path, summed per waypoint pair.
+  /// Chong 2008, eq. 9 for a path, summed per waypoint pair.
   double operator()(const std::vector<Configuration>& waypoints) const;
 
   /// At full size, its base at the origin: gravity is given in the base's frame.

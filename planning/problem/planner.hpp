@@ -33,11 +33,11 @@ struct PlanResult {
   std::vector<Configuration> waypoints;  ///< start first; empty unless solved
   std::vector<Configuration>
       explored;                    ///< unless solved: the path to the best node or the trace of the motion
-  double cost = 0.0;               ///< joules, eq. 9, of the waypoints without the last segment
+  double cost = 0.0;               ///< joules, Chong 2008, eq. 9, of the waypoints without the last segment
   double last_segment_cost = 0.0;  ///< joules of the segment to the exact goal, when appended
-  bool last_segment = false;       ///< the last edge goes from the lattice (eq. 11) to the exact goal
-  double final_distance = 0.0;     ///< ||q_end - goal|| before the last segment
-  int search_steps = 0;            ///< edges, the last segment not counted
+  bool last_segment = false;  ///< the last edge goes from the lattice (Chong 2008, eq. 11) to the exact goal
+  double final_distance = 0.0;  ///< ||q_end - goal|| before the last segment
+  int search_steps = 0;         ///< edges, the last segment not counted
   std::uint64_t configurations_checked = 0;
   std::uint64_t edges_checked = 0;
   std::map<std::string, double> statistics;  ///< planner's own figures, by name

@@ -100,8 +100,8 @@ void ArmKinematics::rate(int link, const Eigen::Vector3d& point, const Eigen::Ve
     gradient[static_cast<std::size_t>(moved.joint)] += rates_[static_cast<std::size_t>(moved.column)];
 }
 
-double ArmKinematics::farthest_move(int link, const Sphere& ball, std::span<const double> steps) const {
-  const Eigen::Vector3d& at = ball.center;
+double ArmKinematics::farthest_move(int link, const Sphere& sphere, std::span<const double> steps) const {
+  const Eigen::Vector3d& at = sphere.center;
   for (int column = 0; column < widths_[static_cast<std::size_t>(link)]; column += lanes::width) {
     const auto row = [&](int k) { return lanes::load(screws_.data() + k * columns_ + column); };
     const lanes::Numbers turn_x = row(0), turn_y = row(1), turn_z = row(2);
@@ -109,7 +109,7 @@ double ArmKinematics::farthest_move(int link, const Sphere& ball, std::span<cons
     const lanes::Numbers y = row(4) + at.x() * turn_z - at.z() * turn_x;
     const lanes::Numbers z = row(5) + at.y() * turn_x - at.x() * turn_y;
     const lanes::Numbers middle = lanes::root(x * x + y * y + z * z);
-    lanes::store(rates_.data() + column, middle + ball.radius * lanes::load(turns_.data() + column));
+    lanes::store(rates_.data() + column, middle + sphere.radius * lanes::load(turns_.data() + column));
   }
   double sum = 0.0;
   for (const Moved& moved : chains_[static_cast<std::size_t>(link)])

@@ -24,9 +24,9 @@ class ArmKinematics {
   void rate(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
             std::span<double> gradient) const;
 
-  /// How far any point of a ball (map frame) that moves with `link` advances at most at the present rates,
+  /// How far any point of a sphere (map frame) that moves with `link` advances at most at the present rates,
   /// when joint j moves by at most steps[j]: an upper bound of sum_j |n^T J_j| steps[j] for unit n.
-  double farthest_move(int link, const Sphere& ball, std::span<const double> steps) const;
+  double farthest_move(int link, const Sphere& sphere, std::span<const double> steps) const;
 
  private:
   struct Mover {

@@ -107,20 +107,22 @@ std::array<std::optional<Configuration>, 8> puma_branches(const Robot& robot,
   const Eigen::Vector3d p = wrist.translation();
   std::array<std::optional<Configuration>, 8> branches;
   const double rho_squared = p.x() * p.x() + p.y() * p.y() - t.d3 * t.d3;
-  const double k =
-      (p.squaredNorm() - t.a2 * t.a2 - t.a3 * t.a3 - t.d3 * t.d3 - t.d4 * t.d4) / (2.0 * t.a2);  // eq. 4.73
+  const double k = (p.squaredNorm() - t.a2 * t.a2 - t.a3 * t.a3 - t.d3 * t.d3 - t.d4 * t.d4) /
+                   (2.0 * t.a2);  // Craig 1989, eq. 4.73
   const double elbow_squared = t.a3 * t.a3 + t.d4 * t.d4 - k * k;
   if (rho_squared < 0.0 || elbow_squared < 0.0) return branches;
   for (std::size_t i = 0; i < branches.size(); ++i) {
     const double shoulder = (i & 4u) ? -1.0 : 1.0, elbow = (i & 2u) ? -1.0 : 1.0;
     Configuration q(6);
-    q[0] = std::atan2(p.y(), p.x()) - std::atan2(t.d3, shoulder * std::sqrt(rho_squared));  // eq. 4.70
-    q[2] = std::atan2(t.a3, t.d4) - std::atan2(k, elbow * std::sqrt(elbow_squared));        // eq. 4.75
+    q[0] = std::atan2(p.y(), p.x()) -
+           std::atan2(t.d3, shoulder * std::sqrt(rho_squared));                       // Craig 1989, eq. 4.70
+    q[2] = std::atan2(t.a3, t.d4) - std::atan2(k, elbow * std::sqrt(elbow_squared));  // Craig 1989, eq. 4.75
     const double c1 = std::cos(q[0]), s1 = std::sin(q[0]), c3 = std::cos(q[2]), s3 = std::sin(q[2]);
     const double along = c1 * p.x() + s1 * p.y();
-    const double theta23 = std::atan2((-t.a3 - t.a2 * c3) * p.z() - along * (t.d4 - t.a2 * s3),
-                                      (t.a2 * s3 - t.d4) * p.z() + (t.a3 + t.a2 * c3) * along);  // eq. 4.80
-    q[1] = theta23 - q[2];                                                                       // eq. 4.81
+    const double theta23 =
+        std::atan2((-t.a3 - t.a2 * c3) * p.z() - along * (t.d4 - t.a2 * s3),
+                   (t.a2 * s3 - t.d4) * p.z() + (t.a3 + t.a2 * c3) * along);  // Craig 1989, eq. 4.80
+    q[1] = theta23 - q[2];                                                    // Craig 1989, eq. 4.81
     const Eigen::Matrix3d r03 = (Eigen::AngleAxisd(q[0], Eigen::Vector3d::UnitZ()) *
                                  Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX()) *
                                  Eigen::AngleAxisd(theta23, Eigen::Vector3d::UnitZ()))

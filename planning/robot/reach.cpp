@@ -103,10 +103,10 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body) {
     return {place.box.min() + own.min(), place.box.max() + own.max()};
   }
   Eigen::AlignedBox3d whole;
-  for (const Sphere& ball : body.cover) {
+  for (const Sphere& sphere : body.cover) {
     Place at = place;
-    at.shift(ball.center);
-    at.grow(Eigen::Vector3d::Constant(ball.radius));
+    at.shift(sphere.center);
+    at.grow(Eigen::Vector3d::Constant(sphere.radius));
     whole.extend(at.box);
   }
   return whole;
@@ -119,7 +119,8 @@ double lever(const Robot& robot, int link, const Body& body) {
   const auto off_axis = [&](const Eigen::Vector3d& v) { return (v - v.dot(axis) * axis).norm(); };
   if (body.link == link) {
     double farthest = 0.0;
-    for (const Sphere& ball : body.cover) farthest = std::max(farthest, off_axis(ball.center) + ball.radius);
+    for (const Sphere& sphere : body.cover)
+      farthest = std::max(farthest, off_axis(sphere.center) + sphere.radius);
     return std::min(farthest, off_axis(body.link_from_shape.translation()) + body.shape.bounding_radius());
   }
   double radius = body.link_from_shape.translation().norm() + body.shape.bounding_radius();

@@ -30,9 +30,9 @@ Robot scaled(const Robot& robot, double factor) {
   for (Body& body : result.bodies) {
     body.link_from_shape.translation() *= factor;
     body.shape = body.shape.scaled(factor);
-    for (Sphere& ball : body.cover) {
-      ball.center *= factor;
-      ball.radius *= factor;
+    for (Sphere& sphere : body.cover) {
+      sphere.center *= factor;
+      sphere.radius *= factor;
     }
   }
   result.link_from_tip.translation() *= factor;

@@ -23,7 +23,7 @@ struct Joint {
   double lower = 0.0, upper = 0.0;                  ///< limits; for an unlimited joint -infinity, infinity
   double max_velocity = 0.0;                        ///< rad/s or m/s; 0 when the URDF gives none
   double friction = 0.0;                            ///< mu_j of Chong et al. 2008, eq. 8
-  double step = 0.0;  ///< epsilon_j, eq. 4: default perturbation of the beam search
+  double step = 0.0;  ///< epsilon_j, Chong 2008, eq. 4: default perturbation of the beam search
 };
 
 /// A rigid link. Links are stored parents first; link 0 is the root.
@@ -43,7 +43,7 @@ struct Body {
   int link = 0;
   Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
   Shape shape = Shape::sphere(1.0);
-  std::vector<Sphere> cover;  ///< balls in the LINK frame whose union contains the body
+  std::vector<Sphere> cover;  ///< spheres in the LINK frame whose union contains the body
 };
 
 /// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
-#include "planning/robot_files/contact_exemptions.hpp"
+#include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 
@@ -35,17 +35,17 @@ std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSet
   const bool has_srdf = fs::is_regular_file(srdf);
   if (has_srdf) append(bodies_of_parts(robot, read_srdf(srdf), srdf));
   if (settings.exempt) append(bodies_of_parts(robot, *settings.exempt, settings_file));
-  if (!has_srdf && !settings.exempt) append(always_touching_bodies(robot));
+  if (!has_srdf && !settings.exempt) append(always_colliding_bodies(robot));
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
 
-/// Balls that hold each body, in the frame of its link.
+/// Spheres that hold each body, in the frame of its link.
 void cover_bodies(Robot& robot) {
   for (Body& body : robot.bodies) {
-    body.cover = body.shape.ball_cover();
-    for (Sphere& ball : body.cover) ball.center = body.link_from_shape * ball.center;
+    body.cover = body.shape.sphere_cover();
+    for (Sphere& sphere : body.cover) sphere.center = body.link_from_shape * sphere.center;
   }
 }
 

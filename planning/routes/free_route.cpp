@@ -12,8 +12,8 @@ namespace {
 constexpr double most_cells = 4e6;
 constexpr std::size_t cells_a_look = 4096;  ///< at the time
 
-/// Cells about the whole of a box, and which of them the ball may enter: none of those not yet looked up when
-/// out of time.
+/// Cells about the whole of a box, and which of them the sphere may enter: none of those not yet looked up
+/// when out of time.
 class CellGrid {
  public:
   CellGrid(const BlockedSpace& space, const Eigen::AlignedBox3d& box, double radius, double cell,
@@ -97,10 +97,10 @@ class CellGrid {
 
 }  // namespace
 
-HandRoute free_route(const BlockedSpace& space, const Eigen::AlignedBox3d& bounds,
-                     const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius, double cell,
-                     const RoutePrice& price, const std::function<bool()>& out_of_time) {
-  HandRoute route;
+EndEffectorRoute free_route(const BlockedSpace& space, const Eigen::AlignedBox3d& bounds,
+                            const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
+                            double cell, const RoutePrice& price, const std::function<bool()>& out_of_time) {
+  EndEffectorRoute route;
   if (bounds.isEmpty() || !from.allFinite() || !to.allFinite()) return route;
   const CellGrid grid(space, bounds, radius, cell, out_of_time);
   const int first = grid.open_near(from), last = grid.open_near(to);

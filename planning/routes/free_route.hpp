@@ -5,12 +5,12 @@
 
 namespace clearway {
 
-/// The cheapest way of a ball through what is not blocked, by A* on a cubic grid with 26 neighbours from
+/// The cheapest way of a sphere through what is not blocked, by A* on a cubic grid with 26 neighbours from
 /// `from` to `to` (map frame); `price(point)` is what a metre costs there. Only cells within `bounds` (where
 /// the hand can get) are entered. The empty route when there is none, or when it is out of time.
-/// @param radius metres, of the ball: clearance that every cell of the way has (ends excepted).
+/// @param radius metres, of the sphere: clearance that every cell of the way has (ends excepted).
 /// @param cell   metres, of the grid, > 0; made larger when the bounds would hold more than 4 million cells.
-HandRoute free_route(
+EndEffectorRoute free_route(
     const BlockedSpace& space, const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& from,
     const Eigen::Vector3d& to, double radius, double cell, const RoutePrice& price,
     const std::function<bool()>& out_of_time = [] { return false; });

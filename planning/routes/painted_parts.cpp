@@ -17,7 +17,8 @@ std::uint16_t volumes_that_count(const Snapshot& map, const std::string& part) {
 /// Numbers of the pieces that hold the point.
 std::vector<int> pieces_at(const PaintedGraph& graph, const Eigen::Vector3d& point) {
   std::vector<int> pieces;
-  for (const int ball : graph.holding(point)) pieces.push_back(graph.piece(static_cast<std::size_t>(ball)));
+  for (const int sphere : graph.holding(point))
+    pieces.push_back(graph.piece(static_cast<std::size_t>(sphere)));
   std::sort(pieces.begin(), pieces.end());
   return pieces;
 }
@@ -46,7 +47,7 @@ std::string parted_volume_sentence(const PlanProblem& problem) {
     volumes_of_graph = volumes;
     const std::vector<int> from = pieces_at(*graph, middle_of(body, start));
     const std::vector<int> to = pieces_at(*graph, middle_of(body, goal));
-    if (from.empty() || to.empty()) continue;  // moved by no joint, or paint that came without its balls
+    if (from.empty() || to.empty()) continue;  // moved by no joint, or paint that came without its spheres
     const bool share_one = std::find_first_of(from.begin(), from.end(), to.begin(), to.end()) != from.end();
     if (share_one) continue;
     return "the painted volume of the part '" + body.part + "' lies in " +

@@ -13,7 +13,7 @@ namespace clearway {
 namespace {
 
 /// Where the middle of the hand can get, on the map.
-Eigen::AlignedBox3d hand_bounds(const ConfigurationSpace& space, const Hand& hand) {
+Eigen::AlignedBox3d hand_bounds(const ConfigurationSpace& space, const EndEffector& hand) {
   const Robot& robot = space.robot();
   Eigen::AlignedBox3d box = reach_box(robot, robot.bodies[static_cast<std::size_t>(hand.body)]);
   box.min().array() += hand.inner_radius;
@@ -28,7 +28,8 @@ Eigen::AlignedBox3d hand_bounds(const ConfigurationSpace& space, const Hand& han
 
 }  // namespace
 
-HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand, const std::vector<Sphere>& avoided) {
+EndEffectorRoute find_end_effector_route(const PlanProblem& problem, const EndEffector& hand,
+                                         const std::vector<Sphere>& avoided) {
   const ConfigurationSpace& space = problem.space;
   const BlockedSpace& blocked = hand.blocked(space);
   const Eigen::Vector3d from = hand.position(space.robot(), problem.start),
@@ -36,14 +37,14 @@ HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand, const st
   const auto price = [&](const Eigen::Vector3d& point) {
     const double wide = std::min(hand.outer_radius, blocked.max_distance());
     const double narrow = std::max(0.0, 1.0 - blocked.clearance(point) / wide);
-    const bool is_avoided = std::any_of(avoided.begin(), avoided.end(), [&](const Sphere& ball) {
-      return (ball.center - point).norm() < ball.radius;
+    const bool is_avoided = std::any_of(avoided.begin(), avoided.end(), [&](const Sphere& sphere) {
+      return (sphere.center - point).norm() < sphere.radius;
     });
     return (1.0 + 30.0 * narrow) * (is_avoided ? 20.0 : 1.0);
   };
   if (hand.requirement.policy == Policy::painted) {
     const PaintedGraph graph(space.map(), hand.requirement.volumes, 0.0, problem.out_of_time);
-    HandRoute route = graph.route(from, to, price);
+    EndEffectorRoute route = graph.route(from, to, price);
     if (!route.points.empty()) return route;
   }
   const double voxel = space.map().resolution();
@@ -52,7 +53,8 @@ HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand, const st
                     problem.out_of_time);
 }
 
-RouteGuide::RouteGuide(const PlanProblem& problem, const Hand& hand, HandRoute route, double share)
+RouteGuide::RouteGuide(const PlanProblem& problem, const EndEffector& hand, EndEffectorRoute route,
+                       double share)
     : robot_(problem.space.robot()),
       start_(problem.start),
       goal_(problem.goal),

@@ -4,18 +4,18 @@
 #include <random>
 
 #include "planning/problem/planner.hpp"
-#include "planning/routes/hand.hpp"
+#include "planning/routes/end_effector.hpp"
 #include "planning/routes/painted_route.hpp"
 
 namespace clearway {
 
 /// A way for the hand from where it is at the start to where it is at the goal: through the graph of painted
-/// balls when the hand has to stay in paint and the map keeps its balls, else through voxels that its
+/// spheres when the hand has to stay in paint and the map keeps its spheres, else through voxels that its
 /// requirement allows. Where the clearance of the hand's middle is less than the hand's outer radius, so that
-/// not every attitude of the hand is free, a metre counts up to thirty times; within the balls `avoided` (map
-/// frame) twenty times more. Empty when there is none.
-HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand,
-                          const std::vector<Sphere>& avoided = {});
+/// not every attitude of the hand is free, a metre counts up to thirty times; within the spheres `avoided`
+/// (map frame) twenty times more. Empty when there is none.
+EndEffectorRoute find_end_effector_route(const PlanProblem& problem, const EndEffector& hand,
+                                         const std::vector<Sphere>& avoided = {});
 
 /// Proposes configurations whose hand lies in the via regions of a route: a point of the route drawn evenly,
 /// moved within its region, and inverse kinematics for the hand's middle from a configuration near the
@@ -23,14 +23,14 @@ HandRoute find_hand_route(const PlanProblem& problem, const Hand& hand,
 class RouteGuide {
  public:
   /// @param share of the proposals that the guide makes; the others are left to the caller (uniform).
-  RouteGuide(const PlanProblem& problem, const Hand& hand, HandRoute route, double share);
+  RouteGuide(const PlanProblem& problem, const EndEffector& hand, EndEffectorRoute route, double share);
 
   std::optional<Configuration> operator()(std::mt19937_64& random) const;
 
  private:
   Robot robot_;  ///< its tip is the hand's middle
   Configuration start_, goal_;
-  HandRoute route_;
+  EndEffectorRoute route_;
   std::vector<double> along_;  ///< length of the route up to each of its points
   double share_, hand_radius_;
 };

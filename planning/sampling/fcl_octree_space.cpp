@@ -13,7 +13,7 @@
 
 #include "planning/geometry/convex_hull.hpp"
 #include "planning/robot/reach.hpp"
-#include "planning/robot/self_contact.hpp"
+#include "planning/robot/self_collision.hpp"
 #include "planning/sampling/blocked_octree.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -142,7 +142,7 @@ struct FclOctreeSpace::Scene {
 FclOctreeSpace::FclOctreeSpace(const ConfigurationSpace& space) {
   auto scene = std::make_unique<Scene>();
   scene->robot = space.robot();
-  scene->pairs = contact_pairs(scene->robot);
+  scene->pairs = self_collision_pairs(scene->robot);
   const double padding = space.options().padding;
   for (std::size_t i = 0; i < scene->robot.bodies.size(); ++i) {
     const Body& body = scene->robot.bodies[i];

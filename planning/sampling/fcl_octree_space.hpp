@@ -17,7 +17,7 @@ class FclOctreeSpace {
   ~FclOctreeSpace();
   FclOctreeSpace(FclOctreeSpace&&) noexcept;
 
-  /// Joint limits, voxels and self contact. Touching is not free.
+  /// Joint limits, voxels and self-collision. Touching is not free.
   bool is_free(const Configuration& q) const;
 
  private:

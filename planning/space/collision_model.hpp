@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "planning/robot/self_contact.hpp"
+#include "planning/robot/self_collision.hpp"
+#include "planning/space/body_collision.hpp"
 #include "planning/space/configuration_space.hpp"
-#include "planning/space/guarded_body.hpp"
 #include "planning/space/known_clearances.hpp"
 
 namespace clearway {
@@ -27,12 +27,12 @@ struct CollisionModel {
       : given(std::move(given_robot)), map(std::move(snapshot)), options(space_options) {}
 
   Robot given;  ///< as the caller knows it
-  Robot
-      robot;  ///< the same without_idle_turns but where that hides a contact: all that follows is of this one
+  Robot robot;  ///< the same without_axisymmetric_joints but where that hides a contact: all that follows is
+                ///< of this one
   Snapshot map;
   SpaceOptions options;
   std::map<std::string, Policy> policies;
-  std::vector<GuardedBody> bodies;      ///< those that some joint moves
+  std::vector<BodyCollision> bodies;    ///< those that some joint moves
   std::vector<int> indices;             ///< of these in robot.bodies
   std::vector<Eigen::VectorXd> levers;  ///< of these: metres any point moves at most per unit of each joint
   std::vector<Eigen::VectorXd>

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "planning/robot/idle_turns.hpp"
+#include "planning/robot/axisymmetric_joints.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/space/collision_model.hpp"
 #include "planning/space/part_policies.hpp"
@@ -77,16 +77,16 @@ Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
   return turns;
 }
 
-/// without_idle_turns, but where bodies that touch in every configuration would end up on one link: these
-/// stay where they are, so that their contact still counts.
+/// without_axisymmetric_joints, but where bodies that touch in every configuration would end up on one link:
+/// these stay where they are, so that their contact still counts.
 Robot reduced(const Robot& given) {
-  Robot robot = without_idle_turns(given);
-  const std::vector<BodyPair> wanted = contact_pairs(given);
+  Robot robot = without_axisymmetric_joints(given);
+  const std::vector<BodyPair> wanted = self_collision_pairs(given);
   const LinkPoses poses =  // any will do: no joint changes how far bodies of one link are apart
       forward_kinematics(given, Configuration::Zero(static_cast<Eigen::Index>(given.dof())));
   for (bool changed = true; changed;) {  // a body put back may leave another one's pair without motion
     changed = false;
-    const std::vector<BodyPair> kept = contact_pairs(robot);
+    const std::vector<BodyPair> kept = self_collision_pairs(robot);
     for (const BodyPair& pair : wanted) {
       const bool is_kept = std::any_of(kept.begin(), kept.end(), [&](const BodyPair& other) {
         return other.first == pair.first && other.second == pair.second;
@@ -145,7 +145,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     model.levers.push_back(body_levers(model.robot, body));
     model.turns.push_back(body_turns(model.robot, body));
   }
-  model.pairs = contact_pairs(model.robot);
+  model.pairs = self_collision_pairs(model.robot);
   model.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.robot.dof()));
   for (std::size_t member = 0; member < model.members(); ++member)
     model.matters = model.matters.array().max((model.rates(member).array() > 0.0).cast<double>());
@@ -194,11 +194,11 @@ double ConfigurationSpace::clearance(const Configuration& q) const {
   forward_kinematics(model.robot, q, poses);
   double least = model.options.max_distance;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const GuardedBody& body = model.bodies[i];
+    const BodyCollision& body = model.bodies[i];
     const double padding = model.options.padding;
     const double quick = body.quick_clearance(model.pose(poses, i)) - padding;
     if (quick >= least) continue;
-    // Near a blocked voxel the balls stand out too far to tell; the exact shape does, in a small box.
+    // Near a blocked voxel the spheres stand out too far to tell; the exact shape does, in a small box.
     const double slack = body.cover_excess() + 2.0 * model.map.resolution();
     if (quick > 2.0 * slack) {
       least = quick;

@@ -37,7 +37,7 @@ enum class Obstruction {
   none,
   not_finite,
   joint_limit,
-  self_contact,
+  self_collision,
   occupied,
   conflict,
   unknown,
@@ -55,9 +55,9 @@ struct Verdict {
   std::string sentence() const;  ///< "tool touches an occupied voxel at (x, y, z), 3 mm deep"
 };
 
-/// One nearby pair (robot point, blocked voxel or other body): a linear damper row of Lahouar et al. 2006,
-/// eq. 6: n^T J dq <= bound(d).
-struct ProximityRow {
+/// One nearby pair (robot point, blocked voxel or other body): a linear damper constraint of Lahouar et al.
+/// 2006, eq. 6: n^T J dq <= bound(d).
+struct ProximityConstraint {
   Eigen::VectorXd gradient;  ///< a = n^T J_x1(q): rate of approach per unit joint rate
   double distance = 0.0;     ///< conservative (<= true) distance d, metres, padding already subtracted
   int body = 0;
@@ -85,7 +85,7 @@ class ConfigurationSpace {
   /// Policy of each body's part, as used.
   const std::map<std::string, Policy>& policies() const;
 
-  /// Exact decision: limits, self contact, every body against every blocked voxel cube of its requirement.
+  /// Exact decision: limits, self-collision, every body against every blocked voxel cube of its requirement.
   bool is_free(const Configuration& q) const;
   /// The same with the reason.
   Verdict check(const Configuration& q) const;
@@ -101,8 +101,9 @@ class ConfigurationSpace {
   /// Pairs nearer than `influence_distance`, in a fixed order: for each body (in up to four pieces along its
   /// longest axis) and each of the six map directions the nearest blocked voxel that lies that way, by the
   /// exact shapes; then each pair of bodies that is not exempt. A pair whose distance no joint can change (a
-  /// floor under a sliding disc) has no row. Penetrating pairs have distance <= 0.
-  std::vector<ProximityRow> proximity_rows(const Configuration& q, double influence_distance) const;
+  /// floor under a sliding disc) has no constraint. Penetrating pairs have distance <= 0.
+  std::vector<ProximityConstraint> proximity_constraints(const Configuration& q,
+                                                         double influence_distance) const;
 
   /// What blocks body `body` (index in robot().bodies), in all the space that it reaches; null for a body
   /// that no joint moves. Valid as long as this object.

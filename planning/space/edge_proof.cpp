@@ -54,8 +54,8 @@ constexpr double bend_within_voxels = 0.5;
 /// Nor is it worth while when it is this much longer than a voxel.
 constexpr double sweep_within_voxels = 8.0;
 
-/// GuardedBody::is_clear at an end of the edge, with what is known of it, which grows.
-bool is_clear_at_end(const GuardedBody& body, const Eigen::Isometry3d& pose, std::size_t id, double margin,
+/// BodyCollision::is_clear at an end of the edge, with what is known of it, which grows.
+bool is_clear_at_end(const BodyCollision& body, const Eigen::Isometry3d& pose, std::size_t id, double margin,
                      RecentCubes& recent, KnownClearances* known) {
   if (known != nullptr && known->at_least[id] >= margin) return true;
   const bool is_clear = body.is_clear(pose, margin, &recent);
@@ -147,7 +147,7 @@ class EdgeProof {
 
   /// No point of the body is farther than its motion over half the piece from where it is at the middle.
   Finding examine_body(std::size_t id, Piece& piece, int middle) {
-    const GuardedBody& body = model_.bodies[id];
+    const BodyCollision& body = model_.bodies[id];
     const double part = piece.end - piece.begin, padding = model_.options.padding;
     if (body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
       return Finding::proved;
@@ -165,7 +165,7 @@ class EdgeProof {
 
   /// The hull of the body at the ends and half way, grown by how far its points leave their chords.
   Finding examine_sweep(std::size_t id, Piece& piece, int middle, double least, double bend) {
-    const GuardedBody& body = model_.bodies[id];
+    const BodyCollision& body = model_.bodies[id];
     if (piece.begin_sample < 0) piece.begin_sample = scratch_.sample(model_.robot, piece.begin);
     if (piece.end_sample < 0) piece.end_sample = scratch_.sample(model_.robot, piece.end);
     const Eigen::Isometry3d &begin = pose(piece.begin_sample, id), &end = pose(piece.end_sample, id);

@@ -27,9 +27,9 @@ Policy usual_policy(const Robot& robot, const Snapshot& map, const Policies& pol
   return is_cautious && has_free_space(map) ? Policy::known_free : Policy::not_occupied;
 }
 
-bool has_ball(const Snapshot& map, std::uint16_t volumes) {
+bool has_sphere(const Snapshot& map, std::uint16_t volumes) {
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
-    if ((volumes >> v & 1U) != 0 && !map.volumes()[v].balls.empty()) return true;
+    if ((volumes >> v & 1U) != 0 && !map.volumes()[v].spheres.empty()) return true;
   }
   return map.volumes().empty() && has_paint(map);
 }
@@ -93,7 +93,7 @@ void require_seen_within(double seen_within, const Snapshot& map,
 std::string empty_volume_sentence(const ConfigurationSpace& space) {
   for (const auto& [part, policy] : space.policies()) {
     if (policy != Policy::painted ||
-        has_ball(space.map(), part_requirement(space.map(), part, policy).volumes))
+        has_sphere(space.map(), part_requirement(space.map(), part, policy).volumes))
       continue;
     return "the part '" + part +
            "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "

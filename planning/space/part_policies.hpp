@@ -26,7 +26,7 @@ Requirement part_requirement(const Snapshot& map, const std::string& part, Polic
 void require_seen_within(double seen_within, const Snapshot& map,
                          const std::map<std::string, Policy>& policies);
 
-/// A part whose policy is `painted` although the volumes that count for it hold no painted ball (its CFV is
+/// A part whose policy is `painted` although the volumes that count for it hold no painted sphere (its CFV is
 /// empty): one sentence; empty when there is none. No configuration of such a robot is free.
 std::string empty_volume_sentence(const ConfigurationSpace& space);
 

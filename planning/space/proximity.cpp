@@ -1,4 +1,4 @@
-// Damper rows of Lahouar et al. 2006: ConfigurationSpace::proximity_rows.
+// Damper constraints of Lahouar et al. 2006: ConfigurationSpace::proximity_constraints.
 
 #include <algorithm>
 #include <array>
@@ -71,14 +71,14 @@ struct Nearest {
 };
 
 /// The nearest cube for each piece and direction, in that order.
-std::array<Nearest, max_pieces * directions> nearest_cubes(const GuardedBody& guarded,
-                                                           const Eigen::Isometry3d& pose, double reach) {
-  const Shape& shape = guarded.body().shape;
-  const Eigen::Isometry3d map_from_shape = pose * guarded.body().link_from_shape;
+std::array<Nearest, max_pieces * directions> nearest_voxels(const BodyCollision& collision,
+                                                            const Eigen::Isometry3d& pose, double reach) {
+  const Shape& shape = collision.body().shape;
+  const Eigen::Isometry3d map_from_shape = pose * collision.body().link_from_shape;
   const LongAxis medial(shape);
   std::array<Nearest, max_pieces * directions> slots;
-  if (guarded.is_quickly_clear(pose, reach)) return slots;
-  guarded.visit_near(pose, reach, [&](const Eigen::Vector3d& cube, double least) {
+  if (collision.is_quickly_clear(pose, reach)) return slots;
+  collision.visit_near(pose, reach, [&](const Eigen::Vector3d& cube, double least) {
     const Eigen::Vector3d in_shape =
         map_from_shape.linear().transpose() * (cube - map_from_shape.translation());
     const double place = medial.along(in_shape);
@@ -90,7 +90,7 @@ std::array<Nearest, max_pieces * directions> nearest_cubes(const GuardedBody& gu
     const double known = std::min(slot.distance, reach);
     if (least > known) return true;
     const DistanceBounds bounds =
-        distance_to_cube(shape, map_from_shape, cube, guarded.space().resolution(), known);
+        distance_to_cube(shape, map_from_shape, cube, collision.space().resolution(), known);
     if (bounds.lower >= known) return true;
     slot = {bounds.lower, cube, bounds, way.normalized()};
     return true;
@@ -100,28 +100,30 @@ std::array<Nearest, max_pieces * directions> nearest_cubes(const GuardedBody& gu
 
 }  // namespace
 
-std::vector<ProximityRow> ConfigurationSpace::proximity_rows(const Configuration& q,
-                                                             double influence_distance) const {
+std::vector<ProximityConstraint> ConfigurationSpace::proximity_constraints(const Configuration& q,
+                                                                           double influence_distance) const {
   const CollisionModel& model = *model_;
   const LinkPoses poses = forward_kinematics(model.robot, q);
-  std::vector<ProximityRow> rows;
-  const auto append = [&](ProximityRow row) {
-    if (row.gradient.cwiseAbs().maxCoeff() > 1e-12) rows.push_back(std::move(row));
+  std::vector<ProximityConstraint> constraints;
+  const auto append = [&](ProximityConstraint constraint) {
+    if (constraint.gradient.cwiseAbs().maxCoeff() > 1e-12) constraints.push_back(std::move(constraint));
   };
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const GuardedBody& guarded = model.bodies[i];
+    const BodyCollision& collision = model.bodies[i];
     const double padding = model.options.padding;
-    for (const Nearest& near : nearest_cubes(guarded, model.pose(poses, i), influence_distance + padding)) {
+    for (const Nearest& near :
+         nearest_voxels(collision, model.pose(poses, i), influence_distance + padding)) {
       if (!std::isfinite(near.distance)) continue;
-      ProximityRow row;
-      row.distance = near.distance - padding;
-      row.body = model.indices[i];
-      row.point = near.bounds.point_a;
-      row.normal = near.distance > 0.0 ? near.bounds.direction : near.fallback;
-      if (near.distance <= 0.0) row.point = near.cube;
-      row.gradient =
-          jacobian(model.robot, poses, guarded.body().link, row.point).topRows<3>().transpose() * row.normal;
-      append(std::move(row));
+      ProximityConstraint constraint;
+      constraint.distance = near.distance - padding;
+      constraint.body = model.indices[i];
+      constraint.point = near.bounds.point_a;
+      constraint.normal = near.distance > 0.0 ? near.bounds.direction : near.fallback;
+      if (near.distance <= 0.0) constraint.point = near.cube;
+      constraint.gradient =
+          jacobian(model.robot, poses, collision.body().link, constraint.point).topRows<3>().transpose() *
+          constraint.normal;
+      append(std::move(constraint));
     }
   }
   for (const BodyPair& pair : model.pairs) {
@@ -130,19 +132,19 @@ std::vector<ProximityRow> ConfigurationSpace::proximity_rows(const Configuration
     if (bounds.direction.squaredNorm() < 0.5) continue;
     const int link_a = model.robot.bodies[static_cast<std::size_t>(pair.first)].link;
     const int link_b = model.robot.bodies[static_cast<std::size_t>(pair.second)].link;
-    ProximityRow row;
-    row.distance = bounds.lower;
-    row.body = pair.first;
-    row.point = bounds.point_a;
-    row.normal = bounds.direction;
-    row.gradient = (jacobian(model.robot, poses, link_a, bounds.point_a) -
-                    jacobian(model.robot, poses, link_b, bounds.point_b))
-                       .topRows<3>()
-                       .transpose() *
-                   row.normal;
-    append(std::move(row));
+    ProximityConstraint constraint;
+    constraint.distance = bounds.lower;
+    constraint.body = pair.first;
+    constraint.point = bounds.point_a;
+    constraint.normal = bounds.direction;
+    constraint.gradient = (jacobian(model.robot, poses, link_a, bounds.point_a) -
+                           jacobian(model.robot, poses, link_b, bounds.point_b))
+                              .topRows<3>()
+                              .transpose() *
+                          constraint.normal;
+    append(std::move(constraint));
   }
-  return rows;
+  return constraints;
 }
 
 }  // namespace clearway

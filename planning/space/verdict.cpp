@@ -35,20 +35,20 @@ Obstruction obstruction_of(const Snapshot& map, const Requirement& requirement, 
 }
 
 /// The deepest blocked cube of a body that is not clear.
-Verdict blocked_by(const GuardedBody& guarded, const Eigen::Isometry3d& pose, const Snapshot& map,
+Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose, const Snapshot& map,
                    double padding) {
-  const Shape& shape = guarded.body().shape;
-  const Eigen::Isometry3d map_from_shape = pose * guarded.body().link_from_shape;
+  const Shape& shape = collision.body().shape;
+  const Eigen::Isometry3d map_from_shape = pose * collision.body().link_from_shape;
   const Eigen::AlignedBox3d bounds = shape.bounds(map_from_shape);
-  const double edge = guarded.space().resolution();
+  const double edge = collision.space().resolution();
   Verdict verdict;
-  verdict.part = guarded.body().part;
-  guarded.visit_near(pose, padding, [&](const Eigen::Vector3d& cube, double) {
+  verdict.part = collision.body().part;
+  collision.visit_near(pose, padding, [&](const Eigen::Vector3d& cube, double) {
     const double lower = distance_to_cube(shape, map_from_shape, cube, edge, padding).lower;
     if (lower > padding) return true;
     const double depth = padding - lower + (lower > 0.0 ? 0.0 : overlap(bounds, cube, edge));
     if (verdict.obstruction != Obstruction::none && depth <= verdict.depth) return true;
-    verdict.obstruction = obstruction_of(map, guarded.space().requirement(), cube);
+    verdict.obstruction = obstruction_of(map, collision.space().requirement(), cube);
     verdict.point = cube;
     verdict.depth = depth;
     return true;
@@ -87,7 +87,7 @@ Verdict ConfigurationSpace::check(const Configuration& q) const {
   for (const BodyPair& pair : model.pairs) {
     if (is_apart(model.robot, pair, poses, 0.0)) continue;
     Verdict verdict;
-    verdict.obstruction = Obstruction::self_contact;
+    verdict.obstruction = Obstruction::self_collision;
     verdict.part = model.robot.bodies[static_cast<std::size_t>(pair.first)].part;
     verdict.other = model.robot.bodies[static_cast<std::size_t>(pair.second)].part;
     verdict.point = pair_distance(model.robot, pair, poses).point_a;
@@ -113,7 +113,7 @@ std::string Verdict::sentence() const {
     case Obstruction::joint_limit:
       text << "joint " << other << " is " << depth << " (rad or m) past its limit";
       break;
-    case Obstruction::self_contact:
+    case Obstruction::self_collision:
       text << part << " touches " << other;
       break;
     case Obstruction::occupied:
@@ -132,7 +132,7 @@ std::string Verdict::sentence() const {
       text << part << " leaves its painted volume";
       break;
   }
-  if (!part.empty() && obstruction != Obstruction::self_contact) place();
+  if (!part.empty() && obstruction != Obstruction::self_collision) place();
   return text.str();
 }
 

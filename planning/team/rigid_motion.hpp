@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planning/constraint/obstacle_rows.hpp"
+#include "planning/constraint/obstacle_constraints.hpp"
 
 namespace clearway {
 

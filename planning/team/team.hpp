@@ -32,7 +32,7 @@ struct Team {
 
 struct TeamOptions {
   BoundaryOptions boundary;        ///< 0 = auto for d_i, d_s, xi and max_step; see TeamFigures
-  bool follows_boundaries = true;  ///< false: the local method alone (eq. 1-9)
+  bool follows_boundaries = true;  ///< false: the local method alone (Lahouar 2006, eq. 1-9)
   double period = 0.02;            ///< T, seconds between two steps
   double duration = 60.0;          ///< seconds after which the run ends
   double max_acceleration = 5.0;   ///< a, of every joint, rad/s^2 or m/s^2

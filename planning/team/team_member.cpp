@@ -54,7 +54,7 @@ TeamMember::TeamMember(const TeamRobot& robot, const TeamOptions& options, const
     : robot_(robot),
       options_(options),
       space_(robot.space),
-      obstacle_rows_(robot.space->robot()),
+      obstacle_constraints_(robot.space->robot()),
       damper_(damper_of(robot, options, figures, index)),
       own_(damper_),
       controller_(robot.space->robot(), options.boundary, damper_) {
@@ -73,7 +73,7 @@ std::vector<PlacedShape> TeamMember::bodies() const {
   return placed_bodies(space_->robot(), forward_kinematics(space_->robot(), position()));
 }
 
-/// Eq. 1-2, slowed before the goal so that braking keeps the acceleration limit.
+/// Lahouar 2006, eq. 1-2, slowed before the goal so that braking keeps the acceleration limit.
 VectorXd TeamMember::wanted_step() const {
   const VectorXd wanted = step_to_goal(damper_, position(), robot_.goal);
   const double to_goal = damper_.weight.cwiseProduct(robot_.goal - position()).norm();
@@ -82,34 +82,34 @@ VectorXd TeamMember::wanted_step() const {
   return length > most ? VectorXd(wanted * (most / length)) : wanted;
 }
 
-/// Eq. 5 and 8: approach to another robot is shared, an obstacle's own velocity enters.
-void TeamMember::append_rows(const std::vector<PlacedShape>& robots,
-                             const std::vector<PlacedShape>& obstacles) {
+/// Lahouar 2006, eq. 5 and 8: approach to another robot is shared, an obstacle's own velocity enters.
+void TeamMember::append_constraints(const std::vector<PlacedShape>& robots,
+                                    const std::vector<PlacedShape>& obstacles) {
   const LinkPoses poses = forward_kinematics(space_->robot(), position());
-  std::vector<ObstacleRow> rows;
-  obstacle_rows_.append(poses, robots, damper_.influence_distance, rows);
-  const std::size_t shared = rows.size();
-  unavoidable_ = obstacle_rows_.append(poses, obstacles, damper_.influence_distance, rows);
+  std::vector<ObstacleConstraint> constraints;
+  obstacle_constraints_.append(poses, robots, damper_.influence_distance, constraints);
+  const std::size_t shared = constraints.size();
+  unavoidable_ = obstacle_constraints_.append(poses, obstacles, damper_.influence_distance, constraints);
   constraints_.separation = std::min(constraints_.separation, unavoidable_);
-  const Index before = constraints_.rows.rows(), all = before + static_cast<Index>(rows.size());
-  constraints_.rows.conservativeResize(all, position().size());
+  const Index before = constraints_.matrix.rows(), all = before + static_cast<Index>(constraints.size());
+  constraints_.matrix.conservativeResize(all, position().size());
   constraints_.bounds.conservativeResize(all);
   sources_.assign(static_cast<std::size_t>(before), {OutrunBy::map, -1});
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const ObstacleRow& row = rows[i];
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const ObstacleConstraint& constraint = constraints[i];
     const Index at = before + static_cast<Index>(i);
-    constraints_.rows.row(at) = row.gradient.cwiseQuotient(damper_.weight).transpose();
-    constraints_.bounds[at] =
-        damper_bound(damper_, row.distance) * (i < shared ? 0.5 : 1.0) - row.approach_speed * options_.period;
-    constraints_.pairs.push_back(row);
-    constraints_.separation = std::min(constraints_.separation, row.distance);
-    sources_.push_back({i < shared ? OutrunBy::robot : OutrunBy::obstacle, row.obstacle});
+    constraints_.matrix.row(at) = constraint.gradient.cwiseQuotient(damper_.weight).transpose();
+    constraints_.bounds[at] = damper_bound(damper_, constraint.distance) * (i < shared ? 0.5 : 1.0) -
+                              constraint.approach_speed * options_.period;
+    constraints_.pairs.push_back(constraint);
+    constraints_.separation = std::min(constraints_.separation, constraint.distance);
+    sources_.push_back({i < shared ? OutrunBy::robot : OutrunBy::obstacle, constraint.obstacle});
   }
 }
 
 void TeamMember::look(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles) {
   constraints_ = constraints_at(*space_, position(), own_);
-  append_rows(robots, obstacles);
+  append_constraints(robots, obstacles);
   trace_.separations.push_back(constraints_.separation);
 }
 
@@ -133,7 +133,7 @@ OutrunBy TeamMember::choose() {
 /// acceleration limit; where these exclude each other, that limit gives way.
 void TeamMember::limit_change(const VectorXd& wanted) {
   const double most = damper_.max_step;
-  QuadraticProgram program{wanted, constraints_.rows, constraints_.bounds, {}, {}};
+  QuadraticProgram program{wanted, constraints_.matrix, constraints_.bounds, {}, {}};
   program.lower.resize(wanted.size());
   program.upper.resize(wanted.size());
   for (Index j = 0; j < wanted.size(); ++j) {
@@ -153,17 +153,17 @@ void TeamMember::limit_change(const VectorXd& wanted) {
 /// Something is where it stands that was not there in the map that it began with.
 bool TeamMember::is_overlapped_anew() const { return is_overlapped_ && robot_.space->is_free(position()); }
 
-/// Which rows of the map and of the robot itself the map that it began with has, too: the same cubes give the
-/// same rows.
-std::vector<bool> TeamMember::known_rows() const {
+/// Which constraints of the map and of the robot itself the map that it began with has, too: the same cubes
+/// give the same constraints.
+std::vector<bool> TeamMember::known_constraints() const {
   std::vector<bool> known(constraints_.pairs.size(), space_ == robot_.space);
   if (space_ == robot_.space) return known;
   const StepConstraints before = constraints_at(*robot_.space, position(), own_);
   for (std::size_t i = 0; i < known.size() && sources_[i].kind == OutrunBy::map; ++i) {
-    const ProximityRow& row = constraints_.pairs[i];
-    known[i] = std::any_of(before.pairs.begin(), before.pairs.end(), [&](const ProximityRow& old) {
-      return old.body == row.body && std::abs(old.distance - row.distance) <= 1e-9 &&
-             old.normal.isApprox(row.normal, 1e-9) && old.gradient.isApprox(row.gradient, 1e-9);
+    const ProximityConstraint& constraint = constraints_.pairs[i];
+    known[i] = std::any_of(before.pairs.begin(), before.pairs.end(), [&](const ProximityConstraint& old) {
+      return old.body == constraint.body && std::abs(old.distance - constraint.distance) <= 1e-9 &&
+             old.normal.isApprox(constraint.normal, 1e-9) && old.gradient.isApprox(constraint.gradient, 1e-9);
     });
   }
   return known;
@@ -173,7 +173,7 @@ std::vector<bool> TeamMember::known_rows() const {
 OutrunBy TeamMember::who_gave_way() const {
   OutrunBy least{OutrunBy::map, -1};
   double share = 1.0;
-  const std::vector<bool> known = known_rows();
+  const std::vector<bool> known = known_constraints();
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const double kept = local_.shares[static_cast<Index>(i)];
     OutrunBy source = sources_[i];
@@ -200,7 +200,7 @@ double TeamMember::move() {
   Configuration next = position();
   double share = 1.0;
   // What was sensed anew may overlap the robot where it stands: no edge from there is free, and it leaves by
-  // the step that its rows demand.
+  // the step that its constraints demand.
   if (is_overlapped_) next = moved(step_);
   for (int halving = 0; !is_overlapped_ && halving <= 10; ++halving, share *= 0.5) {
     const Configuration reached = moved(share * step_);

@@ -58,22 +58,22 @@ class TeamMember {
  private:
   const Configuration& position() const { return trace_.positions.back(); }
   Eigen::VectorXd wanted_step() const;
-  void append_rows(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
+  void append_constraints(const std::vector<PlacedShape>& robots, const std::vector<PlacedShape>& obstacles);
   void limit_change(const Eigen::VectorXd& wanted);
   OutrunBy who_gave_way() const;
   bool is_overlapped_anew() const;
-  std::vector<bool> known_rows() const;
+  std::vector<bool> known_constraints() const;
   Configuration moved(const Eigen::VectorXd& step) const;
 
   const TeamRobot& robot_;
   const TeamOptions& options_;
   std::shared_ptr<const ConfigurationSpace> space_;
-  ObstacleRows obstacle_rows_;
+  ObstacleConstraints obstacle_constraints_;
   DamperOptions damper_;
   DamperOptions own_;  ///< the same with the security distance from the map and itself
   BoundaryController controller_;
   StepConstraints constraints_;
-  std::vector<OutrunBy> sources_;  ///< of each row
+  std::vector<OutrunBy> sources_;  ///< of each constraint
   LocalStep local_;
   double unavoidable_ = 0.0;  ///< m from an obstacle to where no joint can move the robot away
   Eigen::VectorXd change_;    ///< a T^2 of each joint, weighted units

@@ -67,14 +67,15 @@ double least_at_ends(const Team& team, const TeamOptions& options, double limit,
       const ConfigurationSpace& space = *team.robots[i].space;
       const Configuration& q = at_goal ? team.robots[i].goal : team.robots[i].start;
       if (own) {
-        for (const ProximityRow& row : space.proximity_rows(q, limit)) least = std::min(least, row.distance);
+        for (const ProximityConstraint& constraint : space.proximity_constraints(q, limit))
+          least = std::min(least, constraint.distance);
         continue;
       }
-      std::vector<ObstacleRow> rows;
-      ObstacleRows(space.robot())
+      std::vector<ObstacleConstraint> constraints;
+      ObstacleConstraints(space.robot())
           .append(forward_kinematics(space.robot(), q), around(team, options, i, at_goal, false).shapes,
-                  limit, rows);
-      for (const ObstacleRow& row : rows) least = std::min(least, row.distance);
+                  limit, constraints);
+      for (const ObstacleConstraint& constraint : constraints) least = std::min(least, constraint.distance);
     }
   }
   return least;

@@ -133,13 +133,13 @@ TEST_F(KitchenJob, report_counts_what_the_recording_holds) {
   EXPECT_EQ(report_["conflicts"], 0);
 }
 
-TEST_F(KitchenJob, every_painted_ball_is_within_the_tracking_error_of_where_the_probe_truly_was) {
+TEST_F(KitchenJob, every_painted_sphere_is_within_the_tracking_error_of_where_the_probe_truly_was) {
   ASSERT_EQ(map_.volumes().size(), 1u);
   const PaintedVolume& volume = map_.volumes()[0];
   const double budget = report_["tracking"]["error_budget"]["tracking_error_m"];
   const double first = truth_["depth"][0]["time"];
   double sum = 0.0;
-  for (std::size_t i = 0; i < volume.balls.size(); ++i) {
+  for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
     const Json* nearest = nullptr;
     for (const auto& frame : truth_["frames"]) {
       if (nearest == nullptr || std::abs(frame["time"].get<double>() - first - volume.times[i]) <
@@ -147,14 +147,14 @@ TEST_F(KitchenJob, every_painted_ball_is_within_the_tracking_error_of_where_the_
         nearest = &frame;
       }
     }
-    const double error = (volume.balls[i].center - vector_of((*nearest)["ball"])).norm();
+    const double error = (volume.spheres[i].center - vector_of((*nearest)["ball"])).norm();
     EXPECT_LE(error, budget) << "ball " << i;
     sum += error;
   }
-  EXPECT_LT(sum / static_cast<double>(volume.balls.size()), 0.5 * budget);
+  EXPECT_LT(sum / static_cast<double>(volume.spheres.size()), 0.5 * budget);
 }
 
-TEST_F(KitchenJob, no_painted_voxel_leaves_the_exact_union_of_balls) {
+TEST_F(KitchenJob, no_painted_voxel_leaves_the_exact_union_of_spheres) {
   std::size_t painted = 0;
   map_.visit_leaves([&](const Voxel& leaf) {
     if (leaf.volumes == 0) return;
@@ -162,12 +162,12 @@ TEST_F(KitchenJob, no_painted_voxel_leaves_the_exact_union_of_balls) {
       ++painted;
       const double half_diagonal = 0.5 * std::sqrt(3.0) * map_.resolution();
       bool inside_one = false;
-      for (const Sphere& ball : map_.volumes()[0].balls) {
-        // Farthest corner of the cube from the ball's centre.
+      for (const Sphere& sphere : map_.volumes()[0].spheres) {
+        // Farthest corner of the cube from the sphere's centre.
         const Eigen::Vector3d far =
-            (center - ball.center).cwiseAbs() + Eigen::Vector3d::Constant(0.5 * map_.resolution());
-        if ((center - ball.center).norm() <= ball.radius + half_diagonal &&
-            far.norm() <= ball.radius + 1e-12) {
+            (center - sphere.center).cwiseAbs() + Eigen::Vector3d::Constant(0.5 * map_.resolution());
+        if ((center - sphere.center).norm() <= sphere.radius + half_diagonal &&
+            far.norm() <= sphere.radius + 1e-12) {
           inside_one = true;
           break;
         }

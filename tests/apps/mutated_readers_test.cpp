@@ -27,7 +27,7 @@
 #include "planning/files/plan_file.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/robot.hpp"
-#include "planning/robot_files/contact_exemptions.hpp"
+#include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 #include "tests/apps/mutated_bytes.hpp"

@@ -113,7 +113,7 @@ void fill(FreeSpaceMap& map, const Boxes& boxes, double edge) {
   }
 }
 
-/// Balls all about the robot, a few places left out; then obstacles.
+/// Spheres all about the robot, a few places left out; then obstacles.
 void paint_about(FreeSpaceMap& map, const Draft& draft, const Boxes& boxes, Random& random,
                  const std::vector<std::string>& critical_parts) {
   const int volume = map.add_volume("free", critical_parts);

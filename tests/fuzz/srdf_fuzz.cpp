@@ -1,5 +1,5 @@
 // libFuzzer on what exempts pairs of bodies (SRDF).
-#include "planning/robot_files/contact_exemptions.hpp"
+#include "planning/robot_files/allowed_collisions.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -16,11 +16,11 @@ using worlds::Dice;
 struct Step {
   enum Kind { paint, erase, scan } kind = paint;
   int stroke = 0, volume = 0;
-  Sphere ball;
+  Sphere sphere;
   unsigned seed = 0;  ///< of the scan
 };
 
-/// Strokes of balls and erasers on three volumes, scans in between.
+/// Strokes of spheres and erasers on three volumes, scans in between.
 std::vector<Step> random_steps(unsigned seed, int strokes) {
   Dice dice(seed);
   std::vector<Step> steps;
@@ -51,8 +51,8 @@ FreeSpaceMap play(const std::vector<Step>& steps, const std::set<int>& left_out)
       continue;
     }
     if (left_out.contains(step.stroke)) continue;
-    if (step.kind == Step::paint) map.paint(step.volume, step.ball, 1.0 * stroke);
-    if (step.kind == Step::erase) map.erase(step.volume, step.ball, 1.0 * stroke);
+    if (step.kind == Step::paint) map.paint(step.volume, step.sphere, 1.0 * stroke);
+    if (step.kind == Step::erase) map.erase(step.volume, step.sphere, 1.0 * stroke);
   }
   return map;
 }
@@ -67,10 +67,10 @@ void expect_same(const FreeSpaceMap& a, const FreeSpaceMap& b, const std::string
     EXPECT_EQ(mine.times, theirs.times);
     EXPECT_EQ(mine.strokes, theirs.strokes);
     EXPECT_EQ(mine.stroke_of, theirs.stroke_of);
-    ASSERT_EQ(mine.balls.size(), theirs.balls.size());
-    for (std::size_t i = 0; i < mine.balls.size(); ++i) {
-      EXPECT_EQ(mine.balls[i].center, theirs.balls[i].center);
-      EXPECT_EQ(mine.balls[i].radius, theirs.balls[i].radius);
+    ASSERT_EQ(mine.spheres.size(), theirs.spheres.size());
+    for (std::size_t i = 0; i < mine.spheres.size(); ++i) {
+      EXPECT_EQ(mine.spheres[i].center, theirs.spheres[i].center);
+      EXPECT_EQ(mine.spheres[i].radius, theirs.spheres[i].radius);
     }
   }
 }
@@ -107,17 +107,18 @@ TEST(Undo, TakesTheLastStrokeThatIsNotUndone) {
   EXPECT_THROW(map.undo_stroke(2), std::invalid_argument);
   EXPECT_THROW(map.undo_stroke(-1), std::invalid_argument);
   EXPECT_THROW(map.begin_stroke("two\nlines"), std::invalid_argument);
-  ASSERT_EQ(map.volumes()[0].balls.size(), 2U);
+  ASSERT_EQ(map.volumes()[0].spheres.size(), 2U);
   EXPECT_EQ(map.snapshot().state({3.0, 0.0, 0.0}), VoxelState::painted);
   EXPECT_EQ(map.snapshot().state({2.0, 0.0, 0.0}), VoxelState::unknown);
 }
 
-TEST(Erase, LeavesThePaintThatTheRemainingBallsMake) {
+TEST(Erase, LeavesThePaintThatTheRemainingSpheresMake) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const FreeSpaceMap map = play(random_steps(seed, 6), {});
     FusedTree expected(0.05);
     for (int v = 0; v < 3; ++v) {
-      for (const Sphere& ball : map.volumes()[static_cast<std::size_t>(v)].balls) expected.paint(v, ball);
+      for (const Sphere& sphere : map.volumes()[static_cast<std::size_t>(v)].spheres)
+        expected.paint(v, sphere);
     }
     const Snapshot snapshot = map.snapshot();
     std::size_t painted = 0, compared = 0;
@@ -143,7 +144,7 @@ TEST(Erase, ClearsEveryVoxelThatTheEraserOverlaps) {
   for (int trial = 0; trial < 20; ++trial) {
     FreeSpaceMap map({.resolution = 0.04});
     map.add_volume("v", {});
-    for (int i = 0; i < 10; ++i) map.paint(0, worlds::random_ball(dice));
+    for (int i = 0; i < 10; ++i) map.paint(0, worlds::random_sphere(dice));
     const Sphere eraser{dice.point(0.5), dice.uniform(0.1, 0.4)};
     cleared += map.erase(0, eraser).unpainted;
     map.snapshot().visit_leaves([&](const Voxel& voxel) {
@@ -154,7 +155,7 @@ TEST(Erase, ClearsEveryVoxelThatTheEraserOverlaps) {
   EXPECT_GT(cleared, 500U);
 }
 
-TEST(Erase, CountsBallsAndVoxelsAndLeavesOthersAlone) {
+TEST(Erase, CountsSpheresAndVoxelsAndLeavesOthersAlone) {
   FreeSpaceMap map({.resolution = 0.05});
   map.add_volume("mine", {});
   map.add_volume("theirs", {});
@@ -168,8 +169,8 @@ TEST(Erase, CountsBallsAndVoxelsAndLeavesOthersAlone) {
   EXPECT_EQ(counts.removed, 1U);
   EXPECT_EQ(counts.shrunk, 1U);
   EXPECT_GT(counts.unpainted, 100U);
-  EXPECT_NEAR(map.volumes()[0].balls[0].radius, 0.2, 1e-12);
-  EXPECT_EQ(map.volumes()[1].balls.size(), 3U);
+  EXPECT_NEAR(map.volumes()[0].spheres[0].radius, 0.2, 1e-12);
+  EXPECT_EQ(map.volumes()[1].spheres.size(), 3U);
   EXPECT_EQ(map.snapshot().counts().painted, before);  // the other volume paints there still
   map.paint(0, {{0.0, 0.0, 0.0}, 0.3});                // what comes later is whole
   EXPECT_EQ(map.snapshot().voxel({0.02, 0.02, 0.02}).volumes, 3U);
@@ -185,7 +186,7 @@ TEST(Erase, ASnapshotTakenBeforeStaysPainted) {
   map.erase(0, {{0.0, 0.0, 0.0}, 0.1});
   EXPECT_EQ(before.state({0.02, 0.02, 0.02}), VoxelState::painted);
   EXPECT_EQ(map.snapshot().state({0.02, 0.02, 0.02}), VoxelState::unknown);
-  EXPECT_EQ(before.volumes()[0].balls.size(), 1U);
+  EXPECT_EQ(before.volumes()[0].spheres.size(), 1U);
 }
 
 }  // namespace erase_undo_test

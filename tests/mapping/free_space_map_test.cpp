@@ -50,14 +50,14 @@ TEST(FreeSpaceMap, EveryVolumePaintsItsOwnBit) {
   for (int i = 0; i < 15; ++i) EXPECT_EQ(snapshot.voxel({0.1 * i + 0.05, 0.05, 0.05}).volumes, 1U << i);
 }
 
-TEST(FreeSpaceMap, KeepsTheExactBallsInTheOrderPainted) {
+TEST(FreeSpaceMap, KeepsTheExactSpheresInTheOrderPainted) {
   FreeSpaceMap map;
   map.add_volume("v", {"tool"});
   map.paint(0, {{0.1, 0.2, 0.3}, 0.05}, 1.5);
   map.paint(0, {{0.4, 0.5, 0.6}, 0.07}, 2.5);
   const PaintedVolume& volume = map.volumes()[0];
-  ASSERT_EQ(volume.balls.size(), 2U);
-  EXPECT_EQ(volume.balls[1].center, Eigen::Vector3d(0.4, 0.5, 0.6));
+  ASSERT_EQ(volume.spheres.size(), 2U);
+  EXPECT_EQ(volume.spheres[1].center, Eigen::Vector3d(0.4, 0.5, 0.6));
   EXPECT_EQ(volume.times, (std::vector<double>{1.5, 2.5}));
   EXPECT_TRUE(volume.contains({0.1, 0.2, 0.35}));
   EXPECT_FALSE(volume.contains({0.1, 0.2, 0.3501}));

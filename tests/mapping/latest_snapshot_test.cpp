@@ -25,7 +25,7 @@ FreeSpaceMap empty_map() {
 /// Frame i of the same life of a map, whoever writes it.
 void write_frame(FreeSpaceMap& map, Dice& dice) {
   map.insert(worlds::random_scan(dice, 300));
-  map.paint(0, worlds::random_ball(dice));
+  map.paint(0, worlds::random_sphere(dice));
 }
 
 std::array<std::size_t, 5> figures(const Snapshot& map) {
@@ -54,15 +54,15 @@ TEST(LatestSnapshot, FourReadersSeeWholeFramesInOrderWhileAWriterAddsThirtyASeco
       while (!done) {
         const std::shared_ptr<const Snapshot> map = latest.get();
         if (map->volumes().empty()) continue;
-        const auto& balls = map->volumes().front().balls;
-        if (balls.size() < seen || figures(*map) != expected[balls.size() - 1]) ++wrong;
-        const VoxelState state = map->state(balls.back().center);
+        const auto& spheres = map->volumes().front().spheres;
+        if (spheres.size() < seen || figures(*map) != expected[spheres.size() - 1]) ++wrong;
+        const VoxelState state = map->state(spheres.back().center);
         if (state != VoxelState::painted && state != VoxelState::conflict) ++wrong;
         const Eigen::AlignedBox3d box(Eigen::Vector3d::Constant(-0.4), Eigen::Vector3d::Constant(0.4));
         const auto space = map->blocked_space({Policy::known_free}, box, 0.2);
         const Eigen::Vector3d point = dice.point(0.39);
         if (space->is_blocked(point) != !allows({Policy::known_free}, map->state(point), 0)) ++wrong;
-        seen = balls.size();
+        seen = spheres.size();
         ++looks;
       }
     });

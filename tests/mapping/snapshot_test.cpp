@@ -150,7 +150,7 @@ TEST(Snapshot, BlockedSpacesOfALaterSnapshotAreThoseOfItsOwnTree) {
       }
     }
     if (i % 2 == 0) map.insert(worlds::random_scan(dice, 100));
-    if (i % 2 == 1) map.paint(0, worlds::random_ball(dice));
+    if (i % 2 == 1) map.paint(0, worlds::random_sphere(dice));
   }
   EXPECT_GT(compared, 10000U);
 }

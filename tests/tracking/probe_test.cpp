@@ -50,7 +50,7 @@ void expect_refused(const PaintingSample& sample, Refusal refusal) {
   EXPECT_FALSE(sample.reason.empty());
 }
 
-TEST(Probe, paints_the_ball_of_equations_1_and_3_where_the_truth_has_it) {
+TEST(Probe, paints_the_sphere_of_equations_1_and_3_where_the_truth_has_it) {
   Stage stage;
   Probe probe = stage.made();
   for (int i = 0; i < 50; ++i) {
@@ -59,9 +59,9 @@ TEST(Probe, paints_the_ball_of_equations_1_and_3_where_the_truth_has_it) {
     ASSERT_TRUE(sample.accepted) << sample.reason;
     const Eigen::Vector3d truth =
         stage.camera_from_base.inverse() * (stage.camera_from_probe * stage.probe.ball_in_probe);
-    EXPECT_LT((sample.ball.center - truth).norm(), 5 * sample.center_sigma);
-    EXPECT_LT((sample.ball.center - truth).norm(), stage.budget.tracking);
-    EXPECT_NEAR(sample.ball.radius, 0.04 - 0.001 - 0.005 - 0.001, 1e-15);
+    EXPECT_LT((sample.sphere.center - truth).norm(), 5 * sample.center_sigma);
+    EXPECT_LT((sample.sphere.center - truth).norm(), stage.budget.tracking);
+    EXPECT_NEAR(sample.sphere.radius, 0.04 - 0.001 - 0.005 - 0.001, 1e-15);
     EXPECT_EQ(sample.reason, "");
   }
   EXPECT_EQ(probe.count(Refusal::none), 50);
@@ -250,7 +250,7 @@ FlipCount count_flips(double distance, double actual, const Stage& rules, int po
         scene::angle(sample.probe->camera_from_body.pose, stage.camera_from_probe) > 20 * kDegree;
     const Eigen::Vector3d truth =
         stage.camera_from_base.inverse() * (stage.camera_from_probe * stage.probe.ball_in_probe);
-    count.off += (sample.ball.center - truth).norm() > stage.budget.tracking;
+    count.off += (sample.sphere.center - truth).norm() > stage.budget.tracking;
   }
   return count;
 }
@@ -284,7 +284,7 @@ TEST(Probe, accepts_no_flipped_pose_when_the_noise_is_two_thirds_more_than_state
   RecordProperty("accepted_per_mille", 1000 * count.accepted / 8000);
 }
 
-TEST(Probe, accepted_balls_of_a_single_tag_keep_within_the_tracking_error) {
+TEST(Probe, accepted_spheres_of_a_single_tag_keep_within_the_tracking_error) {
   const Stage stage = single_tag_stage(0.2, 0.1, 0.01);
   int accepted = 0, off = 0;
   for (double distance : {0.3, 0.4, 0.5, 0.6}) {

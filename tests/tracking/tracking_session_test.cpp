@@ -44,8 +44,8 @@ TEST(TrackingSession, paints_a_rendered_stroke_within_the_tracking_error_of_equa
     EXPECT_GE(image.detections.size(), 6u);
     const Eigen::Vector3d truth =
         kCameraFromBase.inverse() * (camera_from_probe(i) * setup.probe.ball_in_probe);
-    worst = std::max(worst, (image.sample.ball.center - truth).norm());
-    EXPECT_NEAR(image.sample.ball.radius, 0.027, 1e-12);
+    worst = std::max(worst, (image.sample.sphere.center - truth).norm());
+    EXPECT_NEAR(image.sample.sphere.radius, 0.027, 1e-12);
   }
   EXPECT_LT(worst, 0.003);
   RecordProperty("worst_center_error_um", static_cast<int>(1e6 * worst));
@@ -62,7 +62,7 @@ TEST(TrackingSession, gives_the_same_bits_for_the_same_images_whatever_the_threa
     const PaintingSample first = a.step(image, i).sample;
     for (TrackingSession* other : {&b, &c}) {
       const PaintingSample again = other->step(image, i).sample;
-      EXPECT_EQ(first.ball.center, again.ball.center);
+      EXPECT_EQ(first.sphere.center, again.sphere.center);
       EXPECT_EQ(first.base_from_probe.covariance, again.base_from_probe.covariance);
     }
   }
@@ -117,7 +117,7 @@ TEST(TrackingSession, a_moving_probe_that_smears_the_image_never_paints_beyond_t
     ++accepted;
     const Eigen::Vector3d truth =
         kCameraFromBase.inverse() * (camera_from_probe(i) * setup.probe.ball_in_probe);
-    EXPECT_LT((sample.ball.center - truth).norm(), setup.budget.tracking) << i;
+    EXPECT_LT((sample.sphere.center - truth).norm(), setup.budget.tracking) << i;
   }
   EXPECT_GE(accepted, 1);
   RecordProperty("accepted_of_10", accepted);

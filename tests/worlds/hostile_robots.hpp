@@ -61,7 +61,7 @@ inline std::string two_links(const std::string& collision, const std::string& ty
          "</joint></robot>";
 }
 
-inline const std::string& ball_collision() {
+inline const std::string& sphere_collision() {
   static const std::string text = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
   return text;
 }

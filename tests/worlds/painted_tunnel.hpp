@@ -8,7 +8,7 @@
 namespace clearway {
 
 /// A painted tube about the way that a robot's hand takes through `vias` random configurations: a winding
-/// task. The hand's bounding ball fits into each painted ball with two voxels to spare.
+/// task. The hand's bounding sphere fits into each painted sphere with two voxels to spare.
 struct PaintedTunnel {
   Snapshot map;
   Configuration start, goal;

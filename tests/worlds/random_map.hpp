@@ -36,7 +36,7 @@ inline Scan random_scan(Dice& dice, int points) {
   return scan;
 }
 
-inline Sphere random_ball(Dice& dice) { return {dice.point(0.8), dice.uniform(0.03, 0.3)}; }
+inline Sphere random_sphere(Dice& dice) { return {dice.point(0.8), dice.uniform(0.03, 0.3)}; }
 
 /// Two painted volumes and some scans, interleaved.
 inline FreeSpaceMap random_map(unsigned seed, double resolution = 0.05, int rounds = 4, int points = 200) {
@@ -48,9 +48,9 @@ inline FreeSpaceMap random_map(unsigned seed, double resolution = 0.05, int roun
   map.add_volume("tunnel", {"tool", "load"});
   map.add_volume("dock", {"base"});
   for (int round = 0; round < rounds; ++round) {
-    map.paint(dice.whole(0, 1), random_ball(dice), 0.1 * round);
+    map.paint(dice.whole(0, 1), random_sphere(dice), 0.1 * round);
     map.insert(random_scan(dice, points));
-    map.paint(dice.whole(0, 1), random_ball(dice), 0.1 * round + 0.05);
+    map.paint(dice.whole(0, 1), random_sphere(dice), 0.1 * round + 0.05);
   }
   return map;
 }

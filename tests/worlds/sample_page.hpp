@@ -10,7 +10,7 @@
 namespace clearway {
 
 /// A rich page for tests: a small room (floor, wall, table) at 2 cm, a painted tunnel along an arc with its
-/// exact balls, the free space around it in large and small leaves, a few conflicts, a six-link arm, two
+/// exact spheres, the free space around it in large and small leaves, a few conflicts, a six-link arm, two
 /// solved plans (the second long and sagging below zero clearance) and one that failed.
 class SamplePage {
  public:
@@ -71,17 +71,17 @@ class SamplePage {
                      {{"detect tags", "2.10 s", "120", "17.5 ms", "1", "48 MB", "640 \xc3\x97 480"},
                       {"integrate scans", "4.62 s", "40", "115.5 ms", "1", "210 MB", "2 cm"}}}};
     page_.json = "{\"frames\": 120, \"note\": \"</script><b>\"}\n";
-    add_balls();
+    add_spheres();
     add_room();
     add_robot();
     page_.plans = {plan("beam", 60, 0.6, 0.012), plan("boundary", 240, 1.0, -0.004), failed_plan()};
   }
 
-  void add_balls() {
+  void add_spheres() {
     page_.volume_labels = {"end effector", "load"};
     for (int i = 0; i <= 40; ++i) {
       const double angle = std::numbers::pi * (0.05 + 0.9 * i / 40);
-      page_.balls.push_back(
+      page_.spheres.push_back(
           {{0.55 * std::cos(angle), 0.45 * std::sin(angle) - 0.1, 0.42 + 0.12 * std::sin(2 * angle)},
            i % 4 == 0 ? 0.11 : 0.09,
            i < 30 ? 0 : 1});
@@ -89,11 +89,11 @@ class SamplePage {
   }
 
   bool is_painted(const Eigen::Vector3d& corner, double size) const {
-    for (const PageBall& ball : page_.balls) {
-      bool inside = (corner - ball.center).norm() <= ball.radius;
+    for (const PageSphere& sphere : page_.spheres) {
+      bool inside = (corner - sphere.center).norm() <= sphere.radius;
       for (int k = 0; k < 8 && inside; ++k) {
         const Eigen::Vector3d p = corner + size * Eigen::Vector3d(k & 1, k >> 1 & 1, k >> 2);
-        inside = (p - ball.center).norm() <= ball.radius;
+        inside = (p - sphere.center).norm() <= sphere.radius;
       }
       if (inside) return true;
     }

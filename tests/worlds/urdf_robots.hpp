@@ -70,11 +70,11 @@ inline UrdfRobot whip() {
 /// A boom that turns, with a slide that reaches far back and hardly ahead, and on it a hand that slides as
 /// far to the side, the other way round, by a mimic joint; a post stands where the hand can touch it.
 inline UrdfRobot telescope() {
-  const std::string ball = "<sphere radius='0.06'/>";
+  const std::string sphere = "<sphere radius='0.06'/>";
   return {"telescope",
           urdf_link("post", "-0.7 -0.6 0", "<sphere radius='0.08'/>") +
-              urdf_link("boom", "0 0 0", "<sphere radius='0.05'/>") + urdf_link("slide", "0 0 0", ball) +
-              urdf_link("hand", "0 0 0", ball) +
+              urdf_link("boom", "0 0 0", "<sphere radius='0.05'/>") + urdf_link("slide", "0 0 0", sphere) +
+              urdf_link("hand", "0 0 0", sphere) +
               urdf_joint("turn", "revolute", "post", "boom", "0 0 0", "0 0 1", urdf_limit(-3, 3)) +
               urdf_joint("reach", "prismatic", "boom", "slide", "-0.2 0 0", "1 0 0", urdf_limit(-1.2, 0.05)) +
               urdf_joint("side", "prismatic", "slide", "hand", "0 0.15 0", "0 1 0",

@@ -9,7 +9,7 @@
 
 namespace clearway {
 
-/// A map for tests: boxes of occupied voxels and painted balls.
+/// A map for tests: boxes of occupied voxels and painted spheres.
 struct VoxelScene {
   double resolution = 0.05;
   std::vector<Eigen::AlignedBox3d> occupied;  ///< every voxel whose centre lies inside is occupied
@@ -22,7 +22,7 @@ struct VoxelScene {
     FreeSpaceMap map(options);
     if (!painted.empty()) {
       const int volume = map.add_volume("free", critical_parts);
-      for (const Sphere& ball : painted) map.paint(volume, ball);
+      for (const Sphere& sphere : painted) map.paint(volume, sphere);
     }
     for (const Eigen::AlignedBox3d& box : occupied) occupy(map, box);
     return map.snapshot();

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 /// A normal whose part outside the span of the active normals is shorter than this counts as dependent.
 constexpr double kDependent = 1e-10;
-/// A row of unit length is violated beyond this, relative to the size of its terms.
+/// A constraint of unit length is violated beyond this, relative to the size of its terms.
 constexpr double kViolated = 1e-12;
 
 /// One constraint a^T x <= b with ||a|| = 1; `length` is what it was divided by.
@@ -29,9 +29,9 @@ struct Constraints {
   std::vector<int> names;  ///< number of the constraint as the caller counts
 };
 
-/// All finite constraints, scaled to unit normals. Rows of length 0 stay as they are (0 <= b).
+/// All finite constraints, scaled to unit normals. Constraints of length 0 stay as they are (0 <= b).
 Constraints normalised(const QuadraticProgram& p) {
-  const Index n = p.target.size(), m = p.rows.rows();
+  const Index n = p.target.size(), m = p.matrix.rows();
   Constraints c;
   c.normals.resize(n, m + 2 * n);
   c.bounds.resize(m + 2 * n);
@@ -46,7 +46,7 @@ Constraints normalised(const QuadraticProgram& p) {
     c.names.push_back(static_cast<int>(name));
     ++count;
   };
-  for (Index i = 0; i < m; ++i) add(p.rows.row(i).transpose(), p.bounds[i], i);
+  for (Index i = 0; i < m; ++i) add(p.matrix.row(i).transpose(), p.bounds[i], i);
   for (Index j = 0; p.upper.size() && j < n; ++j) add(VectorXd(VectorXd::Unit(n, j)), p.upper[j], m + j);
   for (Index j = 0; p.lower.size() && j < n; ++j)
     add(VectorXd(-VectorXd::Unit(n, j)), -p.lower[j], m + n + j);
@@ -157,7 +157,7 @@ class DualActiveSet {
     x_ = target_ - columns * u;
   }
 
-  /// a_p = sum r_i a_i with r <= 0: the weights -r of the active rows and 1 of p sum to zero.
+  /// a_p = sum r_i a_i with r <= 0: the weights -r of the active constraints and 1 of p sum to zero.
   bool certify(int p, const VectorXd& r) {
     farkas_.clear();
     for (const double value : r) farkas_.push_back(std::max(0.0, -value));
@@ -178,7 +178,7 @@ class DualActiveSet {
 
 QuadraticSolution solve_densely(const QuadraticProgram& program) {
   const Constraints constraints = normalised(program);
-  const Index count = program.rows.rows() + 2 * program.target.size();
+  const Index count = program.matrix.rows() + 2 * program.target.size();
   DualActiveSet set(program.target, constraints);
   QuadraticSolution result;
   // Every pass raises the dual value, so no active set returns; the cap only guards against rounding.

@@ -37,13 +37,13 @@ class Dice {
   std::mt19937_64 engine_;
 };
 
-/// A closed room about an arm that stands at the origin, with balls hanging in it, as `views` sensors see it:
-/// free where rays pass, occupied where they end, unknown behind the balls. With `painted` > 0 that many
-/// balls of free space, where the arm's tip gets, are painted for the parts `critical`.
+/// A closed room about an arm that stands at the origin, with spheres hanging in it, as `views` sensors see
+/// it: free where rays pass, occupied where they end, unknown behind the spheres. With `painted` > 0 that
+/// many spheres of free space, where the arm's tip gets, are painted for the parts `critical`.
 struct ArmWorld {
   double resolution = 0.02;
   double half = 1.0;  ///< of the room, metres
-  int views = 3, balls = 20;
+  int views = 3, spheres = 20;
   double gap = 0.02;  ///< between neighbouring rays at the wall, metres
   int painted = 0;
   std::vector<std::string> critical{};
@@ -59,18 +59,18 @@ struct ArmWorld {
 
 namespace detail {
 
-/// Metres along the unit ray until the room's wall or a ball.
+/// Metres along the unit ray until the room's wall or a sphere.
 inline double range(const Eigen::Vector3d& from, const Eigen::Vector3d& way, const Eigen::AlignedBox3d& room,
-                    const std::vector<Sphere>& balls) {
+                    const std::vector<Sphere>& spheres) {
   double nearest = 1e9;
   for (int i = 0; i < 3; ++i) {
     if (way[i] == 0.0) continue;
     nearest = std::min(nearest, ((way[i] > 0.0 ? room.max()[i] : room.min()[i]) - from[i]) / way[i]);
   }
-  for (const Sphere& ball : balls) {
-    const Eigen::Vector3d to = ball.center - from;
+  for (const Sphere& sphere : spheres) {
+    const Eigen::Vector3d to = sphere.center - from;
     const double along = to.dot(way), aside = to.squaredNorm() - along * along;
-    const double within = ball.radius * ball.radius - aside;
+    const double within = sphere.radius * sphere.radius - aside;
     if (along > 0.0 && within > 0.0) nearest = std::min(nearest, along - std::sqrt(within));
   }
   return std::max(nearest, 0.0);
@@ -83,9 +83,9 @@ inline std::vector<Scan> ArmWorld::scans(Dice& dice) const {
   const Eigen::AlignedBox3d room(Eigen::Vector3d(-half, -half, -0.2).array() + resolution / 3,
                                  Eigen::Vector3d(half, half, 2 * half - 0.2).array() + resolution / 3);
   std::vector<Sphere> obstacles;
-  while (static_cast<int>(obstacles.size()) < balls) {
-    const Sphere ball{dice.point(room), dice.between(0.03, 0.15)};
-    if (ball.center.head<2>().norm() > 0.3) obstacles.push_back(ball);
+  while (static_cast<int>(obstacles.size()) < spheres) {
+    const Sphere sphere{dice.point(room), dice.between(0.03, 0.15)};
+    if (sphere.center.head<2>().norm() > 0.3) obstacles.push_back(sphere);
   }
   std::vector<Scan> scans;
   for (int view = 0; view < views; ++view) {

@@ -10,17 +10,17 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-/// A room about the arm, scanned, and balls of `radius` painted where `centers` says.
+/// A room about the arm, scanned, and spheres of `radius` painted where `centers` says.
 Snapshot scanned_room(double resolution, const Robot& robot, const std::vector<Sphere>& painted) {
-  const ArmWorld room{.resolution = resolution, .half = 1.4, .balls = 0, .gap = 2.0 * resolution};
+  const ArmWorld room{.resolution = resolution, .half = 1.4, .spheres = 0, .gap = 2.0 * resolution};
   FreeSpaceMap map({.resolution = resolution, .discretize = true});
   for (const Scan& scan : room.scans()) map.insert(scan);
   const int volume = map.add_volume("free", robot.critical_parts);
-  for (const Sphere& ball : painted) map.paint(volume, ball);
+  for (const Sphere& sphere : painted) map.paint(volume, sphere);
   return map.snapshot();
 }
 
-/// 600 balls painted about the way of the tip, none of which meets a pocket of radius `hole` in its middle.
+/// 600 spheres painted about the way of the tip, none of which meets a pocket of radius `hole` in its middle.
 void paint_way(BeamScene& scene, double resolution, double hole) {
   const auto tip = [&](double t) {
     return tip_pose(scene.robot, scene.start + t * (scene.goal - scene.start)).translation().eval();
@@ -31,9 +31,9 @@ void paint_way(BeamScene& scene, double resolution, double hole) {
   while (painted.size() < 600) {
     const Eigen::Vector3d aside(dice.between(-0.25, 0.25), dice.between(-0.25, 0.25),
                                 dice.between(-0.25, 0.25));
-    const Sphere ball{tip(dice.between(-0.1, 1.1)) + aside, dice.between(0.15, 0.25)};
-    if (hole > 0.0 && (ball.center - pocket.center).norm() < ball.radius + pocket.radius) continue;
-    painted.push_back(ball);
+    const Sphere sphere{tip(dice.between(-0.1, 1.1)) + aside, dice.between(0.15, 0.25)};
+    if (hole > 0.0 && (sphere.center - pocket.center).norm() < sphere.radius + pocket.radius) continue;
+    painted.push_back(sphere);
   }
   scene.map = scanned_room(resolution, scene.robot, painted);
 }

@@ -25,8 +25,9 @@ Points body_points(const Eigen::AlignedBox3d& box, std::size_t count) {
   std::mt19937 engine(2);
   std::uniform_real_distribution<double> part(-0.5, 0.5);
   const auto draw = [&] { return Eigen::Vector3d(part(engine), part(engine), part(engine)); };
-  Points balls, points;
-  for (int i = 0; i < 64; ++i) balls.emplace_back((i - 32) / 64.0, 0.06 * part(engine), 0.06 * part(engine));
+  Points spheres, points;
+  for (int i = 0; i < 64; ++i)
+    spheres.emplace_back((i - 32) / 64.0, 0.06 * part(engine), 0.06 * part(engine));
   const Eigen::AlignedBox3d inner(box.min().array() + 0.5, box.max().array() - 0.5);
   while (points.size() < count) {
     Eigen::Vector3d at = inner.center() + draw().cwiseProduct(inner.sizes());
@@ -34,7 +35,7 @@ Points body_points(const Eigen::AlignedBox3d& box, std::size_t count) {
     Eigen::Matrix3d turned = Eigen::AngleAxisd(6.0 * part(engine), draw().normalized()).matrix();
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.005, draw().normalized()).matrix();
     for (int i = 0; i < 128; ++i) {
-      for (const Eigen::Vector3d& ball : balls) points.push_back(at + turned * ball);
+      for (const Eigen::Vector3d& sphere : spheres) points.push_back(at + turned * sphere);
       if (!inner.contains(at + step)) step = -step;
       at += step;
       turned = turned * turn;

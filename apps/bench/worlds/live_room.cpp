@@ -24,7 +24,7 @@ SceneShape box(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
 }
 
 SceneShape ball(const Sphere& sphere) {
-  SceneShape shape{"", BallShape{sphere.radius}};
+  SceneShape shape{"", SphereShape{sphere.radius}};
   shape.map_from_shape.translation() = sphere.center;
   return shape;
 }

@@ -19,12 +19,12 @@ namespace clearway::bench {
 /// What makes a program hard.
 enum class ProgramKind {
   plain,
-  walls,          ///< rows doubled, turned round, summed up, zero: as neighbouring voxels give them
-  near_parallel,  ///< rows that differ by 1e-2 to 1e-14
-  scales,         ///< lengths of rows over 16 decades, the whole over 12
+  walls,          ///< constraints doubled, turned round, summed up, zero: as neighbouring voxels give them
+  near_parallel,  ///< constraints that differ by 1e-2 to 1e-14
+  scales,         ///< lengths of constraints over 16 decades, the whole over 12
   squeezed,       ///< bounds that contradict each other more often than not
-  vertex,         ///< more rows than variables through one point, which keeps the limits: always feasible
-  damper          ///< of an arm: short rows, demands below the security distance, a small box
+  vertex,  ///< more constraints than variables through one point, which keeps the limits: always feasible
+  damper   ///< of an arm: short constraints, demands below the security distance, a small box
 };
 inline constexpr std::array program_kinds{"plain",    "walls",  "near_parallel", "scales",
                                           "squeezed", "vertex", "damper"};
@@ -42,16 +42,16 @@ class ProgramDice {
   std::mt19937_64 engine_;
 };
 
-/// `rows` at most; up to 14 variables, and limits on some, all or none.
-inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int most_rows) {
-  const Eigen::Index n = 1 + dice.below(14), m = dice.below(most_rows + 1);
-  const auto each_row = [&](const auto& change) {
+/// `most_constraints` at most; up to 14 variables, and limits on some, all or none.
+inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int most_constraints) {
+  const Eigen::Index n = 1 + dice.below(14), m = dice.below(most_constraints + 1);
+  const auto each_constraint = [&](const auto& change) {
     for (Eigen::Index i = 1; i < m; ++i) change(i, dice.below(12));
   };
   QuadraticProgram p;
   p.target = dice.vector(n, 1.0);
-  p.rows.resize(m, n);
-  for (Eigen::Index i = 0; i < m; ++i) p.rows.row(i) = dice.vector(n, 1.0).transpose();
+  p.matrix.resize(m, n);
+  for (Eigen::Index i = 0; i < m; ++i) p.matrix.row(i) = dice.vector(n, 1.0).transpose();
   const double room = kind == ProgramKind::squeezed ? -0.1 : std::array{0.35, 0.15, 0.05}[dice.below(3)];
   p.bounds = dice.vector(m, 0.3).array() + room;
   const int limits = dice.below(4);  // never lower > upper
@@ -62,25 +62,25 @@ inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int 
     case ProgramKind::squeezed:
       break;
     case ProgramKind::walls:
-      each_row([&](Eigen::Index i, int twist) {
-        if (twist == 0) p.rows.row(i) = p.rows.row(i - 1);
-        if (twist == 1) p.rows.row(i) = -2.0 * p.rows.row(i - 1);
-        if (twist == 2) p.rows.row(i) += p.rows.row(i - 1);
-        if (twist == 3 && dice.below(8) == 0) p.rows.row(i).setZero();
+      each_constraint([&](Eigen::Index i, int twist) {
+        if (twist == 0) p.matrix.row(i) = p.matrix.row(i - 1);
+        if (twist == 1) p.matrix.row(i) = -2.0 * p.matrix.row(i - 1);
+        if (twist == 2) p.matrix.row(i) += p.matrix.row(i - 1);
+        if (twist == 3 && dice.below(8) == 0) p.matrix.row(i).setZero();
       });
       break;
     case ProgramKind::near_parallel:
-      each_row([&](Eigen::Index i, int twist) {
+      each_constraint([&](Eigen::Index i, int twist) {
         if (twist >= 8) return;
         const double off = std::pow(10.0, -dice.between(2.0, 14.0));
-        p.rows.row(i) = p.rows.row(i - 1) + off * dice.vector(n, 1.0).transpose();
+        p.matrix.row(i) = p.matrix.row(i - 1) + off * dice.vector(n, 1.0).transpose();
         p.bounds[i] = p.bounds[i - 1] + (twist < 4 ? off * dice.between(-1.0, 1.0) : 0.0);
       });
       break;
     case ProgramKind::scales: {
       for (Eigen::Index i = 0; i < m; ++i) {
         const double factor = std::pow(10.0, dice.between(-8.0, 8.0));
-        p.rows.row(i) *= factor;
+        p.matrix.row(i) *= factor;
         p.bounds[i] *= factor;
       }
       const double size = std::pow(10.0, dice.between(-6.0, 6.0));
@@ -92,14 +92,14 @@ inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int 
     }
     case ProgramKind::vertex: {
       const Eigen::VectorXd at = dice.vector(n, 0.3);
-      p.bounds = p.rows * at;
+      p.bounds = p.matrix * at;
       if (p.upper.size() != 0) p.upper = p.upper.cwiseMax(at);
       if (p.lower.size() != 0) p.lower = p.lower.cwiseMin(at);
       break;
     }
     case ProgramKind::damper:
       p.target = dice.vector(n, 0.01);
-      p.rows *= 0.5;
+      p.matrix *= 0.5;
       p.bounds = dice.vector(m, 0.01).array() + 0.006;
       p.lower = Eigen::VectorXd::Constant(n, -0.02);
       p.upper = Eigen::VectorXd::Constant(n, 0.02);
@@ -110,14 +110,14 @@ inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int 
 
 /// How far a solution is from the conditions, or a proof of infeasibility from being one.
 struct Judgement {
-  double relative = 0.0;  ///< to the size of the terms that enter each condition, rows of unit length
+  double relative = 0.0;  ///< to the size of the terms that enter each condition, constraints of unit length
   double absolute = 0.0;  ///< the same as they stand; infeasible: 0
   bool is_number = true;  ///< all of the solution is finite
 };
 
 inline Judgement judge(const QuadraticProgram& p, const QuadraticSolution& s) {
   using Real = long double;
-  const Eigen::Index n = p.target.size(), m = p.rows.rows();
+  const Eigen::Index n = p.target.size(), m = p.matrix.rows();
   Judgement judgement{0.0, 0.0, s.x.allFinite() && s.multipliers.allFinite()};
   const Real size = static_cast<Real>(p.target.norm()) + static_cast<Real>(s.x.norm());
   Eigen::Matrix<Real, Eigen::Dynamic, 1> sum = Eigen::Matrix<Real, Eigen::Dynamic, 1>::Zero(n);
@@ -127,11 +127,13 @@ inline Judgement judge(const QuadraticProgram& p, const QuadraticSolution& s) {
     judgement.absolute = std::max(judgement.absolute, static_cast<double>(residual));
     judgement.relative = std::max(judgement.relative, static_cast<double>(residual / terms));
   };
-  const auto each = [&](const auto& visit) {  // (multiplier of the unit row, length, bound, constraint)
-    for (Eigen::Index i = 0; i < m; ++i) visit(i, static_cast<Real>(p.rows.row(i).stableNorm()), p.bounds[i]);
-    for (Eigen::Index j = 0; p.upper.size() && j < n; ++j) visit(m + j, 1.0L, p.upper[j]);
-    for (Eigen::Index j = 0; p.lower.size() && j < n; ++j) visit(m + n + j, 1.0L, -p.lower[j]);
-  };
+  const auto each =
+      [&](const auto& visit) {  // (multiplier of the normalized constraint, length, bound, constraint)
+        for (Eigen::Index i = 0; i < m; ++i)
+          visit(i, static_cast<Real>(p.matrix.row(i).stableNorm()), p.bounds[i]);
+        for (Eigen::Index j = 0; p.upper.size() && j < n; ++j) visit(m + j, 1.0L, p.upper[j]);
+        for (Eigen::Index j = 0; p.lower.size() && j < n; ++j) visit(m + n + j, 1.0L, -p.lower[j]);
+      };
   each([&](Eigen::Index i, Real length, double) {
     heaviest = std::max(heaviest, static_cast<Real>(s.multipliers[i]) * (length > 0.0L ? length : 1.0L));
   });
@@ -139,7 +141,7 @@ inline Judgement judge(const QuadraticProgram& p, const QuadraticSolution& s) {
     const Real unit = length > 0.0L ? length : 1.0L, y = static_cast<Real>(s.multipliers[i]);
     Real value = 0.0L;
     for (Eigen::Index j = 0; j < n; ++j) {
-      const Real a = i < m ? static_cast<Real>(p.rows(i, j)) : i < m + n ? i - m == j : -(i - m - n == j);
+      const Real a = i < m ? static_cast<Real>(p.matrix(i, j)) : i < m + n ? i - m == j : -(i - m - n == j);
       value += a * static_cast<Real>(s.x[j]);
       sum[j] += y * a;
     }

@@ -16,7 +16,7 @@ namespace check_test {
 
 using Json = nlohmann::json;
 
-/// A painted ball about the origin, which the point robot's disc fits into, and a plan inside it.
+/// A painted sphere about the origin, which the point robot's disc fits into, and a plan inside it.
 class Check : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -37,7 +37,7 @@ class Check : public ::testing::Test {
     return run_command(arguments);
   }
 
-  /// The plan with its last waypoint, and its goal, outside the painted ball.
+  /// The plan with its last waypoint, and its goal, outside the painted sphere.
   Json leaving() const {
     Json plan = plan_;
     plan["waypoints"].back() = plan["goals"].back() = {0.3, 1.5};

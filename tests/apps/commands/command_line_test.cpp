@@ -234,7 +234,7 @@ TEST_F(CommandLine, a_plan_is_shown_on_a_page_in_the_time_of_its_trajectory) {
   const PageReader reader(read_file(page));
   const auto& shown = reader.page.at("plans").at(0);
   EXPECT_EQ(shown.at("status"), "solved");
-  const auto points = time_path(load_robot("point"), load_plan(file).waypoints()).points;
+  const auto points = time_parameterize(load_robot("point"), load_plan(file).waypoints()).points;
   ASSERT_EQ(shown.at("waypoints"), points.size());
   const auto values = reader.array<float>(shown.at("values")),
              speeds = reader.array<float>(shown.at("speeds"));

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 
 class Inspect : public ::testing::Test {
  protected:
-  /// A wall at x = 0.55 seen from the origin, and a ball painted into it afterwards.
+  /// A wall at x = 0.55 seen from the origin, and a sphere painted into it afterwards.
   void SetUp() override {
     FreeSpaceMap map({.resolution = 0.1});
     map.keep_scans();

@@ -11,7 +11,7 @@ namespace inspect_volume_test {
 
 using Json = nlohmann::json;
 
-/// Two balls that meet in a circle of 6 cm, and a third one apart from them with an occupied voxel.
+/// Two spheres that meet in a circle of 6 cm, and a third one apart from them with an occupied voxel.
 std::string dumbbell(const TemporaryFolder& folder) {
   FreeSpaceMap map({.resolution = 0.01});
   map.add_volume("tunnel", {"tool"});

@@ -18,7 +18,7 @@ TEST(PlanMotion, IsTheTrajectoryThatAControllerIsGiven) {
   PagePlan plan;
   const std::vector<Configuration> path{at(0, 0), at(1, 0.2), at(1.5, -0.5)};
   const auto shown = show_motion(plan, disc(), path);
-  const auto points = time_path(disc(), path).points;
+  const auto points = time_parameterize(disc(), path).points;
   ASSERT_EQ(shown.size(), points.size());
   ASSERT_EQ(plan.waypoints.size(), points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -36,7 +36,7 @@ TEST(PlanMotion, OfManySamplesShowsSomeInTimeAndTheGreatestAccelerations) {
   PagePlan plan;
   const std::vector<Configuration> path{at(-90, 0), at(90, 1), at(20, 40)};
   const auto shown = show_motion(plan, disc(), path);
-  const Trajectory trajectory = time_path(disc(), path);
+  const Trajectory trajectory = time_parameterize(disc(), path);
   const auto& points = trajectory.points;
   ASSERT_GT(points.size(), 20000U);
   ASSERT_LE(shown.size(), 1501U);

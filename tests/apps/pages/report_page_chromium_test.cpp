@@ -26,7 +26,7 @@ TEST_F(ReportPageInChromium, DrawsEveryFacePlanAndPlotWithoutAnError) {
   EXPECT_EQ(attribute(dom, "quads"), std::to_string(quads));
   EXPECT_EQ(attribute(dom, "plans"), "3");
   EXPECT_EQ(attribute(dom, "plots"), "2");
-  EXPECT_EQ(attribute(dom, "balls"), std::to_string(page.balls.size()));
+  EXPECT_EQ(attribute(dom, "balls"), std::to_string(page.spheres.size()));
   EXPECT_NE(attribute(dom, "frames"), "");
   EXPECT_NE(dom.find("no path"), std::string::npos) << "the failed plan is in sight";
   EXPECT_NE(dom.find("120.5 / 240"), std::string::npos) << "the slider stands where the address says";

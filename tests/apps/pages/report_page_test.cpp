@@ -63,12 +63,12 @@ TEST(ReportPage, GivesBackTheVoxelSurfacesItWasGiven) {
   }
 }
 
-TEST(ReportPage, GivesBackBallsPathsPosesAndClearances) {
+TEST(ReportPage, GivesBackSpheresPathsPosesAndClearances) {
   const ReportPage page = SamplePage::make();
   const PageReader reader(render_report_page(page));
-  const auto balls = reader.array<float>(reader.page["balls"]);
-  ASSERT_EQ(balls.size(), page.balls.size() * 5);
-  EXPECT_FLOAT_EQ(balls[5 * 7 + 3], static_cast<float>(page.balls[7].radius));
+  const auto spheres = reader.array<float>(reader.page["balls"]);
+  ASSERT_EQ(spheres.size(), page.spheres.size() * 5);
+  EXPECT_FLOAT_EQ(spheres[5 * 7 + 3], static_cast<float>(page.spheres[7].radius));
   const PagePlan& plan = page.plans[1];
   const json& told = reader.page["plans"][1];
   const auto values = reader.array<float>(told["values"]);
@@ -93,16 +93,16 @@ TEST(ReportPage, GivesBackBallsPathsPosesAndClearances) {
   }
 }
 
-TEST(ReportPage, GivesBackTheBallsToPaintForAPlan) {
+TEST(ReportPage, GivesBackTheSpheresToPaintForAPlan) {
   ReportPage page = SamplePage::make();
   page.plans[2].to_paint = {{Eigen::Vector3d(0.25, -0.5, 1.0), 0.125}, {Eigen::Vector3d(1, 2, 3), 0.5}};
   const PageReader reader(render_report_page(page));
   EXPECT_TRUE(reader.array<float>(reader.page["plans"][0]["paint"]).empty());
-  const auto balls = reader.array<float>(reader.page["plans"][2]["paint"]);
-  ASSERT_EQ(balls.size(), 10u);
-  EXPECT_EQ((std::vector<float>{balls.begin(), balls.begin() + 4}),
+  const auto spheres = reader.array<float>(reader.page["plans"][2]["paint"]);
+  ASSERT_EQ(spheres.size(), 10u);
+  EXPECT_EQ((std::vector<float>{spheres.begin(), spheres.begin() + 4}),
             (std::vector<float>{0.25F, -0.5F, 1.0F, 0.125F}));
-  EXPECT_EQ(balls[8], 0.5F);
+  EXPECT_EQ(spheres[8], 0.5F);
 }
 
 TEST(ReportPage, GivesBackWhatWasSeenAnewChangeByChangeAndTheMapsAge) {
@@ -220,7 +220,7 @@ TEST(ReportPage, RefusesSizesAndIndicesThatDisagreeAndNamesTheField) {
   refused([](ReportPage& p) { p.plans[0].is_prismatic.clear(); }, "is_prismatic");
   refused([](ReportPage& p) { p.plans[2].goal_poses.resize(2); }, "goal_poses");
   refused([](ReportPage& p) { p.robot[5].triangles[0][1] = 5; }, "triangles");
-  refused([](ReportPage& p) { p.balls[0].volume = 2; }, "volume");
+  refused([](ReportPage& p) { p.spheres[0].volume = 2; }, "volume");
   refused([](ReportPage& p) { p.voxels[0].state = "unknown"; }, "state");
   refused([](ReportPage& p) { p.resolution = 0.05; }, "resolution");
 }

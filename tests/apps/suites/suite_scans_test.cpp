@@ -54,7 +54,7 @@ TEST(SuiteScans, NoVoxelThatStandsStillIsFreedHoweverOftenItIsLookedAt) {
         const auto occupied = start.blocked_space({Policy::not_occupied}, near, resolution);
         const Scan still = scan_voxels(*occupied, sensor, range, resolution);
         SceneShape ball;  // that stands before some of them
-        ball.geometry = BallShape{0.08};
+        ball.geometry = SphereShape{0.08};
         ball.map_from_shape.translation() = Eigen::Vector3d(0.25, -0.1, 0.05);
         const Scan before = scan_solids_before(still, {ball}, *occupied, range, resolution).scan;
         ContinuedMap map(start, {.hit_probability = 0.9, .integration = Integration::compatible});

@@ -41,13 +41,13 @@ TEST(SuiteTunnels, StrokesRunFromStartToGoalInStepsOfAThirdOfTheRadius) {
   const auto& strokes = tunnel.world.volumes.at(0).strokes;
   EXPECT_EQ(strokes.size(), tunnel.way.size() - 1);
   const double radius = strokes[0][0].radius;
-  const double jitter = coarse.resolution;  // half a voxel at each of two balls
+  const double jitter = coarse.resolution;  // half a voxel at each of two spheres
   Eigen::Vector3d last = strokes[0][0].center;
   for (const auto& stroke : strokes) {
-    for (const SuiteBall& ball : stroke) {
-      EXPECT_NEAR(ball.radius, radius, 1e-12);
-      EXPECT_LE((ball.center - last).norm(), radius / 3 + jitter + 0.01);
-      last = ball.center;
+    for (const SuiteSphere& sphere : stroke) {
+      EXPECT_NEAR(sphere.radius, radius, 1e-12);
+      EXPECT_LE((sphere.center - last).norm(), radius / 3 + jitter + 0.01);
+      last = sphere.center;
     }
   }
 }

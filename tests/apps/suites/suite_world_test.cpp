@@ -10,7 +10,7 @@
 namespace clearway {
 namespace suite_world_test {
 
-/// A floor of which a table hides a part, a ball and a can, seen by two sensors above.
+/// A floor of which a table hides a part, a sphere and a can, seen by two sensors above.
 SuiteWorld furnished() {
   SuiteWorld world;
   world.resolution = 0.04;
@@ -23,7 +23,7 @@ SuiteWorld furnished() {
   };
   add("floor", BoxShape{{2.0, 2.0, 0.1}}, {0.0, 0.0, -0.037});
   add("table", BoxShape{{0.6, 0.8, 0.05}}, {0.513, 0.0, 0.411});
-  add("ball", BallShape{0.2}, {-0.5, 0.0, 0.301});
+  add("ball", SphereShape{0.2}, {-0.5, 0.0, 0.301});
   add("can", CylinderShape{0.1, 0.3}, {0.0, 0.613, 0.203});
   world.sensors = {{0.1, 0.2, 1.4}, {-0.9, -0.8, 1.2}};
   world.sensor_range = 3.0;
@@ -34,7 +34,8 @@ SuiteWorld furnished() {
 /// own.
 double distance_to(const SceneShape& solid, const Eigen::Vector3d& point) {
   const Eigen::Vector3d p = point - solid.map_from_shape.translation();
-  if (const auto* ball = std::get_if<BallShape>(&solid.geometry)) return std::abs(p.norm() - ball->radius);
+  if (const auto* sphere = std::get_if<SphereShape>(&solid.geometry))
+    return std::abs(p.norm() - sphere->radius);
   Eigen::Vector2d out2;
   Eigen::Vector3d out;
   if (const auto* can = std::get_if<CylinderShape>(&solid.geometry)) {
@@ -54,7 +55,7 @@ double distance_to(const SuiteWorld& world, const Eigen::Vector3d& point) {
 /// Inside of a solid, by the same formulas.
 bool is_inside(const SceneShape& solid, const Eigen::Vector3d& point) {
   const Eigen::Vector3d p = point - solid.map_from_shape.translation();
-  if (const auto* ball = std::get_if<BallShape>(&solid.geometry)) return p.norm() < ball->radius;
+  if (const auto* sphere = std::get_if<SphereShape>(&solid.geometry)) return p.norm() < sphere->radius;
   if (const auto* can = std::get_if<CylinderShape>(&solid.geometry))
     return p.head<2>().norm() < can->radius && std::abs(p.z()) < can->length / 2;
   return ((p.cwiseAbs() - std::get<BoxShape>(solid.geometry).size / 2).array() < 0.0).all();
@@ -115,7 +116,7 @@ TEST(SuiteWorld, SpaceThatRaysPassIsFreeAndWhatSolidsHideIsUnknown) {
   const Snapshot map = make_map(furnished(), {});
   EXPECT_EQ(map.state({0.0, 0.0, 0.8}), VoxelState::seen_free);
   EXPECT_EQ(map.state({-0.5, -0.5, 0.3}), VoxelState::seen_free);
-  EXPECT_EQ(map.state({-0.5, 0.0, 0.3}), VoxelState::unknown);    // in the ball
+  EXPECT_EQ(map.state({-0.5, 0.0, 0.3}), VoxelState::unknown);    // in the sphere
   EXPECT_EQ(map.state({0.6, -0.05, 0.36}), VoxelState::unknown);  // under the table
   EXPECT_EQ(map.state({0.0, 0.0, -0.6}), VoxelState::unknown);    // under the floor
 }
@@ -132,7 +133,7 @@ TEST(SuiteWorld, SurfacePointsLieOnTheSurfaceAndLeaveNoGap) {
   }
 }
 
-TEST(SuiteWorld, PaintIsPaintedStrokeByStrokeAndBallsThatMeetAPocketAreLeftOut) {
+TEST(SuiteWorld, PaintIsPaintedStrokeByStrokeAndSpheresThatMeetAPocketAreLeftOut) {
   SuiteWorld world;
   world.resolution = 0.02;
   world.volumes = {{"a", {"hand"}, {{{{0, 0, 0}, 0.1}, {{0.1, 0, 0}, 0.1}}, {{{0.32, 0, 0}, 0.1}}}},
@@ -144,8 +145,8 @@ TEST(SuiteWorld, PaintIsPaintedStrokeByStrokeAndBallsThatMeetAPocketAreLeftOut) 
   EXPECT_EQ(a.label, "a");
   EXPECT_EQ(a.critical_parts, std::vector<std::string>{"hand"});
   EXPECT_EQ(map.volumes()[1].critical_parts, std::vector<std::string>{"tool"});
-  ASSERT_EQ(a.balls.size(), 2u);
-  EXPECT_EQ(a.balls[1].center, Eigen::Vector3d(0.32, 0, 0));
+  ASSERT_EQ(a.spheres.size(), 2u);
+  EXPECT_EQ(a.spheres[1].center, Eigen::Vector3d(0.32, 0, 0));
   EXPECT_NE(a.stroke_of.at(0), a.stroke_of.at(1));
   EXPECT_EQ(map.state({0.05, 0, 0}), VoxelState::painted);
   EXPECT_EQ(map.state({0.17, 0, 0}), VoxelState::unknown);

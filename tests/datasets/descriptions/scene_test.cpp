@@ -20,7 +20,7 @@ TEST(Scene, EveryKeyIsRead) {
   ASSERT_EQ(scene.shapes.size(), 3u);
   EXPECT_EQ(std::get<BoxShape>(scene.shapes[0].geometry).size, Eigen::Vector3d(1, 1, 0.02));
   EXPECT_EQ(std::get<CylinderShape>(scene.shapes[1].geometry).length, 0.06);
-  EXPECT_EQ(std::get<BallShape>(scene.shapes[2].geometry).radius, 0.03);
+  EXPECT_EQ(std::get<SphereShape>(scene.shapes[2].geometry).radius, 0.03);
   EXPECT_EQ(scene.shapes[2].grey, 90);
   EXPECT_EQ(scene.stroke->waypoints.size(), 3u);
   EXPECT_EQ(scene.depth->map_from_sensor.size(), 2u);

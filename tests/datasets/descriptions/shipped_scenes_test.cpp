@@ -16,7 +16,7 @@ double distance(const SceneShape& shape, const Eigen::Vector3d& map_point) {
   if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
     return std::hypot(std::max(0.0, std::hypot(p.x(), p.y()) - cylinder->radius),
                       std::max(0.0, std::abs(p.z()) - cylinder->length / 2));
-  return p.norm() - std::get<BallShape>(shape.geometry).radius;
+  return p.norm() - std::get<SphereShape>(shape.geometry).radius;
 }
 
 TEST(ShippedScenes, EverySetupAndSceneLoads) {

@@ -51,7 +51,7 @@ TEST(SuiteTeam, RobotsAndMovingThingsAreRead) {
   EXPECT_EQ(team.robots[0].payload, 0.0);
   ASSERT_EQ(team.moving.size(), 1U);
   EXPECT_TRUE(team.moving[0].repeats);
-  EXPECT_EQ(std::get<BallShape>(team.moving[0].shape.geometry).radius, 0.1);
+  EXPECT_EQ(std::get<SphereShape>(team.moving[0].shape.geometry).radius, 0.1);
   ASSERT_EQ(team.moving[0].path.size(), 3U);
   EXPECT_NEAR(team.moving[0].path[1].map_from_shape.linear()(0, 0), -1.0, 1e-12);
 }

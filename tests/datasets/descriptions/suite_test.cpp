@@ -123,7 +123,7 @@ TEST(Suite, AStrokeAlongAPolylineKeepsItsSpacingAndMeetsEveryCorner) {
   EXPECT_TRUE(corner);
 }
 
-TEST(Suite, ScatteredBallsFollowTheirPolylineWithinTheirBounds) {
+TEST(Suite, ScatteredSpheresFollowTheirPolylineWithinTheirBounds) {
   const auto stroke = parse_suite(full, "two.yaml").worlds[1].volumes[0].strokes.at(2);
   ASSERT_EQ(stroke.size(), 41u);
   double widest = 0;

@@ -43,7 +43,7 @@ TEST(DepthRenderer, APlaneIsAsFarAsGeometrySays) {
 TEST(DepthRenderer, ABallIsAsFarAsTheQuadraticFormulaSays) {
   const auto depth = sensor_at(Eigen::Isometry3d::Identity());
   const Eigen::Vector3d center(2, 0.1, -0.2);
-  const Surface ball(SceneShape{"ball", BallShape{0.4}, Eigen::Isometry3d(Eigen::Translation3d(center))});
+  const Surface ball(SceneShape{"ball", SphereShape{0.4}, Eigen::Isometry3d(Eigen::Translation3d(center))});
   const auto image = render_depth(depth, 0, std::vector<Surface>{ball}, 1);
   for (int row = 0; row < 60; ++row)
     for (int column = 0; column < 80; ++column) {

@@ -102,7 +102,7 @@ TEST(ImageRenderer, BallsAreAsLargeAsTheirOutlineSays) {
   const Eigen::Vector3d center(0.02, -0.01, 0.6);
   const double radius = 0.05;
   const ImageRenderer renderer(pinhole, Eigen::Isometry3d::Identity(), {}, 0);
-  const SceneShape ball{"ball", BallShape{radius}, Eigen::Isometry3d(Eigen::Translation3d(center)), 200};
+  const SceneShape ball{"ball", SphereShape{radius}, Eigen::Isometry3d(Eigen::Translation3d(center)), 200};
   const Radiance picture = renderer.draw(std::vector<Surface>{Surface(ball)});
   // Solid angle of the ball against that of the pixels it lights (dark ones are background).
   double seen = 0;

@@ -19,7 +19,7 @@ double distance(const SceneShape& shape, const Eigen::Vector3d& map_point) {
   if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
     return of_excess(
         Eigen::Vector2d(std::hypot(p.x(), p.y()) - cylinder->radius, std::abs(p.z()) - cylinder->length / 2));
-  return p.norm() - std::get<BallShape>(shape.geometry).radius;
+  return p.norm() - std::get<SphereShape>(shape.geometry).radius;
 }
 
 TEST(Surface, RaysStopWhereSphereTracingStops) {
@@ -27,7 +27,7 @@ TEST(Surface, RaysStopWhereSphereTracingStops) {
   std::uniform_real_distribution<double> uniform(-1, 1), size(0.05, 1);
   int met = 0;
   for (int trial = 0; trial < 6000; ++trial) {
-    SceneShape shape{"s", BallShape{size(random)}, random_pose(random)};
+    SceneShape shape{"s", SphereShape{size(random)}, random_pose(random)};
     if (trial % 3 == 1) shape.geometry = BoxShape{Eigen::Vector3d(size(random), size(random), size(random))};
     if (trial % 3 == 2) shape.geometry = CylinderShape{size(random), size(random)};
     const Surface surface(shape);
@@ -58,7 +58,7 @@ TEST(Surface, NormalsPointTheWayTheDistanceGrows) {
   std::mt19937 random(9);
   const SceneShape shapes[] = {{"b", BoxShape{{0.4, 0.6, 0.8}}, random_pose(random)},
                                {"c", CylinderShape{0.3, 0.7}, random_pose(random)},
-                               {"s", BallShape{0.5}, random_pose(random)}};
+                               {"s", SphereShape{0.5}, random_pose(random)}};
   for (const auto& shape : shapes) {
     for (int trial = 0; trial < 300; ++trial) {
       const Eigen::Vector3d origin = 4 * random_pose(random).translation().normalized();

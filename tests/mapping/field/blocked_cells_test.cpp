@@ -76,7 +76,7 @@ TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
   Snapshot before = map.snapshot();
   for (int round = 0; round < 12; ++round) {
     if (round % 3 != 0) map.insert(worlds::random_scan(dice, round % 2 == 0 ? 5 : 300));
-    if (round % 3 != 1) map.paint(dice.whole(0, 1), worlds::random_ball(dice), 1.0 + round);
+    if (round % 3 != 1) map.paint(dice.whole(0, 1), worlds::random_sphere(dice), 1.0 + round);
     const Snapshot now = map.snapshot();
     for (const Requirement& requirement : requirements) {
       const BlockedCells was = blocked_cells(before.tree(), requirement, first, size);

@@ -83,7 +83,7 @@ TEST(FieldCache, AFieldThatFollowsItsMapEqualsOneMadeFromNothing) {
       expect_equal(*field, BlockedField(*version.tree, {policy}, field->cells()));
     }
     if (round % 3 != 0) map.insert(worlds::random_scan(dice, round % 2 == 0 ? 3 : 200));
-    if (round % 3 != 1) map.paint(dice.whole(0, 1), worlds::random_ball(dice), 1.0 + round);
+    if (round % 3 != 1) map.paint(dice.whole(0, 1), worlds::random_sphere(dice), 1.0 + round);
     version = Version(round == 10 ? other : map, version.fields.get());
   }
 }

@@ -45,14 +45,14 @@ TEST(MapFile, ASavedMapIsReadBackWhole) {
   }
 }
 
-TEST(MapFile, ABareTreeBesidePaintedBallsTakesThem) {
+TEST(MapFile, ABareTreeBesidePaintedSpheresTakesThem) {
   const TemporaryFolder folder;
   const Snapshot map = worlds::random_map(2).snapshot();
   save_map(map, folder / "map");
-  export_map(map, folder / "map/map.ot");  // a tree of colours has no balls
+  export_map(map, folder / "map/map.ot");  // a tree of colours has no spheres
   const Snapshot read = load_map(folder / "map");
   ASSERT_EQ(read.volumes().size(), 2U);
-  EXPECT_EQ(read.volumes()[0].balls.size(), map.volumes()[0].balls.size());
+  EXPECT_EQ(read.volumes()[0].spheres.size(), map.volumes()[0].spheres.size());
   fs::remove(folder / "map/painted.csv");
   EXPECT_TRUE(load_map(folder / "map").volumes().empty());
 }

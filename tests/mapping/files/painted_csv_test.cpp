@@ -32,10 +32,10 @@ void expect_same(const std::vector<PaintedVolume>& a, const std::vector<PaintedV
     EXPECT_EQ(a[v].times, b[v].times);
     EXPECT_EQ(a[v].strokes, b[v].strokes);
     EXPECT_EQ(a[v].stroke_of, b[v].stroke_of);
-    ASSERT_EQ(a[v].balls.size(), b[v].balls.size());
-    for (std::size_t i = 0; i < a[v].balls.size(); ++i) {
-      EXPECT_EQ(a[v].balls[i].center, b[v].balls[i].center);  // the same bits
-      EXPECT_EQ(a[v].balls[i].radius, b[v].balls[i].radius);
+    ASSERT_EQ(a[v].spheres.size(), b[v].spheres.size());
+    for (std::size_t i = 0; i < a[v].spheres.size(); ++i) {
+      EXPECT_EQ(a[v].spheres[i].center, b[v].spheres[i].center);  // the same bits
+      EXPECT_EQ(a[v].spheres[i].radius, b[v].spheres[i].radius);
     }
   }
 }
@@ -114,7 +114,8 @@ TEST(PaintedCsv, SurvivesRandomDamage) {
         static_cast<char>(1 << dice.whole(0, 7));
     try {
       for (const PaintedVolume& volume : parse_painted(damaged, "p.csv")) {
-        for (const Sphere& ball : volume.balls) ASSERT_TRUE(ball.center.allFinite() && ball.radius > 0.0);
+        for (const Sphere& sphere : volume.spheres)
+          ASSERT_TRUE(sphere.center.allFinite() && sphere.radius > 0.0);
       }
     } catch (const DamagedFile&) {
     }
@@ -137,7 +138,7 @@ TEST(PaintedCsv, beside_our_own_map_it_is_a_copy_and_whoever_changes_it_is_told_
     EXPECT_NE(remark().find("painted.csv' differs from the painted volumes in map.ot and is not used"),
               std::string::npos)
         << remark();
-    EXPECT_EQ(load_map(folder.path()).volumes()[0].balls[0].radius, 0.2);
+    EXPECT_EQ(load_map(folder.path()).volumes()[0].spheres[0].radius, 0.2);
   }
   worlds::write_all(folder / "painted.csv", text);
   export_map(map.snapshot(), folder / "map.ot");  // a tree of another program, without volumes

@@ -48,9 +48,9 @@ TEST(ConflictLog, HoldsEveryVoxelThatBecomesAConflictWithWhatCameSecond) {
         ++scans;
       } else if (kind < 5) {
         map.begin_stroke("stroke " + std::to_string(strokes++));
-        map.paint(volume, worlds::random_ball(dice), time);
+        map.paint(volume, worlds::random_sphere(dice), time);
       } else {
-        map.erase(volume, worlds::random_ball(dice), time);
+        map.erase(volume, worlds::random_sphere(dice), time);
       }
       const std::set<Cell> now = conflicts_of(map.snapshot());
       std::set<Cell> expected;

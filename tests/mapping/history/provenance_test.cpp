@@ -130,7 +130,7 @@ TEST(Provenance, NamesTheStrokesThatPaintedOrErasedAVoxel) {
   map.undo_stroke();
   const Provenance provenance = map.provenance();
   const auto at = [&](double x) { return strokes_at(provenance, {static_cast<int>(x / 0.05), 0, 0}); };
-  // The balls reach to x = 0.3 and 0.35 and after erasing to 0.1: the voxel 0.15..0.2 lost both.
+  // The spheres reach to x = 0.3 and 0.35 and after erasing to 0.1: the voxel 0.15..0.2 lost both.
   const auto lost = at(0.151);
   ASSERT_EQ(lost.size(), 2U);
   EXPECT_EQ(lost[0].volume, 1);
@@ -138,10 +138,10 @@ TEST(Provenance, NamesTheStrokesThatPaintedOrErasedAVoxel) {
   EXPECT_FALSE(lost[0].erases);
   EXPECT_EQ(lost[1].stroke, 2);
   EXPECT_TRUE(lost[1].erases);
-  EXPECT_EQ(lost[1].balls, 1U);
+  EXPECT_EQ(lost[1].spheres, 1U);
   EXPECT_EQ(lost[1].first, 4.0);
   const auto inside =
-      at(0.001);  // 0..0.05: still in the first ball (0.1) and, from 0.05, in the second (0.05)
+      at(0.001);  // 0..0.05: still in the first sphere (0.1) and, from 0.05, in the second (0.05)
   ASSERT_GE(inside.size(), 2U);
   EXPECT_EQ(inside[0].stroke, 0);
   EXPECT_EQ(inside[0].first, 1.0);
@@ -157,8 +157,9 @@ TEST(Provenance, StrokesAgreeWithThePaintOfEveryVoxel) {
     for (int i = 0; i < 14; ++i) {
       map.begin_stroke(std::to_string(i));
       const int volume = dice.whole(0, 1);
-      const Sphere ball = worlds::random_ball(dice);
-      i % 3 == 2 ? static_cast<void>(map.erase(volume, ball)) : static_cast<void>(map.paint(volume, ball));
+      const Sphere sphere = worlds::random_sphere(dice);
+      i % 3 == 2 ? static_cast<void>(map.erase(volume, sphere))
+                 : static_cast<void>(map.paint(volume, sphere));
     }
     const Snapshot snapshot = map.snapshot();
     const Provenance provenance = map.provenance();
@@ -185,7 +186,7 @@ Provenance sample() {
   map.add_volume("dock", {});
   for (int i = 0; i < 4; ++i) {
     map.begin_stroke("stroke " + std::to_string(i), "hand");
-    map.paint(i % 2, worlds::random_ball(dice), i);
+    map.paint(i % 2, worlds::random_sphere(dice), i);
     Scan scan = worlds::random_scan(dice, 150);
     scan.sensor = "kinect";
     map.insert(scan);

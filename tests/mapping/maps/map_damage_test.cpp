@@ -12,7 +12,7 @@ namespace map_damage_test {
 
 using worlds::TemporaryFolder;
 
-/// A painted ball, of a recording that was damaged after `records` or not at all.
+/// A painted sphere, of a recording that was damaged after `records` or not at all.
 Snapshot map_of(std::optional<std::size_t> records) {
   FreeSpaceMap map({.resolution = 0.1});
   map.add_volume("tunnel", {});

@@ -49,7 +49,7 @@ Snapshot other_map(unsigned seed) {
   map.add_volume("lift", {});
   map.add_volume("dock", {"base"});
   for (int i = 0; i < 4; ++i) {
-    map.paint(dice.whole(0, 1), worlds::random_ball(dice));
+    map.paint(dice.whole(0, 1), worlds::random_sphere(dice));
     map.insert(worlds::random_scan(dice, 200));
   }
   return map.snapshot();
@@ -81,7 +81,8 @@ TEST(Merge, HoldsTheEvidenceAndPaintOfBoth) {
         ++conflicts;
     });
     ASSERT_EQ(merged.volumes().size(), 3U);
-    EXPECT_EQ(merged.volumes()[1].balls.size(), a.volumes()[1].balls.size() + b.volumes()[1].balls.size());
+    EXPECT_EQ(merged.volumes()[1].spheres.size(),
+              a.volumes()[1].spheres.size() + b.volumes()[1].spheres.size());
     EXPECT_FALSE(difference(merge(a, Snapshot(a)), merged).states.empty());
   }
   EXPECT_GT(conflicts, 2U);
@@ -159,12 +160,12 @@ TEST(Merge, OfAMapWithNothingIsTheMap) {
   EXPECT_FALSE(difference(merge(nothing.snapshot(), map), map).any());
 }
 
-TEST(Merge, CountsABallThatBothHoldOnce) {
+TEST(Merge, CountsASphereThatBothHoldOnce) {
   FreeSpaceMap map({.resolution = edge});
   map.add_volume("v", {});
   map.paint(0, {{0, 0, 0}, 0.3});
   map.paint(0, {{0, 0, 0}, 0.3});
-  EXPECT_EQ(merge(map.snapshot(), map.snapshot()).volumes()[0].balls.size(), 2U);
+  EXPECT_EQ(merge(map.snapshot(), map.snapshot()).volumes()[0].spheres.size(), 2U);
 }
 
 TEST(Merge, RefusesWhatDoesNotFit) {
@@ -199,7 +200,7 @@ TEST(Crop, KeepsTheVoxelsOfTheBoxAndNothingElse) {
         ASSERT_TRUE((now.volumes >> v & 1U) == 0 || part.volumes()[v].contains(center(cell)));
       }
     });
-    EXPECT_LE(part.volumes()[0].balls.size(), map.volumes()[0].balls.size());
+    EXPECT_LE(part.volumes()[0].spheres.size(), map.volumes()[0].spheres.size());
   }
 }
 

@@ -21,7 +21,7 @@ Snapshot made_by(MapIntegration which, unsigned seed = 1) {
   FreeSpaceMap map(
       {.resolution = 0.1, .integration = which == compatible ? Integration::compatible : Integration::safe});
   Dice dice(seed);
-  map.paint(map.add_volume("v", {}), worlds::random_ball(dice));
+  map.paint(map.add_volume("v", {}), worlds::random_sphere(dice));
   if (which != none) map.insert(worlds::random_scan(dice, 50));
   return map.snapshot();
 }

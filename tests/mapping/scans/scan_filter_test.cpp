@@ -40,8 +40,8 @@ TEST(ScanFilter, DropsExactlyWhatEachRuleNames) {
     const Eigen::Vector3d p = scan.map_from_sensor * point.cast<double>();
     const bool outside = std::abs(p.x()) > 0.5 || std::abs(p.y()) > 0.6 || std::abs(p.z()) > 0.7;
     const bool in_post = std::hypot(p.x() - 0.3, p.y() - 0.3) <= 0.2 && std::abs(p.z()) <= 1.0;
-    const bool in_ball = (p - Eigen::Vector3d(-0.4, 0.0, 0.0)).norm() <= 0.3;
-    if (point.cast<double>().norm() >= 0.6 && !outside && !in_post && !in_ball) ++expected;
+    const bool in_sphere = (p - Eigen::Vector3d(-0.4, 0.0, 0.0)).norm() <= 0.3;
+    if (point.cast<double>().norm() >= 0.6 && !outside && !in_post && !in_sphere) ++expected;
   }
   EXPECT_EQ(kept.points.size(), expected);
   EXPECT_EQ(kept.dropped_filter, scan.points.size() - expected);

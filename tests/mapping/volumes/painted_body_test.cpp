@@ -1,5 +1,5 @@
 // Bodies in painted volumes: the voxel test against projections onto every cube near, and against the exact
-// union of balls.
+// union of spheres.
 
 #include "mapping/volumes/painted_body.hpp"
 
@@ -16,7 +16,7 @@ using worlds::Dice;
 struct Body {
   Eigen::Vector3d a, b;
   double radius;
-  int kind;  ///< 0 ball, 1 capsule, 2 cylinder
+  int kind;  ///< 0 sphere, 1 capsule, 2 cylinder
 
   /// The body's point that is nearest to `p`.
   Eigen::Vector3d project(const Eigen::Vector3d& p) const {
@@ -35,18 +35,19 @@ bool contains(const PaintedSpace& space, const Body& body) {
   return space.contains(Cylinder{body.a, body.b, body.radius});
 }
 
-Containment in_union(const std::vector<Sphere>& balls, const Body& body, double tolerance) {
-  if (body.kind == 2) return union_contains(balls, Cylinder{body.a, body.b, body.radius}, tolerance);
-  return union_contains(balls, Capsule{body.a, body.kind == 0 ? body.a : body.b, body.radius}, tolerance);
+Containment in_union(const std::vector<Sphere>& spheres, const Body& body, double tolerance) {
+  if (body.kind == 2) return union_contains(spheres, Cylinder{body.a, body.b, body.radius}, tolerance);
+  return union_contains(spheres, Capsule{body.a, body.kind == 0 ? body.a : body.b, body.radius}, tolerance);
 }
 
-Body random_body(Dice& dice, const std::vector<Sphere>& balls) {
-  const Sphere& ball = balls[static_cast<std::size_t>(dice.whole(0, static_cast<int>(balls.size()) - 1))];
-  Body body{ball.center + dice.point(0.7 * ball.radius),
+Body random_body(Dice& dice, const std::vector<Sphere>& spheres) {
+  const Sphere& sphere =
+      spheres[static_cast<std::size_t>(dice.whole(0, static_cast<int>(spheres.size()) - 1))];
+  Body body{sphere.center + dice.point(0.7 * sphere.radius),
             {},
-            ball.radius * dice.uniform(0.02, 0.6),
+            sphere.radius * dice.uniform(0.02, 0.6),
             dice.whole(0, 2)};
-  body.b = body.a + dice.point(1.2 * ball.radius);
+  body.b = body.a + dice.point(1.2 * sphere.radius);
   return body;
 }
 
@@ -96,7 +97,7 @@ TEST(PaintedSpace, HoldsABodyExactlyWhenNoBlockedCubeMeetsIt) {
     const PaintedSpace space(map, 1);
     int held = 0, tight = 0;
     for (int trial = 0; trial < 150; ++trial) {
-      const Body body = random_body(dice, map.volumes()[0].balls);
+      const Body body = random_body(dice, map.volumes()[0].spheres);
       double nearest = HUGE_VAL;
       const Eigen::Vector3d reach = Eigen::Vector3d::Constant(body.radius + 0.06);
       const Eigen::Vector3d end = body.kind == 0 ? body.a : body.b;
@@ -123,23 +124,23 @@ TEST(PaintedSpace, HoldsABodyExactlyWhenNoBlockedCubeMeetsIt) {
   }
 }
 
-TEST(PaintedSpace, NeverHoldsWhatTheUnionOfBallsDoesNot) {
+TEST(PaintedSpace, NeverHoldsWhatTheUnionOfSpheresDoesNot) {
   Dice dice(8);
   int held = 0, inside = 0;
   for (const double resolution : {0.08, 0.03}) {
     FreeSpaceMap map({.resolution = resolution});
     map.add_volume("v", {});
-    std::vector<Sphere> balls;
-    for (int i = 0; i < 25; ++i) balls.push_back({dice.point(0.5), dice.uniform(0.1, 0.35)});
-    for (const Sphere& ball : balls) map.paint(0, ball);
+    std::vector<Sphere> spheres;
+    for (int i = 0; i < 25; ++i) spheres.push_back({dice.point(0.5), dice.uniform(0.1, 0.35)});
+    for (const Sphere& sphere : spheres) map.paint(0, sphere);
     const PaintedSpace space(map.snapshot(), 1);
     for (int trial = 0; trial < 3000; ++trial) {
-      const Body body = random_body(dice, balls);
-      const Containment truth = in_union(balls, body, 1e-3);
+      const Body body = random_body(dice, spheres);
+      const Containment truth = in_union(spheres, body, 1e-3);
       inside += truth == Containment::inside ? 1 : 0;
       if (!contains(space, body)) continue;
       ++held;
-      ASSERT_EQ(truth == Containment::inside ? truth : in_union(balls, body, 1e-6), Containment::inside);
+      ASSERT_EQ(truth == Containment::inside ? truth : in_union(spheres, body, 1e-6), Containment::inside);
     }
   }
   EXPECT_GT(held, 1000);
@@ -177,7 +178,7 @@ TEST(UnionContains, TellsWhatFormulasTell) {
   EXPECT_EQ(union_contains(one, Capsule{{0, 0, -0.5}, {0, 0, 0.5}, 0.499}, 1e-4), Containment::inside);
   EXPECT_EQ(union_contains(one, Capsule{{0, 0, -0.5}, {0, 0, 0.5}, 0.501}, 1e-4), Containment::outside);
   EXPECT_EQ(union_contains(one, Capsule{{0, 0, -0.5}, {0, 0, 0.5}, 0.5}, 1e-3), Containment::undecided);
-  // A rod through two balls fits through the circle in which they meet.
+  // A rod through two spheres fits through the circle in which they meet.
   const std::vector<Sphere> two{{{0, 0, 0}, 1.0}, {{1.2, 0, 0}, 1.0}};
   EXPECT_EQ(union_contains(two, Cylinder{{-0.3, 0, 0}, {1.5, 0, 0}, 0.79}, 1e-4), Containment::inside);
   EXPECT_EQ(union_contains(two, Cylinder{{-0.3, 0, 0}, {1.5, 0, 0}, 0.81}, 1e-4), Containment::outside);

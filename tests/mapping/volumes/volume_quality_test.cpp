@@ -13,35 +13,35 @@ namespace volume_quality_test {
 
 using worlds::Dice;
 
-FreeSpaceMap painted_map(double resolution, const std::vector<Sphere>& balls) {
+FreeSpaceMap painted_map(double resolution, const std::vector<Sphere>& spheres) {
   FreeSpaceMap map({.resolution = resolution});
   map.add_volume("v", {"tool"});
-  for (const Sphere& ball : balls) map.paint(0, ball);
+  for (const Sphere& sphere : spheres) map.paint(0, sphere);
   return map;
 }
 
-/// A curved stroke of balls of 5 cm, 1 cm apart.
+/// A curved stroke of spheres of 5 cm, 1 cm apart.
 std::vector<Sphere> stroke() {
-  std::vector<Sphere> balls;
+  std::vector<Sphere> spheres;
   for (int i = 0; i < 60; ++i) {
     const double t = 0.03 * i;
-    balls.push_back({{0.3 * std::cos(t), 0.3 * std::sin(t), 0.1 * t}, 0.05});
+    spheres.push_back({{0.3 * std::cos(t), 0.3 * std::sin(t), 0.1 * t}, 0.05});
   }
-  return balls;
+  return spheres;
 }
 
-/// Balls on a sphere of radius 0.3 about `center`, so near one another that they enclose its inside.
+/// Spheres on a sphere of radius 0.3 about `center`, so near one another that they enclose its inside.
 std::vector<Sphere> shell(const Eigen::Vector3d& center) {
-  std::vector<Sphere> balls;
+  std::vector<Sphere> spheres;
   constexpr int count = 400;
   for (int i = 0; i < count; ++i) {  // Fibonacci's spiral
     const double z = 1.0 - (2.0 * i + 1.0) / count;
     const double turn = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
     const double across = std::sqrt(1.0 - z * z);
-    balls.push_back(
+    spheres.push_back(
         {center + 0.3 * Eigen::Vector3d(across * std::cos(turn), across * std::sin(turn), z), 0.1});
   }
-  return balls;
+  return spheres;
 }
 
 TEST(VolumeQuality, TheVoxelsAreLessThanTheExactVolumeAndTheLossHalvesWithTheResolution) {
@@ -60,13 +60,13 @@ TEST(VolumeQuality, TheVoxelsAreLessThanTheExactVolumeAndTheLossHalvesWithTheRes
   }
 }
 
-TEST(VolumeQuality, ABallIsItsOwnMostCompactShape) {
-  const VolumeQuality ball = measure_volume(painted_map(0.01, {{{0.1, 0.2, 0.3}, 0.1}}).snapshot(), 0);
-  EXPECT_NEAR(ball.sphericity(), 1.0, 2e-3);
-  EXPECT_NEAR(ball.surface.area, 4 * std::numbers::pi * 0.01, 1e-6);
-  EXPECT_EQ(ball.parts.size(), 1U);
-  EXPECT_TRUE(ball.holes.empty());
-  EXPECT_TRUE(ball.necks.empty());
+TEST(VolumeQuality, ASphereIsItsOwnMostCompactShape) {
+  const VolumeQuality sphere = measure_volume(painted_map(0.01, {{{0.1, 0.2, 0.3}, 0.1}}).snapshot(), 0);
+  EXPECT_NEAR(sphere.sphericity(), 1.0, 2e-3);
+  EXPECT_NEAR(sphere.surface.area, 4 * std::numbers::pi * 0.01, 1e-6);
+  EXPECT_EQ(sphere.parts.size(), 1U);
+  EXPECT_TRUE(sphere.holes.empty());
+  EXPECT_TRUE(sphere.necks.empty());
   EXPECT_LT(measure_volume(painted_map(0.01, stroke()).snapshot(), 0).sphericity(), 0.7);
 }
 
@@ -78,10 +78,11 @@ TEST(VolumeQuality, TheInsideOfAShellIsAHoleWithItsPlaceAndSize) {
   const VolumeHole& hole = quality.holes[0];
   EXPECT_LT((hole.centroid - center).norm(), 0.01);
   EXPECT_EQ(map.state(hole.inside), VoxelState::unknown);
-  EXPECT_GT(hole.beyond_balls, 0U);
-  EXPECT_LT(hole.beyond_balls, hole.voxels);
+  EXPECT_GT(hole.beyond_spheres, 0U);
+  EXPECT_LT(hole.beyond_spheres, hole.voxels);
   EXPECT_EQ(hole.occupied, 0U);
-  // The pocket between the balls is about a ball of 0.2 m; the voxels add about one resolution all around.
+  // The pocket between the spheres is about a sphere of 0.2 m; the voxels add about one resolution all
+  // around.
   EXPECT_GT(hole.volume, 4.0 / 3.0 * std::numbers::pi * std::pow(0.2, 3));
   EXPECT_LT(hole.volume, 4.0 / 3.0 * std::numbers::pi * std::pow(0.24, 3));
 }
@@ -96,25 +97,25 @@ TEST(VolumeQuality, AnOccupiedVoxelInsideAVolumeIsAHoleThatSaysSo) {
   ASSERT_EQ(quality.holes.size(), 1U);
   EXPECT_EQ(quality.holes[0].voxels, 1U);
   EXPECT_EQ(quality.holes[0].occupied, 1U);
-  EXPECT_EQ(quality.holes[0].beyond_balls, 0U);
+  EXPECT_EQ(quality.holes[0].beyond_spheres, 0U);
   EXPECT_TRUE(quality.holes[0].inside.isApprox(Eigen::Vector3d(0.125, 0.025, 0.025)));
 }
 
 TEST(VolumeQuality, AHoleThatOnlyTheVoxelsHaveClosesOnAFinerMap) {
-  // Four balls whose common meeting point no single ball holds with a whole voxel of 4 cm around it.
-  std::vector<Sphere> balls;
+  // Four spheres whose common meeting point no single sphere holds with a whole voxel of 4 cm around it.
+  std::vector<Sphere> spheres;
   for (const double x : {-0.1, 0.1}) {
     for (const double y : {-0.1, 0.1}) {
-      for (const double z : {-0.1, 0.1}) balls.push_back({{x + 0.02, y + 0.02, z + 0.02}, 0.19});
+      for (const double z : {-0.1, 0.1}) spheres.push_back({{x + 0.02, y + 0.02, z + 0.02}, 0.19});
     }
   }
-  const VolumeQuality coarse = measure_volume(painted_map(0.04, balls).snapshot(), 0);
+  const VolumeQuality coarse = measure_volume(painted_map(0.04, spheres).snapshot(), 0);
   ASSERT_EQ(coarse.holes.size(), 1U);
-  EXPECT_EQ(coarse.holes[0].beyond_balls, 0U);
-  EXPECT_TRUE(measure_volume(painted_map(0.01, balls).snapshot(), 0).holes.empty());
+  EXPECT_EQ(coarse.holes[0].beyond_spheres, 0U);
+  EXPECT_TRUE(measure_volume(painted_map(0.01, spheres).snapshot(), 0).holes.empty());
 }
 
-TEST(VolumeQuality, TheNeckBetweenTwoBallsIsTheCircleInWhichTheyMeet) {
+TEST(VolumeQuality, TheNeckBetweenTwoSpheresIsTheCircleInWhichTheyMeet) {
   Dice dice(3);
   for (int trial = 0; trial < 10; ++trial) {
     const double resolution = 0.005, r = dice.uniform(0.08, 0.12), d = dice.uniform(1.4, 1.7) * r;
@@ -122,7 +123,7 @@ TEST(VolumeQuality, TheNeckBetweenTwoBallsIsTheCircleInWhichTheyMeet) {
     const VolumeQuality quality =
         measure_volume(painted_map(resolution, {{at, r}, {at + d * towards, r}}).snapshot(), 0);
     const double truth = std::sqrt(r * r - d * d / 4);
-    // A ball's voxels hold all of the ball that is smaller by a voxel's diagonal.
+    // A sphere's voxels hold all of the sphere that is smaller by a voxel's diagonal.
     const double less = r - std::sqrt(3.0) * resolution;
     ASSERT_EQ(quality.necks.size(), 1U);
     const VolumeNeck& neck = quality.necks[0];
@@ -134,7 +135,7 @@ TEST(VolumeQuality, TheNeckBetweenTwoBallsIsTheCircleInWhichTheyMeet) {
   }
 }
 
-TEST(VolumeQuality, ASmoothStrokeHasNoNeckAndASparseOneHasThemBetweenItsBalls) {
+TEST(VolumeQuality, ASmoothStrokeHasNoNeckAndASparseOneHasThemBetweenItsSpheres) {
   EXPECT_TRUE(measure_volume(painted_map(0.005, stroke()).snapshot(), 0).necks.empty());
   std::vector<Sphere> sparse;
   for (int i = 0; i < 5; ++i) sparse.push_back({{0.15 * i, 0.01, 0.02}, 0.09});
@@ -146,7 +147,7 @@ TEST(VolumeQuality, ASmoothStrokeHasNoNeckAndASparseOneHasThemBetweenItsBalls) {
   }
 }
 
-TEST(VolumeQuality, BallsThatDoNotMeetAreParts) {
+TEST(VolumeQuality, SpheresThatDoNotMeetAreParts) {
   const VolumeQuality quality =
       measure_volume(painted_map(0.02, {{{0, 0, 0}, 0.2}, {{0.6, 0, 0}, 0.3}}).snapshot(), 0);
   EXPECT_EQ(quality.parts.size(), 2U);

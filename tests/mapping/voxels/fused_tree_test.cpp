@@ -128,7 +128,7 @@ TEST(FusedTree, CopiesStayAsTheyWereWhileTheOriginalIsWritten) {
     std::vector<Cells> expected;
     for (int i = 0; i < 12; ++i) {
       if (i % 2 == 0) map.insert(worlds::random_scan(dice, 100));
-      if (i % 3 != 1) map.paint(0, worlds::random_ball(dice));
+      if (i % 3 != 1) map.paint(0, worlds::random_sphere(dice));
       copies.push_back(map.snapshot());
       expected.push_back(cells_of(copies.back().tree()));
       if (i % 4 == 3) {  // some go away early, out of order
@@ -170,7 +170,7 @@ TEST(FusedTree, ChangesBetweenVersionsAreExactlyWhatDiffers) {
     std::size_t visited = 0;
     for (int i = 0; i < 6; ++i) {
       if (i % 2 == 0) map.insert(worlds::random_scan(dice, 60));
-      if (i % 2 == 1) map.paint(0, worlds::random_ball(dice));
+      if (i % 2 == 1) map.paint(0, worlds::random_sphere(dice));
       const Snapshot now = map.snapshot();
       Cells patched = cells_of(before.tree());
       now.tree().visit_changes(

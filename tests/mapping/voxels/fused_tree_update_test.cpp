@@ -5,8 +5,8 @@
 
 #include <sstream>
 
-#include "mapping/voxels/evidence_rule.hpp"
 #include "mapping/voxels/fused_tree.hpp"
+#include "mapping/voxels/occupancy_update.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 #include "tests/worlds/random_map.hpp"
 
@@ -60,12 +60,12 @@ void fill_clear(Dice& dice, ScanGrid& grid) {
 }
 
 void apply_one_by_one(FusedTree& tree, ScanGrid& grid) {
-  const EvidenceRule rule{Integration::safe,
-                          tree.getProbHitLog(),
-                          tree.getProbMissLog(),
-                          tree.getClampingThresMinLog(),
-                          tree.getClampingThresMaxLog(),
-                          tree.getOccupancyThresLog()};
+  const OccupancyUpdate rule{Integration::safe,
+                             tree.getProbHitLog(),
+                             tree.getProbMissLog(),
+                             tree.getClampingThresMinLog(),
+                             tree.getClampingThresMaxLog(),
+                             tree.getOccupancyThresLog()};
   for (const ScanTile* tile : grid.tiles()) {
     for (unsigned bit = 0; bit < 32768; ++bit) {
       const auto is_in = [&](const auto& words) { return (words[bit >> 6U] >> (bit & 63U) & 1U) != 0; };
@@ -100,9 +100,9 @@ TEST_P(FusedTreeUpdate, GivesTheTreeOfUpdatesOneByOne) {
       if (round % 3 != 0) grid.clear();  // every third scan repeats what was there, up to clamping
       fill(dice, grid);
       if (seed % 3 == 2) {
-        const Sphere ball{dice.point(3.0), dice.uniform(0.2, 1.5)};
-        tree.paint(round % 2, ball);
-        slow.paint(round % 2, ball);
+        const Sphere sphere{dice.point(3.0), dice.uniform(0.2, 1.5)};
+        tree.paint(round % 2, sphere);
+        slow.paint(round % 2, sphere);
       }
       update_one_by_one(slow, grid);
       tree.update(grid, Integration::compatible, GetParam());
@@ -133,9 +133,9 @@ TEST_P(FusedTreeUpdate, SafelyGivesTheTreeOfTheRuleOneByOne) {
       fill(dice, grid);
       fill_clear(dice, grid);
       if (seed % 3 == 2) {
-        const Sphere ball{dice.point(3.0), dice.uniform(0.2, 1.5)};
-        tree.paint(round % 2, ball);
-        slow.paint(round % 2, ball);
+        const Sphere sphere{dice.point(3.0), dice.uniform(0.2, 1.5)};
+        tree.paint(round % 2, sphere);
+        slow.paint(round % 2, sphere);
       }
       const std::size_t before = tree.size();
       apply_one_by_one(slow, grid);

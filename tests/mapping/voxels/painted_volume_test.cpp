@@ -1,4 +1,4 @@
-// Erasing shrinks balls: what is left never reaches into the eraser, and nothing is lost without need.
+// Erasing shrinks spheres: what is left never reaches into the eraser, and nothing is lost without need.
 
 #include "mapping/voxels/painted_volume.hpp"
 
@@ -9,23 +9,23 @@
 namespace clearway {
 namespace painted_volume_test {
 
-TEST(Shrunk, LeavesABallThatOnlyTouchesTheEraser) {
+TEST(Shrunk, LeavesASphereThatOnlyTouchesTheEraser) {
   worlds::Dice dice(4);
   int gone = 0, smaller = 0, untouched = 0;
   for (int trial = 0; trial < 100000; ++trial) {
     const double scale = std::pow(10.0, dice.uniform(-3, 3));
-    const Sphere ball{dice.point(scale), dice.uniform(0.01, 1.0) * scale};
+    const Sphere sphere{dice.point(scale), dice.uniform(0.01, 1.0) * scale};
     const Sphere eraser{dice.point(scale), dice.uniform(0.01, 1.0) * scale};
-    const double distance = (ball.center - eraser.center).norm();
-    const auto left = shrunk(ball, eraser);
+    const double distance = (sphere.center - eraser.center).norm();
+    const auto left = shrunk(sphere, eraser);
     if (!left) {
       ++gone;
       EXPECT_LE(distance, eraser.radius * (1 + 1e-12) + 1e-12 * scale);
       continue;
     }
-    EXPECT_EQ(left->center, ball.center);
-    EXPECT_LE(left->radius, ball.radius);
-    if (left->radius == ball.radius) {
+    EXPECT_EQ(left->center, sphere.center);
+    EXPECT_LE(left->radius, sphere.radius);
+    if (left->radius == sphere.radius) {
       ++untouched;
       continue;
     }
@@ -44,7 +44,7 @@ TEST(Shrunk, IsGoneWhenItsCentreIsErased) {
   EXPECT_FALSE(shrunk({{0.0, 0.0, 0.0}, 1.0}, {{0.5, 0.0, 0.0}, 0.5}).has_value());
 }
 
-TEST(PaintedVolume, AStrokesTimeSpanIsThatOfItsBalls) {
+TEST(PaintedVolume, AStrokesTimeSpanIsThatOfItsSpheres) {
   PaintedVolume volume{"v", {}};
   volume.strokes = {{"a", "hand"}, {"b", "hand"}};
   volume.add({{0, 0, 0}, 1.0}, 3.0, 0);

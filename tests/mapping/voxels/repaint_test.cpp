@@ -1,4 +1,4 @@
-// Repainting against a tree that was painted with the remaining balls alone.
+// Repainting against a tree that was painted with the remaining spheres alone.
 
 #include <gtest/gtest.h>
 
@@ -10,56 +10,56 @@ namespace repaint_test {
 
 using worlds::Dice;
 
-/// Some balls, many of them meeting at a corner of many cubes of the tree.
-std::vector<Sphere> random_balls(Dice& dice, int count) {
-  std::vector<Sphere> balls;
-  for (int i = 0; i < count; ++i) balls.push_back({dice.point(0.5), dice.uniform(0.02, 0.4)});
-  return balls;
+/// Some spheres, many of them meeting at a corner of many cubes of the tree.
+std::vector<Sphere> random_spheres(Dice& dice, int count) {
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < count; ++i) spheres.push_back({dice.point(0.5), dice.uniform(0.02, 0.4)});
+  return spheres;
 }
 
 FusedTree seen_tree(unsigned seed) { return worlds::random_map(seed, 0.04, 3, 100).snapshot().tree(); }
 
-TEST(Repaint, LeavesTheTreeThatOnlyTheRemainingBallsPainted) {
+TEST(Repaint, LeavesTheTreeThatOnlyTheRemainingSpheresPainted) {
   std::size_t unpainted = 0, painted = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     Dice dice(seed);
     FusedTree tree = seed % 3 == 0 ? FusedTree(0.04) : seen_tree(seed);
     FusedTree expected(tree);
-    const std::vector<Sphere> kept = random_balls(dice, dice.whole(0, 12));
-    const std::vector<Sphere> gone = random_balls(dice, dice.whole(1, 6));
-    const std::vector<Sphere> come = random_balls(dice, dice.whole(0, 3));
-    for (const Sphere& ball : kept) tree.paint(4, ball);
-    for (const Sphere& ball : gone) tree.paint(4, ball);
+    const std::vector<Sphere> kept = random_spheres(dice, dice.whole(0, 12));
+    const std::vector<Sphere> gone = random_spheres(dice, dice.whole(1, 6));
+    const std::vector<Sphere> come = random_spheres(dice, dice.whole(0, 3));
+    for (const Sphere& sphere : kept) tree.paint(4, sphere);
+    for (const Sphere& sphere : gone) tree.paint(4, sphere);
     const FusedTree before(tree);
-    std::vector<Sphere> changed = gone, balls = kept;
+    std::vector<Sphere> changed = gone, spheres = kept;
     changed.insert(changed.end(), come.begin(), come.end());
-    balls.insert(balls.end(), come.begin(), come.end());
-    const RepaintTally tally = tree.repaint(4, changed, balls);
+    spheres.insert(spheres.end(), come.begin(), come.end());
+    const RepaintTally tally = tree.repaint(4, changed, spheres);
     unpainted += tally.unpainted;
     painted += tally.painted;
 
-    for (const Sphere& ball : balls) expected.paint(4, ball);
+    for (const Sphere& sphere : spheres) expected.paint(4, sphere);
     EXPECT_TRUE(tree == expected) << seed;
     EXPECT_EQ(tree.size(), expected.size());
     EXPECT_EQ(tree.size(), tree.calcNumNodes());
     FusedTree again = seed % 3 == 0 ? FusedTree(0.04) : seen_tree(seed);
-    for (const Sphere& ball : kept) again.paint(4, ball);
-    for (const Sphere& ball : gone) again.paint(4, ball);
+    for (const Sphere& sphere : kept) again.paint(4, sphere);
+    for (const Sphere& sphere : gone) again.paint(4, sphere);
     EXPECT_TRUE(before == again) << "a copy changed with the original";
   }
   EXPECT_GT(unpainted, 1000U);
   EXPECT_GT(painted, 1000U);
 }
 
-TEST(Repaint, WithoutBallsLeavesNothingInATreeThatNoSensorSaw) {
+TEST(Repaint, WithoutSpheresLeavesNothingInATreeThatNoSensorSaw) {
   FusedTree tree(0.05);
-  const Sphere ball{{1.0, 2.0, 3.0}, 0.7};
-  const std::size_t painted = tree.paint(2, ball).painted;
-  EXPECT_EQ(tree.repaint(2, {ball}, {}).unpainted, painted);
+  const Sphere sphere{{1.0, 2.0, 3.0}, 0.7};
+  const std::size_t painted = tree.paint(2, sphere).painted;
+  EXPECT_EQ(tree.repaint(2, {sphere}, {}).unpainted, painted);
   EXPECT_EQ(tree.getRoot(), nullptr);
   EXPECT_EQ(tree.size(), 0U);
-  EXPECT_EQ(tree.repaint(2, {ball}, {}).unpainted, 0U);
-  EXPECT_EQ(tree.repaint(2, {}, {ball}).painted, 0U);  // nowhere to look
+  EXPECT_EQ(tree.repaint(2, {sphere}, {}).unpainted, 0U);
+  EXPECT_EQ(tree.repaint(2, {}, {sphere}).painted, 0U);  // nowhere to look
 }
 
 TEST(Repaint, LeavesOtherVolumesAndSensorsAlone) {

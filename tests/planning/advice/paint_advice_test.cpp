@@ -32,8 +32,8 @@ struct HoledVolume {
     const Sphere pocket{tip(random.between(0.35, 0.65)), random.between(0.05, 0.12)};
     for (int i = 0; i < 400; ++i) {
       const Eigen::Vector3d aside = random.point(0.25);
-      const Sphere ball{tip(random.between(-0.1, 1.1)) + aside, random.between(0.12, 0.22)};
-      if ((ball.center - pocket.center).norm() >= ball.radius + pocket.radius) map.paint(volume, ball);
+      const Sphere sphere{tip(random.between(-0.1, 1.1)) + aside, random.between(0.12, 0.22)};
+      if ((sphere.center - pocket.center).norm() >= sphere.radius + pocket.radius) map.paint(volume, sphere);
     }
   }
 };
@@ -50,9 +50,9 @@ TEST(PaintAdvice, PaintingWhatItSaysMakesThePlanSucceedInNineOfTenHoledVolumes) 
     if (planner->plan(problem).status != PlanStatus::no_path) continue;
     ++failed;
     const PaintAdvice advice = advise_paint(*planner, problem, true);
-    for (const PaintHint& hint : advice.balls) {
+    for (const PaintHint& hint : advice.spheres) {
       EXPECT_EQ(hint.part, "tool");
-      scene.map.paint(scene.volume, hint.ball);
+      scene.map.paint(scene.volume, hint.sphere);
     }
     const ConfigurationSpace painted(robot, scene.map.snapshot());
     mended += planner->plan({painted, cost, scene.start, scene.goal, 1}).status == PlanStatus::solved;
@@ -83,14 +83,15 @@ TEST(PaintAdvice, JoinsTwoVolumesAndNamesThePlaceBetweenThem) {
   const PlanResult result = planner->plan(problem);
   ASSERT_EQ(result.status, PlanStatus::no_path) << result.explanation;
   const PaintAdvice advice = advise_paint(*planner, problem, false);
-  ASSERT_FALSE(advice.balls.empty());
+  ASSERT_FALSE(advice.spheres.empty());
   EXPECT_FALSE(advice.way_exists);
   EXPECT_NE(advice.sentence().find("Painting would connect start and goal: "), std::string::npos);
-  for (const PaintHint& hint : advice.balls) {  // in the gap, where the hand turns from one side to the other
+  for (const PaintHint& hint :
+       advice.spheres) {  // in the gap, where the hand turns from one side to the other
     const Eigen::Vector3d ends[] = {tip_pose(robot, start).translation(),
                                     tip_pose(robot, goal).translation()};
-    for (const Eigen::Vector3d& end : ends) EXPECT_GT((hint.ball.center - end).norm(), 0.15);
-    map.paint(volume, hint.ball);
+    for (const Eigen::Vector3d& end : ends) EXPECT_GT((hint.sphere.center - end).norm(), 0.15);
+    map.paint(volume, hint.sphere);
   }
   const ConfigurationSpace painted(robot, map.snapshot());
   EXPECT_EQ(planner->plan({painted, cost, start, goal, 1}).status, PlanStatus::solved);
@@ -118,7 +119,7 @@ TEST(PaintAdvice, SaysNothingWhereNoPartHasToStayInPaint) {
                                  {.parts = {}, .other = Policy::not_occupied, .critical_by_default = false});
   const Configuration q = Configuration::Zero(6);
   const PaintAdvice advice = advise_paint(*make_planner("beam"), {space, cost, q, q, 1}, true);
-  EXPECT_TRUE(advice.balls.empty());
+  EXPECT_TRUE(advice.spheres.empty());
   EXPECT_TRUE(advice.sentence().empty());
 }
 

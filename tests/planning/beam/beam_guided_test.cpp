@@ -101,8 +101,8 @@ TEST(ViaBeam, EveryHeadOnTheWayIsCertifiedAndFarthestLeadsThere) {
     const ConfigurationSpace space(robot, tunnel.map);
     const PathCost cost(robot);
     const PlanProblem problem{space, cost, tunnel.start, tunnel.goal, 1};
-    const Hand hand = find_hand(space);
-    const HandRoute route = find_hand_route(problem, hand);
+    const EndEffector hand = find_end_effector(space);
+    const EndEffectorRoute route = find_end_effector_route(problem, hand);
     ASSERT_FALSE(route.points.empty());
     const ViaPath via = search_via_regions(problem, hand, route, joint_weights(space, 0.0), {});
     EXPECT_LE(via.reached, via.regions);
@@ -116,11 +116,11 @@ TEST(ViaBeam, EveryHeadOnTheWayIsCertifiedAndFarthestLeadsThere) {
   }
 }
 
-TEST(Hand, IsThePaintedPartAndItsBallsAreInsideAndAround) {
+TEST(EndEffector, IsThePaintedPartAndItsSpheresAreInsideAndAround) {
   const Robot robot = load_robot("puma560");
   const PaintedTunnel tunnel(robot, 1, 1, 0.03);
   const ConfigurationSpace space(robot, tunnel.map);
-  const Hand hand = find_hand(space);
+  const EndEffector hand = find_end_effector(space);
   const Body& body = robot.bodies[static_cast<std::size_t>(hand.body)];
   EXPECT_EQ(body.part, robot.critical_parts.front());
   EXPECT_EQ(hand.requirement.policy, Policy::painted);

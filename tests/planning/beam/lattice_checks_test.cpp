@@ -63,7 +63,7 @@ TEST(LatticeChecks, AnswersAsTheConfigurationSpaceDoesOnAnyWalkAmongObstacles) {
       Policies policies;
       if (scene % 2 == 0) {
         policies.critical_by_default = false;
-      } else {  // the hand in painted balls about where it is
+      } else {  // the hand in painted spheres about where it is
         for (int i = 0; i < 400; ++i)
           voxels.painted.push_back({random.point(size), random.between(0.2, 0.45)});
       }

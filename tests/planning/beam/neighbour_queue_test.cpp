@@ -105,7 +105,7 @@ TEST(NeighbourQueue, GivesANodeOnceWithAllItsHeadsAndLeavesOffWhatIsClosed) {
                           BeamOptions{});
     std::vector<LatticeIndex> heads(5, LatticeIndex(6));
     NodeSet visited(6);
-    ClosedNodes closed(6, visited);
+    BlockedNodes closed(6, visited);
     const auto near_node = [&] {
       LatticeIndex node(6);
       for (int& index : node) index = random.below(5) - 2;
@@ -154,7 +154,7 @@ TEST(NeighbourQueue, GivesANodeOnceWithAllItsHeadsAndLeavesOffWhatIsClosed) {
   }
 }
 
-/// So many joints one after the other, about z and y in turn, 2 cm apart, each with a ball.
+/// So many joints one after the other, about z and y in turn, 2 cm apart, each with a sphere.
 Robot long_chain(int joints) {
   Robot robot;
   robot.name = "chain";

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/boundary/plus_search.hpp"
+#include "planning/boundary/boundary_plus_search.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
@@ -18,7 +18,7 @@ struct Wall {
   PathCost cost;
   PlanProblem leg;
   DamperOptions damper;
-  mutable ControlRows rows;  ///< only memory that is kept
+  mutable ControlConstraints constraints;  ///< only memory that is kept
   DeadlockMemory memory;
 
   explicit Wall(std::vector<Eigen::AlignedBox3d> boxes = {box_of(1, -0.8, -0.05, 1.1, 0.8, 0.05)})
@@ -27,7 +27,7 @@ struct Wall {
         cost(robot),
         leg{space, cost, Vector2d(0.0, 0.0), Vector2d(2.5, 0.0)},
         damper(resolve({}, leg)),
-        rows(rows_for(space, damper)),
+        constraints(constraints_for(space, damper)),
         memory(damper.weight, 2.0 * damper.max_step) {}
 
   void expect_certified(const std::vector<Configuration>& trace) const {
@@ -38,21 +38,21 @@ struct Wall {
 
 TEST(LocalRun, GoesStraightToAGoalThatItSees) {
   const Wall scene({box_of(1, 2, -0.05, 1.1, 3, 0.05)});
-  const LocalRun run = run_local(scene.leg, scene.damper, scene.rows, scene.memory, 100);
+  const LocalRun run = run_local(scene.leg, scene.damper, scene.constraints, scene.memory, 100);
   EXPECT_EQ(run.end, RunEnd::reached);
   EXPECT_EQ(run.trace, (std::vector<Configuration>{scene.leg.start, scene.leg.goal}));
 }
 
 TEST(LocalRun, IsStuckBeforeAWallAndAPlaneLeadsRoundIt) {
   const Wall scene;
-  const LocalRun stuck = run_local(scene.leg, scene.damper, scene.rows, scene.memory, 1000);
+  const LocalRun stuck = run_local(scene.leg, scene.damper, scene.constraints, scene.memory, 1000);
   EXPECT_EQ(stuck.end, RunEnd::deadlock);
   EXPECT_LT(stuck.trace.back()[0], 0.8);
   EXPECT_GT(stuck.trace.back()[0], 0.6);
   for (const double side : {1.0, -1.0}) {
     const PlanProblem on{scene.space, scene.cost, stuck.trace.back(), scene.leg.goal};
-    const LocalRun round =
-        run_local(on, scene.damper, scene.rows, scene.memory, 1000, Eigen::VectorXd(Vector2d(0.0, side)));
+    const LocalRun round = run_local(on, scene.damper, scene.constraints, scene.memory, 1000,
+                                     Eigen::VectorXd(Vector2d(0.0, side)));
     EXPECT_EQ(round.end, RunEnd::reached);
     EXPECT_GT(round.boundary_steps, 10);
     scene.expect_certified(round.trace);
@@ -64,21 +64,21 @@ TEST(LocalRun, IsStuckBeforeAWallAndAPlaneLeadsRoundIt) {
 
 TEST(LocalRun, DoesNotGoBackWhereItWasStuck) {
   Wall scene;
-  const LocalRun stuck = run_local(scene.leg, scene.damper, scene.rows, scene.memory, 1000);
+  const LocalRun stuck = run_local(scene.leg, scene.damper, scene.constraints, scene.memory, 1000);
   scene.memory.remember(stuck.trace.back());
-  const LocalRun again = run_local(scene.leg, scene.damper, scene.rows, scene.memory, 1000);
+  const LocalRun again = run_local(scene.leg, scene.damper, scene.constraints, scene.memory, 1000);
   EXPECT_EQ(again.end, RunEnd::known_deadlock);
   EXPECT_LT(again.trace.size(), stuck.trace.size());
 }
 
 TEST(LocalRun, KeepsItsStepsAndTheDeadline) {
   Wall scene;
-  const LocalRun few = run_local(scene.leg, scene.damper, scene.rows, scene.memory, 5);
+  const LocalRun few = run_local(scene.leg, scene.damper, scene.constraints, scene.memory, 5);
   EXPECT_EQ(few.end, RunEnd::used_up);
   EXPECT_EQ(few.trace.size(), 6u);
   int asked = 0;
   scene.leg.out_of_time = [&] { return ++asked > 3; };
-  const LocalRun late = run_local(scene.leg, scene.damper, scene.rows, scene.memory, 1000);
+  const LocalRun late = run_local(scene.leg, scene.damper, scene.constraints, scene.memory, 1000);
   EXPECT_EQ(late.end, RunEnd::out_of_time);
   EXPECT_EQ(late.trace.size(), 4u);
 }
@@ -94,8 +94,8 @@ TEST(PlaneDirection, LeadsTheBlockingPointOverAndUnderAndTowardsTheLimits) {
   goal << 0.0, 0.0, 0.0, 0.0, 0.0;
   const PlanProblem leg{space, cost, start, goal};
   const DamperOptions damper = resolve({}, leg);
-  ControlRows rows = rows_for(space, damper);
-  const LocalRun stuck = run_local(leg, damper, rows, DeadlockMemory(damper.weight, 0.1), 1000);
+  ControlConstraints constraints = constraints_for(space, damper);
+  const LocalRun stuck = run_local(leg, damper, constraints, DeadlockMemory(damper.weight, 0.1), 1000);
   ASSERT_EQ(stuck.end, RunEnd::deadlock);
   const Configuration& lock = stuck.trace.back();
   std::mt19937_64 random(1);
@@ -104,7 +104,7 @@ TEST(PlaneDirection, LeadsTheBlockingPointOverAndUnderAndTowardsTheLimits) {
   Eigen::Index strongest = 0;
   stuck.local.multipliers.head(static_cast<Eigen::Index>(stuck.constraints.pairs.size()))
       .maxCoeff(&strongest);
-  const ProximityRow& pair = stuck.constraints.pairs[static_cast<std::size_t>(strongest)];
+  const ProximityConstraint& pair = stuck.constraints.pairs[static_cast<std::size_t>(strongest)];
   const int link = robot.bodies[static_cast<std::size_t>(pair.body)].link;
   const auto rise = [&](const Eigen::VectorXd& dq) {
     const auto pose = [&](const Configuration& q) {

@@ -253,13 +253,13 @@ TEST(PathCheck, EveryStateOfAVoxelIsBlockedUnderThePoliciesThatDoNotAllowIt) {
   FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
   const int ours = builder.add_volume("ours", {"base"}), others = builder.add_volume("others", {"hand"});
   const auto place = [](int i) { return Eigen::Vector3d(2.0 * i + 0.025, 0.025, 0.025); };
-  constexpr double ball = 0.6;              // holds the disc and the voxels that it touches
-  const auto look_all_round = [&](int i) {  // rays that free what a ball of this size holds
+  constexpr double sphere = 0.6;            // holds the disc and the voxels that it touches
+  const auto look_all_round = [&](int i) {  // rays that free what a sphere of this size holds
     Scan scan;
     scan.map_from_sensor.translation() = place(i);
     Random random(11);
     for (int k = 0; k < 20'000; ++k)
-      scan.points.push_back((ball * random.point(1.0).normalized()).cast<float>());
+      scan.points.push_back((sphere * random.point(1.0).normalized()).cast<float>());
     builder.insert(scan);
   };
   struct Case {
@@ -273,14 +273,14 @@ TEST(PathCheck, EveryStateOfAVoxelIsBlockedUnderThePoliciesThatDoNotAllowIt) {
                         {VoxelState::conflict, false, false, false},
                         {VoxelState::painted, true, true, false}};  // for another part
   look_all_round(1);
-  builder.paint(ours, {place(2), ball});
+  builder.paint(ours, {place(2), sphere});
   look_all_round(3);
   occupy(builder, place(3));
   occupy(builder, place(3));
   occupy(builder, place(3));
-  builder.paint(ours, {place(4), ball});
+  builder.paint(ours, {place(4), sphere});
   occupy(builder, place(4));
-  builder.paint(others, {place(5), ball});
+  builder.paint(others, {place(5), sphere});
   const Snapshot map = builder.snapshot();
   for (int i = 0; i < 6; ++i) {
     ASSERT_EQ(map.state(place(i)), cases[i].state) << i;

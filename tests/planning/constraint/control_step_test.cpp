@@ -34,7 +34,7 @@ struct Smoothness {
   double least = 1.0;     ///< separation
 };
 
-/// Slides the disc along the wall, drawn against it, with rows of the caller's choice.
+/// Slides the disc along the wall, drawn against it, with constraints of the caller's choice.
 template <class Step>
 Smoothness slide(const Step& step_at, double slope) {
   Smoothness result;
@@ -86,7 +86,7 @@ TEST(ControlStep, SlidesSmoothlyAlongASlantedWallOfVoxelsWhereTheNearestCubeAlon
           all.bounds.minCoeff(&nearest);
           least = std::min(least, all.separation);
           StepConstraints one = all;
-          one.rows = all.rows.row(nearest);
+          one.matrix = all.matrix.row(nearest);
           one.bounds = all.bounds.segment(nearest, 1);
           return local_step(one, wanted, options).step;
         },
@@ -113,8 +113,8 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   const DamperOptions options = damper(6);
   ControlStep control(space, options);
   // Those that no step can bring to their damper, too.
-  ControlRows all(space, options.influence_distance,
-                  0.5 * (options.influence_distance + options.security_distance));
+  ControlConstraints all(space, options.influence_distance,
+                         0.5 * (options.influence_distance + options.security_distance));
   int near = 0, moved = 0;
   std::size_t left_out = 0;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -123,19 +123,19 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
     const Eigen::VectorXd wanted =
         0.005 * Eigen::VectorXd::NullaryExpr(6, [&] { return random.between(-1.0, 1.0); });
     control.look(q);
-    if (control.separation() < options.security_distance) continue;  // rows may have to give way
+    if (control.separation() < options.security_distance) continue;  // constraints may have to give way
     const Eigen::VectorXd step = control.solve(wanted);
     moved += step.norm() > 0.5 * wanted.norm();
     all.look(q);
-    left_out += all.rows().size() - control.rows().rows().size();
-    for (std::size_t i = 0; i < all.rows().size(); ++i) {
-      const ControlRow& row = all.rows()[i];
+    left_out += all.constraints().size() - control.constraints().constraints().size();
+    for (std::size_t i = 0; i < all.constraints().size(); ++i) {
+      const ControlConstraint& constraint = all.constraints()[i];
       double approach = 0.0;
       for (std::size_t j = 0; j < 6; ++j) approach += all.gradient(i)[j] * step[static_cast<Eigen::Index>(j)];
-      EXPECT_LE(approach, row.distance - options.security_distance + 1e-9);
-      if (row.behind > 0.0) continue;
+      EXPECT_LE(approach, constraint.distance - options.security_distance + 1e-9);
+      if (constraint.behind > 0.0) continue;
       ++near;
-      EXPECT_LE(approach, damper_bound(options, row.distance) + 1e-9);
+      EXPECT_LE(approach, damper_bound(options, constraint.distance) + 1e-9);
     }
     for (std::size_t j = 0; j < 6; ++j) {
       EXPECT_LE(q[static_cast<Eigen::Index>(j)] + step[static_cast<Eigen::Index>(j)],
@@ -148,7 +148,7 @@ TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   EXPECT_GT(left_out, 500U);
 }
 
-TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveNoRow) {
+TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveNoConstraint) {
   std::size_t left_out = 0, pairs = 0;
   int compared = 0, contradictions = 0;
   for (const char* name : {"puma560", "panda", "arm5"}) {
@@ -158,7 +158,7 @@ TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveN
     DamperOptions options = damper(robot.dof());
     options.max_step = 0.03;
     ControlStep control(space, options);
-    ControlRows all(space, options.influence_distance, options.influence_distance);
+    ControlConstraints all(space, options.influence_distance, options.influence_distance);
     QuadraticSolver solver;
     for (int trial = 0; trial < 2000; ++trial) {
       const Configuration q = random.configuration(robot);
@@ -179,8 +179,8 @@ TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveN
         upper[j] = std::clamp(joint.upper - q[j], 0.0, options.max_step);
       }
       solver.set_limits(numbers(lower), numbers(upper));
-      for (std::size_t i = 0; i < all.rows().size(); ++i)
-        solver.add_row(all.gradient(i), damper_bound(options, all.rows()[i].distance));
+      for (std::size_t i = 0; i < all.constraints().size(); ++i)
+        solver.add_constraint(all.gradient(i), damper_bound(options, all.constraints()[i].distance));
       solver.set_target(numbers(wanted));
       ASSERT_TRUE(solver.solve_relaxed());
       // The smallest share is the largest possible one; which steps come of it is decided by rounding.
@@ -189,8 +189,8 @@ TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveN
       if (solver.smallest_share() < 1.0) continue;
       const Eigen::VectorXd expected = Eigen::Map<const Eigen::VectorXd>(solver.x().data(), n);
       EXPECT_LT((step - expected).norm(), 1e-9) << name << ' ' << trial;
-      pairs += all.rows().size();
-      left_out += all.rows().size() - control.rows().rows().size();
+      pairs += all.constraints().size();
+      left_out += all.constraints().size() - control.constraints().constraints().size();
     }
   }
   EXPECT_GT(left_out, 1000U);
@@ -203,18 +203,19 @@ TEST(ControlStep, IsThatOfAllPairsOfBodiesThoughThoseThatNoStepCanBringNearHaveN
 QuadraticProgram relaxed_program(const ControlStep& control, const Configuration& q,
                                  const Eigen::VectorXd& wanted) {
   const DamperOptions& options = control.options();
-  const std::vector<Joint>& joints = control.rows().robot().joints;
-  const auto count = static_cast<Eigen::Index>(control.rows().rows().size());
+  const std::vector<Joint>& joints = control.constraints().robot().joints;
+  const auto count = static_cast<Eigen::Index>(control.constraints().constraints().size());
   QuadraticProgram program{wanted, Eigen::MatrixXd(count, q.size()), Eigen::VectorXd(count),
                            Eigen::VectorXd(q.size()), Eigen::VectorXd(q.size())};
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const ControlRow& row = control.rows().rows()[at];
-    const double alone = damper_bound(options, row.distance);
-    const double behind =
-        std::min(damper_bound(options, row.distance + row.behind), row.distance - options.security_distance);
-    const double bound = row.behind > 0.0 ? std::max(alone, behind) : alone;
-    program.rows.row(i) = Eigen::Map<const Eigen::RowVectorXd>(control.rows().gradient(at).data(), q.size());
+    const ControlConstraint& constraint = control.constraints().constraints()[at];
+    const double alone = damper_bound(options, constraint.distance);
+    const double behind = std::min(damper_bound(options, constraint.distance + constraint.behind),
+                                   constraint.distance - options.security_distance);
+    const double bound = constraint.behind > 0.0 ? std::max(alone, behind) : alone;
+    program.matrix.row(i) =
+        Eigen::Map<const Eigen::RowVectorXd>(control.constraints().gradient(at).data(), q.size());
     program.bounds[i] = bound * control.solver().shares()[at];
   }
   for (Eigen::Index j = 0; j < q.size(); ++j) {
@@ -225,7 +226,7 @@ QuadraticProgram relaxed_program(const ControlStep& control, const Configuration
   return program;
 }
 
-TEST(ControlStep, IsTheNearestOneWithinItsLimitsWhereBodiesOverlapAndRowsContradictEachOther) {
+TEST(ControlStep, IsTheNearestOneWithinItsLimitsWhereBodiesOverlapAndConstraintsContradictEachOther) {
   const Robot robot = load_robot("panda");
   Random random(13);
   FreeSpaceMap map({.resolution = edge});

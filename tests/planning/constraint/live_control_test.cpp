@@ -79,7 +79,7 @@ TEST(LiveControl, StepsAsOneMadeInTheLoopFromTheSameMapBitForBit) {
   FreeSpaceMap map({.resolution = edge});
   LiveControl live(damper(robot), {});
   Configuration q = random.configuration(robot);
-  double rows = 0.0;
+  double constraints = 0.0;
   for (int frame = 0; frame < 12; ++frame) {
     for (int i = 0; i < 150; ++i) occupy(map, random.point(1.0));
     const Snapshot seen = map.snapshot();  // its fields follow those of the frame before
@@ -95,11 +95,11 @@ TEST(LiveControl, StepsAsOneMadeInTheLoopFromTheSameMapBitForBit) {
       const Eigen::VectorXd expected = control.solve(wanted);
       ASSERT_EQ(live.step(q, wanted, Time()), expected) << frame << ", " << i;
       ASSERT_EQ(live.number(), static_cast<std::uint64_t>(frame) + 1);
-      rows += static_cast<double>(control.rows().rows().size());
+      constraints += static_cast<double>(control.constraints().constraints().size());
       q += expected;
     }
   }
-  EXPECT_GT(rows, 1000.0);
+  EXPECT_GT(constraints, 1000.0);
 }
 
 TEST(LiveControl, TakesMapsApartOnTheMappingThreadAndNeverHasMoreThanThree) {
@@ -184,7 +184,7 @@ TEST(LiveControl, MakesAMapReadyWhereTheRobotWasLastSeenAlsoWhenOldOnesWereColle
   Random random(6);
   const auto seen_at = [&](const Configuration& q) {  // before the loop looks with its map
     const LinkPoses expected = forward_kinematics(robot, q);
-    const auto& poses = live.control().rows().kinematics().map_from_link();
+    const auto& poses = live.control().constraints().kinematics().map_from_link();
     for (std::size_t i = 0; i < expected.size(); ++i)
       if (!poses[i].isApprox(expected[i], 1e-9)) return false;
     return true;

@@ -40,7 +40,7 @@ TEST(StepToGoal, PointsAtTheGoalAndIsAtMostOneStepLong) {
 
 TEST(LocalStep, SlidesAlongAWallAndKeepsTheBox) {
   StepConstraints constraints;
-  constraints.rows = Eigen::RowVector2d(1.0, 0.0);
+  constraints.matrix = Eigen::RowVector2d(1.0, 0.0);
   constraints.bounds = Eigen::VectorXd::Constant(1, 0.01);
   constraints.lower = Eigen::Vector2d(-1.0, -1.0), constraints.upper = Eigen::Vector2d(1.0, 0.02);
   const LocalStep step = local_step(constraints, Eigen::Vector2d(0.08, 0.06), example());
@@ -56,7 +56,7 @@ Policies anywhere_but_occupied() {
   return policies;
 }
 
-TEST(ConstraintsAt, AreTheRowsOfTheSpaceAndTheRoomToTheLimits) {
+TEST(ConstraintsAt, AreTheConstraintsOfTheSpaceAndTheRoomToTheLimits) {
   VoxelScene scene;
   scene.occupied = {box_of(0.3, -0.2, -0.1, 0.4, 0.2, 0.1)};
   Robot robot = load_robot("point");
@@ -66,13 +66,13 @@ TEST(ConstraintsAt, AreTheRowsOfTheSpaceAndTheRoomToTheLimits) {
   options.weight = Eigen::Vector2d(2.0, 2.0);
   const Eigen::Vector2d q(0.0, 0.0);
   const StepConstraints constraints = constraints_at(space, q, options);
-  const auto pairs = space.proximity_rows(q, options.influence_distance);
+  const auto pairs = space.proximity_constraints(q, options.influence_distance);
   ASSERT_EQ(constraints.pairs.size(), pairs.size());
   ASSERT_FALSE(pairs.empty());
   double nearest = 1.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    EXPECT_EQ(constraints.rows.row(row), 0.5 * pairs[i].gradient.transpose());
+    EXPECT_EQ(constraints.matrix.row(row), 0.5 * pairs[i].gradient.transpose());
     EXPECT_EQ(constraints.bounds[row], damper_bound(options, pairs[i].distance));
     nearest = std::min(nearest, pairs[i].distance);
   }

@@ -11,7 +11,7 @@ namespace near_pairs_test {
 TEST(NearPairs, AreThoseWhoseDistanceIsWithinTheReachOfEach) {
   for (const char* name : {"puma560", "panda", "arm5", "planar2"}) {
     const Robot robot = load_robot(name);
-    const std::vector<BodyPair> all = contact_pairs(robot);
+    const std::vector<BodyPair> all = self_collision_pairs(robot);
     const auto reach = [](const BodyPair& pair) { return pair.second % 3 == 0 ? -1.0 : 0.06 * pair.second; };
     NearPairs pairs(robot, reach);
     Random random(3);
@@ -51,7 +51,7 @@ TEST(NearPairs, AreThoseWhoseDistanceIsWithinTheReachOfEach) {
   }
 }
 
-TEST(NearPairs, TellsBoxesAndHullsByTheirBallsAlone) {
+TEST(NearPairs, TellsBoxesAndHullsByTheirSpheresAlone) {
   Robot robot = load_robot("puma560");
   robot.bodies[4].shape = Shape::box({0.08, 0.06, 0.12});
   robot.bodies[7].shape = Shape::convex({{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0.02, 0.02, 0.15}});
@@ -61,7 +61,7 @@ TEST(NearPairs, TellsBoxesAndHullsByTheirBallsAlone) {
   for (int trial = 0; trial < 300; ++trial) {
     const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
     std::size_t expected = 0;
-    for (const BodyPair& pair : contact_pairs(robot)) {
+    for (const BodyPair& pair : self_collision_pairs(robot)) {
       const DistanceBounds truth = pair_distance(robot, pair, poses);
       expected += truth.lower < 0.1 ? 1 : 0;
     }

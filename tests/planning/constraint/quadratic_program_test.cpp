@@ -19,10 +19,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// All constraints as rows, in the numbering of QuadraticSolution; infinite bounds kept.
 std::pair<MatrixXd, VectorXd> all_constraints(const QuadraticProgram& p) {
-  const Index n = p.target.size(), m = p.rows.rows();
+  const Index n = p.target.size(), m = p.matrix.rows();
   MatrixXd A(m + 2 * n, n);
   VectorXd b = VectorXd::Constant(m + 2 * n, kInfinity);
-  if (m) A.topRows(m) = p.rows;
+  if (m) A.topRows(m) = p.matrix;
   if (m) b.head(m) = p.bounds;
   A.middleRows(m, n) = MatrixXd::Identity(n, n);
   A.bottomRows(n) = -MatrixXd::Identity(n, n);
@@ -58,18 +58,18 @@ QuadraticProgram random_program(std::mt19937_64& random, Index n, Index m, doubl
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   QuadraticProgram p;
   p.target = VectorXd::NullaryExpr(n, [&] { return uniform(random); });
-  p.rows = MatrixXd::NullaryExpr(m, n, [&] { return uniform(random); });
+  p.matrix = MatrixXd::NullaryExpr(m, n, [&] { return uniform(random); });
   p.bounds = VectorXd::NullaryExpr(m, [&] { return slack + 0.3 * uniform(random); });
   const int kind = static_cast<int>(random() % 4);
   if (kind != 0) p.upper = VectorXd::NullaryExpr(n, [&] { return 0.6 + 0.5 * uniform(random); });
   if (kind != 1) p.lower = VectorXd::NullaryExpr(n, [&] { return -0.6 + 0.5 * uniform(random); });
-  // Rows as a voxel wall gives them: doubles, parallels, multiples, zeros.
+  // Constraints as a voxel wall gives them: doubles, parallels, multiples, zeros.
   for (Index i = 1; i < m; ++i) {
     const int twist = static_cast<int>(random() % 12);
-    if (twist == 0) p.rows.row(i) = p.rows.row(i - 1);
-    if (twist == 1) p.rows.row(i) = -2.0 * p.rows.row(i - 1);
-    if (twist == 2) p.rows.row(i) += p.rows.row(i - 1);
-    if (twist == 3 && random() % 8 == 0) p.rows.row(i).setZero();
+    if (twist == 0) p.matrix.row(i) = p.matrix.row(i - 1);
+    if (twist == 1) p.matrix.row(i) = -2.0 * p.matrix.row(i - 1);
+    if (twist == 2) p.matrix.row(i) += p.matrix.row(i - 1);
+    if (twist == 3 && random() % 8 == 0) p.matrix.row(i).setZero();
   }
   return p;
 }
@@ -152,7 +152,7 @@ TEST(QuadraticProgram, AgreesWithTheEnumerationOfAllActiveSets) {
 TEST(QuadraticProgram, LeavesAFeasibleTargetWhereItIs) {
   QuadraticProgram p;
   p.target = Eigen::Vector2d(0.3, -0.2);
-  p.rows = Eigen::RowVector2d(1.0, 1.0);
+  p.matrix = Eigen::RowVector2d(1.0, 1.0);
   p.bounds = Eigen::VectorXd::Constant(1, 0.5);
   const QuadraticSolution s = solve(p);
   EXPECT_TRUE(s.feasible);
@@ -160,25 +160,25 @@ TEST(QuadraticProgram, LeavesAFeasibleTargetWhereItIs) {
   EXPECT_EQ(s.multipliers.cwiseAbs().maxCoeff(), 0.0);
 }
 
-TEST(QuadraticProgram, NamesTheRowThatCannotBeKept) {
+TEST(QuadraticProgram, NamesTheConstraintThatCannotBeKept) {
   QuadraticProgram p;
   p.target = Eigen::Vector2d::Zero();
-  p.rows.resize(3, 2);
-  p.rows << 1, 0, 0, 1, -1, 0;
+  p.matrix.resize(3, 2);
+  p.matrix << 1, 0, 0, 1, -1, 0;
   p.bounds = Eigen::Vector3d(0.1, 0.1, -0.2);  // x <= 0.1 and x >= 0.2
   const QuadraticSolution s = solve(p);
   EXPECT_FALSE(s.feasible);
   EXPECT_TRUE(s.conflicting == 0 || s.conflicting == 2) << s.conflicting;
   EXPECT_TRUE(proves_infeasible(p, s.multipliers));
-  p.rows.row(2).setZero();  // 0 <= -0.2
+  p.matrix.row(2).setZero();  // 0 <= -0.2
   EXPECT_EQ(solve(p).conflicting, 2);
 }
 
 TEST(QuadraticProgram, RelaxesTheDemandsTogetherAndNothingElse) {
   QuadraticProgram p;  // two walls too near on both sides ask to back off, and x may not leave [-1, 1]
   p.target = Eigen::VectorXd::Constant(1, 0.9);
-  p.rows.resize(3, 1);
-  p.rows << 1, -1, 1;
+  p.matrix.resize(3, 1);
+  p.matrix << 1, -1, 1;
   p.bounds = Eigen::Vector3d(-0.3, -0.1, 0.05);
   p.lower = Eigen::VectorXd::Constant(1, -1.0);
   p.upper = Eigen::VectorXd::Constant(1, 1.0);
@@ -205,16 +205,16 @@ TEST(QuadraticProgram, RelaxationAlwaysSucceedsWhenStandingStillKeepsTheBox) {
     ASSERT_TRUE(s.feasible) << trial;
     for (Index i = 0; i < p.bounds.size(); ++i) {
       const double bound = p.bounds[i] < 0.0 ? s.demand * p.bounds[i] : p.bounds[i];
-      ASSERT_LE(p.rows.row(i).dot(s.x), bound + 1e-9);
+      ASSERT_LE(p.matrix.row(i).dot(s.x), bound + 1e-9);
     }
   }
 }
 
-TEST(QuadraticProgram, OnlyRowsOfAContradictionGiveWayAndAsLittleAsCanBe) {
+TEST(QuadraticProgram, OnlyConstraintsOfAContradictionGiveWayAndAsLittleAsCanBe) {
   QuadraticProgram p;  // x_0 is squeezed between walls that both ask for 0.2; x_1 is asked to go -0.3 and can
   p.target = Eigen::Vector2d(0.1, 0.4);
-  p.rows.resize(3, 2);
-  p.rows << 1, 0, -1, 0, 0, 1;
+  p.matrix.resize(3, 2);
+  p.matrix << 1, 0, -1, 0, 0, 1;
   p.bounds = Eigen::Vector3d(-0.2, -0.2, -0.3);
   p.lower = Eigen::Vector2d::Constant(-1.0), p.upper = Eigen::Vector2d::Constant(1.0);
   const QuadraticSolution s = solve_relaxed(p);
@@ -256,10 +256,10 @@ TEST(QuadraticProgram, TheSmallestShareIsTheLargestPossible) {
 TEST(QuadraticProgram, RefusesNotANumber) {
   QuadraticProgram p;
   p.target = Eigen::VectorXd::Zero(1);
-  p.rows = Eigen::MatrixXd::Constant(1, 1, std::nan(""));
+  p.matrix = Eigen::MatrixXd::Constant(1, 1, std::nan(""));
   p.bounds = Eigen::VectorXd::Zero(1);
   EXPECT_THROW(solve(p), std::invalid_argument);
-  p.rows(0, 0) = 1.0;
+  p.matrix(0, 0) = 1.0;
   p.bounds[0] = -kInfinity;
   EXPECT_THROW(solve(p), std::invalid_argument);
   p.bounds = Eigen::VectorXd::Zero(2);

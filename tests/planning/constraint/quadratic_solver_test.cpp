@@ -38,14 +38,14 @@ TEST(QuadraticSolver, SolvesOrProvesInfeasibleProgramsOfEveryKind) {
 /// Dykstra's alternating projections: slow, and knows nothing of active sets.
 Eigen::VectorXd by_projections(const QuadraticProgram& p, int rounds) {
   Eigen::VectorXd x = p.target;
-  Eigen::MatrixXd off = Eigen::MatrixXd::Zero(x.size(), p.rows.rows() + 1);
+  Eigen::MatrixXd off = Eigen::MatrixXd::Zero(x.size(), p.matrix.rows() + 1);
   for (int round = 0; round < rounds; ++round) {
-    for (Eigen::Index i = 0; i <= p.rows.rows(); ++i) {
+    for (Eigen::Index i = 0; i <= p.matrix.rows(); ++i) {
       const Eigen::VectorXd from = x + off.col(i);
-      if (i == p.rows.rows()) {
+      if (i == p.matrix.rows()) {
         x = from.cwiseMax(p.lower).cwiseMin(p.upper);
       } else {
-        const Eigen::VectorXd a = p.rows.row(i).transpose();
+        const Eigen::VectorXd a = p.matrix.row(i).transpose();
         x = from - a * (std::max(0.0, a.dot(from) - p.bounds[i]) / a.squaredNorm());
       }
       off.col(i) = from - x;
@@ -59,7 +59,7 @@ TEST(QuadraticSolver, AgreesWithAlternatingProjections) {
   int compared = 0;
   for (int trial = 0; trial < 60; ++trial) {
     QuadraticProgram p = bench::random_program(dice, ProgramKind::plain, 15);
-    if (p.rows.rows() == 0) continue;
+    if (p.matrix.rows() == 0) continue;
     p.lower = Eigen::VectorXd::Constant(p.target.size(), -0.5);
     p.upper = -p.lower;
     const QuadraticSolution s = solve(p);
@@ -76,9 +76,9 @@ TEST(QuadraticSolver, AnObjectThatSawOtherProblemsGivesTheSameBits) {
   const auto load = [](QuadraticSolver& solver, const QuadraticProgram& p) {
     solver.begin(static_cast<int>(p.target.size()));
     solver.set_target({p.target.data(), static_cast<std::size_t>(p.target.size())});
-    for (Eigen::Index i = 0; i < p.rows.rows(); ++i) {
-      const Eigen::VectorXd row = p.rows.row(i).transpose();
-      solver.add_row({row.data(), static_cast<std::size_t>(row.size())}, p.bounds[i]);
+    for (Eigen::Index i = 0; i < p.matrix.rows(); ++i) {
+      const Eigen::VectorXd normal = p.matrix.row(i).transpose();
+      solver.add_constraint({normal.data(), static_cast<std::size_t>(normal.size())}, p.bounds[i]);
     }
   };
   for (int trial = 0; trial < 2000; ++trial) {
@@ -93,10 +93,11 @@ TEST(QuadraticSolver, AnObjectThatSawOtherProblemsGivesTheSameBits) {
   }
 }
 
-void add_rows(QuadraticSolver& solver, const QuadraticProgram& p, Eigen::Index first, Eigen::Index last) {
+void add_constraints(QuadraticSolver& solver, const QuadraticProgram& p, Eigen::Index first,
+                     Eigen::Index last) {
   for (Eigen::Index i = first; i < last; ++i) {
-    const Eigen::VectorXd row = p.rows.row(i).transpose();
-    solver.add_row({row.data(), static_cast<std::size_t>(row.size())}, p.bounds[i]);
+    const Eigen::VectorXd normal = p.matrix.row(i).transpose();
+    solver.add_constraint({normal.data(), static_cast<std::size_t>(normal.size())}, p.bounds[i]);
   }
 }
 
@@ -106,18 +107,18 @@ TEST(QuadraticSolver, RowsAddedAfterASolveCountAsIfGivenAtOnce) {
     const Eigen::Index n = 1 + trial % 7, first = 1 + dice.below(9), all = first + 1 + dice.below(6);
     QuadraticProgram p;
     p.target = dice.vector(n, 1.0);
-    p.rows.resize(all, n);
-    for (Eigen::Index i = 0; i < all; ++i) p.rows.row(i) = dice.vector(n, 2.0).transpose();
+    p.matrix.resize(all, n);
+    for (Eigen::Index i = 0; i < all; ++i) p.matrix.row(i) = dice.vector(n, 2.0).transpose();
     p.bounds = dice.vector(all, 0.1).array() + 0.2;
     QuadraticSolver solver, fresh;
     for (QuadraticSolver* each : {&solver, &fresh}) {
       each->begin(static_cast<int>(n));
       each->set_target({p.target.data(), static_cast<std::size_t>(n)});
     }
-    add_rows(solver, p, 0, first);
+    add_constraints(solver, p, 0, first);
     ASSERT_TRUE(solver.solve());
-    add_rows(solver, p, first, all);
-    add_rows(fresh, p, 0, all);
+    add_constraints(solver, p, first, all);
+    add_constraints(fresh, p, 0, all);
     ASSERT_TRUE(solver.solve() && fresh.solve()) << trial;
     for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j)
       ASSERT_NEAR(solver.x()[j], fresh.x()[j], 1e-12) << trial << " n " << n << " after " << first;
@@ -128,8 +129,8 @@ TEST(QuadraticSolver, DemandsThatGaveWayAreWholeAgainAtTheNextSolve) {
   QuadraticSolver solver;
   const double right[] = {1.0}, left[] = {-1.0};
   solver.begin(1);
-  solver.add_row(right, -0.2);
-  solver.add_row(left, -0.1);
+  solver.add_constraint(right, -0.2);
+  solver.add_constraint(left, -0.1);
   EXPECT_TRUE(solver.solve_relaxed());
   EXPECT_EQ(solver.smallest_share(), 0.0);
   EXPECT_FALSE(solver.solve());
@@ -141,10 +142,10 @@ TEST(QuadraticSolver, AHundredContradictionsAreEachEndedByTheirOwnShare) {
   QuadraticSolver solver;
   solver.begin(pairs);
   for (int j = 0; j < pairs; ++j) {  // x_j <= -0.2 and x_j >= -0.1
-    Eigen::VectorXd row = Eigen::VectorXd::Unit(pairs, j);
-    solver.add_row({row.data(), pairs}, -0.2);
-    row = -row;
-    solver.add_row({row.data(), pairs}, 0.1);
+    Eigen::VectorXd normal = Eigen::VectorXd::Unit(pairs, j);
+    solver.add_constraint({normal.data(), pairs}, -0.2);
+    normal = -normal;
+    solver.add_constraint({normal.data(), pairs}, 0.1);
   }
   ASSERT_TRUE(solver.solve_relaxed());
   for (std::size_t j = 0; j < pairs; ++j) EXPECT_NEAR(solver.shares()[2 * j], 0.5, 1e-12);
@@ -158,8 +159,8 @@ TEST(QuadraticSolver, NearlyParallelDemandsThatMeetFarOutsideTheLimitsContradict
         target{0.005, 0.0, 0.001};
     solver.set_limits(lower, upper);
     solver.set_target(target);
-    solver.add_row(std::array{1.0, 0.0, 0.0}, -0.004);
-    solver.add_row(std::array{-1.0, tilt, 0.0}, -0.004);
+    solver.add_constraint(std::array{1.0, 0.0, 0.0}, -0.004);
+    solver.add_constraint(std::array{-1.0, tilt, 0.0}, -0.004);
     EXPECT_FALSE(solver.solve()) << tilt;
     ASSERT_TRUE(solver.solve_relaxed()) << tilt;
     for (const double x : solver.x()) EXPECT_LE(std::abs(x), 0.01 + 1e-7) << tilt;
@@ -168,12 +169,13 @@ TEST(QuadraticSolver, NearlyParallelDemandsThatMeetFarOutsideTheLimitsContradict
 }
 
 TEST(QuadraticSolver, NeverCallsSolvedWhatRoundingLost) {
-  // Rows that are parallel but for the last digits: points where they meet lie as far out as rounding likes.
+  // Constraints that are parallel but for the last digits: points where they meet lie as far out as rounding
+  // likes.
   ProgramDice dice(1);
   int feasible = 0, proved = 0, given_up = 0;
   for (int trial = 0; trial < 20000; ++trial) {
     QuadraticProgram p = bench::random_program(dice, ProgramKind::squeezed, 40);
-    for (double& number : p.rows.reshaped()) {
+    for (double& number : p.matrix.reshaped()) {
       const int twist = dice.below(6);
       if (twist == 0) number = 0.0;
       if (twist == 1) number = 1e-13 * dice.between(-1.0, 1.0);
@@ -196,10 +198,10 @@ TEST(QuadraticSolver, RowsOutOfAllReachAreNoConstraintOrAContradiction) {
   const double tiny[] = {1e-140, 0.0}, one[] = {1.0, 0.0};
   solver.begin(2);
   solver.set_target(one);
-  solver.add_row(tiny, 1.0);
+  solver.add_constraint(tiny, 1.0);
   EXPECT_TRUE(solver.solve());
   EXPECT_EQ(solver.x()[0], 1.0);
-  solver.add_row(tiny, -1.0);
+  solver.add_constraint(tiny, -1.0);
   EXPECT_FALSE(solver.solve());
   EXPECT_EQ(solver.conflicting(), 1);
   EXPECT_TRUE(solver.solve_relaxed());

@@ -131,8 +131,8 @@ TEST(PlanFile, AFailedLegKeepsItsReasonAndWhatWasExplored) {
   EXPECT_EQ(read.legs[1].explored, plan.legs[1].explored);
   ASSERT_EQ(read.paint.size(), 1u);
   EXPECT_EQ(read.paint[0].part, "tool");
-  EXPECT_EQ(read.paint[0].ball.center, plan.paint[0].ball.center);
-  EXPECT_EQ(read.paint[0].ball.radius, 0.04);
+  EXPECT_EQ(read.paint[0].sphere.center, plan.paint[0].sphere.center);
+  EXPECT_EQ(read.paint[0].sphere.radius, 0.04);
 }
 
 TEST(PlanFile, EveryMissingKeyIsNamed) {

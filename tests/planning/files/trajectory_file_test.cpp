@@ -35,7 +35,7 @@ Plan plan_of(const Robot& robot) {
 Trajectory motion(const Robot& robot) {
   const auto n = static_cast<Eigen::Index>(robot.dof());
   const Configuration from = Configuration::LinSpaced(n, -1e-7, 1.0 / 3.0);
-  return time_path(robot, {from, Configuration::Constant(n, -std::numbers::pi)});
+  return time_parameterize(robot, {from, Configuration::Constant(n, -std::numbers::pi)});
 }
 
 std::string text_of(const std::string& format, const Robot& robot) {

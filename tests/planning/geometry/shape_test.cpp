@@ -35,35 +35,35 @@ Eigen::Vector3d point_inside(const Shape& shape, Random& random) {
   return sum / weights;
 }
 
-TEST(Shape, BallCoverHoldsEveryPointOfTheBodyWithAtMost64Balls) {
+TEST(Shape, SphereCoverHoldsEveryPointOfTheBodyWithAtMost64Spheres) {
   Random random(1);
   for (int round = 0; round < 20; ++round) {
     for (const Shape& shape : some_shapes(random)) {
-      const std::vector<Sphere> cover = shape.ball_cover();
+      const std::vector<Sphere> cover = shape.sphere_cover();
       ASSERT_LE(cover.size(), 64u);
       for (int i = 0; i < 500; ++i) {
         const Eigen::Vector3d point = point_inside(shape, random);
         double nearest = 1e300;
-        for (const Sphere& ball : cover)
-          nearest = std::min(nearest, (point - ball.center).norm() - ball.radius);
+        for (const Sphere& sphere : cover)
+          nearest = std::min(nearest, (point - sphere.center).norm() - sphere.radius);
         ASSERT_LE(nearest, 0.0) << static_cast<int>(shape.kind()) << " at " << point.transpose();
       }
     }
   }
 }
 
-TEST(Shape, BallCoverStandsOutLittle) {
+TEST(Shape, SphereCoverStandsOutLittle) {
   const auto excess = [](const Shape& shape) {
     double worst = 0.0;
-    for (const Sphere& ball : shape.ball_cover())
-      worst = std::max(worst, ball.radius + shape.signed_distance(ball.center));
+    for (const Sphere& sphere : shape.sphere_cover())
+      worst = std::max(worst, sphere.radius + shape.signed_distance(sphere.center));
     return worst;
   };
   EXPECT_LE(excess(Shape::sphere(0.3)), 1e-6);
   EXPECT_LE(excess(Shape::capsule(0.1, 0.6)), 0.1 * 0.1 + 1e-6);
   EXPECT_LE(excess(Shape::cylinder(0.06, 0.15)), 0.26 * 0.06);
   EXPECT_LE(excess(Shape::box({0.2, 0.2, 0.2})), 0.2 * 0.2);
-  EXPECT_LE(Shape::cylinder(0.2, 0.01).ball_cover().front().radius, 0.2 * 1.001);  // a disc, in its plane
+  EXPECT_LE(Shape::cylinder(0.2, 0.01).sphere_cover().front().radius, 0.2 * 1.001);  // a disc, in its plane
 }
 
 TEST(Shape, SupportIsTheFarthestPointAndBoundsTouchTheShape) {

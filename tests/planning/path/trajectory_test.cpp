@@ -59,7 +59,7 @@ std::pair<double, double> off_edge(const Configuration& q, const Configuration& 
 
 void expect_promises(const Robot& robot, const std::vector<Configuration>& path,
                      const TrajectoryOptions& options) {
-  const Trajectory trajectory = time_path(robot, path, options);
+  const Trajectory trajectory = time_parameterize(robot, path, options);
   const auto& points = trajectory.points;
   const double period = options.sampling_period, a = options.max_acceleration;
   ASSERT_FALSE(points.empty());
@@ -108,13 +108,13 @@ TEST(Trajectory, KeepsItsPromisesOnRandomPaths) {
 TEST(Trajectory, UsesWhatItMayWhereNoCornerForbidsIt) {
   Robot robot = robot_of(2, 0);
   const LimitShares free =
-      limit_shares(robot, time_path(robot, {Eigen::Vector2d(-2, -2), Eigen::Vector2d(2, 2)}));
+      limit_shares(robot, time_parameterize(robot, {Eigen::Vector2d(-2, -2), Eigen::Vector2d(2, 2)}));
   EXPECT_NEAR(free.velocity, 1.0, 0.02);
   EXPECT_NEAR(free.acceleration, 1.0, 0.02);
   TrajectoryOptions half;
   half.velocity_scale = 0.5;
-  const LimitShares slow =
-      limit_shares(robot, time_path(robot, {Eigen::Vector2d(-2, -2), Eigen::Vector2d(2, 2)}, half), half);
+  const LimitShares slow = limit_shares(
+      robot, time_parameterize(robot, {Eigen::Vector2d(-2, -2), Eigen::Vector2d(2, 2)}, half), half);
   EXPECT_NEAR(slow.velocity, 0.5, 0.01);
 }
 
@@ -139,7 +139,7 @@ TEST(Trajectory, KeepsTheAccelerationAlongEdgesAndAcrossCorners) {
     const Robot robot = robot_of(3, 1);
     const std::vector<Configuration> path{random.configuration(robot), random.configuration(robot),
                                           random.configuration(robot)};
-    const auto points = time_path(robot, path, options).points;
+    const auto points = time_parameterize(robot, path, options).points;
     for (std::size_t k = 1; k < points.size(); ++k) {
       const double change = (points[k].velocity - points[k - 1].velocity).cwiseAbs().maxCoeff();
       EXPECT_LE(change, step + 1e-9);
@@ -155,16 +155,16 @@ TEST(Trajectory, ALoneEdgeIsTheTextbookTrapezoid) {
   options.sampling_period = 0.01;
   const auto at = [](double q) { return Configuration::Constant(1, q); };
   // 0.5 s up over 0.25, 1.5 s level, 0.5 s down
-  const auto points = time_path(robot, {at(0.0), at(2.0)}, options).points;
+  const auto points = time_parameterize(robot, {at(0.0), at(2.0)}, options).points;
   ASSERT_NEAR(points.back().time, 2.5, 0.0101);
   const double pace = 2.5 / points.back().time;
   EXPECT_NEAR(points[25].velocity[0], pace * pace * 0.5, 1e-9);
   EXPECT_NEAR(points[25].position[0], 0.25 * 0.25 * pace * pace, 1e-9);
   EXPECT_NEAR(points[100].velocity[0], pace, 1e-9);
   // too short to reach the limit: 2 sqrt(d / a)
-  EXPECT_NEAR(time_path(robot, {at(0.0), at(-0.32)}, options).points.back().time, 0.8, 0.0101);
+  EXPECT_NEAR(time_parameterize(robot, {at(0.0), at(-0.32)}, options).points.back().time, 0.8, 0.0101);
   // a waypoint on a straight line costs nothing
-  EXPECT_EQ(time_path(robot, {at(0.0), at(0.5), at(2.0)}, options).points.size(), points.size());
+  EXPECT_EQ(time_parameterize(robot, {at(0.0), at(0.5), at(2.0)}, options).points.size(), points.size());
 }
 
 TEST(Trajectory, HalfTheVelocityScaleTakesLongerAndKeepsHalfTheLimit) {
@@ -172,15 +172,15 @@ TEST(Trajectory, HalfTheVelocityScaleTakesLongerAndKeepsHalfTheLimit) {
   const std::vector<Configuration> path{Eigen::Vector2d(-2, -2), Eigen::Vector2d(2, 1)};
   TrajectoryOptions half;
   half.velocity_scale = 0.5;
-  const double whole_time = time_path(robot, path).points.back().time;
-  EXPECT_GT(time_path(robot, path, half).points.back().time, 1.7 * whole_time);
+  const double whole_time = time_parameterize(robot, path).points.back().time;
+  EXPECT_GT(time_parameterize(robot, path, half).points.back().time, 1.7 * whole_time);
 }
 
 TEST(Trajectory, APathOfOnePointIsOneSampleAtRest) {
   const Robot robot = robot_of(2, 1);
   const Configuration q = Eigen::Vector3d(1, -1, 0.5);
   for (const auto& path : {std::vector{q}, std::vector{q, q, q}}) {
-    const auto points = time_path(robot, path).points;
+    const auto points = time_parameterize(robot, path).points;
     ASSERT_EQ(points.size(), 1u);
     EXPECT_EQ(points[0].position, q);
     EXPECT_EQ(points[0].time, 0.0);
@@ -191,8 +191,8 @@ TEST(Trajectory, APathOfOnePointIsOneSampleAtRest) {
 TEST(Trajectory, EqualWaypointsInARowChangeNothing) {
   const Robot robot = robot_of(2, 0);
   const Configuration a = Eigen::Vector2d(0, 0), b = Eigen::Vector2d(1, 0.3), c = Eigen::Vector2d(1, 1);
-  const auto once = time_path(robot, {a, b, c}).points,
-             twice = time_path(robot, {a, a, b, b, b, c, c}).points;
+  const auto once = time_parameterize(robot, {a, b, c}).points,
+             twice = time_parameterize(robot, {a, a, b, b, b, c, c}).points;
   ASSERT_EQ(once.size(), twice.size());
   for (std::size_t k = 0; k < once.size(); ++k) {
     EXPECT_EQ(once[k].position, twice[k].position);
@@ -203,7 +203,7 @@ TEST(Trajectory, EqualWaypointsInARowChangeNothing) {
 
 std::string refusal(const std::vector<Configuration>& path, const TrajectoryOptions& options = {}) {
   try {
-    time_path(robot_of(2, 0), path, options);
+    time_parameterize(robot_of(2, 0), path, options);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }

@@ -46,7 +46,7 @@ TEST(ArmKinematics, PlacesLinksAndMovesPointsAsTheGeneralFunctionsDo) {
   }
 }
 
-TEST(ArmKinematics, NoPointOfABallMovesFartherThanItsBoundAndSomeMoveNearlySoFar) {
+TEST(ArmKinematics, NoPointOfASphereMovesFartherThanItsBoundAndSomeMoveNearlySoFar) {
   for (const char* name : {"puma560", "arm5", "panda", "planar2", "point"}) {
     Robot robot = load_robot(name);
     robot.links.back().multiplier = -0.7;
@@ -57,11 +57,11 @@ TEST(ArmKinematics, NoPointOfABallMovesFartherThanItsBoundAndSomeMoveNearlySoFar
     for (int trial = 0; trial < 400; ++trial) {
       kinematics.place(random.configuration(robot));
       for (double& step : steps) step = random.between(0.0, 0.1);
-      const Sphere ball{random.point(1.0), 0.05};
+      const Sphere sphere{random.point(1.0), 0.05};
       const int link = trial % static_cast<int>(robot.links.size());
-      const double most = kinematics.farthest_move(link, ball, steps);
+      const double most = kinematics.farthest_move(link, sphere, steps);
       for (int i = 0; i < 50; ++i) {
-        const Eigen::Vector3d at = ball.center + ball.radius * random.point(1.0).normalized();
+        const Eigen::Vector3d at = sphere.center + sphere.radius * random.point(1.0).normalized();
         kinematics.rate(link, at, random.point(1.0).normalized(), gradient);
         double move = 0.0;
         for (std::size_t j = 0; j < steps.size(); ++j) move += std::abs(gradient[j]) * steps[j];

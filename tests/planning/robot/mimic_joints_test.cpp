@@ -13,7 +13,7 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
                         const std::string& type = "revolute") {
     const std::string limit = "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/>";
     return folder.refusal(
-        "<robot name='r'><link name='base'/><link name='a'>" + ball_collision() +
+        "<robot name='r'><link name='base'/><link name='a'>" + sphere_collision() +
         "</link><link name='b'/><link name='c'/><joint name='thumb' type='revolute'><parent "
         "link='base'/><child link='a'/>" +
         limit + first + "</joint><joint name='finger' type='" + type +

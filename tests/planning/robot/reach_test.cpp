@@ -74,8 +74,8 @@ TEST(Reach, ALeverOfABodyOnItsOwnLinkIsTheSmallerOfTwoBounds) {
                                         worlds::urdf_limit(-3, 3)));
     const Body& body = robot.robot().bodies[0];
     double by_cover = 0.0;
-    for (const Sphere& ball : body.cover)
-      by_cover = std::max(by_cover, ball.center.head<2>().norm() + ball.radius);
+    for (const Sphere& sphere : body.cover)
+      by_cover = std::max(by_cover, sphere.center.head<2>().norm() + sphere.radius);
     EXPECT_LE(lever(robot.robot(), 1, body), std::min(by_cover, body.shape.bounding_radius()) * (1 + 1e-12))
         << size;
   }

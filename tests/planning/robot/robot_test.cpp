@@ -56,7 +56,7 @@ class RobotFile : public testing::Test {
   }
 
   fs::path folder_;
-  const std::string ball = "<sphere radius='0.1'/>";
+  const std::string sphere = "<sphere radius='0.1'/>";
   const std::string turning =
       joint("revolute", "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/>");
 };
@@ -80,7 +80,7 @@ TEST_F(RobotFile, CollisionGeometryThatUrdfdomDropsInSilenceIsRefused) {
 }
 
 TEST_F(RobotFile, ARobotOfWhichNoMovedLinkHasABodyIsRefusedForNothingOfItCouldBeChecked) {
-  const std::string bare = "<robot name='r'><link name='base'/><link name='arm'><visual><geometry>" + ball +
+  const std::string bare = "<robot name='r'><link name='base'/><link name='arm'><visual><geometry>" + sphere +
                            "</geometry></visual></link>" + turning + "</robot>";
   const std::string expected =
       "r.urdf: no link that a joint moves has a <collision> body, expected at least one: nothing could be "
@@ -88,7 +88,7 @@ TEST_F(RobotFile, ARobotOfWhichNoMovedLinkHasABodyIsRefusedForNothingOfItCouldBe
   EXPECT_EQ(refusal(write("r.urdf", bare)), expected);
   std::string standing = bare;
   standing.replace(standing.find("<link name='base'/>"), 19,
-                   "<link name='base'><collision><geometry>" + ball + "</geometry></collision></link>");
+                   "<link name='base'><collision><geometry>" + sphere + "</geometry></collision></link>");
   EXPECT_EQ(refusal(write("r.urdf", standing)), expected);
 }
 
@@ -96,7 +96,7 @@ TEST_F(RobotFile, ALimitOfAMimicJointHoldsThroughTheJointThatItFollows) {
   const auto limits = [&](const std::string& type, const std::string& mimic) {
     return load_robot(
                write("m.urdf",
-                     "<robot name='m'><link name='base'/><link name='a'><collision><geometry>" + ball +
+                     "<robot name='m'><link name='base'/><link name='a'><collision><geometry>" + sphere +
                          "</geometry></collision></link><link name='b'/>"
                          "<joint name='j' type='revolute'><parent link='base'/><child link='a'/><axis xyz='0 "
                          "0 1'/>"
@@ -122,7 +122,7 @@ TEST_F(RobotFile, ALimitOfAMimicJointHoldsThroughTheJointThatItFollows) {
 
 TEST_F(RobotFile, JointsThatCannotBeUsedAreRefused) {
   const auto with = [&](const std::string& type, const std::string& inside) {
-    return refusal(urdf(ball, joint(type, inside)));
+    return refusal(urdf(sphere, joint(type, inside)));
   };
   EXPECT_EQ(with("revolute", "<axis xyz='0 0 0'/><limit lower='0' upper='1' effort='1' velocity='1'/>"),
             "r.urdf: joint 'j': the axis is zero, expected a direction");
@@ -173,7 +173,7 @@ TEST_F(RobotFile, FilesThatAreNoTreeOfLinksAreRefused) {
 }
 
 TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
-  urdf(ball, turning);
+  urdf(sphere, turning);
   EXPECT_EQ(refusal(write("r.yaml", "frictoin: 0.1")),
             "r.yaml: unknown key 'frictoin', did you mean 'friction'?");
   EXPECT_EQ(refusal(write("r.yaml", "scale: -1")), "r.yaml: 'scale' must be a finite number above 0");

@@ -17,7 +17,7 @@ namespace urdf_document_test {
 class UrdfDocumentFile : public testing::Test {
  protected:
   std::string with_joint(const std::string& type, const std::string& inside) const {
-    return folder_.refusal(two_links(ball_collision(), type, inside));
+    return folder_.refusal(two_links(sphere_collision(), type, inside));
   }
   std::string with_shape(const std::string& shape) const {
     return folder_.refusal(
@@ -75,9 +75,9 @@ TEST_F(UrdfDocumentFile, NumbersThatNoRobotHasAreRefusedWithTheirRange) {
   EXPECT_EQ(with_shape("<mesh filename='m.stl' scale='1 1 1e12'/>"),
             "r.urdf: link 'arm': <mesh> has scale '1 1 1e12', expected factors in [-1e+06, 1e+06]");
   const std::string inertia = "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>";
-  EXPECT_EQ(with_collision(ball_collision() + "<inertial><mass value='-2'/>" + inertia + "</inertial>"),
+  EXPECT_EQ(with_collision(sphere_collision() + "<inertial><mass value='-2'/>" + inertia + "</inertial>"),
             "r.urdf: link 'arm': <mass> has value '-2', expected kilograms in [0, 1e+06]");
-  EXPECT_EQ(with_collision(ball_collision() + "<inertial><mass value='2'/></inertial>"),
+  EXPECT_EQ(with_collision(sphere_collision() + "<inertial><mass value='2'/></inertial>"),
             "r.urdf: link 'arm': <inertial> needs <mass> and <inertia>");
 }
 
@@ -139,11 +139,11 @@ TEST_F(UrdfDocumentFile, EndlessFilesEndInASentenceSoon) {
   }
   EXPECT_EQ(folder_.refusal(chain + "</robot>"), "r.urdf: has more than 500 joints");
   std::string bodies;
-  for (int i = 0; i < 2'000; ++i) bodies += ball_collision();
+  for (int i = 0; i < 2'000; ++i) bodies += sphere_collision();
   EXPECT_EQ(with_collision(bodies), "r.urdf: has more than 1000 <collision> bodies");
   std::string vendor = "<robot name='r'>";
   for (int i = 0; i < 100'000; ++i) vendor += "<gazebo/>";
-  EXPECT_EQ(folder_.refusal(vendor + two_links(ball_collision(), "revolute", free_turn()).substr(16)),
+  EXPECT_EQ(folder_.refusal(vendor + two_links(sphere_collision(), "revolute", free_turn()).substr(16)),
             "accepted");
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   EXPECT_LT(seconds.count(), 10.0);

@@ -35,7 +35,7 @@ TEST(UrdfSpelling, NamesThatWouldDisappearInSilenceAreRefusedWithWhatWasMeant) {
       "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' "
       "izz='1'/></inertial><collision><origin xyz='0 0 0.1' rpy='0 0 1'/><geometry><cylinder "
       "radius='0.1' length='1'/></geometry></collision>" +
-          ball_collision(),
+          sphere_collision(),
       "revolute", "<origin xyz='1 0 0'/>" + free_turn());
   ASSERT_EQ(folder.refusal(whole), "accepted");
   struct Slip {

@@ -16,7 +16,7 @@ std::shared_ptr<const BlockedSpace> with_walls(const std::vector<Eigen::AlignedB
   return map.blocked_space({Policy::not_occupied, 0xffff}, room, 0.5);
 }
 
-double length(const HandRoute& route) {
+double length(const EndEffectorRoute& route) {
   double sum = 0.0;
   for (std::size_t i = 1; i < route.points.size(); ++i) sum += (route.points[i] - route.points[i - 1]).norm();
   return sum;
@@ -29,7 +29,7 @@ const std::vector<Eigen::AlignedBox3d> holed_wall = {box_of(-0.05, -1, -1, 0.05,
 TEST(FreeRoute, GoesThroughTheOnlyHoleWithTheRoomAsked) {
   const auto space = with_walls(holed_wall);
   const Eigen::Vector3d from(-0.6, -0.6, -0.6), to(0.6, -0.6, -0.6);
-  const HandRoute route = free_route(*space, room, from, to, 0.1, 0.05, free_of_charge);
+  const EndEffectorRoute route = free_route(*space, room, from, to, 0.1, 0.05, free_of_charge);
   ASSERT_GT(route.points.size(), 10u);
   EXPECT_EQ(route.points.front(), from);
   EXPECT_EQ(route.points.back(), to);
@@ -45,7 +45,7 @@ TEST(FreeRoute, GoesThroughTheOnlyHoleWithTheRoomAsked) {
   EXPECT_TRUE(crossed);
 }
 
-TEST(FreeRoute, ABallTooLargeForTheHoleHasNoRoute) {
+TEST(FreeRoute, ASphereTooLargeForTheHoleHasNoRoute) {
   const auto space =
       with_walls({box_of(-0.05, -1, -1, 0.05, 1, -0.2), box_of(-0.05, -1, 0.2, 0.05, 1, 1),
                   box_of(-0.05, -1, -0.2, 0.05, -0.2, 0.2), box_of(-0.05, 0.2, -0.2, 0.05, 1, 0.2)});
@@ -59,7 +59,7 @@ TEST(FreeRoute, IsNoLongerThanTheGridMakesItAndKeepsTheBounds) {
   const auto space = with_walls({box_of(0.9, 0.9, 0.9, 0.95, 0.95, 0.95)});
   // With 26 neighbours a way on the grid is at most 12.6 % longer than the straight one.
   const Eigen::Vector3d from(-0.8, -0.71, 0.13), to(0.77, 0.4, -0.6);
-  const HandRoute route = free_route(*space, room, from, to, 0.0, 0.05, free_of_charge);
+  const EndEffectorRoute route = free_route(*space, room, from, to, 0.0, 0.05, free_of_charge);
   ASSERT_FALSE(route.points.empty());
   EXPECT_LE(length(route), 1.126 * (to - from).norm() + 0.1);
   const Eigen::AlignedBox3d half = box_of(-1, -1, -1, 1, 0, 1);

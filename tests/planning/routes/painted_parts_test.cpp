@@ -18,7 +18,7 @@ Robot painted_point() {
 
 Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
 
-/// Balls along the x axis, but for a gap of `gap` metres at x = 1.
+/// Spheres along the x axis, but for a gap of `gap` metres at x = 1.
 VoxelScene stroke(const Robot& robot, double gap) {
   VoxelScene scene{0.05, {}, {}, robot.critical_parts};
   for (double x = -0.5; x <= 2.51; x += 0.1) {
@@ -60,7 +60,7 @@ TEST(PaintedParts, ThePieceOfAMeshThatDoesNotHoldItsOwnOriginIsFoundByItsMiddle)
   for (int i = 0; i < 8; ++i)
     corners.emplace_back(i & 1 ? 0.06 : 0.16, i & 2 ? 0.05 : -0.05, i & 4 ? 0.05 : -0.05);
   robot.bodies.front().shape = Shape::convex(corners);
-  robot.bodies.front().cover = robot.bodies.front().shape.ball_cover();
+  robot.bodies.front().cover = robot.bodies.front().shape.sphere_cover();
   const PathCost cost(robot);
   for (const double gap : {0.0, 0.2}) {
     const ConfigurationSpace space(robot, stroke(robot, gap).snapshot());
@@ -80,7 +80,7 @@ TEST(PaintedParts, OutOfTimeItSaysNothing) {
   EXPECT_EQ(parted_volume_sentence(problem), "");
 }
 
-TEST(PaintedParts, AVolumeWithoutABallIsToldInPlaceOfTheFirstBlockedVoxel) {
+TEST(PaintedParts, AVolumeWithoutASphereIsToldInPlaceOfTheFirstBlockedVoxel) {
   const Robot robot = painted_point();
   const PathCost cost(robot);
   FreeSpaceMap map({.resolution = 0.05});

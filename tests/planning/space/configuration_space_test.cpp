@@ -302,7 +302,7 @@ TEST(ConfigurationSpace, SelfContactIsNamed) {
     ASSERT_EQ(verdict.is_free(), !truth.touches_itself(forward_kinematics(robot, q)));
     if (verdict.is_free()) continue;
     ++contacts;
-    EXPECT_EQ(verdict.obstruction, Obstruction::self_contact);
+    EXPECT_EQ(verdict.obstruction, Obstruction::self_collision);
     EXPECT_EQ(verdict.part, "base");
   }
   EXPECT_GT(contacts, 5);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/robot/self_contact.hpp"
+#include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
@@ -91,11 +91,11 @@ TEST(EdgeProof, NoEdgeOfTwoArmsIsAcceptedOnWhichTheyMeet) {
 }
 
 TEST(EdgeProof, ABodyThatRunsStraightIntoAnotherIsRefusedHoweverFarAwayItStarts) {
-  // A ball that slides towards one on its base: no bound on its motion has slack.
-  const std::string ball = "<sphere radius='0.05'/>";
+  // A sphere that slides towards one on its base: no bound on its motion has slack.
+  const std::string sphere = "<sphere radius='0.05'/>";
   const worlds::UrdfRobot slider(
-      "slider", worlds::urdf_link("base", "1 0 0", ball) + "<link name='turntable'/>" +
-                    worlds::urdf_link("hand", "0 0 0", ball) +
+      "slider", worlds::urdf_link("base", "1 0 0", sphere) + "<link name='turntable'/>" +
+                    worlds::urdf_link("hand", "0 0 0", sphere) +
                     worlds::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
                                        worlds::urdf_limit(-1, 1)) +
                     worlds::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
@@ -130,7 +130,7 @@ TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOf
                           scissors = worlds::scissors();
   for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
     const ConfigurationSpace space(robot, Snapshot(), not_occupied());
-    const std::vector<BodyPair> pairs = contact_pairs(robot);
+    const std::vector<BodyPair> pairs = self_collision_pairs(robot);
     ASSERT_FALSE(pairs.empty()) << robot.name;
     std::vector<std::shared_ptr<fcl::CollisionGeometryd>> shapes;
     for (const Body& body : robot.bodies) shapes.push_back(fcl_geometry(body.shape));

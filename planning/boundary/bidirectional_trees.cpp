@@ -1,0 +1,180 @@
+#include "planning/boundary/bidirectional_trees.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "mapping/system/random_unit.hpp"
+
+namespace clearway {
+namespace {
+
+/// OMPL's default: the longest edge as a share of the space's extent.
+constexpr double range_share = 0.2;
+
+BidirectionalTrees::Side other(BidirectionalTrees::Side side) {
+  return side == BidirectionalTrees::start ? BidirectionalTrees::goal : BidirectionalTrees::start;
+}
+
+}  // namespace
+
+BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight)
+    : problem_(problem), weight_(weight), low_(problem.start), high_(problem.start) {
+  const Robot& robot = problem.space.robot();
+  const Eigen::AlignedBox3d map = problem.space.map().bounds();
+  const double map_size = map.isEmpty() ? 0.0 : map.diagonal().norm();
+  for (Eigen::Index j = 0; j < low_.size(); ++j) {
+    // Joints without limits: only as far as the map and the ends make sense, as in ompl_query.
+    const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
+    const auto [least, most] = std::minmax(problem.start[j], problem.goal[j]);
+    const double margin = joint.kind == JointKind::revolute
+                              ? 2.0 * std::numbers::pi
+                              : map_size + (problem.goal - problem.start).norm();
+    low_[j] = std::max(joint.lower, least - margin);
+    high_[j] = std::min(joint.upper, most + margin);
+  }
+  range_ = range_share * length(low_, high_);
+  add(start, problem.start, -1, false);
+  add(goal, problem.goal, -1, false);
+}
+
+int BidirectionalTrees::add(Side side, const Configuration& q, int parent, bool is_sampled) {
+  Tree& tree = trees_[side];
+  tree.nodes.push_back({q, parent, is_sampled});
+  for (Eigen::Index j = 0; j < q.size(); ++j) tree.weighted.push_back(weight_[j] * q[j]);
+  return static_cast<int>(tree.nodes.size()) - 1;
+}
+
+int BidirectionalTrees::add_trace(Side side, int from, const std::vector<Configuration>& trace) {
+  for (std::size_t i = 1; i < trace.size(); ++i) from = add(side, trace[i], from, false);
+  return from;
+}
+
+int BidirectionalTrees::nearest(Side side, const Configuration& q) const {
+  const Eigen::VectorXd y = weight_.cwiseProduct(q);
+  const auto n = static_cast<std::size_t>(y.size());
+  const Tree& tree = trees_[side];
+  int best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double d = tree.weighted[i * n + j] - y[static_cast<Eigen::Index>(j)];
+      sum += d * d;
+    }
+    if (sum >= least) continue;
+    least = sum;
+    best = static_cast<int>(i);
+  }
+  return best;
+}
+
+bool BidirectionalTrees::is_free(const Configuration& from, const Configuration& to) {
+  ++edges_checked_;
+  return problem_.space.is_edge_free(from, to);
+}
+
+bool BidirectionalTrees::join(Side side, std::size_t first, double spacing, int tries) {
+  const std::vector<Node>&mine = trees_[side].nodes, &theirs = trees_[other(side)].nodes;
+  for (std::size_t i = mine.size(), last = 0; i-- > first;) {
+    if (last > 0 && i > first && length(mine[i].q, mine[last].q) < spacing) continue;
+    last = i;
+    if (problem_.out_of_time()) return false;
+    std::vector<std::pair<double, std::size_t>> targets;  // spaced, too; nearest and then latest first
+    for (std::size_t k = theirs.size(), before = k; k-- > 0;) {
+      if (before < theirs.size() && k > 0 && length(theirs[k].q, theirs[before].q) < spacing) continue;
+      targets.emplace_back(length(mine[i].q, theirs[k].q), k);
+      before = k;
+    }
+    const std::size_t tried = std::min(targets.size(), static_cast<std::size_t>(tries));
+    std::partial_sort(targets.begin(), targets.begin() + static_cast<std::ptrdiff_t>(tried), targets.end(),
+                      [](const auto& a, const auto& b) {
+                        return a.first != b.first ? a.first < b.first : a.second > b.second;
+                      });
+    targets.resize(tried);
+    for (const auto& [distance, k] : targets) {
+      if (problem_.out_of_time()) return false;
+      if (!is_free(mine[i].q, theirs[k].q)) continue;
+      joined_[side] = static_cast<int>(i);
+      joined_[other(side)] = static_cast<int>(k);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// One edge of at most the range from the nearest node; the new node, or -1.
+int BidirectionalTrees::extend(Side side, const Configuration& towards) {
+  const int from = nearest(side, towards);
+  const Configuration& near = trees_[side].nodes[static_cast<std::size_t>(from)].q;
+  const double far = length(near, towards);
+  if (far == 0.0) return -1;
+  const Configuration next =
+      far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near));
+  return is_free(near, next) ? add(side, next, from, true) : -1;
+}
+
+/// Edges from the other tree's nearest node on to that node of this one.
+bool BidirectionalTrees::connect(Side side, int node) {
+  const Side far_side = other(side);
+  const Configuration target = trees_[side].nodes[static_cast<std::size_t>(node)].q;
+  while (!problem_.out_of_time()) {
+    const int reached = extend(far_side, target);
+    if (reached < 0) return false;
+    if (trees_[far_side].nodes[static_cast<std::size_t>(reached)].q != target) continue;
+    joined_[side] = node;
+    joined_[far_side] = reached;
+    joined_by_sample_ = true;
+    return true;
+  }
+  return false;
+}
+
+Configuration BidirectionalTrees::draw(std::mt19937_64& random) const {
+  Configuration q(low_.size());
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = low_[j] + (high_[j] - low_[j]) * random_unit(random);
+  return q;
+}
+
+bool BidirectionalTrees::grow(int samples, std::mt19937_64& random, const SampleGuide& guide) {
+  for (int i = 0; i < samples && !problem_.out_of_time(); ++i) {
+    ++samples_;
+    std::optional<Configuration> q = guide ? guide(random) : std::nullopt;
+    const int added = extend(active_, q ? *q : draw(random));
+    if (added >= 0 && connect(active_, added)) return true;
+    active_ = other(active_);
+  }
+  return false;
+}
+
+std::vector<Configuration> BidirectionalTrees::path() const {
+  std::vector<Configuration> path;
+  for (int i = joined_[start]; i >= 0; i = trees_[start].nodes[static_cast<std::size_t>(i)].parent)
+    path.push_back(trees_[start].nodes[static_cast<std::size_t>(i)].q);
+  std::reverse(path.begin(), path.end());
+  for (int i = joined_[goal]; i >= 0; i = trees_[goal].nodes[static_cast<std::size_t>(i)].parent) {
+    const Configuration& q = trees_[goal].nodes[static_cast<std::size_t>(i)].q;
+    if (q != path.back()) path.push_back(q);
+  }
+  return path;
+}
+
+double BidirectionalTrees::sampled_share() const {
+  double sampled = 0.0, whole = 0.0;
+  for (const Side side : {start, goal}) {
+    const std::vector<Node>& nodes = trees_[side].nodes;
+    for (int i = joined_[side]; i > 0; i = nodes[static_cast<std::size_t>(i)].parent) {
+      const Node& node = nodes[static_cast<std::size_t>(i)];
+      const double edge = length(node.q, nodes[static_cast<std::size_t>(node.parent)].q);
+      whole += edge;
+      if (node.is_sampled) sampled += edge;
+    }
+  }
+  const double gap = length(trees_[start].nodes[static_cast<std::size_t>(joined_[start])].q,
+                            trees_[goal].nodes[static_cast<std::size_t>(joined_[goal])].q);
+  whole += gap;
+  return whole > 0.0 ? sampled / whole : 0.0;
+}
+
+}  // namespace clearway

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "planning/problem/planner.hpp"
+#include "planning/sampling/sampled_trees.hpp"
+
+namespace clearway {
+
+/// A tree of configurations at the start and one at the goal, joined by certified edges: traces of the local
+/// method are hung into them, samples grow them (RRT-Connect, Kuffner and LaValle 2000, with as many nodes to
+/// grow from as the traces gave), until an edge joins the two. Deterministic for the generator that is given.
+class BidirectionalTrees {
+ public:
+  enum Side { start = 0, goal = 1 };
+
+  struct Node {
+    Configuration q;
+    int parent = -1;
+    bool is_sampled = false;  ///< the edge to the parent is one of the samples', not of the local method
+  };
+
+  /// The roots are start and goal of the problem, which outlives this object.
+  BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight);
+
+  const std::vector<Node>& nodes(Side side) const { return trees_[side].nodes; }
+
+  /// Hangs a trace whose first point is node `from` below it; returns the node of its last point.
+  int add_trace(Side side, int from, const std::vector<Configuration>& trace);
+
+  /// Tries the straight edges from the nodes from `first` on, spaced by `spacing` (weighted units) and the
+  /// last one always, to the other tree's nodes, nearest first and at most `tries` of each. True when one
+  /// joins them.
+  bool join(Side side, std::size_t first, double spacing, int tries);
+
+  /// Up to `samples` rounds of RRT-Connect; true when the trees are joined.
+  bool grow(int samples, std::mt19937_64& random, const SampleGuide& guide);
+
+  bool is_joined() const { return joined_[start] >= 0; }
+
+  /// Joins the trees without an edge: both nodes are the same configuration.
+  void join_at(int start_node, int goal_node) { joined_ = {start_node, goal_node}; }
+
+  /// From start to goal. @pre is_joined()
+  std::vector<Configuration> path() const;
+
+  /// Share of the path's weighted length that edges of samples make up. @pre is_joined()
+  double sampled_share() const;
+
+  std::uint64_t edges_checked() const { return edges_checked_; }
+  int samples() const { return samples_; }
+
+ private:
+  struct Tree {
+    std::vector<Node> nodes;
+    std::vector<double> weighted;  ///< y of each node, one after the other
+  };
+
+  int add(Side side, const Configuration& q, int parent, bool is_sampled);
+  int nearest(Side side, const Configuration& q) const;
+  bool is_free(const Configuration& from, const Configuration& to);
+  int extend(Side side, const Configuration& towards);
+  bool connect(Side side, int other_node);
+  Configuration draw(std::mt19937_64& random) const;
+  double length(const Configuration& a, const Configuration& b) const {
+    return weight_.cwiseProduct(b - a).norm();
+  }
+
+  const PlanProblem& problem_;
+  Eigen::VectorXd weight_, low_, high_;
+  double range_ = 0.0;  ///< longest edge of the samples, weighted units
+  std::array<Tree, 2> trees_;
+  std::array<int, 2> joined_{-1, -1};
+  bool joined_by_sample_ = false;
+  Side active_ = start;
+  std::uint64_t edges_checked_ = 0;
+  int samples_ = 0;
+};
+
+}  // namespace clearway

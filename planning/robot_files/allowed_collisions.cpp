@@ -1,0 +1,153 @@
+#include "planning/robot_files/allowed_collisions.hpp"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "mapping/system/random_unit.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/urdf_document.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr int sampled_configurations = 200;
+constexpr double always_ratio = 0.95;
+constexpr std::size_t most_pairs = 100'000;  ///< of a SRDF
+
+/// For each link the topmost link that it is rigidly fixed to.
+std::vector<int> rigid_groups(const Robot& robot) {
+  std::vector<int> group(robot.links.size());
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    const Link& link = robot.links[i];
+    group[i] = link.joint < 0 && link.parent >= 0 ? group[static_cast<std::size_t>(link.parent)]
+                                                  : static_cast<int>(i);
+  }
+  return group;
+}
+
+/// A value within the limits; an unlimited joint turns freely, so one turn stands for all.
+double random_value(const Joint& joint, std::mt19937_64& random) {
+  const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
+  const double upper = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
+  const double unit = random_unit(random);
+  return lower + unit * (upper - lower);
+}
+
+bool touch(const Robot& robot, const LinkPoses& poses, std::pair<int, int> pair) {
+  const Body& a = robot.bodies[static_cast<std::size_t>(pair.first)];
+  const Body& b = robot.bodies[static_cast<std::size_t>(pair.second)];
+  const Eigen::Isometry3d pose_a = poses[static_cast<std::size_t>(a.link)] * a.link_from_shape;
+  const Eigen::Isometry3d pose_b = poses[static_cast<std::size_t>(b.link)] * b.link_from_shape;
+  return distance(a.shape, pose_a, b.shape, pose_b, 0.0).lower <= 0.0;
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> adjacent_bodies(const Robot& robot) {
+  const std::vector<int> group = rigid_groups(robot);
+  const auto parent_group = [&](int g) {
+    const int parent = robot.links[static_cast<std::size_t>(g)].parent;
+    return parent < 0 ? -1 : group[static_cast<std::size_t>(parent)];
+  };
+  std::vector<std::pair<int, int>> pairs;
+  for (int a = 0; a < static_cast<int>(robot.bodies.size()); ++a) {
+    for (int b = a + 1; b < static_cast<int>(robot.bodies.size()); ++b) {
+      const int group_a = group[static_cast<std::size_t>(robot.bodies[static_cast<std::size_t>(a)].link)];
+      const int group_b = group[static_cast<std::size_t>(robot.bodies[static_cast<std::size_t>(b)].link)];
+      if (group_a == group_b || parent_group(group_a) == group_b || parent_group(group_b) == group_a) {
+        pairs.emplace_back(a, b);
+      }
+    }
+  }
+  return pairs;
+}
+
+std::vector<std::pair<int, int>> always_colliding_bodies(const Robot& robot) {
+  std::vector<LinkPoses> samples;
+  Configuration q(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  }
+  samples.push_back(forward_kinematics(robot, q));
+  std::mt19937_64 random(1);
+  for (int i = 0; i < sampled_configurations; ++i) {
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      q[static_cast<Eigen::Index>(j)] = random_value(robot.joints[j], random);
+    }
+    samples.push_back(forward_kinematics(robot, q));
+  }
+  std::vector<std::pair<int, int>> pairs;
+  for (int a = 0; a < static_cast<int>(robot.bodies.size()); ++a) {
+    for (int b = a + 1; b < static_cast<int>(robot.bodies.size()); ++b) {
+      if (!touch(robot, samples.front(), {a, b})) continue;
+      const auto count = std::count_if(samples.begin() + 1, samples.end(), [&](const LinkPoses& poses) {
+        return touch(robot, poses, {a, b});
+      });
+      if (static_cast<double>(count) >= always_ratio * sampled_configurations) pairs.emplace_back(a, b);
+    }
+  }
+  return pairs;
+}
+
+std::vector<std::pair<int, int>> bodies_of_parts(
+    const Robot& robot, const std::vector<std::pair<std::string, std::string>>& parts,
+    const std::filesystem::path& file) {
+  const auto bodies_of = [&](const std::string& part) {
+    std::vector<int> bodies;
+    for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
+      if (robot.bodies[i].part == part) bodies.push_back(static_cast<int>(i));
+    }
+    const bool link =
+        std::any_of(robot.links.begin(), robot.links.end(), [&](const Link& l) { return l.name == part; });
+    if (bodies.empty() && !link) {
+      throw std::invalid_argument(file.string() + ": an exempt pair names " + quote(part) + ", which " +
+                                  robot.name + " does not have");
+    }
+    return bodies;
+  };
+  std::vector<std::pair<int, int>> pairs;
+  for (const auto& [first, second] : parts) {
+    const std::vector<int> others = bodies_of(second);
+    for (int a : bodies_of(first)) {
+      for (int b : others) {
+        if (a != b) pairs.emplace_back(std::min(a, b), std::max(a, b));
+      }
+    }
+  }
+  return pairs;
+}
+
+std::vector<std::pair<std::string, std::string>> read_srdf(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  tinyxml2::XMLDocument xml;
+  const bool parsed = xml.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS;
+  const tinyxml2::XMLElement* robot = parsed ? xml.FirstChildElement("robot") : nullptr;
+  if (!robot)
+    throw std::invalid_argument(file.string() + ": is not a SRDF, expected XML with a <robot> element");
+  for (const auto* entry = robot->FirstChildElement(); entry; entry = entry->NextSiblingElement()) {
+    const std::string meant = misspelt_name(entry->Name(), {"disable_collisions"});
+    if (meant.empty()) continue;
+    throw std::invalid_argument(file.string() + ": unknown element <" + shortened(entry->Name()) +
+                                ">, did you mean <" + meant + ">?");
+  }
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const auto* entry = robot->FirstChildElement("disable_collisions"); entry;
+       entry = entry->NextSiblingElement("disable_collisions")) {
+    const char* first = entry->Attribute("link1");
+    const char* second = entry->Attribute("link2");
+    if (!first || !second)
+      throw std::invalid_argument(file.string() + ": <disable_collisions> needs link1 and link2");
+    pairs.emplace_back(first, second);
+    if (pairs.size() > most_pairs)
+      throw std::invalid_argument(file.string() + ": has more than 100,000 <disable_collisions>");
+  }
+  return pairs;
+}
+
+}  // namespace clearway

@@ -1,0 +1,108 @@
+#include "planning/boundary/bidirectional_trees.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace two_trees_test {
+
+using Eigen::Vector2d;
+
+/// The point robot (a disc of 0.2 m) before a wall with open ends.
+struct Wall {
+  Robot robot = load_robot("point");
+  ConfigurationSpace space;
+  PathCost cost;
+  PlanProblem problem;
+
+  Wall()
+      : space(robot, VoxelScene{0.05, {box_of(1, -0.8, -0.05, 1.1, 0.8, 0.05)}, {}, {}}.snapshot(),
+              {.parts = {}, .critical_by_default = false}),
+        cost(robot),
+        problem{space, cost, Vector2d(0.0, 0.0), Vector2d(2.5, 0.0)} {}
+
+  BidirectionalTrees trees() const { return {problem, Eigen::VectorXd::Ones(2)}; }
+  void expect_path(const BidirectionalTrees& trees) const {
+    const std::vector<Configuration> path = trees.path();
+    EXPECT_EQ(path.front(), problem.start);
+    EXPECT_EQ(path.back(), problem.goal);
+    for (std::size_t i = 1; i < path.size(); ++i) EXPECT_TRUE(space.is_edge_free(path[i - 1], path[i])) << i;
+  }
+};
+
+TEST(BidirectionalTrees, SamplesJoinStartAndGoalRoundAWall) {
+  const Wall scene;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    BidirectionalTrees trees = scene.trees();
+    std::mt19937_64 random(seed);
+    ASSERT_TRUE(trees.grow(2000, random, nullptr));
+    scene.expect_path(trees);
+    EXPECT_NEAR(trees.sampled_share(), 1.0, 1e-12);  // there is nothing else
+    BidirectionalTrees again = scene.trees();
+    std::mt19937_64 same(seed);
+    again.grow(2000, same, nullptr);
+    EXPECT_EQ(trees.path(), again.path());
+  }
+}
+
+TEST(BidirectionalTrees, TracesAreJoinedWhereTheySeeEachOther) {
+  const Wall scene;
+  BidirectionalTrees trees = scene.trees();
+  const std::vector<Configuration> up{scene.problem.start, Vector2d(0.0, 0.5), Vector2d(0.0, 1.2),
+                                      Vector2d(-0.5, 1.2)};
+  EXPECT_EQ(trees.add_trace(BidirectionalTrees::start, 0, up), 3);
+  EXPECT_FALSE(trees.join(BidirectionalTrees::start, 1, 0.1, 4));  // the goal's root alone is not seen
+  const std::vector<Configuration> there{scene.problem.goal, Vector2d(2.5, 1.2)};
+  EXPECT_EQ(trees.add_trace(BidirectionalTrees::goal, 0, there), 1);
+  ASSERT_TRUE(trees.join(BidirectionalTrees::goal, 1, 0.1, 4));
+  scene.expect_path(trees);
+  EXPECT_EQ(trees.sampled_share(), 0.0);
+}
+
+TEST(BidirectionalTrees, SamplesGrowFromTracesAndTheirShareIsTold) {
+  const Wall scene;
+  BidirectionalTrees trees = scene.trees();
+  trees.add_trace(BidirectionalTrees::start, 0,
+                  {scene.problem.start, Vector2d(0.0, 0.6), Vector2d(0.0, 1.2)});
+  std::mt19937_64 random(5);
+  ASSERT_TRUE(trees.grow(2000, random, nullptr));
+  scene.expect_path(trees);
+  EXPECT_GT(trees.sampled_share(), 0.0);
+}
+
+TEST(BidirectionalTrees, AGuideIsAskedFirstAndTheDeadlineKept) {
+  Wall scene;
+  BidirectionalTrees trees = scene.trees();
+  std::mt19937_64 random(1);
+  const SampleGuide over = [](std::mt19937_64&) -> std::optional<Configuration> {
+    return Vector2d(1.0, 1.3);
+  };
+  ASSERT_TRUE(trees.grow(4, random, over));
+  const auto path = trees.path();
+  EXPECT_NE(std::find(path.begin(), path.end(), Configuration(Vector2d(1.0, 1.3))), path.end());
+  scene.problem.out_of_time = [] { return true; };
+  BidirectionalTrees late = scene.trees();
+  EXPECT_FALSE(late.grow(100, random, nullptr));
+  EXPECT_EQ(late.samples(), 0);
+}
+
+TEST(BidirectionalTrees, JoiningTriesTheNearestNodesTheLatestOfEquallyNearOnesFirst) {
+  Wall scene;
+  int asked = 0;
+  scene.problem.out_of_time = [&] { return ++asked > 1; };
+  BidirectionalTrees late = scene.trees();
+  EXPECT_FALSE(late.join(BidirectionalTrees::start, 0, 0.1, 4));  // out of time before its only edge
+  EXPECT_EQ(late.edges_checked(), 0u);
+  scene.problem.out_of_time = [] { return false; };
+  BidirectionalTrees trees = scene.trees();
+  trees.add_trace(BidirectionalTrees::goal, 0,
+                  {scene.problem.goal, Vector2d(0.0, 0.9), Vector2d(0.3, 0.0), Vector2d(0.0, -0.3)});
+  ASSERT_TRUE(trees.join(BidirectionalTrees::start, 0, 0.1, 4));
+  EXPECT_EQ(trees.edges_checked(), 1u);
+  EXPECT_EQ(trees.path()[1], Configuration(Vector2d(0.0, -0.3)));
+}
+
+}  // namespace two_trees_test
+}  // namespace clearway

@@ -1,0 +1,101 @@
+#include "planning/robot_files/allowed_collisions.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/fcl_truth.hpp"
+#include "tests/worlds/hostile_robots.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace contact_exemptions_test {
+
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
+using worlds::UrdfRobot;
+using Pairs = std::vector<std::pair<int, int>>;
+
+/// A sphere that turns about the middle of one on the base, then slides out of it: they touch for the first
+/// 0.2 m of `travel`.
+UrdfRobot sliding_sphere(double travel) {
+  const std::string sphere = "<sphere radius='0.1'/>";
+  return {"slider",
+          urdf_link("base", "0 0 0", sphere) + "<link name='turntable'/>" +
+              urdf_link("hand", "0 0 0", sphere) +
+              urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1", urdf_limit(-1, 1)) +
+              urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0", urdf_limit(0, travel))};
+}
+
+TEST(AllowedCollisions, BodiesThatSometimesComeApartAreNotExemptHoweverOftenTheyTouch) {
+  for (const double travel : {0.22, 0.25, 0.28, 0.35, 0.5}) {  // they touch in 91, 80, 71, 57 and 40 %
+    const UrdfRobot slider = sliding_sphere(travel);
+    EXPECT_TRUE(always_colliding_bodies(slider.robot()).empty()) << travel;
+    EXPECT_TRUE(slider.robot().exempt.empty()) << travel;
+  }
+  const UrdfRobot within = sliding_sphere(0.19);
+  EXPECT_EQ(always_colliding_bodies(within.robot()), (Pairs{{0, 1}}));
+}
+
+TEST(AllowedCollisions, AnSrdfMayNameAHundredThousandPairsAndNotOneMore) {
+  const RobotFolder folder("srdf_limit");
+  const auto of = [](int pairs) {
+    std::string text = "<robot name='r'>";
+    for (int i = 0; i < pairs; ++i) text += "<disable_collisions link1='a' link2='b'/>";
+    return text + "</robot>";
+  };
+  EXPECT_EQ(read_srdf(folder.write("most.srdf", of(100'000))).size(), 100'000U);
+  EXPECT_THROW(read_srdf(folder.write("more.srdf", of(100'001))), std::invalid_argument);
+}
+
+TEST(AllowedCollisions, NoPairIsExemptThatTouchesInLessThanNineTenthsByFcl) {
+  for (const char* name : {"puma560", "panda", "arm5", "planar2", "puma560_miniature"}) {
+    Robot robot = load_robot(name);
+    const Pairs found = always_colliding_bodies(robot);
+    for (const auto& pair : found) {
+      Pairs others;
+      for (int a = 0; a < static_cast<int>(robot.bodies.size()); ++a) {
+        for (int b = a + 1; b < static_cast<int>(robot.bodies.size()); ++b)
+          if (std::pair(a, b) != pair) others.emplace_back(a, b);
+      }
+      robot.exempt = others;  // so that the truth looks at this pair alone
+      const FclTruth truth(robot, {}, 0.05);
+      Random random(5);
+      int touching = 0;
+      for (int i = 0; i < 300; ++i)
+        touching += truth.touches_itself(forward_kinematics(robot, random.configuration(robot)));
+      EXPECT_GE(touching, 270) << name << " " << pair.first << " " << pair.second;
+    }
+  }
+}
+
+TEST(AllowedCollisions, SiblingsWithJointsOfTheirOwnAreNotNeighbours) {
+  const UrdfRobot pair = worlds::scissors();
+  EXPECT_TRUE(adjacent_bodies(pair.robot()).empty());
+  EXPECT_TRUE(pair.robot().exempt.empty());
+  // With bodies on the base and on what is fixed to an arm: each arm to the base, the fixed one to its arm
+  // and to the base; the arms and what they carry still not to each other.
+  const std::string sphere = "<sphere radius='0.02'/>";
+  const UrdfRobot more(
+      "more", urdf_link("base", "0 0 0", sphere) + urdf_link("left", "0 0 0", sphere) +
+                  urdf_link("right", "0 0 0", sphere) + urdf_link("tool", "0 0 0", sphere) +
+                  urdf_joint("l", "revolute", "base", "left", "-0.5 0 0", "0 0 1", urdf_limit(-1, 1)) +
+                  urdf_joint("r", "revolute", "base", "right", "0.5 0 0", "0 0 1", urdf_limit(-1, 1)) +
+                  urdf_joint("f", "fixed", "left", "tool", "0.3 0 0", "0 0 1", ""));
+  const auto index = [&](const std::string& part) {
+    for (std::size_t i = 0; i < more.robot().bodies.size(); ++i)
+      if (more.robot().bodies[i].part == part) return static_cast<int>(i);
+    return -1;
+  };
+  const auto sorted = [](int a, int b) { return std::pair(std::min(a, b), std::max(a, b)); };
+  const int base = index("base"), left = index("left"), right = index("right"), tool = index("tool");
+  Pairs expected{sorted(base, left), sorted(base, right), sorted(base, tool), sorted(left, tool)};
+  std::sort(expected.begin(), expected.end());
+  Pairs found = adjacent_bodies(more.robot());
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+}
+
+}  // namespace contact_exemptions_test
+}  // namespace clearway
