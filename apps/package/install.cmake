@@ -33,6 +33,21 @@ if(CLEARWAY_APPS)
   install(FILES ${texts}/_clearway DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
 endif()
 
+# cmake --build … --target docs: pages of the installed headers, in the build folder's docs/html.
+find_package(Doxygen 1.9 QUIET)
+if(DOXYGEN_FOUND AND PROJECT_IS_TOP_LEVEL)
+  get_property(headers GLOBAL PROPERTY CLEARWAY_PUBLIC_HEADERS)
+  list(REMOVE_DUPLICATES headers)
+  set(DOXYGEN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/docs)
+  set(DOXYGEN_STRIP_FROM_PATH ${PROJECT_SOURCE_DIR})
+  set(DOXYGEN_JAVADOC_AUTOBRIEF YES)
+  set(DOXYGEN_EXTRACT_ALL YES)
+  set(DOXYGEN_QUIET YES)
+  set(DOXYGEN_WARN_IF_INCOMPLETE_DOC NO)  # a name that says all needs no @param
+  set(DOXYGEN_WARN_AS_ERROR FAIL_ON_WARNINGS)
+  doxygen_add_docs(docs ${headers} COMMENT "Writing the API pages")
+endif()
+
 # cpack in the build folder: clearway_VERSION_amd64.deb. It depends on what the program loads; what programs that link
 # the libraries need as well is only suggested.
 file(STRINGS ${PROJECT_SOURCE_DIR}/.ci/packages packages REGEX "^[a-z].*-dev$")

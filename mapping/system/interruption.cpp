@@ -13,7 +13,7 @@
 namespace clearway {
 namespace {
 
-struct Work {
+struct OngoingWork {
   const UnfinishedWork* key;
   std::function<std::string()> end;
   std::filesystem::path below;
@@ -21,7 +21,7 @@ struct Work {
 
 struct State {
   std::recursive_mutex mutex;
-  std::vector<Work> unfinished;
+  std::vector<OngoingWork> unfinished;
   std::vector<std::filesystem::path> written;
   bool is_waiting = false;  ///< a thread waits for signals: only then is anybody told what was written
 };
@@ -93,14 +93,14 @@ UnfinishedWork::UnfinishedWork(std::function<std::string()> end, std::filesystem
 
 UnfinishedWork::~UnfinishedWork() {
   const auto held = uninterrupted();
-  std::erase_if(state().unfinished, [this](const Work& work) { return work.key == this; });
+  std::erase_if(state().unfinished, [this](const OngoingWork& work) { return work.key == this; });
 }
 
 void written_file(const std::filesystem::path& file) {
   const auto held = uninterrupted();
   State& all = state();
   const bool is_part = std::any_of(all.unfinished.begin(), all.unfinished.end(),
-                                   [&](const Work& work) { return is_below(file, work.below); });
+                                   [&](const OngoingWork& work) { return is_below(file, work.below); });
   if (all.is_waiting && !is_part) all.written.push_back(file);
 }
 
