@@ -16,10 +16,9 @@ std::string check_word(const TeamRun& run, const TeamVerdict& verdict,
   const double least = run.figures.security_distance - run.step_bound();
   const bool keeps =
       verdict.least_separation >= least - circumstances.unseen_motion && verdict.between_robots >= least;
-  const bool touches = !verdict.is_apart || verdict.least_separation <= 0.0 || verdict.between_robots <= 0.0;
   if (verdict.greatest_speed_share > 1.0 + 1e-6 || !verdict.robots_are_apart) return "refused";
   if (!run.outrun.empty()) return "outrun";
-  if (touches || !keeps) return "refused";
+  if (!verdict.is_apart || !keeps) return "refused";
   return circumstances.is_cut_short ? "unfinished" : "valid";
 }
 

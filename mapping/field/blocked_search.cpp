@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "mapping/field/blocked_field.hpp"
+#include "mapping/field/field_look_up.hpp"
 
 namespace clearway {
 namespace {
@@ -113,7 +114,7 @@ NearestBlocked BlockedField::nearest(const Eigen::Vector3d& point, double limit)
   }
   const Eigen::Vector3i cell = cell_near(point);
   if (squared(cell) < layers_.cap()) {  // a blocked cube is at most this far
-    const double known = 0.5 * cells_.resolution * std::sqrt(static_cast<double>(squared(cell)));
+    const double known = half_roots()[squared(cell)] * cells_.resolution;
     limit = std::min(limit, (known + (point - center(cell)).norm()) * (1.0 + 1e-9));
   }
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(limit);

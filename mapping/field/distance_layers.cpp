@@ -77,7 +77,7 @@ class RowUpdate {
 template <class Make>
 void share(int count, int threads, const Make& make) {
   std::atomic<int> next = 0;
-  parallel(static_cast<std::size_t>(std::clamp(threads, 1, std::max(count, 1))), [&](std::size_t) {
+  parallel(static_cast<std::size_t>(std::min(threads, count)), [&](std::size_t) {
     auto worker = make();
     for (int i = next++; i < count; i = next++) worker(i);
   });

@@ -16,6 +16,7 @@ class DistanceLayers {
  public:
   /// From nothing, on so many threads, which make no difference. Without `keep_planes` it takes half the
   /// memory and cannot be updated.
+  /// @param threads >= 1, here and below.
   DistanceLayers(BlockedCells blocked, std::uint16_t cap, bool keep_planes, int threads = 1);
 
   /// The layers of other bits of the same size: equal, cell for cell, to those made from nothing. Only what

@@ -51,14 +51,12 @@ PaintedSpace::PaintedSpace(const Snapshot& map, std::uint16_t volumes) {
   Eigen::AlignedBox3d box;
   map.visit_leaves([&](const Voxel& leaf) {
     if ((leaf.volumes & volumes) == 0) return;
-    const Eigen::Vector3d half = Eigen::Vector3d::Constant(leaf.size / 2);
+    // To the middles of its outermost voxels: rounding must neither add a layer of cells nor take one away.
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant((leaf.size - map.resolution()) / 2);
     box.extend(leaf.center - half);
     box.extend(leaf.center + half);
   });
   if (box.isEmpty()) return;
-  // Half a voxel in: rounding must not add a layer of cells.
-  box.min().array() += 0.5 * map.resolution();
-  box.max().array() -= 0.5 * map.resolution();
   space_ = map.blocked_space({Policy::painted, volumes}, box, 89.0 * map.resolution());
 }
 

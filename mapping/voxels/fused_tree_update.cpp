@@ -202,7 +202,7 @@ bool FusedTree::ScanUpdate::close_above_tiles(FusedNode& node, int level, const 
     const unsigned index = child_of(*first, level);
     const Tile* const next =
         std::find_if(first, last, [&](const Tile& tile) { return child_of(tile, level) != index; });
-    if (node.has_children() && node.child(index) != nullptr)
+    if (node.has_children())  // else it is settled, and reach_tiles went no further
       changed |= close_above_tiles(*node.child(index), level - 1, first, next);
     first = next;
   }

@@ -120,8 +120,9 @@ bool FusedTree::Brush::paint_children(FusedNode& node, const CellCube& cube, con
     return changed;
   }
   bool all_alike = (stored.any | (covered.all & missing)) == 0xff;  // no need to make all eight for pruning
-  for (unsigned i = 0; i < 8 && all_alike; ++i)
-    all_alike = node.child(i) == nullptr || holds_only_paint(*node.child(i), bit);
+  for (unsigned rest = stored.any; rest != 0; rest &= rest - 1)
+    all_alike =
+        all_alike && holds_only_paint(*node.child(static_cast<unsigned>(std::countr_zero(rest))), bit);
   if (all_alike) {
     tally.newly += static_cast<std::size_t>(std::popcount(missing)) * (cube.volume() / 8);
     nodes -= static_cast<std::size_t>(std::popcount(stored.any));

@@ -100,8 +100,10 @@ std::vector<std::pair<int, int>> bodies_of_parts(
     const std::filesystem::path& file) {
   const auto bodies_of = [&](const std::string& part) {
     std::vector<int> bodies;
-    for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
-      if (robot.bodies[i].part == part) bodies.push_back(static_cast<int>(i));
+    int index = 0;
+    for (const Body& body : robot.bodies) {
+      if (body.part == part) bodies.push_back(index);
+      ++index;
     }
     const bool link =
         std::any_of(robot.links.begin(), robot.links.end(), [&](const Link& l) { return l.name == part; });

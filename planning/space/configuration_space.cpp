@@ -50,9 +50,8 @@ Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3
   reach = grown(reach, wanted);
   const Eigen::AlignedBox3d region = bounds.isEmpty() ? bounds : reach.intersection(grown(bounds, margin));
   if (!region.isEmpty()) return region;
-  // Nothing in reach is known: one voxel of the unknown, within what maps have numbers for.
-  const Eigen::Vector3d corner = reach.min().cwiseMax(-1e6 * resolution).cwiseMin(1e6 * resolution);
-  return {corner, corner + Eigen::Vector3d::Constant(resolution / 2)};
+  // Nothing in reach is known, or all that is lies too far away to matter: any voxel will do.
+  return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(resolution)};
 }
 
 /// For each joint the sum of levers over the links of the body's chain that it moves.

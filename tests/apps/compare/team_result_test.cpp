@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "apps/suites/suite_teams.hpp"
 #include "planning/robot_files/load_robot.hpp"
 
@@ -18,12 +20,16 @@ TeamRun short_run() {
   return run;
 }
 
-TeamVerdict apart(double separation) {
+/// What check_team says of a run that kept these distances, from obstacles and between robots.
+TeamVerdict apart(double from_obstacles, double between_robots) {
   TeamVerdict verdict;
-  verdict.is_apart = verdict.robots_are_apart = true;
-  verdict.least_separation = verdict.between_robots = separation;
+  verdict.least_separation = std::min(from_obstacles, between_robots);
+  verdict.between_robots = between_robots;
+  verdict.is_apart = verdict.least_separation > 0.0;
+  verdict.robots_are_apart = between_robots > 0.0;
   return verdict;
 }
+TeamVerdict apart(double separation) { return apart(separation, separation); }
 
 /// Two discs that rest for one period.
 struct Resting {
@@ -56,15 +62,24 @@ TEST(TeamResult, OfARunThatCameTooNearIsRefusedWhoeverEndedIt) {
   EXPECT_EQ(resting.check(0.04, {.is_cut_short = true}), "refused");
 }
 
+TEST(TeamResult, DistancesAndSpeedsExactlyAtTheirLimitsAreValid) {
+  const Resting resting;
+  ASSERT_EQ(resting.run.step_bound(), 0.0);
+  EXPECT_EQ(resting.check(0.05), "valid");
+  TeamVerdict verdict = apart(0.06);
+  verdict.greatest_speed_share = 1.0 + 0.9e-6;  // rounding
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "valid");
+  verdict.greatest_speed_share = 1.0 + 1.1e-6;
+  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+}
+
 TEST(TeamResult, GrantsWhatSensedThingsMoveUnseenToObstaclesAloneNotToRobots) {
   const Resting resting;
-  TeamVerdict verdict = apart(0.06);
-  verdict.least_separation = 0.04;
+  const TeamVerdict from_obstacles = apart(0.04, 0.06), between_robots = apart(0.06, 0.04);
   const TeamCircumstances sensed{.unseen_motion = 0.02};
-  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
-  EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "valid");
-  verdict.between_robots = 0.04;
-  EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
+  EXPECT_EQ(team_result(resting.team, resting.run, from_obstacles, {}).check, "refused");
+  EXPECT_EQ(team_result(resting.team, resting.run, from_obstacles, sensed).check, "valid");
+  EXPECT_EQ(team_result(resting.team, resting.run, between_robots, sensed).check, "refused");
 }
 
 TEST(TeamResult, ContactIsNeverSafeHoweverLongAStepAndHoweverSmallTheSecurityDistance) {
@@ -73,13 +88,8 @@ TEST(TeamResult, ContactIsNeverSafeHoweverLongAStepAndHoweverSmallTheSecurityDis
   ASSERT_GT(resting.run.step_bound(), resting.run.figures.security_distance);
   const TeamCircumstances sensed{.unseen_motion = 1.0};
   EXPECT_EQ(resting.check(1e-3, sensed), "valid");
-  for (const double separation : {0.0, -0.01}) {
-    TeamVerdict verdict = apart(0.06);
-    verdict.least_separation = separation;  // from an obstacle
-    EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
-    verdict.between_robots = separation;
-    EXPECT_EQ(team_result(resting.team, resting.run, verdict, sensed).check, "refused");
-  }
+  for (const TeamVerdict& touching : {apart(0.0, 0.06), apart(0.06, 0.0), apart(0.0)})
+    EXPECT_EQ(team_result(resting.team, resting.run, touching, sensed).check, "refused");
 }
 
 TEST(TeamResult, DiscsThatPassThroughEachOtherBetweenTwoStepsAreRefused) {
@@ -91,19 +101,34 @@ TEST(TeamResult, DiscsThatPassThroughEachOtherBetweenTwoStepsAreRefused) {
   resting.run.period = 10.0;
   const TeamVerdict verdict = check_team(resting.team, resting.run, 5.0, 1.0);
   EXPECT_EQ(verdict.least_separation, 0.0);
+  EXPECT_EQ(verdict.between_robots, 0.0);
+  EXPECT_FALSE(verdict.is_apart || verdict.robots_are_apart);
   EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
 }
 
 TEST(TeamResult, CallsOutrunWhatIsNotRefusedForOtherReasons) {
   Resting resting;
   resting.run.outrun = "At 1 s robot 'disc' could not …";
-  EXPECT_EQ(resting.check(0.0), "outrun");
+  EXPECT_EQ(team_result(resting.team, resting.run, apart(0.0, 0.06), {}).check, "outrun");
+  EXPECT_EQ(team_result(resting.team, resting.run, apart(0.0), {}).check, "refused");
   TeamVerdict verdict = apart(0.06);
   verdict.greatest_speed_share = 1.01;
   EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
-  verdict = apart(0.0);
-  verdict.robots_are_apart = false;
-  EXPECT_EQ(team_result(resting.team, resting.run, verdict, {}).check, "refused");
+}
+
+TEST(TeamResult, NamesTheFirstContactElseWhatCameTooNear) {
+  const Resting resting;
+  const auto contact = [&](const TeamVerdict& verdict) {
+    return team_result(resting.team, resting.run, verdict, {}).contact;
+  };
+  TeamVerdict verdict = apart(0.0125);
+  verdict.between = "left/load and right/forearm";
+  verdict.time = 1.2344;
+  EXPECT_EQ(contact(verdict), "left/load and right/forearm came within 12.5 mm at 1.234 s");
+  verdict.contact = "left: load touches an occupied voxel";
+  verdict.is_apart = verdict.robots_are_apart = false;
+  EXPECT_EQ(contact(verdict), "left: load touches an occupied voxel");
+  EXPECT_EQ(contact(apart(0.06)), "") << "nothing to tell of a run that is valid";
 }
 
 TEST(TeamResult, TellsTheDistancesThatItsVerdictWasMadeWith) {

@@ -71,6 +71,30 @@ TEST(BlockedSearch, FindsALoneVoxelFromEverywhere) {
   for (int i = 0; i < 5000; ++i) expect_nearest(*space, truth, dice.point(1.2), dice.uniform(0.0, 2.0));
 }
 
+TEST(BlockedSearch, NamesTheSameOfEquallyNearCubesHoweverFarItLooks) {
+  std::size_t ties = 0;
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Snapshot map = worlds::random_map(seed, 0.125, 3, 60).snapshot();  // no rounding: ties are exact
+    const auto space = map.blocked_space({Policy::not_occupied}, box_around(1.0), 2.0);
+    const BlockedTruth truth(map, {Policy::not_occupied}, space->region());
+    Dice dice(seed);
+    for (int i = 0; i < 2000; ++i) {
+      const Eigen::Vector3d point =
+          Eigen::Vector3d(dice.whole(-16, 16), dice.whole(-16, 16), dice.whole(-16, 16)) / 16.0;
+      const double exact = truth.distance(point);
+      if (exact > 0.7) continue;
+      const auto is_nearest = [&](const Eigen::Vector3i& cell) {
+        return truth.distance_to_cube(point, cell) == exact;
+      };
+      ties += std::count_if(truth.blocked().begin(), truth.blocked().end(), is_nearest) > 1 ? 1 : 0;
+      const Eigen::Vector3d named = space->nearest(point, 2.0).voxel;
+      for (const double beyond : {0.25, 0.3, 0.4, 0.5, 0.7, 1.0})
+        ASSERT_EQ(space->nearest(point, exact + beyond).voxel, named) << point.transpose() << " " << beyond;
+    }
+  }
+  EXPECT_GT(ties, 300U);
+}
+
 TEST(BlockedSearch, ACubeExactlyAtTheLimitIsFound) {
   FreeSpaceMap map({.resolution = 0.5});
   Scan scan;

@@ -39,6 +39,20 @@ std::size_t count_differences(const DistanceLayers& a, const DistanceLayers& b) 
   return count;
 }
 
+/// Every cell of the layers against the distances to all blocked cubes.
+void expect_exact(const DistanceLayers& layers, const std::vector<Eigen::Vector3i>& cells) {
+  visit_cells(layers.blocked().size(), [&](int x, int y, int z) {
+    int expected = layers.cap();
+    for (const Eigen::Vector3i& cell : cells) {
+      const Eigen::Vector3i gap =
+          (2 * (cell - Eigen::Vector3i(x, y, z)).cwiseAbs().array() - 1).max(0).matrix();
+      expected = std::min(expected, gap.squaredNorm());
+    }
+    ASSERT_EQ(int{layers.squared(x, y, z)}, expected)
+        << x << " " << y << " " << z << " cap " << layers.cap() << " of " << layers.blocked().count();
+  });
+}
+
 TEST(DistanceLayers, HoldExactlyTheDistanceToTheNearestCube) {
   Dice dice(1);
   for (int trial = 0; trial < 30; ++trial) {
@@ -50,16 +64,20 @@ TEST(DistanceLayers, HoldExactlyTheDistanceToTheNearestCube) {
       blocked.fill(cells.back(), cells.back() + Eigen::Vector3i::Ones(), true);
     }
     const auto cap = static_cast<std::uint16_t>(dice.whole(1, trial % 2 == 0 ? 400 : largest_cap));
-    const DistanceLayers layers(blocked, cap, trial % 3 != 0);
-    visit_cells(size, [&](int x, int y, int z) {
-      int expected = cap;
-      for (const Eigen::Vector3i& cell : cells) {
-        const Eigen::Vector3i gap =
-            (2 * (cell - Eigen::Vector3i(x, y, z)).cwiseAbs().array() - 1).max(0).matrix();
-        expected = std::min(expected, gap.squaredNorm());
-      }
-      ASSERT_EQ(int{layers.squared(x, y, z)}, expected) << x << " " << y << " " << z;
-    });
+    expect_exact(DistanceLayers(blocked, cap, trial % 3 != 0), cells);
+  }
+}
+
+TEST(DistanceLayers, AreExactForTheSmallestCapsAndACubeAnywhereInARow) {
+  for (const std::uint16_t cap : {1, 2, 9, 10, 11, 25, 26}) {  // just what some of the nearest cells are away
+    for (int x = 0; x < 66; ++x) {                             // two words of a row, and a bit
+      const Eigen::Vector3i cell(x, x % 3, x / 3 % 3);
+      BlockedCells blocked({66, 3, 3}, false);
+      const DistanceLayers empty(blocked, cap, true);
+      blocked.fill(cell, cell + Eigen::Vector3i::Ones(), true);
+      expect_exact(DistanceLayers(blocked, cap, false), {cell});
+      expect_exact(DistanceLayers(empty, blocked), {cell});
+    }
   }
 }
 

@@ -168,6 +168,37 @@ TEST(Merge, CountsASphereThatBothHoldOnce) {
   EXPECT_EQ(merge(map.snapshot(), map.snapshot()).volumes()[0].spheres.size(), 2U);
 }
 
+TEST(Merge, EachSphereKeepsTheStrokeThatPaintedIt) {
+  const auto painted_by = [](const std::string& who, double x) {
+    FreeSpaceMap map({.resolution = edge});
+    map.add_volume("v", {});
+    for (const std::string part : {" first", " second"}) {
+      map.begin_stroke(who + part, "hand of " + who);
+      map.paint(0, {{x, part == " first" ? 0.0 : 1.0, 0.0}, 0.3}, x);
+      map.end_stroke();
+    }
+    map.paint(0, {{x, 2.0, 0.0}, 0.3}, x);  // in no stroke
+    return map.snapshot();
+  };
+  const Snapshot ann = painted_by("Ann", 1.0), bob = painted_by("Bob", 2.0);
+  for (const Snapshot& merged : {merge(ann, bob), merge(bob, ann)}) {
+    const PaintedVolume& volume = merged.volumes()[0];
+    ASSERT_EQ(volume.spheres.size(), 6U);
+    EXPECT_EQ(volume.strokes.size(), 4U);
+    for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
+      const Eigen::Vector3d& at = volume.spheres[i].center;
+      const Stroke* stroke = volume.stroke(i);
+      ASSERT_EQ(stroke == nullptr, at.y() == 2.0);
+      if (stroke == nullptr) continue;
+      const std::string who = at.x() == 1.0 ? "Ann" : "Bob";
+      EXPECT_EQ(stroke->label, who + (at.y() == 0.0 ? " first" : " second"));
+      EXPECT_EQ(stroke->source, "hand of " + who);
+      EXPECT_EQ(stroke->begin, at.x());
+      EXPECT_EQ(stroke->end, at.x());
+    }
+  }
+}
+
 TEST(Merge, RefusesWhatDoesNotFit) {
   const Snapshot map = worlds::random_map(4, edge).snapshot();
   EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = 0.1}).snapshot()), std::invalid_argument);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/volumes/body_cube.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -160,6 +161,32 @@ TEST(PaintedSpace, AVoxelThatIsSensedOccupiedKeepsBodiesOut) {
   EXPECT_FALSE(space.contains(Sphere{{0, 0, 0}, 0.3}));
   EXPECT_FALSE(space.contains(Capsule{{0, -0.2, 0}, {0.08, 0.2, 0}, 0.1}));
   EXPECT_TRUE(space.contains(Cylinder{{-0.01, 0, 0}, {-0.2, 0, 0}, 0.2}));
+}
+
+TEST(PaintedSpace, HoldsABodyInALonePaintedCubeOfVoxelsWhereverThatLies) {
+  FusedNode painted;
+  painted.add_paint(1);
+  for (const double resolution : {0.01, 0.03, 0.05, 0.06, 0.1}) {
+    for (int k = -24; k < 24; ++k) {  // borders of voxels are no round numbers: each is rounded its own way
+      const int edge = 1 << ((k + 24) % 4);
+      const Eigen::Vector3i corner = edge * Eigen::Vector3i(k, -k, 3 * k);
+      const auto tree = std::make_shared<FusedTree>(resolution);
+      tree->set_leaf({corner, edge}, painted);
+      tree->finish();
+      const PaintedSpace space(Snapshot(tree, {}), 1);
+      const double half = 0.5 * edge * resolution;
+      const Eigen::Vector3d middle = (corner.cast<double>() * resolution).array() + half;
+      ASSERT_TRUE(space.contains(Sphere{middle, 0.999 * half})) << k << " of " << resolution;
+      ASSERT_FALSE(space.contains(Sphere{middle, 1.001 * half})) << k << " of " << resolution;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const double side : {-1.0, 1.0}) {
+          const Eigen::Vector3d face = middle + side * half * Eigen::Vector3d::Unit(axis);
+          ASSERT_TRUE(space.contains(Capsule{middle, middle + 0.98 * (face - middle), 0.01 * half}));
+          ASSERT_FALSE(space.contains(Capsule{middle, face, 0.01 * half}));
+        }
+      }
+    }
+  }
 }
 
 TEST(PaintedSpace, NothingIsInsideWhereNothingIsPaintedAndABodyMustBeOne) {

@@ -9,6 +9,7 @@
 #include "mapping/voxels/occupancy_update.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/stock_octomap.hpp"
 
 namespace clearway {
 namespace fused_tree_update_test {
@@ -114,6 +115,48 @@ TEST_P(FusedTreeUpdate, GivesTheTreeOfUpdatesOneByOne) {
       pruned += leaf.getDepth() < 14 ? 1 : 0;
   }
   EXPECT_GT(pruned, 100U);
+}
+
+TEST_P(FusedTreeUpdate, ACubeThatIsAsFreeAsCanBeIsLeftAloneUntilSomethingIsHitInIt) {
+  constexpr int side = 64;  // eight tiles in one leaf
+  FusedTree tree(0.05);
+  octomap::OcTree stock(0.05);
+  for (int i = 0; i < side * side * side; ++i) {
+    const octomap::OcTreeKey key = key_of({i % side, i / side % side, i / side / side});
+    stock.updateNode(key, -10.0F, true);
+  }
+  stock.updateInnerOccupancy();
+  stock.prune();
+  FusedNode settled;
+  settled.observe(stock.getClampingThresMinLog());
+  tree.set_leaf({Eigen::Vector3i::Zero(), side}, settled);
+  tree.finish();
+  worlds::expect_equal(stock, tree);
+  const auto update = [&](ScanGrid& grid) {
+    for (const ScanTile* tile : grid.tiles()) {
+      for (unsigned bit = 0; bit < 32768; ++bit) {
+        const auto is_in = [&](const auto& words) { return (words[bit >> 6U] >> (bit & 63U) & 1U) != 0; };
+        const bool hit = is_in(tile->occupied);
+        if (hit || is_in(tile->free)) stock.updateNode(key_of(tile->cell_of(bit)), hit);
+      }
+    }
+    tree.update(grid, Integration::compatible, GetParam());
+    worlds::expect_equal(stock, tree);
+  };
+  ScanGrid within, across, hits;
+  for (int x = -40; x < 50; ++x) {
+    if (x >= 0) within.set_free({x, 40, 3});
+    across.set_free({x, 40, 3});
+    hits.set_free({x, 40, 3});
+  }
+  update(within);
+  EXPECT_EQ(tree.size(), 11U) << "the leaf, and the ten cubes that it lies in";
+  update(across);
+  hits.set_occupied({50, 40, 3});
+  const std::size_t before = tree.size();
+  update(hits);
+  EXPECT_GT(tree.size(), before);
+  update(hits);
 }
 
 TEST_P(FusedTreeUpdate, SafelyGivesTheTreeOfTheRuleOneByOne) {

@@ -1,7 +1,9 @@
 // The independent check's shapes: flat hulls, which FCL cannot take as they are, have all of their extent.
+// And its distances: proved where FCL itself finds none, and never too large.
 #include <gtest/gtest.h>
 
 #include "planning/check/path_check_model.hpp"
+#include "tests/worlds/random_world.hpp"
 
 namespace clearway::check {
 namespace path_check_fcl_test {
@@ -39,6 +41,59 @@ TEST(PathCheckFcl, AFlatHullReachesToAllOfItsCorners) {
       EXPECT_FALSE(bodies.touches_cube(0, here, beyond, 0.01));
       EXPECT_LE(bodies.cube_distance(0, here, beyond, 0.01), 0.1 + 1e-9);
       EXPECT_GE(bodies.cube_distance(0, here, beyond, 0.01), 0.09);
+    }
+  }
+}
+
+Robot two_bodies(const Shape& first, const Shape& second) {
+  Robot robot;
+  robot.links.emplace_back();
+  robot.bodies.resize(2);
+  robot.bodies[0].shape = first;
+  robot.bodies[1].shape = second;
+  return robot;
+}
+
+TEST(PathCheckFcl, ACornerANanometreOffAFaceIsProvedApartWhicheverBodyItIsOf) {
+  constexpr double gap = 1e-9;
+  const Eigen::Vector3d voxel = Eigen::Vector3d::Constant(0.05);
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d edges(random.between(0.02, 0.6), random.between(0.02, 0.6),
+                                random.between(0.02, 0.6));
+    const Eigen::Isometry3d box = random.pose(1.0);
+    // The corner of the voxel that lies deepest along a face's normal, above a point of that face.
+    const int axis = random.below(3);
+    const Eigen::Vector3d normal = box.linear().col(axis);
+    Eigen::Vector3d on_face = 0.9 * random.point(0.5).cwiseProduct(edges);
+    on_face[axis] = edges[axis] / 2 + gap;
+    const Eigen::Vector3d corner = -0.5 * voxel.cwiseProduct(normal.cwiseSign());
+    const Eigen::Isometry3d cube(Eigen::Translation3d(box * on_face - corner));
+    const Robot robot = two_bodies(Shape::box(voxel), Shape::box(edges));
+    const FclBodies bodies(robot);
+    for (const double distance : {bodies.distance(0, cube, 1, box), bodies.distance(1, box, 0, cube)}) {
+      ASSERT_GT(distance, 0.0);
+      ASSERT_LE(distance, gap);
+    }
+  }
+}
+
+TEST(PathCheckFcl, ADistanceIsNeverMoreThanTheTrueOneHoweverFarFromTheOrigin) {
+  Random random(5);
+  for (const double far : {1.0, 1e3, 1e5}) {
+    for (int i = 0; i < 300; ++i) {
+      const double a = random.between(0.02, 0.3), b = random.between(0.02, 0.3);
+      const FclBodies bodies(two_bodies(Shape::sphere(a), Shape::sphere(b)));
+      const Eigen::Isometry3d pose_a = random.pose(far);
+      Eigen::Isometry3d pose_b = random.pose(1.0);
+      pose_b.translation() =
+          pose_a.translation() + random.between(1.001, 1.5) * (a + b) * random.point(1.0).normalized();
+      const auto between =  // the digits that a double has no room for
+          (pose_b.translation().cast<long double>() - pose_a.translation().cast<long double>()).eval();
+      const long double truth = between.norm() - static_cast<long double>(a) - static_cast<long double>(b);
+      const double distance = bodies.distance(0, pose_a, 1, pose_b);
+      ASSERT_LE(distance, truth) << far;
+      ASSERT_GE(distance, truth - 1e-12 * far - 1e-9) << far;
     }
   }
 }

@@ -99,6 +99,33 @@ TEST(Distance, BoundsHoldTheDistanceOfFclForAlignedTouchingAndGridPairs) {
   EXPECT_EQ(tally.open, 0) << "worst gap " << tally.worst_gap;
 }
 
+TEST(Distance, OfBodiesInMillimetresIsTheSameNumberAsOfBodiesInMetres) {
+  Random random(3);
+  int near = 0;
+  for (int i = 0; i < 4'000; ++i) {
+    const Shape a = random_shape(random, false), b = random_shape(random, false);
+    const Eigen::Isometry3d pose_a = random_pose(random, false);
+    Eigen::Isometry3d pose_b = random_pose(random, false);
+    if (i % 2 == 0) {  // a hair apart
+      const DistanceBounds gap = distance(a, pose_a, b, pose_b);
+      if (gap.lower > 0.0) pose_b.translation() -= (1.0 - 1e-9) * gap.lower * gap.direction;
+    }
+    const DistanceBounds bounds = distance(a, pose_a, b, pose_b);
+    near += bounds.lower > 0.0 && bounds.lower < 1e-8 ? 1 : 0;
+    for (const double factor : {0x1p-20, 0x1p-10, 0x1p10, 0x1p20}) {  // scale without any rounding
+      const auto scaled_pose = [&](Eigen::Isometry3d pose) {
+        pose.translation() *= factor;
+        return pose;
+      };
+      const DistanceBounds scaled =
+          distance(a.scaled(factor), scaled_pose(pose_a), b.scaled(factor), scaled_pose(pose_b));
+      ASSERT_EQ(scaled.lower / factor, bounds.lower) << i << " times " << factor;
+      ASSERT_EQ(scaled.upper / factor, bounds.upper) << i << " times " << factor;
+    }
+  }
+  EXPECT_GT(near, 300);
+}
+
 TEST(Distance, ToACubeEqualsDistanceToABoxOfTheSameSize) {
   Random random(3);
   double worst = 0.0;

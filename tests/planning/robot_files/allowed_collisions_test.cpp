@@ -38,6 +38,24 @@ TEST(AllowedCollisions, BodiesThatSometimesComeApartAreNotExemptHoweverOftenThey
   EXPECT_EQ(always_colliding_bodies(within.robot()), (Pairs{{0, 1}}));
 }
 
+TEST(AllowedCollisions, PairsOfPartsArePairsOfAllTheirBodiesAndOfNoBodyWithItself) {
+  Robot robot;
+  robot.links.resize(2);
+  robot.links[0].name = "a link without bodies";
+  for (const char* part : {"arm", "hand", "arm", "tool"}) robot.bodies.emplace_back().part = part;
+  const auto pairs = [&](const std::string& first, const std::string& second) {
+    Pairs found = bodies_of_parts(robot, {{first, second}}, "r.srdf");
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  EXPECT_EQ(pairs("arm", "hand"), (Pairs{{0, 1}, {1, 2}}));
+  EXPECT_EQ(pairs("tool", "arm"), (Pairs{{0, 3}, {2, 3}}));
+  EXPECT_EQ(pairs("hand", "tool"), (Pairs{{1, 3}}));
+  EXPECT_EQ(pairs("tool", "tool"), Pairs{});
+  EXPECT_EQ(pairs("tool", "a link without bodies"), Pairs{});
+  EXPECT_THROW(pairs("arm", "leg"), std::invalid_argument);
+}
+
 TEST(AllowedCollisions, AnSrdfMayNameAHundredThousandPairsAndNotOneMore) {
   const RobotFolder folder("srdf_limit");
   const auto of = [](int pairs) {

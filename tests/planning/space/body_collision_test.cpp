@@ -83,7 +83,10 @@ TEST(BodyCollision, IsClearAgreesWithEveryCubeAndWithWhatWasMetLately) {
       ASSERT_LE(beyond, lower + 1e-12);
       ASSERT_EQ(beyond >= margin + 0.005, collision.is_clear(pose, margin + 0.005)) << i;
       ASSERT_LE(collision.coarse_clearance(pose), lower + 1e-12);
-      ASSERT_LE(collision.quick_clearance(pose), lower + 1e-12);
+      const double quick = collision.quick_clearance(pose);
+      ASSERT_LE(quick, lower + 1e-12);
+      ASSERT_TRUE(quick < 1e-9 || collision.is_quickly_clear(pose, quick - 1e-9)) << i;
+      ASSERT_FALSE(collision.is_quickly_clear(pose, upper)) << i;
       for (std::size_t k = 0; k < recent.size(); ++k) {
         ASSERT_EQ(collision.is_clear_of(pose, recent[k], margin),
                   distance_to_cube(shape, pose, recent[k], 0.03, margin).lower > margin);

@@ -277,6 +277,32 @@ TEST(ConfigurationSpace, PaddingBeyondTheFieldsReachStillCountsWhereTheRobotCann
   }
 }
 
+TEST(ConfigurationSpace, AMapOutOfTheRobotsReachIsAsGoodAsNone) {
+  Robot robot = load_robot("point");  // a disc of radius 0.2
+  FreeSpaceMap builder({.resolution = edge});
+  builder.paint(builder.add_volume("far", {}), {{0.0, 0.4, 0.0}, 0.3});
+  occupy(builder, {0.025, 0.025, 0.025});
+  const Snapshot far = builder.snapshot(), none = FreeSpaceMap({.resolution = edge}).snapshot();
+  for (Joint& joint : robot.joints) std::tie(joint.lower, joint.upper) = std::pair(-1.0, 1.0);
+  for (const double away : {-1e7, -90.0, -4.0, 4.0, 90.0, 1e7}) {
+    robot.map_from_base.translation() = Eigen::Vector3d(away, away, 0.0);
+    for (const Policy policy : {Policy::not_occupied, Policy::known_free, Policy::painted}) {
+      const ConfigurationSpace in_far(robot, far, {.other = policy, .critical_by_default = false}),
+          in_none(robot, none, {.other = policy, .critical_by_default = false});
+      Random random(61);
+      for (int i = 0; i < 10; ++i) {
+        const Configuration from = random.configuration(robot), to = random.configuration(robot);
+        ASSERT_EQ(in_far.is_free(from), policy == Policy::not_occupied);
+        ASSERT_EQ(in_far.is_edge_free(from, to), policy == Policy::not_occupied);
+        ASSERT_EQ(in_far.clearance(from), in_none.clearance(from));
+        ASSERT_EQ(in_far.check(from).sentence(), in_none.check(from).sentence());
+        ASSERT_EQ(in_far.proximity_constraints(from, 1.0).size(),
+                  in_none.proximity_constraints(from, 1.0).size());
+      }
+    }
+  }
+}
+
 TEST(ConfigurationSpace, APartThatAPaintedVolumeNamesIsCriticalThoughTheRobotDoesNotSaySo) {
   Robot robot = load_robot("point");
   robot.critical_parts.clear();  // as a bare URDF is

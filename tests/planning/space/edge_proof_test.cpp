@@ -90,16 +90,20 @@ TEST(EdgeProof, NoEdgeOfTwoArmsIsAcceptedOnWhichTheyMeet) {
   EXPECT_LT(count.wrongly_refused, 10);
 }
 
-TEST(EdgeProof, ABodyThatRunsStraightIntoAnotherIsRefusedHoweverFarAwayItStarts) {
-  // A sphere that slides towards one on its base: no bound on its motion has slack.
+/// A sphere of 5 cm on a slide along x, past or into one of 5 cm on its base, x = 1 m: no bound on its motion
+/// has slack.
+worlds::UrdfRobot sliding_sphere(double beside) {
   const std::string sphere = "<sphere radius='0.05'/>";
-  const worlds::UrdfRobot slider(
-      "slider", worlds::urdf_link("base", "1 0 0", sphere) + "<link name='turntable'/>" +
-                    worlds::urdf_link("hand", "0 0 0", sphere) +
-                    worlds::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
-                                       worlds::urdf_limit(-1, 1)) +
-                    worlds::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
-                                       worlds::urdf_limit(-10, 2)));
+  return {"slider", worlds::urdf_link("base", "1 " + std::to_string(beside) + " 0", sphere) +
+                        "<link name='turntable'/>" + worlds::urdf_link("hand", "0 0 0", sphere) +
+                        worlds::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
+                                           worlds::urdf_limit(-1, 1)) +
+                        worlds::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
+                                           worlds::urdf_limit(-10, 2))};
+}
+
+TEST(EdgeProof, ABodyThatRunsStraightIntoAnotherIsRefusedHoweverFarAwayItStarts) {
+  const worlds::UrdfRobot slider = sliding_sphere(0.0);
   const ConfigurationSpace space(slider.robot(), Snapshot(), not_occupied());
   for (const double start : {0.8, 0.5, 0.0, -2.0, -9.0}) {
     const auto reaches = [&](double end) {
@@ -108,6 +112,38 @@ TEST(EdgeProof, ABodyThatRunsStraightIntoAnotherIsRefusedHoweverFarAwayItStarts)
     EXPECT_TRUE(reaches(0.899)) << start;
     for (const double end : {0.901, 0.95, 1.0, 1.5}) EXPECT_FALSE(reaches(end)) << start << " to " << end;
   }
+}
+
+TEST(EdgeProof, BodiesThatPassMoreThanHalfTheEdgeResolutionApartAreProvedToDoSo) {
+  constexpr double resolution = 0.01, gap = 0.51 * resolution;
+  const worlds::UrdfRobot slider = sliding_sphere(0.1 + gap);
+  const ConfigurationSpace space(slider.robot(), Snapshot(), not_occupied(), {.edge_resolution = resolution});
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector2d from(0.0, random.between(-1.0, 1.0)), to(0.0, random.between(1.0, 2.0));
+    ASSERT_TRUE(space.is_edge_free(from, to)) << from.y() << " to " << to.y();
+    ASSERT_TRUE(space.is_edge_free(to, from)) << to.y() << " to " << from.y();
+  }
+}
+
+TEST(EdgeProof, AnEdgeThatStartsBesideAnObstacleIsJudgedAsTheOneBack) {
+  const worlds::UrdfRobot slider = sliding_sphere(5.0);
+  FreeSpaceMap builder({.resolution = 0.1});
+  occupy(builder, {0.05, 0.05, 0.05});  // up to x = 0.1, before which the sphere begins and ends
+  const ConfigurationSpace space(slider.robot(), builder.snapshot(), not_occupied(),
+                                 {.edge_resolution = 0.01});
+  int accepted = 0, refused = 0;
+  for (double room = 0.0005; room < 0.01; room += 0.0005) {
+    for (double length = 0.05; length < 1.5; length += 0.05) {
+      const Eigen::Vector2d near(0.0, 0.15 + room), far(0.0, 0.15 + room + length);
+      const bool is_free = space.is_edge_free(near, far);
+      ASSERT_EQ(space.is_edge_free(far, near), is_free) << room << " m apart, " << length << " m long";
+      ASSERT_TRUE(is_free || room < 0.0051) << room << " m apart, " << length << " m long";
+      (is_free ? accepted : refused)++;
+    }
+  }
+  EXPECT_GT(accepted, 100);
+  EXPECT_GT(refused, 10);
 }
 
 TEST(EdgeProof, BodiesThatStandStillOnTheEdgeKeepTheirPadding) {
