@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <ostream>
 #include <stdexcept>
 
@@ -7,12 +8,12 @@
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/pages/map_page.hpp"
-#include "apps/query/advice.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/files/trajectory_file.hpp"
+#include "planning/plan_and_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -38,14 +39,10 @@ int print_planner_options(const PlanOptions& options, Console& console) {
   return exit_done;
 }
 
-bool is_solved_and_valid(const Plan& plan) {
-  return plan.status() == PlanStatus::solved && plan.validation.valid;
-}
-
 /// Nothing but a proved path is given time: a controller would follow it.
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan, Console& console) {
   if (options.trajectories.empty()) return;
-  if (!is_solved_and_valid(plan)) {
+  if (!plan.is_proved()) {
     console.warn("clearway: no trajectory was written, because the plan is " +
                  (plan.status() == PlanStatus::solved
                       ? "refused by the check"
@@ -119,8 +116,8 @@ std::string plan_page(const PlanOptions& options, const Plan& plan, const Config
 int run_plan(const PlanOptions& options, Console& console) {
   if (options.print_options) return print_planner_options(options, console);
   // The cheap mistakes are told before the map is read.
-  const PlannerOptions settings = choose_planner_options(options.settings);
-  make_planner(options.planner, settings);
+  const std::shared_ptr<const Planner> planner =
+      make_planner(options.planner, choose_planner_options(options.settings));
   const Robot robot = choose_robot(options.robot);
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
   const auto names = joint_names(robot);
@@ -142,16 +139,19 @@ int run_plan(const PlanOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const ConfigurationSpace space =
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
-  Query query{space,           options.robot.robot,
-              options.map,     map_sha256(options.map),
-              start,           goals,
-              options.planner, settings,
-              options.seed,    options.time_limit};
-  query.payload = options.cost.payload;
-  query.survey = options.survey;
+  PlanQuery query{.space = space,
+                  .start = start,
+                  .goals = goals,
+                  .planner = planner,
+                  .seed = options.seed,
+                  .time_limit = options.time_limit,
+                  .payload = options.cost.payload,
+                  .survey = options.survey,
+                  .robot_name = options.robot.robot,
+                  .map_file = options.map,
+                  .map_digest = map_sha256(options.map)};
   if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
-  Plan plan = solve(query);
-  advise(query, plan);
+  const Plan plan = plan_and_check(query);
   tell_default_policy(options, plan, space, console);
   const std::string text = to_json(plan);
   if (!options.out.empty()) save_file(options.out, text);
@@ -165,10 +165,10 @@ int run_plan(const PlanOptions& options, Console& console) {
     if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
     if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
     for (const auto& [format, file] : options.trajectories) {
-      if (is_solved_and_valid(plan)) console.out() << "  trajectory: " << file << '\n';
+      if (plan.is_proved()) console.out() << "  trajectory: " << file << '\n';
     }
   }
-  return is_solved_and_valid(plan) ? exit_done : exit_no;
+  return plan.is_proved() ? exit_done : exit_no;
 }
 
 }  // namespace clearway

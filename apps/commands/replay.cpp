@@ -11,11 +11,11 @@
 #include "apps/fusion/fusion.hpp"
 #include "apps/inspect/map_folder.hpp"
 #include "apps/pages/report.hpp"
-#include "apps/query/advice.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/files/query_record.hpp"
+#include "planning/plan_and_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -114,17 +114,19 @@ class QueryRunner {
       const std::vector<Configuration> goals = configurations(query.goals);
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
-        Query asked{*spaces_[i],   setup_.robot->name,
-                    "map.ot",      digest,
-                    start,         goals,
-                    planner,       planner_options(query, planner),
-                    options_.seed, options_.time_limit};
-        asked.name = query.name;
-        asked.payload = setup_.robot->payload;
-        asked.survey = SurveyDemands{.allow_outside = query.allow_outside};
-        asked.gravity = setup_.robot->gravity;
-        Plan plan = solve(asked);
-        advise(asked, plan);
+        Plan plan = plan_and_check({.space = *spaces_[i],
+                                    .start = start,
+                                    .goals = goals,
+                                    .planner = make_planner(planner, planner_options(query, planner)),
+                                    .seed = options_.seed,
+                                    .time_limit = options_.time_limit,
+                                    .payload = setup_.robot->payload,
+                                    .gravity = setup_.robot->gravity,
+                                    .survey = SurveyDemands{.allow_outside = query.allow_outside},
+                                    .robot_name = setup_.robot->name,
+                                    .map_file = "map.ot",
+                                    .map_digest = digest,
+                                    .name = query.name});
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
         save_file(folder_ / file, to_json(plan));
@@ -200,7 +202,7 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
     console.out() << '\n';
     print_table(console.out(), plan_table(report));
     for (const ReplayPlan& entry : report.plans) {
-      if (entry.plan.status() == PlanStatus::solved && entry.plan.validation.valid) continue;
+      if (entry.plan.is_proved()) continue;
       console.out() << "  " << entry.query << ", " << entry.plan.planner << ": "
                     << (entry.plan.status() == PlanStatus::solved ? entry.plan.validation.first_contact
                                                                   : entry.plan.explanation())
@@ -255,9 +257,8 @@ int run_replay(const ReplayOptions& options, Console& console) {
   print_report(options, report, json, console);
 
   if (fusion.damage) return exit_damaged;
-  const bool all_solved = std::all_of(report.plans.begin(), report.plans.end(), [](const ReplayPlan& entry) {
-    return entry.plan.status() == PlanStatus::solved && entry.plan.validation.valid;
-  });
+  const bool all_solved = std::all_of(report.plans.begin(), report.plans.end(),
+                                      [](const ReplayPlan& entry) { return entry.plan.is_proved(); });
   return all_solved ? exit_done : exit_no;
 }
 

@@ -10,13 +10,13 @@
 #include "apps/compare/compare_tasks.hpp"
 #include "apps/compare/compare_team.hpp"
 #include "apps/pages/map_page.hpp"
-#include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/parallel.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/trajectory.hpp"
+#include "planning/plan_and_check.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -178,7 +178,7 @@ class Runner {
     if (is_shown) page = page_of_problem(*task.stage, problem);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
       for (int number = 1; number <= experiment_.setup.runs; ++number) {
-        const Query query = query_of(*task.stage, problem, i, number);
+        const PlanQuery query = query_of(*task.stage, problem, i, number);
         const Plan plan = plan_once(query, problem, i);
         CompareRun run = run_of(plan, task.stage->space, path_cost(query));
         run.planner = i;
@@ -197,28 +197,28 @@ class Runner {
     return collected_.add(task.stage->index, task.problem, std::move(found), std::move(profiles));
   }
 
-  Query query_of(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number) const {
+  PlanQuery query_of(const OpenStage& open, const StageProblem& problem, std::size_t planner,
+                     int number) const {
     return {.space = open.space,
-            .robot_name = experiment_.setup.robot,
-            .map_file = open.stage.map_file,
-            .map_digest = open.stage.digest,
             .start = problem.start,
             .goals = problem.goals,
-            .planner = experiment_.planners[planner].planner,
-            .options = {},
+            .planner = experiment_.makers[planner],
             .seed = choice_.seed + static_cast<std::uint64_t>(number - 1),
             .time_limit = experiment_.time_limit,
             .payload = experiment_.setup.payload,
             .gravity = experiment_.setup.gravity,
-            .survey = std::nullopt};  // suites judge planners, in scenes whose unknown is theirs
+            .survey = std::nullopt,  // suites judge planners, in scenes whose unknown is theirs
+            .advice_time = 0.0,
+            .robot_name = experiment_.setup.robot,
+            .map_file = open.stage.map_file,
+            .map_digest = open.stage.digest};
   }
 
-  Plan plan_once(const Query& query, const StageProblem& problem, std::size_t planner) const {
-    const Planner& maker = *experiment_.makers[planner];
+  Plan plan_once(const PlanQuery& query, const StageProblem& problem, std::size_t planner) const {
     try {
       // Untimed: what the planner derives from the map.
-      maker.plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
-      return solve(query, maker);
+      query.planner->plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
+      return plan_and_check(query);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +
                                   "', planner '" + experiment_.planners[planner].label +

@@ -22,9 +22,9 @@ struct PreparedExperiment {
   Policies policies;
   double time_limit = 0.0;  ///< s of wall clock: a leg; a run of a team, infinity: none
   std::vector<ComparePlanner> planners;
-  std::vector<std::unique_ptr<Planner>> makers;  ///< of these; none for teams
-  std::vector<TeamOptions> leaders;              ///< of these, for teams
-  std::optional<Snapshot> map;                   ///< for teams: of their world
+  std::vector<std::shared_ptr<const Planner>> makers;  ///< of these; none for teams
+  std::vector<TeamOptions> leaders;                    ///< of these, for teams
+  std::optional<Snapshot> map;                         ///< for teams: of their world
 };
 
 /// Looks up robot, policies, planners, options and plots of an experiment; `only` keeps the planners with

@@ -1,18 +1,13 @@
 #include "apps/query/query.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <set>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
 #include "apps/query/survey_figures.hpp"
-#include "mapping/maps/map_damage.hpp"
-#include "mapping/maps/map_integration.hpp"
-#include "planning/check/path_check.hpp"
 #include "planning/files/query_record.hpp"
-#include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
@@ -101,95 +96,6 @@ PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
     }
   }
   return options;
-}
-
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-Plan empty_plan(const Query& query) {
-  const Robot& robot = query.space.robot();
-  Plan plan;
-  plan.robot = query.robot_name;
-  plan.robot_scale = robot.scale;
-  plan.map_from_base = robot.map_from_base;
-  for (const Joint& joint : robot.joints) plan.joints.push_back(joint.name);
-  plan.planner = query.planner;
-  plan.seed = query.seed;
-  plan.map_file = query.map_file.string();
-  plan.map_sha256 = query.map_digest;
-  plan.map_resolution = query.space.map().resolution();
-  plan.map_integration = to_string(integration_of(query.space.map()));
-  plan.map_caveat = map_caveat(query.space.map());
-  plan.policies = query.space.policies();
-  plan.padding = query.space.options().padding;
-  plan.seen_within = query.space.options().seen_within;
-  plan.position_accuracy = robot.position_accuracy;
-  plan.payload = query.payload;
-  plan.gravity = query.gravity;
-  plan.query = query.name;
-  plan.start = query.start;
-  plan.goals = query.goals;
-  return plan;
-}
-
-/// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
-/// than the way nothing has to move.
-void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
-  if (leg.status != PlanStatus::solved || leg.search_steps > 0 || !in_force.contains("step")) return;
-  if (leg.final_distance == 0.0) return;  // the start is the goal
-  leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
-                     significant(leg.final_distance, 3) + ": " +
-                     (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
-}
-
-}  // namespace
-
-namespace {
-
-/// Adds what the map knows of where the robot goes, and refuses for it.
-void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan& plan) {
-  plan.survey = survey_path(space.robot(), space.map(), plan.policies, plan.waypoints());
-  plan.allow_outside = demands.allow_outside;
-  refuse_surveyed(*plan.survey, demands, plan.validation);
-}
-
-}  // namespace
-
-PathCost path_cost(const Query& query) {
-  const Robot& robot = query.space.robot();
-  return PathCost(robot, {.gravity = robot.map_from_base.linear().transpose() * query.gravity,
-                          .payload_mass = query.payload});
-}
-
-Plan solve(const Query& query) { return solve(query, *make_planner(query.planner, query.options)); }
-
-Plan solve(const Query& query, const Planner& planner) {
-  Plan plan = empty_plan(query);
-  plan.options = planner.options();
-  const PathCost cost = path_cost(query);
-  const auto begin = Clock::now();
-  Configuration from = query.start;
-  for (const Configuration& goal : query.goals) {
-    const auto leg_begin = Clock::now();
-    plan.legs.push_back(planner.plan({query.space, cost, from, goal, query.seed,
-                                      [&] { return seconds_since(leg_begin) > query.time_limit; }}));
-    tell_step_beyond_way(plan.options, plan.legs.back());
-    if (plan.legs.back().status != PlanStatus::solved) break;
-    from = plan.legs.back().waypoints.back();
-  }
-  plan.time_s = seconds_since(begin);
-  const std::vector<Configuration> path = plan.waypoints();
-  if (!path.empty()) {
-    plan.validation = check_path(query.space.robot(), query.space.map(), plan.policies, plan.padding, path,
-                                 0.0, plan.seen_within);
-  }
-  if (query.survey) survey(*query.survey, query.space, plan);
-  return plan;
 }
 
 namespace {

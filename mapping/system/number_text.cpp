@@ -15,10 +15,12 @@ std::string to_text(const std::vector<double>& values) {
   return text;
 }
 
-std::string short_text(double value) {
+std::string short_text(double value) { return short_text(value, 4); }
+
+std::string short_text(double value, int digits) {
   char buffer[40];
-  return std::string(buffer,
-                     std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 4).ptr);
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, digits);
+  return std::string(buffer, end.ptr);
 }
 
 }  // namespace clearway

@@ -9,6 +9,7 @@
 #include "planning/beam/lattice_checks.hpp"
 #include "planning/beam/lattice_poses.hpp"
 #include "planning/beam/neighbour_queue.hpp"
+#include "planning/problem/option_reader.hpp"
 
 namespace clearway {
 namespace {
@@ -199,6 +200,9 @@ std::vector<Head> NearestHeads::operator()(BeamChecks& counts) {
 }
 
 }  // namespace
+
+Beam::Beam(const BeamOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)), options_(options) {}
 
 PlanResult Beam::plan(const PlanProblem& problem) const {
   std::optional<NearestHeads> nearest;

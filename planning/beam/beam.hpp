@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planning/beam/beam_lattice.hpp"
+#include "planning/beam/beam_options.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
@@ -15,12 +15,14 @@ namespace clearway {
 /// equal cost the one that was kept first.
 class Beam : public Planner {
  public:
-  explicit Beam(const PlannerOptions& options) : options_(read_beam_options("beam", options, in_force_)) {}
+  using Options = BeamOptions;
+  static constexpr std::string_view table_name = "beam";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit Beam(const BeamOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
-  std::map<std::string, std::string> in_force_;
   BeamOptions options_;
 };
 

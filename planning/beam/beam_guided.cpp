@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mapping/system/number_text.hpp"
 #include "planning/beam/beam.hpp"
 #include "planning/beam/via_beam.hpp"
 #include "planning/path/any_angle.hpp"
@@ -50,9 +49,8 @@ Found beam_leg(const PlanProblem& problem, const Configuration& from, const Conf
   }
   const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
   if (*least < 1e-6 || *most > 10.0) return {};  // no lattice: a joint that does not move
-  const Beam beam({{"width", std::to_string(width)},
-                   {"step", to_text(steps)},
-                   {"max_steps", std::to_string(static_cast<int>(std::min(1.5 * ramp, 1e6)) + 4)}});
+  const Beam beam(
+      {.width = width, .step = steps, .max_steps = static_cast<int>(std::min(1.5 * ramp, 1e6)) + 4});
   // Asked once for each group of neighbours at one distance.
   double groups = patience * width * (ramp + 4.0);
   const auto gives_up = [&] { return --groups < 0.0 || problem.out_of_time(); };
@@ -131,26 +129,26 @@ class GuidedSearch {
 
 }  // namespace
 
-BeamGuided::BeamGuided(const PlannerOptions& options) {
-  OptionReader reader("beam_guided", options);
-  width_ = reader.integer("width", 3, 1, 100000);
-  stride_ = reader.number("stride", 6.0, 1.0, 100.0);
-  max_samples_ = reader.integer("max_samples", 20000, 1, 100000000);
-  guided_share_ = reader.number("guided_share", 0.5, 0.0, 1.0);
-  range_ = reader.number_or_auto("range", 0.0, 1e3);
-  routes_ = reader.integer("routes", 4, 0, 100);
-  attempts_ = reader.integer("attempts", 300, 0, 1000000);
-  prismatic_scale_ = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
-  reader.refuse_unknown();
-  in_force_ = reader.in_force();
+BeamGuidedOptions read_options(OptionReader& reader, BeamGuidedOptions initial) {
+  return {.width = reader.integer("width", initial.width, 1, 100000),
+          .stride = reader.number("stride", initial.stride, 1.0, 100.0),
+          .max_samples = reader.integer("max_samples", initial.max_samples, 1, 100000000),
+          .guided_share = reader.number("guided_share", initial.guided_share, 0.0, 1.0),
+          .range = reader.number_or_auto("range", initial.range, 0.0, 1e3),
+          .routes = reader.integer("routes", initial.routes, 0, 100),
+          .attempts = reader.integer("attempts", initial.attempts, 0, 1000000),
+          .prismatic_scale = reader.number_or_auto("prismatic_scale", initial.prismatic_scale, 0.0, 1e6)};
 }
+
+BeamGuided::BeamGuided(const BeamGuidedOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)), options_(options) {}
 
 PlanResult BeamGuided::plan(const PlanProblem& problem) const {
   PlanResult result = check_ends(problem);
   if (result.status != PlanStatus::solved) return result;
   result.statistics["deadline_hit"] = 0.0;
-  const Eigen::VectorXd weight = joint_weights(problem.space, prismatic_scale_);
-  const std::vector<double> steps = strides(problem.space.robot(), stride_);
+  const Eigen::VectorXd weight = joint_weights(problem.space, options_.prismatic_scale);
+  const std::vector<double> steps = strides(problem.space.robot(), options_.stride);
   Path path;
   ++result.edges_checked;
   if (problem.space.is_edge_free(problem.start, problem.goal)) {
@@ -165,7 +163,7 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
       result.explanation = parted + ".";
       return result;
     }
-    Found direct = beam_leg(problem, problem.start, problem.goal, width_, steps);
+    Found direct = beam_leg(problem, problem.start, problem.goal, options_.width, steps);
     result.configurations_checked += direct.configurations;
     result.edges_checked += direct.edges;
     path = std::move(direct.path);
@@ -173,7 +171,8 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
   }
   if (path.empty()) path = guided(problem, weight, result);
   if (path.empty()) return result;
-  path = straightened(problem, std::move(path), weight, {.attempts = attempts_}, result.edges_checked);
+  path =
+      straightened(problem, std::move(path), weight, {.attempts = options_.attempts}, result.edges_checked);
   result.status = PlanStatus::solved;
   result.explored.clear();
   result.statistics["deadline_hit"] = problem.out_of_time() ? 1.0 : 0.0;
@@ -186,12 +185,13 @@ PlanResult BeamGuided::plan(const PlanProblem& problem) const {
 std::vector<Configuration> BeamGuided::guided(const PlanProblem& problem, const Eigen::VectorXd& weight,
                                               PlanResult& result) const {
   GuidedSearch search(problem, weight, result);
-  TreeOptions trees{.weight = weight, .range = range_, .max_samples = std::min(300, max_samples_)};
+  TreeOptions trees{
+      .weight = weight, .range = options_.range, .max_samples = std::min(300, options_.max_samples)};
   Path path = search.through_regions(1, {.effort = 1, .halvings = 0});
-  if (path.empty()) path = search.through_trees(trees, guided_share_);
-  if (path.empty()) path = search.through_regions(routes_, {});
-  trees.max_samples = max_samples_;
-  if (path.empty() && !problem.out_of_time()) path = search.through_trees(trees, guided_share_);
+  if (path.empty()) path = search.through_trees(trees, options_.guided_share);
+  if (path.empty()) path = search.through_regions(options_.routes, {});
+  trees.max_samples = options_.max_samples;
+  if (path.empty() && !problem.out_of_time()) path = search.through_trees(trees, options_.guided_share);
   if (!path.empty() && is_certified(problem.space, path, result.edges_checked)) return path;
   const bool out_of_time = problem.out_of_time();
   result.status = out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;

@@ -4,6 +4,21 @@
 
 namespace clearway {
 
+class OptionReader;
+
+/// What beam_guided may spend, and how it steps.
+struct BeamGuidedOptions {
+  int width = 3;                 ///< k of the beam on the coarse lattice, 1 to 100,000
+  double stride = 6.0;           ///< step of that lattice, in the robot's own steps, 1 to 100
+  int max_samples = 20000;       ///< of the trees, 1 to 100,000,000
+  double guided_share = 0.5;     ///< of the samples that the route proposes, 0 to 1
+  double range = 0.0;            ///< longest edge of the trees, weighted units, up to 1e3; 0: OMPL's choice
+  int routes = 4;                ///< for the hand, tried thoroughly in turn, 0 to 100
+  int attempts = 300;            ///< to straighten the path, 0 to 1,000,000
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+};
+BeamGuidedOptions read_options(OptionReader& reader, BeamGuidedOptions initial);
+
 /// Ours, beyond Chong et al. 2008: a beam search that is led to the goal by via regions of its own. In turn,
 /// until one succeeds:
 /// 1. the straight edge; then `beam` on a coarse lattice, as long as it goes well;
@@ -16,21 +31,19 @@ namespace clearway {
 /// Every edge is certified. Same seed, same path.
 class BeamGuided : public Planner {
  public:
-  explicit BeamGuided(const PlannerOptions& options);
+  using Options = BeamGuidedOptions;
+  static constexpr std::string_view table_name = "beam_guided";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit BeamGuided(const BeamGuidedOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
   /// Steps 2 and 3; empty when it fails, then status and explanation say why.
   std::vector<Configuration> guided(const PlanProblem& problem, const Eigen::VectorXd& weight,
                                     PlanResult& result) const;
 
-  std::map<std::string, std::string> in_force_;
-  int width_ = 0, max_samples_ = 0, attempts_ = 0, routes_ = 0;
-  double stride_ = 0.0;           ///< step of the guided lattice, in the robot's own steps
-  double guided_share_ = 0.0;     ///< of the samples that the route proposes
-  double range_ = 0.0;            ///< longest edge of the trees; 0: OMPL's choice
-  double prismatic_scale_ = 0.0;  ///< see joint_weights
+  BeamGuidedOptions options_;
 };
 
 }  // namespace clearway

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
-#include "planning/problem/option_reader.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -50,22 +49,6 @@ void refuse_unlimited_reach(const ConfigurationSpace& space) {
 }
 
 }  // namespace
-
-BeamOptions read_beam_options(const std::string& planner, const PlannerOptions& given,
-                              std::map<std::string, std::string>& in_force) {
-  OptionReader reader(planner, given);
-  BeamOptions options;
-  options.width = reader.integer("width", options.width, 1, 100000);
-  options.step = reader.numbers_or_auto("step", 1e-6, 10.0);
-  options.step_deg = reader.numbers_or_auto("step_deg", 1e-4, 180.0);
-  options.max_steps = reader.integer_or_auto("max_steps", 1, 100000000);
-  options.last_segment = reader.flag("last_segment", options.last_segment);
-  options.node_only = reader.flag("node_only", options.node_only);
-  options.prismatic_scale = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
-  reader.refuse_unknown();
-  in_force = reader.in_force();
-  return options;
-}
 
 Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
     : start_(problem.start),

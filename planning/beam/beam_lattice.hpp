@@ -1,28 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
-#include <string>
 #include <vector>
 
+#include "planning/beam/beam_options.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
-
-/// Options of the beam search; `clearway plan --print-options` prints their text forms.
-struct BeamOptions {
-  int width = 10;                ///< k, the maximum width of the beam
-  std::vector<double> step;      ///< epsilon_j, rad or m, one or one per joint; empty: the robot's own
-  std::vector<double> step_deg;  ///< the same in degrees, for revolute joints
-  int max_steps = 0;             ///< 0: 20 max_j |dq_j| / epsilon_j + 200
-  bool last_segment = true;      ///< append the certified segment to the exact goal
-  bool node_only = false;        ///< check nodes only, as the paper does: paths are then not certified
-  double prismatic_scale = 0.0;  ///< rad per metre in Chong 2008, eq. 10; 0: see joint_weights
-};
-
-/// @throws std::invalid_argument as OptionReader does.
-BeamOptions read_beam_options(const std::string& planner, const PlannerOptions& given,
-                              std::map<std::string, std::string>& in_force);
 
 /// A node of the lattice: q_j = start_j + index_j epsilon_j.
 using LatticeIndex = std::vector<int>;

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "planning/beam/beam_search.hpp"
+#include "planning/problem/option_reader.hpp"
 
 namespace clearway {
 namespace {
@@ -50,6 +51,9 @@ std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, 
 }
 
 }  // namespace
+
+BeamReference::BeamReference(const BeamOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)), options_(options) {}
 
 PlanResult BeamReference::plan(const PlanProblem& problem) const {
   return search_beam(problem, options_, all_heads);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planning/beam/beam_lattice.hpp"
+#include "planning/beam/beam_options.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
@@ -9,13 +9,14 @@ namespace clearway {
 /// filtered, the rest sorted and cut to k. Slow; the twin against which Beam is tested.
 class BeamReference : public Planner {
  public:
-  explicit BeamReference(const PlannerOptions& options)
-      : options_(read_beam_options("beam_reference", options, in_force_)) {}
+  using Options = BeamOptions;
+  static constexpr std::string_view table_name = "beam_reference";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit BeamReference(const BeamOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
-  std::map<std::string, std::string> in_force_;
   BeamOptions options_;
 };
 

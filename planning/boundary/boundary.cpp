@@ -74,21 +74,19 @@ class BoundaryMotion {
 
 }  // namespace
 
-BoundaryOptions read_boundary_options(OptionReader& reader) {
+BoundaryOptions read_options(OptionReader& reader, BoundaryOptions initial) {
+  const std::string side = initial.side == BoundarySide::upper ? "upper" : "lower";
   BoundaryOptions options;
-  options.local = read_constraint_options(reader);
-  options.enter_ratio = reader.number("enter_ratio", options.enter_ratio, 0.0, 0.99);
-  options.leave_ratio = reader.number("leave_ratio", options.leave_ratio, 0.01, 1.0);
-  options.upper = reader.choice("side", "upper", {"upper", "lower"}) == "upper";
+  options.local = read_options(reader, initial.local);
+  options.enter_ratio = reader.number("enter_ratio", initial.enter_ratio, 0.0, 0.99);
+  options.leave_ratio = reader.number("leave_ratio", initial.leave_ratio, 0.01, 1.0);
+  options.side =
+      reader.choice("side", side, {"upper", "lower"}) == "upper" ? BoundarySide::upper : BoundarySide::lower;
   return options;
 }
 
-Boundary::Boundary(const PlannerOptions& options) {
-  OptionReader reader("boundary", options);
-  options_ = read_boundary_options(reader);
-  reader.refuse_unknown();
-  in_force_ = reader.in_force();
-}
+Boundary::Boundary(const BoundaryOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)), options_(options) {}
 
 PlanResult Boundary::plan(const PlanProblem& problem) const {
   const PlanResult ends = check_ends(problem);

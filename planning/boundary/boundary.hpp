@@ -5,25 +5,32 @@
 
 namespace clearway {
 
+/// Which way round: towards all upper, or all lower, joint limits.
+enum class BoundarySide { upper, lower };
+
 /// When boundary following starts and ends, and which way round.
 struct BoundaryOptions {
-  ConstraintOptions local;
-  double enter_ratio = 0.3;  ///< starts when ||dq|| < enter_ratio ||dq_goal|| (section 4); 0: when dq is null
-  double leave_ratio = 0.8;  ///< ends when ||q - q_goal|| < leave_ratio d_lock (section 4); 1: section 3.3
-  bool upper = true;         ///< side: towards all upper, or all lower, joint limits
+  ConstraintOptions local = {};
+  double enter_ratio = 0.3;  ///< starts when ||dq|| < enter_ratio ||dq_goal|| (section 4), 0 to 0.99; 0: when
+                             ///< dq is null
+  double leave_ratio = 0.8;  ///< ends when ||q - q_goal|| < leave_ratio d_lock (section 4), 0.01 to 1; 1:
+                             ///< section 3.3
+  BoundarySide side = BoundarySide::upper;
 };
-BoundaryOptions read_boundary_options(OptionReader& reader);
+BoundaryOptions read_options(OptionReader& reader, BoundaryOptions initial);
 
 /// Constraint method with boundary following, Lahouar et al. 2006, eq. 1-23, in a static scene.
 /// Complete for two joints only: with more, motion is confined to one plane per deadlock.
 class Boundary : public Planner {
  public:
-  explicit Boundary(const PlannerOptions& options);
+  using Options = BoundaryOptions;
+  static constexpr std::string_view table_name = "boundary";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit Boundary(const BoundaryOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
-  std::map<std::string, std::string> in_force_;
   BoundaryOptions options_;
 };
 

@@ -63,7 +63,7 @@ BoundaryChoice BoundaryController::enter(const StepConstraints& constraints, con
   const Eigen::VectorXd& w = options_.weight;
   Bypass bypass;
   bypass.plane = bypass_plane(w.cwiseProduct(q), w.cwiseProduct(goal),
-                              w.cwiseProduct(side_limits(robot_, q, given_.upper)));
+                              w.cwiseProduct(side_limits(robot_, q, given_.side == BoundarySide::upper)));
   if (q.size() == 2) keep_sense_of_turn(bypass.plane);
   bypass.lock_distance = bypass.nearest = w.cwiseProduct(goal - q).norm();
   const std::vector<ProjectedConstraint> projected = project(constraints, bypass.plane, options_.max_step);

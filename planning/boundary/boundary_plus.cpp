@@ -44,7 +44,7 @@ PlanResult failed(const PlanProblem& problem, const BoundaryPlusSearch& search, 
   return result;
 }
 
-void refuse_contradictions(const BoundaryPlusOptions& chosen, const PlannerOptions& given) {
+void refuse_contradictions(const BoundaryPlusOptions& chosen) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("boundary_plus: " + what); };
   if (chosen.local_steps == 0 && chosen.planes > 0) {
     refuse("option 'planes' is " + std::to_string(chosen.planes) +
@@ -55,10 +55,14 @@ void refuse_contradictions(const BoundaryPlusOptions& chosen, const PlannerOptio
         "options 'local_steps', 'planes' and 'max_samples' are all 0: expected one stage beside the straight "
         "edge");
   }
-  if (chosen.local.max_step > 0.0 && given.count("stride") > 0) {
+  if (chosen.local.max_step > 0.0 && chosen.stride != BoundaryPlusOptions().stride) {
     refuse(
         "options 'max_step' and 'stride' are both given: stride multiplies the automatic max_step, expected "
         "one of them");
+  }
+  if (chosen.local.max_steps != 0) {
+    refuse("option 'local.max_steps' is " + std::to_string(chosen.local.max_steps) +
+           ": expected 0, since local_steps and plane_steps count");
   }
 }
 
@@ -72,24 +76,21 @@ void add_figures(const DamperOptions& damper, PlanResult& result) {
 
 }  // namespace
 
-BoundaryPlus::BoundaryPlus(const PlannerOptions& options) {
-  OptionReader reader("boundary_plus", options);
-  options_.local.max_step = reader.number_or_auto("max_step", 0.0, 10.0);
-  options_.local.influence_distance = reader.number_or_auto("influence_distance", 0.0, 1e3);
-  options_.local.security_distance = reader.number_or_auto("security_distance", 0.0, 1e3);
-  options_.local.xi = reader.number_or_auto("xi", 0.0, 1e3);
-  options_.local.prismatic_scale = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
-  options_.stride = reader.number("stride", options_.stride, 0.1, 10.0);
-  options_.local_steps = reader.integer("local_steps", options_.local_steps, 0, 1000000);
-  options_.planes = reader.integer("planes", options_.planes, 0, 1000);
-  options_.plane_steps = reader.integer("plane_steps", options_.plane_steps, 1, 1000000);
-  options_.max_samples = reader.integer("max_samples", options_.max_samples, 0, 100000000);
-  options_.guided_share = reader.number("guided_share", options_.guided_share, 0.0, 1.0);
-  options_.shortcuts = reader.integer("shortcuts", options_.shortcuts, 0, 1000000);
-  options_.smooth = reader.flag("smooth", options_.smooth);
-  reader.refuse_unknown();
-  refuse_contradictions(options_, options);
-  in_force_ = reader.in_force();
+BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initial) {
+  return {.local = read_damper_options(reader, initial.local),
+          .stride = reader.number("stride", initial.stride, 0.1, 10.0),
+          .local_steps = reader.integer("local_steps", initial.local_steps, 0, 1000000),
+          .planes = reader.integer("planes", initial.planes, 0, 1000),
+          .plane_steps = reader.integer("plane_steps", initial.plane_steps, 1, 1000000),
+          .max_samples = reader.integer("max_samples", initial.max_samples, 0, 100000000),
+          .guided_share = reader.number("guided_share", initial.guided_share, 0.0, 1.0),
+          .shortcuts = reader.integer("shortcuts", initial.shortcuts, 0, 1000000),
+          .smooth = reader.flag("smooth", initial.smooth)};
+}
+
+BoundaryPlus::BoundaryPlus(const BoundaryPlusOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)), options_(options) {
+  refuse_contradictions(options_);
 }
 
 PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {

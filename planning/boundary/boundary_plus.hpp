@@ -7,16 +7,18 @@ namespace clearway {
 
 /// What boundary_plus may spend on each of its stages.
 struct BoundaryPlusOptions {
-  ConstraintOptions local;    ///< its max_steps is not used: local_steps and plane_steps are
-  double stride = 4.0;        ///< max_step, when left to us, is that many times the one of `constraint`
-  int local_steps = 300;      ///< of one run of the local method
-  int planes = 4;             ///< tried at most from each side, 0: none
-  int plane_steps = 60;       ///< of one run along a boundary, local steps after it included
-  int max_samples = 20000;    ///< of the hand-over, 0: none
-  double guided_share = 0.3;  ///< of its samples that a route for the hand proposes, after the first 300
-  int shortcuts = 100;        ///< attempts to shorten the path
+  ConstraintOptions local = {};  ///< its max_steps stays 0: local_steps and plane_steps count
+  double stride = 4.0;  ///< max_step, when left to us, is that many times the one of `constraint`, 0.1 to 10
+  int local_steps = 300;      ///< of one run of the local method, 0 to 1,000,000; 0: no local method
+  int planes = 4;             ///< tried at most from each side, 0 to 1000; 0: none
+  int plane_steps = 60;       ///< of one run along a boundary and local steps after it, 1 to 1,000,000
+  int max_samples = 20000;    ///< of the hand-over, 0 to 100,000,000; 0: none
+  double guided_share = 0.3;  ///< of its samples that a route for the hand proposes, after the first 300, 0
+                              ///< to 1
+  int shortcuts = 100;        ///< attempts to shorten the path, 0 to 1,000,000
   bool smooth = true;         ///< corners are rounded
 };
+BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initial);
 
 /// Ours, built on the local method and the boundary following of Lahouar et al. 2006: the local method from
 /// the start and from the goal; where both are stuck, bypasses in several planes; then a hand-over to sampled
@@ -25,13 +27,14 @@ struct BoundaryPlusOptions {
 /// which stage it took.
 class BoundaryPlus : public Planner {
  public:
+  using Options = BoundaryPlusOptions;
+  static constexpr std::string_view table_name = "boundary_plus";
+
   /// @throws std::invalid_argument for options out of range or that leave nothing to try.
-  explicit BoundaryPlus(const PlannerOptions& options);
+  explicit BoundaryPlus(const BoundaryPlusOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
-  std::map<std::string, std::string> in_force_;
   BoundaryPlusOptions options_;
 };
 

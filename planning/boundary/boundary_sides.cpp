@@ -1,17 +1,20 @@
 #include "planning/boundary/boundary_sides.hpp"
 
+#include "planning/problem/option_reader.hpp"
+
 namespace clearway {
 
-BoundarySides::BoundarySides(const PlannerOptions& options) {
-  const PlannerOptions given = Boundary(options).options();
-  const std::string other = given.at("side") == "upper" ? "lower" : "upper";
-  std::vector<std::string> leave_ratios = {given.at("leave_ratio")};
-  if (leave_ratios.front() != "1") leave_ratios.push_back("1");
-  for (const std::string& leave : leave_ratios) {
-    for (const std::string& side : {given.at("side"), other}) {
-      PlannerOptions changed = given;
-      changed["leave_ratio"] = leave;
-      changed["side"] = side;
+BoundarySides::BoundarySides(const BoundaryOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)) {
+  const bool is_upper = options.side == BoundarySide::upper;
+  const BoundarySide other = is_upper ? BoundarySide::lower : BoundarySide::upper;
+  std::vector<double> leave_ratios = {options.leave_ratio};
+  if (leave_ratios.front() != 1.0) leave_ratios.push_back(1.0);
+  for (const double leave : leave_ratios) {
+    for (const BoundarySide side : {options.side, other}) {
+      BoundaryOptions changed = options;
+      changed.leave_ratio = leave;
+      changed.side = side;
       tries_.emplace_back(changed);
     }
   }

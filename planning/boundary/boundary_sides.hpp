@@ -12,9 +12,12 @@ namespace clearway {
 /// of the first try.
 class BoundarySides : public Planner {
  public:
-  explicit BoundarySides(const PlannerOptions& options);
+  using Options = BoundaryOptions;
+  static constexpr std::string_view table_name = "boundary_sides";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit BoundarySides(const BoundaryOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return tries_.front().options(); }
 
  private:
   std::vector<Boundary> tries_;

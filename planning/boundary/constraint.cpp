@@ -6,12 +6,8 @@
 
 namespace clearway {
 
-Constraint::Constraint(const PlannerOptions& options) {
-  OptionReader reader("constraint", options);
-  options_ = read_constraint_options(reader);
-  reader.refuse_unknown();
-  in_force_ = reader.in_force();
-}
+Constraint::Constraint(const ConstraintOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)), options_(options) {}
 
 PlanResult Constraint::plan(const PlanProblem& problem) const {
   const PlanResult ends = check_ends(problem);

@@ -9,12 +9,14 @@ namespace clearway {
 /// deadlock. A local method: incomplete, and here to show what boundary following adds.
 class Constraint : public Planner {
  public:
-  explicit Constraint(const PlannerOptions& options);
+  using Options = ConstraintOptions;
+  static constexpr std::string_view table_name = "constraint";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit Constraint(const ConstraintOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
-  std::map<std::string, std::string> in_force_;
   ConstraintOptions options_;
 };
 

@@ -86,15 +86,20 @@ LocalStep local_step(const StepConstraints& constraints, const VectorXd& wanted,
   return {solution.x, solution.multipliers, solution.demand, solution.shares};
 }
 
-ConstraintOptions read_constraint_options(OptionReader& reader) {
-  ConstraintOptions options;
-  options.max_step = reader.number_or_auto("max_step", 0.0, 10.0);
-  options.influence_distance = reader.number_or_auto("influence_distance", 0.0, 1e3);
-  options.security_distance = reader.number_or_auto("security_distance", 0.0, 1e3);
-  options.xi = reader.number_or_auto("xi", 0.0, 1e3);
-  options.prismatic_scale = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
-  options.max_steps = reader.integer_or_auto("max_steps", 1, 100000000);
+ConstraintOptions read_options(OptionReader& reader, ConstraintOptions initial) {
+  ConstraintOptions options = read_damper_options(reader, initial);
+  options.max_steps = reader.integer_or_auto("max_steps", initial.max_steps, 1, 100000000);
   return options;
+}
+
+ConstraintOptions read_damper_options(OptionReader& reader, ConstraintOptions initial) {
+  return {
+      .max_step = reader.number_or_auto("max_step", initial.max_step, 0.0, 10.0),
+      .influence_distance = reader.number_or_auto("influence_distance", initial.influence_distance, 0.0, 1e3),
+      .security_distance = reader.number_or_auto("security_distance", initial.security_distance, 0.0, 1e3),
+      .xi = reader.number_or_auto("xi", initial.xi, 0.0, 1e3),
+      .prismatic_scale = reader.number_or_auto("prismatic_scale", initial.prismatic_scale, 0.0, 1e6),
+      .max_steps = initial.max_steps};
 }
 
 DamperOptions resolve(const ConstraintOptions& given, const PlanProblem& problem) {

@@ -51,15 +51,21 @@ struct LocalStep {
 LocalStep local_step(const StepConstraints& constraints, const Eigen::VectorXd& wanted,
                      const DamperOptions& options);
 
-/// Options of both planners as given; 0 stands for "auto".
+/// Options of the constraint method as given; 0 stands for "auto", by the rules in planning/METHODS.md.
 struct ConstraintOptions {
-  double max_step = 0.0, influence_distance = 0.0, security_distance = 0.0, xi = 0.0, prismatic_scale = 0.0;
-  int max_steps = 0;
+  double max_step = 0.0;            ///< Delta q_max, weighted units, up to 10
+  double influence_distance = 0.0;  ///< d_i, metres, up to 1e3
+  double security_distance = 0.0;   ///< d_s, metres, up to 1e3
+  double xi = 0.0;                  ///< xi, metres per step, up to 1e3
+  double prismatic_scale = 0.0;     ///< rad per metre, up to 1e6, see joint_weights
+  int max_steps = 0;                ///< 1 to 100,000,000
 };
 class OptionReader;
-ConstraintOptions read_constraint_options(OptionReader& reader);
+ConstraintOptions read_options(OptionReader& reader, ConstraintOptions initial);
+/// All of them but max_steps.
+ConstraintOptions read_damper_options(OptionReader& reader, ConstraintOptions initial);
 
-/// The values in force for this problem; rules for "auto" in planning/METHODS.md.
+/// The values in force for this problem.
 /// @throws std::invalid_argument unless 0 <= d_s < d_i and 0 < xi <= d_i - d_s.
 DamperOptions resolve(const ConstraintOptions& given, const PlanProblem& problem);
 int resolve_max_steps(const ConstraintOptions& given, const DamperOptions& options,

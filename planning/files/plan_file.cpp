@@ -99,6 +99,8 @@ PlanStatus Plan::status() const {
   return legs.empty() ? PlanStatus::no_path : PlanStatus::solved;
 }
 
+bool Plan::is_proved() const { return status() == PlanStatus::solved && validation.valid; }
+
 std::string Plan::explanation() const {
   const bool is_solved = status() == PlanStatus::solved;
   std::string text;

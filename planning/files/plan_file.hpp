@@ -42,6 +42,7 @@ struct Plan {
   std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved
+  bool is_proved() const;     ///< every leg is solved, and the check found the whole path valid
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
 };

@@ -29,8 +29,8 @@ std::string number_or_auto_in(double least, double most) {
 
 }  // namespace
 
-OptionReader::OptionReader(std::string owner, const std::map<std::string, std::string>& given)
-    : owner_(std::move(owner)), given_(given) {}
+OptionReader::OptionReader(std::string_view owner, const std::map<std::string, std::string>& given)
+    : owner_(owner), given_(given) {}
 
 const std::string* OptionReader::text(const std::string& name) const {
   const auto found = given_.find(name);
@@ -54,41 +54,47 @@ double OptionReader::parse(const std::string& name, std::string_view text, doubl
   return value;
 }
 
+double OptionReader::given_number(const std::string& name, double initial, double least, double most,
+                                  const std::string& expected) const {
+  if (const std::string* given = text(name)) return parse(name, *given, least, most, expected);
+  if (!(initial >= least && initial <= most)) refuse(name, to_text(initial), expected);  // NaN, too
+  return initial;
+}
+
 double OptionReader::number(const std::string& name, double initial, double least, double most) {
-  const std::string* given = text(name);
-  const double value = given ? parse(name, *given, least, most, "a number " + range(least, most)) : initial;
+  const double value = given_number(name, initial, least, most, "a number " + range(least, most));
   in_force_[name] = to_text(value);
   return value;
 }
 
-double OptionReader::number_or_auto(const std::string& name, double least, double most) {
+double OptionReader::number_or_auto(const std::string& name, double initial, double least, double most) {
   const std::string* given = text(name);
+  const bool is_auto = given ? *given == "auto" : initial == 0.0;
   const double value =
-      given && *given != "auto" ? parse(name, *given, least, most, number_or_auto_in(least, most)) : 0.0;
+      is_auto ? 0.0 : given_number(name, initial, least, most, number_or_auto_in(least, most));
   in_force_[name] = value == 0.0 ? "auto" : to_text(value);
   return value;
 }
 
-int OptionReader::parse_whole(const std::string& name, const std::string& text, int least, int most,
+int OptionReader::given_whole(const std::string& name, int initial, int least, int most,
                               const std::string& otherwise) const {
   const std::string expected = otherwise + "a whole number " + range(least, most);
-  const double value = parse(name, text, least, most, expected);
-  if (value != std::floor(value)) refuse(name, text, expected);
+  const double value = given_number(name, initial, least, most, expected);
+  if (value != std::floor(value)) refuse(name, *text(name), expected);
   return static_cast<int>(value);
 }
 
 int OptionReader::integer(const std::string& name, int initial, int least, int most) {
-  const std::string* given = text(name);
-  const int value = given ? parse_whole(name, *given, least, most, "") : initial;
+  const int value = given_whole(name, initial, least, most, "");
   in_force_[name] = std::to_string(value);
   return value;
 }
 
-int OptionReader::integer_or_auto(const std::string& name, int least, int most) {
+int OptionReader::integer_or_auto(const std::string& name, int initial, int least, int most) {
   const std::string* given = text(name);
-  const bool is_given = given && *given != "auto";
-  const int value = is_given ? parse_whole(name, *given, least, most, "auto or ") : 0;
-  in_force_[name] = is_given ? std::to_string(value) : "auto";
+  const bool is_auto = given ? *given == "auto" : initial == 0;
+  const int value = is_auto ? 0 : given_whole(name, initial, least, most, "auto or ");
+  in_force_[name] = is_auto ? "auto" : std::to_string(value);
   return value;
 }
 
@@ -117,12 +123,14 @@ std::string OptionReader::choice(const std::string& name, const std::string& ini
   return in_force_[name] = value;
 }
 
-std::vector<double> OptionReader::numbers_or_auto(const std::string& name, double least, double most) {
-  std::vector<double> values;
+std::vector<double> OptionReader::numbers_or_auto(const std::string& name, const std::vector<double>& initial,
+                                                  double least, double most) {
   const std::string* given = text(name);
-  if (given && *given != "auto") {
+  const std::string all = given ? *given : to_text(initial);
+  std::vector<double> values;
+  if (!all.empty() && all != "auto") {
     const std::string expected = "auto or numbers " + range(least, most) + ", separated by commas";
-    std::string_view rest = *given;
+    std::string_view rest = all;
     for (std::size_t comma = 0; comma != std::string_view::npos;) {
       comma = rest.find(',');
       values.push_back(parse(name, rest.substr(0, comma), least, most, expected));

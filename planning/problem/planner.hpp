@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "planning/problem/path_cost.hpp"
@@ -43,16 +44,26 @@ struct PlanResult {
   std::map<std::string, double> statistics;  ///< planner's own figures, by name
 };
 
-/// A planner: a question answered. Thread safe.
+/// Options in their text form, by name: as --set gives them, --print-options prints them and plan.json stores
+/// them.
+using PlannerOptions = std::map<std::string, std::string>;
+
+/// A planner: a question answered. Thread safe. Each is made of a struct of options, which checks their
+/// ranges: Beam({.width = 20}); or by its name and their text form, see planner_table.hpp.
 class Planner {
  public:
   virtual ~Planner() = default;
   virtual PlanResult plan(const PlanProblem& problem) const = 0;
-  /// The options in force, by name, as printed by --print-options and stored in plan.json.
-  virtual std::map<std::string, std::string> options() const = 0;
-};
+  const std::string& name() const { return name_; }            ///< in the planner table: "beam"
+  const PlannerOptions& options() const { return in_force_; }  ///< all of them, as in force
 
-using PlannerOptions = std::map<std::string, std::string>;
+ protected:
+  Planner(std::string_view name, PlannerOptions in_force) : name_(name), in_force_(std::move(in_force)) {}
+
+ private:
+  std::string name_;
+  PlannerOptions in_force_;
+};
 
 /// Checks start and goal as every planner must: status solved when both are fine, else start_invalid or
 /// goal_invalid with the sentence. Called by planners first.

@@ -154,42 +154,90 @@ class ShortPath : public ob::PathLengthOptimizationObjective {
   const std::function<bool()>& is_over_;
 };
 
-std::string_view name_of(OmplAlgorithm algorithm) {
-  switch (algorithm) {
-    case OmplAlgorithm::est:
-      return "est";
-    case OmplAlgorithm::prm:
-      return "prm";
-    case OmplAlgorithm::rrtstar:
-      return "rrtstar";
-    case OmplAlgorithm::bitstar:
-      break;
-  }
-  return "bitstar";
-}
+// The ranges that several of the planners share.
 
-bool improves(OmplAlgorithm algorithm) {
-  return algorithm == OmplAlgorithm::rrtstar || algorithm == OmplAlgorithm::bitstar;
+double read_range(OptionReader& reader, double initial) {
+  return reader.number_or_auto("range", initial, 0.0, 1e3);
+}
+double read_prismatic_scale(OptionReader& reader, double initial) {
+  return reader.number_or_auto("prismatic_scale", initial, 0.0, 1e6);
+}
+int read_max_samples(OptionReader& reader, int initial) {
+  return reader.integer("max_samples", initial, 1, 100000000);
+}
+int read_shortcuts(OptionReader& reader, int initial) {
+  return reader.integer("shortcuts", initial, 0, 1000000);
 }
 
 }  // namespace
 
-OmplPlanner::OmplPlanner(OmplAlgorithm algorithm, const PlannerOptions& options) : algorithm_(algorithm) {
-  OptionReader reader(std::string(name_of(algorithm)), options);
-  if (algorithm == OmplAlgorithm::est || algorithm == OmplAlgorithm::rrtstar)
-    range_ = reader.number_or_auto("range", 0.0, 1e3);
-  if (algorithm == OmplAlgorithm::bitstar) batch_ = reader.integer("batch", 100, 1, 1000000);
-  prismatic_scale_ = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
-  max_samples_ = reader.integer("max_samples", improves(algorithm) ? 5000 : 20000, 1, 100000000);
-  shortcuts_ = reader.integer("shortcuts", 100, 0, 1000000);
-  reader.refuse_unknown();
-  in_force_ = reader.in_force();
+EstOptions read_options(OptionReader& reader, EstOptions initial) {
+  return {.range = read_range(reader, initial.range),
+          .prismatic_scale = read_prismatic_scale(reader, initial.prismatic_scale),
+          .max_samples = read_max_samples(reader, initial.max_samples),
+          .shortcuts = read_shortcuts(reader, initial.shortcuts)};
 }
+
+PrmOptions read_options(OptionReader& reader, PrmOptions initial) {
+  return {.prismatic_scale = read_prismatic_scale(reader, initial.prismatic_scale),
+          .max_samples = read_max_samples(reader, initial.max_samples),
+          .shortcuts = read_shortcuts(reader, initial.shortcuts)};
+}
+
+RrtStarOptions read_options(OptionReader& reader, RrtStarOptions initial) {
+  return {.range = read_range(reader, initial.range),
+          .prismatic_scale = read_prismatic_scale(reader, initial.prismatic_scale),
+          .max_samples = read_max_samples(reader, initial.max_samples),
+          .shortcuts = read_shortcuts(reader, initial.shortcuts)};
+}
+
+BitStarOptions read_options(OptionReader& reader, BitStarOptions initial) {
+  return {.batch = reader.integer("batch", initial.batch, 1, 1000000),
+          .prismatic_scale = read_prismatic_scale(reader, initial.prismatic_scale),
+          .max_samples = read_max_samples(reader, initial.max_samples),
+          .shortcuts = read_shortcuts(reader, initial.shortcuts)};
+}
+
+OmplPlanner::OmplPlanner(std::string_view name, PlannerOptions in_force, const Settings& settings)
+    : Planner(name, std::move(in_force)), settings_(settings) {}
+
+Est::Est(const EstOptions& options)
+    : OmplPlanner(table_name, text_of_options(table_name, options),
+                  {.algorithm = Algorithm::est,
+                   .range = options.range,
+                   .prismatic_scale = options.prismatic_scale,
+                   .max_samples = options.max_samples,
+                   .shortcuts = options.shortcuts}) {}
+
+Prm::Prm(const PrmOptions& options)
+    : OmplPlanner(table_name, text_of_options(table_name, options),
+                  {.algorithm = Algorithm::prm,
+                   .prismatic_scale = options.prismatic_scale,
+                   .max_samples = options.max_samples,
+                   .shortcuts = options.shortcuts}) {}
+
+RrtStar::RrtStar(const RrtStarOptions& options)
+    : OmplPlanner(table_name, text_of_options(table_name, options),
+                  {.algorithm = Algorithm::rrtstar,
+                   .range = options.range,
+                   .prismatic_scale = options.prismatic_scale,
+                   .max_samples = options.max_samples,
+                   .shortcuts = options.shortcuts}) {}
+
+BitStar::BitStar(const BitStarOptions& options)
+    : OmplPlanner(table_name, text_of_options(table_name, options),
+                  {.algorithm = Algorithm::bitstar,
+                   .batch = options.batch,
+                   .prismatic_scale = options.prismatic_scale,
+                   .max_samples = options.max_samples,
+                   .shortcuts = options.shortcuts}) {}
 
 PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   const PlanResult ends = check_ends(problem);
   if (ends.status != PlanStatus::solved) return ends;
-  OmplQuery query{problem, joint_weights(problem.space, prismatic_scale_), std::mt19937_64(problem.seed), {}};
+  const Algorithm algorithm = settings_.algorithm;
+  OmplQuery query{
+      problem, joint_weights(problem.space, settings_.prismatic_scale), std::mt19937_64(problem.seed), {}};
   if (problem.start == problem.goal)  // there is nothing to improve on
     return result_of(problem, ends, {.waypoints = {problem.start, problem.goal}}, query.weight, 0);
   const ob::SpaceInformationPtr information = certified_space(query);
@@ -197,24 +245,24 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   TreePath found;
   const std::function<bool()> is_over = [&] {
     found.out_of_time = problem.out_of_time();
-    return found.out_of_time || query.samples >= max_samples_;
+    return found.out_of_time || query.samples >= settings_.max_samples;
   };
-  if (improves(algorithm_))  // the others take the first path
+  if (algorithm == Algorithm::rrtstar || algorithm == Algorithm::bitstar)  // the others take the first path
     definition->setOptimizationObjective(std::make_shared<ShortPath>(information, query, is_over));
   ob::PlannerPtr planner;
-  if (algorithm_ == OmplAlgorithm::est) {
+  if (algorithm == Algorithm::est) {
     const auto est = std::make_shared<Seeded<og::EST>>(information, problem.seed);
-    est->setRange(range_);
+    est->setRange(settings_.range);
     planner = est;
-  } else if (algorithm_ == OmplAlgorithm::prm) {
+  } else if (algorithm == Algorithm::prm) {
     planner = std::make_shared<Roadmap>(information, problem.seed);
-  } else if (algorithm_ == OmplAlgorithm::rrtstar) {
+  } else if (algorithm == Algorithm::rrtstar) {
     const auto rrtstar = std::make_shared<Seeded<og::RRTstar>>(information, problem.seed);
-    rrtstar->setRange(range_);
+    rrtstar->setRange(settings_.range);
     planner = rrtstar;
   } else {
     const auto bitstar = std::make_shared<og::BITstar>(information);
-    bitstar->setSamplesPerBatch(static_cast<unsigned>(batch_));
+    bitstar->setSamplesPerBatch(static_cast<unsigned>(settings_.batch));
     planner = bitstar;
   }
   planner->setProblemDefinition(definition);
@@ -224,7 +272,7 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   found.samples = query.samples;
   found.configurations = query.configurations;
   found.edges = query.edges;
-  return result_of(problem, ends, std::move(found), query.weight, shortcuts_);
+  return result_of(problem, ends, std::move(found), query.weight, settings_.shortcuts);
 }
 
 }  // namespace clearway

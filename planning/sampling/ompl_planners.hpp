@@ -4,13 +4,37 @@
 
 namespace clearway {
 
-/// Which of OMPL's sampling planners.
-enum class OmplAlgorithm {
-  est,      ///< expansive space trees (Hsu, Latombe and Motwani 1999)
-  prm,      ///< probabilistic roadmap (Kavraki et al. 1996)
-  rrtstar,  ///< RRT* (Karaman and Frazzoli 2011)
-  bitstar   ///< batch informed trees (Gammell et al. 2015)
+class OptionReader;
+
+// Options of OMPL's sampling planners. Weighted units: see joint_weights.
+
+struct EstOptions {
+  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 20000;       ///< 1 to 100,000,000
+  int shortcuts = 100;           ///< attempts to shorten the path, 0 to 1,000,000
 };
+struct PrmOptions {
+  double prismatic_scale = 0.0;  ///< as EstOptions, like all below
+  int max_samples = 20000;
+  int shortcuts = 100;
+};
+struct RrtStarOptions {
+  double range = 0.0;
+  double prismatic_scale = 0.0;
+  int max_samples = 5000;  ///< drawn in any case, to improve the path
+  int shortcuts = 100;
+};
+struct BitStarOptions {
+  int batch = 100;  ///< samples of a batch, 1 to 1,000,000
+  double prismatic_scale = 0.0;
+  int max_samples = 5000;  ///< drawn in any case, to improve the path
+  int shortcuts = 100;
+};
+EstOptions read_options(OptionReader& reader, EstOptions initial);
+PrmOptions read_options(OptionReader& reader, PrmOptions initial);
+RrtStarOptions read_options(OptionReader& reader, RrtStarOptions initial);
+BitStarOptions read_options(OptionReader& reader, BitStarOptions initial);
 
 /// A sampling planner of OMPL with our certified edges as its motion validator, then shortcuts, each edge
 /// certified again: as RrtConnect. `rrtstar` and `bitstar` go on to improve on the weighted length of their
@@ -19,18 +43,57 @@ enum class OmplAlgorithm {
 /// pivots of OMPL's trees of nearest neighbours, whose answers are exact whatever these are.
 class OmplPlanner : public Planner {
  public:
-  OmplPlanner(OmplAlgorithm algorithm, const PlannerOptions& options);
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
+
+ protected:
+  enum class Algorithm { est, prm, rrtstar, bitstar };
+
+  /// What all four share, and what some have.
+  struct Settings {
+    Algorithm algorithm = Algorithm::est;
+    double range = 0.0;
+    int batch = 0;
+    double prismatic_scale = 0.0;
+    int max_samples = 0, shortcuts = 0;
+  };
+  OmplPlanner(std::string_view name, PlannerOptions in_force, const Settings& settings);
 
  private:
-  OmplAlgorithm algorithm_;
-  std::map<std::string, std::string> in_force_;
-  double range_ = 0.0;            ///< longest edge tried, weighted units; 0: OMPL's choice (est, rrtstar)
-  int batch_ = 0;                 ///< samples of a batch (bitstar)
-  double prismatic_scale_ = 0.0;  ///< see joint_weights
-  int max_samples_ = 0;
-  int shortcuts_ = 0;
+  Settings settings_;
+};
+
+// Each throws std::invalid_argument naming the option that is out of range.
+
+/// Expansive space trees (Hsu, Latombe and Motwani 1999).
+class Est : public OmplPlanner {
+ public:
+  using Options = EstOptions;
+  static constexpr std::string_view table_name = "est";
+  explicit Est(const EstOptions& options = {});
+};
+
+/// Probabilistic roadmap (Kavraki et al. 1996).
+class Prm : public OmplPlanner {
+ public:
+  using Options = PrmOptions;
+  static constexpr std::string_view table_name = "prm";
+  explicit Prm(const PrmOptions& options = {});
+};
+
+/// RRT* (Karaman and Frazzoli 2011).
+class RrtStar : public OmplPlanner {
+ public:
+  using Options = RrtStarOptions;
+  static constexpr std::string_view table_name = "rrtstar";
+  explicit RrtStar(const RrtStarOptions& options = {});
+};
+
+/// Batch informed trees (Gammell et al. 2015).
+class BitStar : public OmplPlanner {
+ public:
+  using Options = BitStarOptions;
+  static constexpr std::string_view table_name = "bitstar";
+  explicit BitStar(const BitStarOptions& options = {});
 };
 
 }  // namespace clearway

@@ -4,20 +4,29 @@
 
 namespace clearway {
 
+class OptionReader;
+
+struct RrtConnectOptions {
+  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 20000;       ///< 1 to 100,000,000
+  int shortcuts = 100;           ///< attempts to shorten the path, 0 to 1,000,000
+};
+RrtConnectOptions read_options(OptionReader& reader, RrtConnectOptions initial);
+
 /// RRT-Connect of OMPL (Kuffner and LaValle 2000) with our certified edges as its motion validator, then
 /// shortcuts, each edge certified again. The same seed gives the same path.
 class RrtConnect : public Planner {
  public:
-  explicit RrtConnect(const PlannerOptions& options);
+  using Options = RrtConnectOptions;
+  static constexpr std::string_view table_name = "rrtconnect";
+
+  /// @throws std::invalid_argument naming the option that is out of range.
+  explicit RrtConnect(const RrtConnectOptions& options = {});
   PlanResult plan(const PlanProblem& problem) const override;
-  std::map<std::string, std::string> options() const override { return in_force_; }
 
  private:
-  std::map<std::string, std::string> in_force_;
-  double range_ = 0.0;            ///< longest edge tried, weighted units; 0: OMPL's choice
-  double prismatic_scale_ = 0.0;  ///< see joint_weights
-  int max_samples_ = 0;
-  int shortcuts_ = 0;
+  RrtConnectOptions options_;
 };
 
 }  // namespace clearway

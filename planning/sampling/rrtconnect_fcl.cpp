@@ -112,16 +112,18 @@ class RrtConnectFcl::Scenes {
   std::vector<std::shared_ptr<Entry>> entries_;  ///< used last at the end
 };
 
-RrtConnectFcl::RrtConnectFcl(const PlannerOptions& options) : scenes_(std::make_unique<Scenes>()) {
-  OptionReader reader("rrtconnect_fcl", options);
-  resolution_ = reader.number("resolution", resolution_, 1e-6, 1.0);
-  simplify_ = reader.flag("simplify", simplify_);
-  range_ = reader.number_or_auto("range", 0.0, 1e3);
-  prismatic_scale_ = reader.number_or_auto("prismatic_scale", 0.0, 1e6);
-  max_samples_ = reader.integer("max_samples", 20000, 1, 100000000);
-  reader.refuse_unknown();
-  in_force_ = reader.in_force();
+RrtConnectFclOptions read_options(OptionReader& reader, RrtConnectFclOptions initial) {
+  return {.resolution = reader.number("resolution", initial.resolution, 1e-6, 1.0),
+          .simplify = reader.flag("simplify", initial.simplify),
+          .range = reader.number_or_auto("range", initial.range, 0.0, 1e3),
+          .prismatic_scale = reader.number_or_auto("prismatic_scale", initial.prismatic_scale, 0.0, 1e6),
+          .max_samples = reader.integer("max_samples", initial.max_samples, 1, 100000000)};
 }
+
+RrtConnectFcl::RrtConnectFcl(const RrtConnectFclOptions& options)
+    : Planner(table_name, text_of_options(table_name, options)),
+      options_(options),
+      scenes_(std::make_unique<Scenes>()) {}
 
 RrtConnectFcl::~RrtConnectFcl() = default;
 
@@ -129,20 +131,21 @@ PlanResult RrtConnectFcl::plan(const PlanProblem& problem) const {
   PlanResult result = check_ends(problem);
   if (result.status != PlanStatus::solved) return result;
   const auto scene = scenes_->of(problem.space);
-  OmplQuery query{problem, joint_weights(problem.space, prismatic_scale_), std::mt19937_64(problem.seed), {}};
-  const ob::SpaceInformationPtr information = sampled_checks(query, *scene, resolution_);
+  OmplQuery query{
+      problem, joint_weights(problem.space, options_.prismatic_scale), std::mt19937_64(problem.seed), {}};
+  const ob::SpaceInformationPtr information = sampled_checks(query, *scene, options_.resolution);
   const ob::ProblemDefinitionPtr definition = problem_definition(query, information);
   ompl::geometric::RRTConnect planner(information);
   planner.setNearestNeighbors<ompl::NearestNeighborsLinear>();  // the default draws from OMPL's own generator
-  planner.setRange(range_);
+  planner.setRange(options_.range);
   planner.setProblemDefinition(definition);
   planner.setup();
   bool out_of_time = false;
   planner.solve(ob::PlannerTerminationCondition([&] {
     out_of_time = problem.out_of_time();
-    return out_of_time || query.samples >= max_samples_;
+    return out_of_time || query.samples >= options_.max_samples;
   }));
-  if (simplify_ && definition->hasExactSolution()) {
+  if (options_.simplify && definition->hasExactSolution()) {
     SeededSimplifier(information, query)
         .simplify(*definition->getSolutionPath()->as<ompl::geometric::PathGeometric>(),
                   ob::PlannerTerminationCondition([&] { return problem.out_of_time(); }), false);

@@ -174,9 +174,9 @@ TeamOptions team_options(const std::string& planner, const PlannerOptions& optio
   OptionReader reader(planner, options);
   all.follows_boundaries = planner == "boundary";
   if (all.follows_boundaries) {
-    all.boundary = read_boundary_options(reader);
+    all.boundary = read_options(reader, BoundaryOptions());
   } else {
-    all.boundary.local = read_constraint_options(reader);
+    all.boundary.local = read_options(reader, ConstraintOptions());
   }
   reader.refuse_unknown();
   require(

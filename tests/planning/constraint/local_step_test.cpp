@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "planning/problem/option_reader.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -24,8 +25,8 @@ TEST(OptionReader, KeepsDefaultsAndPrintsWhatIsInForce) {
   EXPECT_EQ(reader.integer("width", 10, 1, 100), 7);
   EXPECT_EQ(reader.number("ratio", 0.3, 0.0, 1.0), 0.3);
   EXPECT_EQ(reader.number("empty", 2.0, 0.0, 9.0), 2.0);
-  EXPECT_EQ(reader.number_or_auto("max_step", 0.0, 1.0), 0.0);
-  EXPECT_EQ(reader.numbers_or_auto("step", 0.0, 1.0), (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(reader.number_or_auto("max_step", 0.0, 0.0, 1.0), 0.0);
+  EXPECT_EQ(reader.numbers_or_auto("step", {}, 0.0, 1.0), (std::vector<double>{0.1, 0.2}));
   EXPECT_TRUE(reader.flag("last_segment", true));
   reader.refuse_unknown();
   const std::map<std::string, std::string> expected = {{"width", "7"},      {"ratio", "0.3"},
@@ -36,11 +37,11 @@ TEST(OptionReader, KeepsDefaultsAndPrintsWhatIsInForce) {
 
 TEST(OptionReader, PrintedOptionsReadBackToTheSame) {
   OptionReader first("x", {{"a", "0.1234567890123456"}, {"b", "off"}, {"c", "1e-3,2"}});
-  first.number("a", 0.0, 0.0, 1.0), first.flag("b", true), first.numbers_or_auto("c", 0.0, 9.0);
-  first.integer_or_auto("d", 1, 9);
+  first.number("a", 0.0, 0.0, 1.0), first.flag("b", true), first.numbers_or_auto("c", {}, 0.0, 9.0);
+  first.integer_or_auto("d", 0, 1, 9);
   OptionReader second("x", first.in_force());
-  second.number("a", 0.0, 0.0, 1.0), second.flag("b", true), second.numbers_or_auto("c", 0.0, 9.0);
-  second.integer_or_auto("d", 1, 9);
+  second.number("a", 0.0, 0.0, 1.0), second.flag("b", true), second.numbers_or_auto("c", {}, 0.0, 9.0);
+  second.integer_or_auto("d", 0, 1, 9);
   EXPECT_EQ(first.in_force(), second.in_force());
 }
 
@@ -67,11 +68,11 @@ TEST(OptionReader, TellsLargeBoundsDigitByDigit) {
   OptionReader reader("beam", {{"width", "0"}, {"max_steps", "1.5"}, {"scale", "-1"}, {"step", "0.1,99"}});
   EXPECT_EQ(message_of([&] { reader.integer("width", 10, 1, 100000); }),
             "beam: option 'width' is '0': expected a whole number from 1 to 100000");
-  EXPECT_EQ(message_of([&] { reader.integer_or_auto("max_steps", 1, 100000000); }),
+  EXPECT_EQ(message_of([&] { reader.integer_or_auto("max_steps", 0, 1, 100000000); }),
             "beam: option 'max_steps' is '1.5': expected auto or a whole number from 1 to 100000000");
-  EXPECT_EQ(message_of([&] { reader.number_or_auto("scale", 0.0, 1e6); }),
+  EXPECT_EQ(message_of([&] { reader.number_or_auto("scale", 0.0, 0.0, 1e6); }),
             "beam: option 'scale' is '-1': expected auto or a number from 0 (automatic, too) to 1000000");
-  EXPECT_EQ(message_of([&] { reader.numbers_or_auto("step", 1e-6, 10.0); }),
+  EXPECT_EQ(message_of([&] { reader.numbers_or_auto("step", {}, 1e-6, 10.0); }),
             "beam: option 'step' is '99': expected auto or numbers from 1e-06 to 10, separated by commas");
   EXPECT_EQ(reader.integer("max_samples", 100000, 1, 100000000), 100000);
   EXPECT_EQ(reader.in_force().at("max_samples"), "100000");
@@ -79,8 +80,32 @@ TEST(OptionReader, TellsLargeBoundsDigitByDigit) {
 
 TEST(OptionReader, NoughtIsAutomaticWhereAutoIsAndPrintedSo) {
   OptionReader reader("beam", {{"prismatic_scale", "0"}});
-  EXPECT_EQ(reader.number_or_auto("prismatic_scale", 0.0, 1e6), 0.0);
+  EXPECT_EQ(reader.number_or_auto("prismatic_scale", 0.0, 0.0, 1e6), 0.0);
   EXPECT_EQ(reader.in_force().at("prismatic_scale"), "auto");
+}
+
+TEST(OptionReader, ValuesOfTheStructStandWhereNoTextIsAndAreCheckedAsText) {
+  OptionReader reader("beam", {{"width", "7"}, {"scale", "auto"}});
+  EXPECT_EQ(reader.integer("width", 10, 1, 100), 7);
+  EXPECT_EQ(reader.number_or_auto("scale", 3.0, 0.0, 1e6), 0.0);
+  EXPECT_EQ(reader.number_or_auto("range", 3.0, 0.0, 1e6), 3.0);
+  EXPECT_EQ(reader.integer_or_auto("max_steps", 5, 1, 9), 5);
+  EXPECT_EQ(reader.numbers_or_auto("step", {0.1, 0.2}, 0.0, 1.0), (std::vector<double>{0.1, 0.2}));
+  const std::map<std::string, std::string> expected = {
+      {"width", "7"}, {"scale", "auto"}, {"range", "3"}, {"max_steps", "5"}, {"step", "0.1,0.2"}};
+  EXPECT_EQ(reader.in_force(), expected);
+  EXPECT_EQ(message_of([&] { reader.integer("k", 0, 1, 9); }),
+            "beam: option 'k' is '0': expected a whole number from 1 to 9");
+  EXPECT_EQ(message_of([&] { reader.number("x", std::nan(""), 0.0, 1.0); }),
+            "beam: option 'x' is 'nan': expected a number from 0 to 1");
+  EXPECT_EQ(message_of([&] { reader.number_or_auto("y", -1.0, 0.0, 1.0); }),
+            "beam: option 'y' is '-1': expected auto or a number from 0 (automatic, too) to 1");
+  EXPECT_EQ(message_of([&] { reader.integer_or_auto("n", -3, 1, 9); }),
+            "beam: option 'n' is '-3': expected auto or a whole number from 1 to 9");
+  EXPECT_EQ(message_of([&] {
+              reader.numbers_or_auto("z", {0.5, 2.0}, 0.0, 1.0);
+            }),
+            "beam: option 'z' is '2': expected auto or numbers from 0 to 1, separated by commas");
 }
 
 TEST(OptionReader, UnknownOptionNamesTheNearest) {

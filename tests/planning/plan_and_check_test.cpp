@@ -1,0 +1,270 @@
+#include "planning/plan_and_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "mapping/free_space_map.hpp"
+#include "planning/beam/beam.hpp"
+#include "planning/beam/beam_guided.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/rrtconnect.hpp"
+#include "tests/worlds/beam_world.hpp"
+
+namespace clearway {
+namespace plan_and_check_test {
+
+/// A disc of 0.2 m radius before a wall with a way round it.
+ConfigurationSpace walled_space(double padding = 0.0) {
+  const VoxelScene scene{0.05, {box_of(0.9, -0.5, -0.1, 1.1, 0.5, 0.1)}, {}, {}};
+  return {load_robot("point"), scene.snapshot(), anywhere_but_occupied(), {.padding = padding}};
+}
+
+const Configuration left = Eigen::Vector2d(0.0, 0.0), right = Eigen::Vector2d(2.0, 0.0),
+                    above = Eigen::Vector2d(1.0, 1.0), in_the_wall = Eigen::Vector2d(1.0, 0.0);
+
+TEST(PlanAndCheck, NeedsASpaceAStartAndAGoalAndTellsTheWholeStory) {
+  const ConfigurationSpace space = walled_space(0.01);
+  const Plan plan = plan_and_check({.space = space, .start = left, .goals = {right}});
+  EXPECT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  EXPECT_EQ(plan.status(), PlanStatus::solved);
+  EXPECT_EQ(plan.waypoints().front(), left);
+  EXPECT_EQ(plan.waypoints().back(), right);
+  EXPECT_EQ(plan.planner, "beam_guided");
+  EXPECT_EQ(plan.options, BeamGuided().options());
+  EXPECT_EQ(plan.robot, "point");
+  EXPECT_EQ(plan.joints, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(plan.map_resolution, 0.05);
+  EXPECT_EQ(plan.policies, space.policies());
+  EXPECT_EQ(plan.padding, 0.01);
+  EXPECT_EQ(plan.start, left);
+  EXPECT_EQ(plan.goals, std::vector{right});
+  EXPECT_GT(plan.validation.min_clearance, 0.0);
+  EXPECT_EQ(plan.validation.clearance.size(), plan.waypoints().size());
+  ASSERT_TRUE(plan.survey.has_value());
+  EXPECT_GT(plan.survey->swept->total(), 0U);
+  EXPECT_TRUE(plan.paint.empty());
+}
+
+TEST(PlanAndCheck, AgreesWithItsPartsCalledByHand) {
+  const ConfigurationSpace space = walled_space();
+  const auto planner = std::make_shared<const Beam>(BeamOptions{.width = 5, .last_segment = false});
+  const Plan plan = plan_and_check(
+      {.space = space, .start = left, .goals = {above, right, left}, .planner = planner, .seed = 3});
+
+  const PathCost cost(space.robot());
+  std::vector<Configuration> path{left};
+  ASSERT_EQ(plan.legs.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PlanResult leg = planner->plan({space, cost, path.back(), plan.goals[i], 3});
+    expect_equal(leg, plan.legs[i], "leg " + std::to_string(i + 1));
+    path.insert(path.end(), leg.waypoints.begin() + 1, leg.waypoints.end());
+  }
+  EXPECT_EQ(plan.waypoints(), path);
+  EXPECT_NE(path.back(), left);  // in reach of one step: the legs begin where the ones before really ended
+  const PathVerdict verdict = check_path(space.robot(), space.map(), space.policies(), 0.0, path);
+  EXPECT_TRUE(verdict.valid);
+  EXPECT_EQ(plan.validation.valid, verdict.valid);
+  EXPECT_EQ(plan.validation.min_clearance, verdict.min_clearance);
+  EXPECT_EQ(plan.validation.clearance, verdict.clearance);
+  EXPECT_EQ(to_json(*plan.survey), to_json(survey_path(space.robot(), space.map(), space.policies(), path)));
+}
+
+TEST(PlanAndCheck, TakesPlannersOfTypedAndOfTextOptionsAlike) {
+  const ConfigurationSpace space = walled_space();
+  const auto path_of = [&](std::shared_ptr<const Planner> planner) {
+    const Plan plan = plan_and_check({.space = space, .start = left, .goals = {right}, .planner = planner});
+    EXPECT_TRUE(plan.is_proved());
+    EXPECT_EQ(plan.planner, "rrtconnect");
+    EXPECT_EQ(plan.options, planner->options());
+    return plan.waypoints();
+  };
+  EXPECT_EQ(path_of(std::make_shared<RrtConnect>(RrtConnectOptions{.shortcuts = 7})),
+            path_of(make_planner("rrtconnect", {{"shortcuts", "7"}})));
+}
+
+std::string refused_query(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing refused";
+}
+
+TEST(PlanAndCheck, RefusesEachFieldThatIsWrongInASentence) {
+  const ConfigurationSpace space = walled_space();
+  const auto refusal = [&](const std::function<void(PlanQuery&)>& spoil) {
+    PlanQuery query{.space = space, .start = left, .goals = {above, right}};
+    spoil(query);
+    return refused_query([&] { plan_and_check(query); });
+  };
+  const double nan = std::nan("");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.start = Eigen::Vector3d::Zero(); }),
+            "plan query: start has 3 values: expected 2, one for each joint of robot 'point'");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.start = {}; }),
+            "plan query: start has 0 values: expected 2, one for each joint of robot 'point'");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.goals[1] = Eigen::VectorXd::Zero(1); }),
+            "plan query: goal 2 has 1 values: expected 2, one for each joint of robot 'point'");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.goals.clear(); }),
+            "plan query: goals are none: expected at least one");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.time_limit = 0.0; }),
+            "plan query: time_limit is 0 s: expected a number above 0");
+  EXPECT_EQ(refusal([=](PlanQuery& query) { query.time_limit = nan; }),
+            "plan query: time_limit is nan s: expected a number above 0");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.advice_time = -1.0; }),
+            "plan query: advice_time is -1 s: expected a number from 0");
+  EXPECT_EQ(refusal([](PlanQuery& query) { query.payload = -2.0; }),
+            "path cost: payload mass is -2.000000 kg: expected a finite number >= 0");
+  EXPECT_EQ(refusal([=](PlanQuery& query) { query.gravity.z() = nan; }), "path cost: gravity must be finite");
+  EXPECT_NE(refusal([](PlanQuery& query) { query.survey->allow_outside = {"tool"}; }).find("allow_outside"),
+            std::string::npos);
+}
+
+TEST(PlanAndCheck, WhatTheMapOrTheTimeForbidsIsAnOutcome) {
+  const ConfigurationSpace space = walled_space();
+  const auto outcome = [&](const Configuration& start, const Configuration& goal, double time_limit) {
+    const Plan plan = plan_and_check({.space = space,
+                                      .start = start,
+                                      .goals = {goal},
+                                      .planner = make_planner("beam"),
+                                      .time_limit = time_limit,
+                                      .advice_time = 0.0});
+    EXPECT_FALSE(plan.is_proved());
+    EXPECT_FALSE(plan.validation.valid);
+    EXPECT_TRUE(plan.waypoints().empty());
+    EXPECT_FALSE(plan.explanation().empty());
+    return plan.status();
+  };
+  const Configuration not_finite = Eigen::Vector2d(0.0, std::nan("")), far = Eigen::Vector2d(0.0, 1e3);
+  for (const Configuration& bad : {in_the_wall, not_finite, far}) {
+    EXPECT_EQ(outcome(bad, right, 60.0), PlanStatus::start_invalid);
+    EXPECT_EQ(outcome(left, bad, 60.0), PlanStatus::goal_invalid);
+  }
+  EXPECT_EQ(outcome(left, right, 1e-9), PlanStatus::timed_out);
+  EXPECT_TRUE(plan_and_check({.space = space,
+                              .start = left,
+                              .goals = {right},
+                              .time_limit = std::numeric_limits<double>::infinity()})
+                  .is_proved());
+}
+
+TEST(PlanAndCheck, TheFirstLegThatFailsEndsThePlanAndTheCheckCoversTheLegsBefore) {
+  const ConfigurationSpace space = walled_space();
+  const Plan plan = plan_and_check({.space = space, .start = left, .goals = {above, in_the_wall, right}});
+  EXPECT_EQ(plan.status(), PlanStatus::goal_invalid);
+  EXPECT_FALSE(plan.is_proved());
+  EXPECT_EQ(plan.legs.size(), 2U);
+  EXPECT_EQ(plan.waypoints().back(), above);
+  EXPECT_TRUE(plan.validation.valid);
+  EXPECT_EQ(plan.goals.size(), 3U);
+}
+
+TEST(PlanAndCheck, SaysWherePaintingWouldConnectStartAndGoalUnlessNoTimeIsGivenForIt) {
+  const VoxelScene scene{
+      0.05, {}, {{Eigen::Vector3d(0, 0, 0), 0.5}, {Eigen::Vector3d(2, 0, 0), 0.5}}, {"base"}};
+  const ConfigurationSpace space(load_robot("point"), scene.snapshot());
+  PlanQuery query{.space = space, .start = left, .goals = {right}, .planner = make_planner("rrtconnect")};
+  const Plan advised = plan_and_check(query);
+  EXPECT_EQ(advised.status(), PlanStatus::no_path);
+  ASSERT_FALSE(advised.paint.empty());
+  EXPECT_EQ(advised.paint.front().part, "base");
+  EXPECT_NE(advised.explanation().find("Painting would connect"), std::string::npos) << advised.explanation();
+  query.advice_time = 0.0;
+  const Plan plain = plan_and_check(query);
+  EXPECT_EQ(plain.status(), PlanStatus::no_path);
+  EXPECT_TRUE(plain.paint.empty());
+  EXPECT_EQ(plain.explanation().find("Painting would connect"), std::string::npos);
+}
+
+TEST(PlanAndCheck, RefusesForWhatIsSurveyedUnlessThatIsAllowedOrNoSurveyIsAskedFor) {
+  FreeSpaceMap map({.resolution = 0.05});
+  Scan scan;
+  scan.points = {{1.0f, 0.0f, 0.0f}};  // sees free what lies before it
+  map.insert(scan);
+  const ConfigurationSpace space(load_robot("point"), map.snapshot(), anywhere_but_occupied());
+  PlanQuery query{.space = space,
+                  .start = left,
+                  .goals = {Eigen::Vector2d(0.0, 5.0)},
+                  .planner = make_planner("rrtconnect")};
+  const Plan refused = plan_and_check(query);
+  EXPECT_EQ(refused.status(), PlanStatus::solved);
+  EXPECT_FALSE(refused.is_proved());
+  EXPECT_EQ(refused.survey->leaving.front().part, "base");
+  query.survey->allow_outside = {"base"};
+  EXPECT_TRUE(plan_and_check(query).is_proved());
+  query.survey = std::nullopt;
+  const Plan plain = plan_and_check(query);
+  EXPECT_TRUE(plain.is_proved());
+  EXPECT_FALSE(plain.survey.has_value());
+}
+
+TEST(PlanAndCheck, AStepLargerThanTheWayIsTold) {
+  const ConfigurationSpace space(load_robot("planar2"), FreeSpaceMap({.resolution = 0.1}).snapshot(),
+                                 anywhere_but_occupied());
+  const Eigen::Vector2d start(0.0, 0.0), goal(0.6, 0.3);
+  const auto explained = [&](const Eigen::Vector2d& to, const BeamOptions& options) {
+    return plan_and_check(
+               {.space = space, .start = start, .goals = {to}, .planner = std::make_shared<Beam>(options)})
+        .explanation();
+  };
+  const std::string told = "The step (option 'step' or 'step_deg') is larger than the way, 0.671: ";
+  EXPECT_EQ(explained(goal, {.step_deg = {180.0}}),
+            "Reached the goal box in 0 steps. " + told + "all of it is the last segment.");
+  EXPECT_EQ(explained(goal, {.step_deg = {180.0}, .last_segment = false}),
+            "Reached the goal box in 0 steps. " + told + "the path ends where it starts.");
+  EXPECT_EQ(explained(goal, {.step_deg = {5.0}}).find("larger than the way"), std::string::npos);
+  EXPECT_EQ(explained(start, {.step_deg = {180.0}}), "Reached the goal box in 0 steps.");
+}
+
+/// Forces at q of a robot whose base is turned by `map_from_base`, under gravity (map frame) and a load.
+Eigen::VectorXd forces(const Eigen::Matrix3d& map_from_base, const Eigen::Vector3d& gravity, double payload,
+                       const Configuration& q) {
+  Robot robot = load_robot("puma560");
+  robot.map_from_base.linear() = map_from_base;
+  const ConfigurationSpace space(robot, FreeSpaceMap({.resolution = 0.1}).snapshot());
+  return path_cost({.space = space, .start = q, .goals = {q}, .payload = payload, .gravity = gravity})
+      .generalized_forces(q);
+}
+
+const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
+const Eigen::Matrix3d on_the_wall =
+    Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+
+Configuration pose() {
+  Configuration q(6);
+  q << 0.3, -0.6, 0.4, 0.2, 0.5, 0.1;
+  return q;
+}
+
+TEST(PlanAndCheck, TurningTheBaseAndGravityAlikeChangesNoForce) {
+  const Eigen::Vector3d down(0, 0, -9.81);
+  const Eigen::VectorXd floor = forces(upright, down, 1.0, pose());
+  EXPECT_TRUE(forces(on_the_wall, on_the_wall * down, 1.0, pose()).isApprox(floor, 1e-9));
+}
+
+TEST(PlanAndCheck, GravityIsThatOfTheMapSoThatAnArmOnTheWallHasToHoldItselfAboutItsFirstAxis) {
+  Robot robot = load_robot("puma560");
+  for (Joint& joint : robot.joints) joint.friction = 0.0;
+  const Eigen::Vector3d down(0, 0, -9.81);
+  const PathCost upright_cost(robot, {.gravity = down});
+  const PathCost wall_cost(robot, {.gravity = on_the_wall.transpose() * down});
+  EXPECT_NEAR(upright_cost.generalized_forces(pose())[0], 0.0, 1e-9);
+  EXPECT_GT(wall_cost.generalized_forces(pose())[0], 1.0);
+  EXPECT_GT(forces(on_the_wall, down, 0.0, pose())[0], forces(upright, down, 0.0, pose())[0] + 1.0);
+}
+
+TEST(PlanAndCheck, APayloadCostsAndNoGravityCostsNothing) {
+  const Eigen::Vector3d down(0, 0, -9.81);
+  EXPECT_GT(forces(upright, down, 2.0, pose())[1], forces(upright, down, 0.0, pose())[1]);
+  EXPECT_NEAR(forces(upright, Eigen::Vector3d::Zero(), 2.0, pose()).norm(), 0.0, 1e-12);
+}
+
+}  // namespace plan_and_check_test
+}  // namespace clearway
