@@ -4,6 +4,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "planning/boundary/boundary_plus.hpp"
+
 namespace clearway {
 namespace {
 
@@ -114,10 +116,9 @@ RunColumn of_statistic(const Statistic& statistic) {
 /// last one that was needed.
 RunColumn solved_by() {
   return {"solved_by", "TEXT", [](const Run& run, const Who&) -> Cell {
-            constexpr std::array stages = {"straight edge", "local method", "plane", "hand-over"};
             const auto found = run.statistics.find("solved_by");
             if (found == run.statistics.end()) return {};
-            return std::string(stages.at(static_cast<std::size_t>(found->second)));
+            return std::string(to_string(static_cast<BoundaryPlusStage>(found->second)));
           }};
 }
 

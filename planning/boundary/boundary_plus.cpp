@@ -76,6 +76,22 @@ void add_figures(const DamperOptions& damper, PlanResult& result) {
 
 }  // namespace
 
+std::string_view to_string(BoundaryPlusStage stage) {
+  switch (stage) {
+    case BoundaryPlusStage::straight_edge:
+      return "straight edge";
+    case BoundaryPlusStage::local_method:
+      return "local method";
+    case BoundaryPlusStage::plane:
+      return "plane";
+    case BoundaryPlusStage::hand_over:
+      return "hand-over";
+    case BoundaryPlusStage::none:
+      break;
+  }
+  return "none";
+}
+
 BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initial) {
   return {.local = read_damper_options(reader, initial.local),
           .stride = reader.number("stride", initial.stride, 0.1, 10.0),
@@ -98,10 +114,10 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   if (result.status != PlanStatus::solved) return result;
   const DamperOptions damper = damper_of(options_, problem);
   BoundaryPlusSearch search(problem, options_, damper);
-  const PlusStage stage = search.solve();
+  const BoundaryPlusStage stage = search.solve();
   search.add_statistics(result);
   add_figures(damper, result);
-  if (stage == PlusStage::none) return failed(problem, search, std::move(result));
+  if (stage == BoundaryPlusStage::none) return failed(problem, search, std::move(result));
   result.statistics["solved_by"] = static_cast<double>(stage);
   std::vector<Configuration> path =
       shortened(problem, search.trees().path(), damper.weight, options_.shortcuts);
@@ -115,7 +131,7 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
     result.explored = std::move(path);
     return result;
   }
-  result.explanation = stage == PlusStage::straight_edge
+  result.explanation = stage == BoundaryPlusStage::straight_edge
                            ? "The straight way is free."
                            : "Start and goal were joined by " + search.how() + ".";
   result.statistics["deadline_hit"] = problem.out_of_time() ? 1.0 : 0.0;

@@ -5,6 +5,11 @@
 
 namespace clearway {
 
+/// What joined start and goal; as a number the statistic `solved_by` of a solved leg.
+enum class BoundaryPlusStage { straight_edge, local_method, plane, hand_over, none };
+/// "straight edge", "local method", "plane", "hand-over" or "none".
+std::string_view to_string(BoundaryPlusStage stage);
+
 /// What boundary_plus may spend on each of its stages.
 struct BoundaryPlusOptions {
   ConstraintOptions local = {};  ///< its max_steps stays 0: local_steps and plane_steps count
@@ -23,8 +28,7 @@ BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initi
 /// Ours, built on the local method and the boundary following of Lahouar et al. 2006: the local method from
 /// the start and from the goal; where both are stuck, bypasses in several planes; then a hand-over to sampled
 /// trees that grow from all traces, and back to the local method. Every edge of the result is certified. The
-/// statistic `solved_by` (0: the straight edge, 1: local, 2: plane, 3: hand-over) and the explanation tell
-/// which stage it took.
+/// statistic `solved_by` (see BoundaryPlusStage) and the explanation tell which stage it took.
 class BoundaryPlus : public Planner {
  public:
   using Options = BoundaryPlusOptions;

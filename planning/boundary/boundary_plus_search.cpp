@@ -153,21 +153,21 @@ bool BoundaryPlusSearch::by_hand_over(int samples) {
   return true;
 }
 
-PlusStage BoundaryPlusSearch::solve() {
+BoundaryPlusStage BoundaryPlusSearch::solve() {
   if (problem_.space.is_edge_free(problem_.start, problem_.goal)) {
     trees_.join_at(0, 0);
-    return PlusStage::straight_edge;
+    return BoundaryPlusStage::straight_edge;
   }
-  if (by_local_method()) return PlusStage::local_method;
+  if (by_local_method()) return BoundaryPlusStage::local_method;
   int left = options_.max_samples;
   for (int round = 0, samples = first_round; !problem_.out_of_time(); ++round, samples *= 2) {
     if (round >= options_.planes && left == 0) break;
-    if (round < options_.planes && by_plane(round)) return PlusStage::plane;
+    if (round < options_.planes && by_plane(round)) return BoundaryPlusStage::plane;
     samples = std::min(samples, left);
     left -= samples;
-    if (by_hand_over(samples)) return PlusStage::hand_over;
+    if (by_hand_over(samples)) return BoundaryPlusStage::hand_over;
   }
-  return PlusStage::none;
+  return BoundaryPlusStage::none;
 }
 
 std::string BoundaryPlusSearch::effort() const {

@@ -18,9 +18,6 @@ Eigen::VectorXd plane_direction(int plane, const ConfigurationSpace& space, cons
                                 const Configuration& lock, const LocalRun& stuck, std::mt19937_64& random);
 std::string plane_name(int plane);
 
-/// What joined start and goal.
-enum class PlusStage { straight_edge, local_method, plane, hand_over, none };
-
 /// The search of boundary_plus for one problem.
 class BoundaryPlusSearch {
  public:
@@ -29,7 +26,7 @@ class BoundaryPlusSearch {
 
   /// The straight edge; the local method from both ends; then, in rounds, a plane from both deadlocks and a
   /// hand-over, each with twice as many samples as the last.
-  PlusStage solve();
+  BoundaryPlusStage solve();
 
   const BidirectionalTrees& trees() const { return trees_; }
   const std::string& how() const { return how_; }  ///< which stage joined them, in words
