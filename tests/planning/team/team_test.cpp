@@ -53,7 +53,7 @@ Team three_pumas() {
 TeamOptions options(bool follows, bool upper = true) {
   TeamOptions chosen;
   chosen.follows_boundaries = follows;
-  chosen.boundary.upper = upper;
+  chosen.boundary.side = upper ? BoundarySide::upper : BoundarySide::lower;
   chosen.duration = 40.0;
   return chosen;
 }

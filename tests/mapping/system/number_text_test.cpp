@@ -1,0 +1,18 @@
+#include "mapping/system/number_text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace clearway {
+namespace number_text_test {
+
+TEST(NumberText, OptionsReadBackToTheSameAndSentencesHaveFewDigits) {
+  EXPECT_EQ(to_text(0.1), "0.1");
+  EXPECT_EQ(to_text(std::vector<double>{1.0, 0.1 + 0.2}), "1,0.30000000000000004");
+  EXPECT_EQ(short_text(0.67082), "0.6708");
+  EXPECT_EQ(short_text(0.67082, 3), "0.671");
+  EXPECT_EQ(short_text(1234567.0, 3), "1.23e+06");
+  EXPECT_EQ(short_text(-0.5, 3), "-0.5");
+}
+
+}  // namespace number_text_test
+}  // namespace clearway
