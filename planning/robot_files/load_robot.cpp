@@ -69,7 +69,9 @@ fs::path datasets_folder() {
 std::vector<std::pair<std::string, std::string>> available_robots() {
   std::vector<std::pair<std::string, std::string>> robots;
   const fs::path folder = datasets_folder() / "robots";
-  if (!fs::is_directory(folder)) return robots;
+  if (!fs::is_directory(folder))
+    throw std::invalid_argument("no folder of robots at " + quote_path(folder.string()) +
+                                ": expected it there, or CLEARWAY_DATASETS to name the folder that holds it");
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".yaml") continue;
     robots.emplace_back(entry.path().stem().string(), read_robot_settings(entry.path()).description);
