@@ -26,17 +26,22 @@ foreach(file share/man/man1/clearway.1.gz share/bash-completion/completions/clea
     message(FATAL_ERROR "not installed: ${file}")
   endif()
 endforeach()
-run(COMMAND bash -c "source ${prefix}/share/bash-completion/completions/clearway; COMP_WORDS=(clearway pl); \
-COMP_CWORD=1; _clearway; echo \${COMPREPLY[*]}" PRINTS "^plan planners\n$")
+file(WRITE ${WORK}/complete.sh "source ${prefix}/share/bash-completion/completions/clearway
+COMP_WORDS=(clearway pl)
+COMP_CWORD=1
+_clearway
+echo \${COMPREPLY[*]}
+")
+run(COMMAND bash ${WORK}/complete.sh PRINTS "^plan planners\n$")
 
 # Headers and libraries serve somebody else's project. Every header is there, and none needs the source tree.
 file(GLOB_RECURSE headers RELATIVE ${prefix}/include/clearway ${prefix}/include/clearway/*.hpp)
 list(REVERSE headers)  # so that a header that leans on one before it in the alphabet is found
 list(TRANSFORM headers REPLACE "(.+)" "#include \"\\1\"")
 list(JOIN headers "\n" includes)
-file(WRITE ${WORK}/headers/all.cpp "${includes}\nint main() {}\n")
-file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(all LANGUAGES C CXX)\n\
-find_package(clearway 0.2 REQUIRED)\nadd_executable(all all.cpp)\ntarget_link_libraries(all PRIVATE\n\
+file(WRITE ${WORK}/headers/every_header.cpp "${includes}\nint main() {}\n")
+file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(every_header LANGUAGES C CXX)\n\
+find_package(clearway 0.2 REQUIRED)\nadd_executable(every_header every_header.cpp)\ntarget_link_libraries(every_header PRIVATE\n\
   clearway::mapping clearway::planning clearway::tracking clearway::datasets)\n")
 foreach(project headers examples)
   set(source ${WORK}/headers)
@@ -51,11 +56,6 @@ set(ENV{CLEARWAY_DATASETS} ${prefix}/share/clearway)
 file(GLOB examples ${SOURCE}/apps/examples/*.cpp)
 foreach(example ${examples})
   get_filename_component(name ${example} NAME_WE)
-  file(STRINGS ${example} lines)
-  list(LENGTH lines count)
-  if(count GREATER 100)
-    message(FATAL_ERROR "${name} has ${count} lines: expected at most 100")
-  endif()
   run(COMMAND ${WORK}/examples/build/${name} PRINTS ".")
 endforeach()
 
