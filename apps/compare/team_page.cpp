@@ -56,18 +56,18 @@ Json pose_json(const Eigen::Isometry3d& pose) {
   return {p.x(), p.y(), p.z(), turn.w(), turn.x(), turn.y(), turn.z()};
 }
 
-Json numbers(const Eigen::VectorXd& q) { return std::vector<double>(q.begin(), q.end()); }
+Json json_numbers(const Eigen::VectorXd& q) { return std::vector<double>(q.begin(), q.end()); }
 
 Json robot_json(const TeamRobot& robot, const TeamTrace& trace) {
   Json joints = Json::array(), positions = Json::array();
   for (const Joint& joint : robot.space->robot().joints) joints.push_back(joint.name);
-  for (const Configuration& q : trace.positions) positions.push_back(numbers(q));
+  for (const Configuration& q : trace.positions) positions.push_back(json_numbers(q));
   return {{"name", robot.name},
           {"robot", robot.space->robot().name},
           {"base", pose_json(robot.space->robot().map_from_base)},
           {"joints", joints},
-          {"start", numbers(robot.start)},
-          {"goal", numbers(robot.goal)},
+          {"start", json_numbers(robot.start)},
+          {"goal", json_numbers(robot.goal)},
           {"arrival_s", trace.arrival >= 0.0 ? Json(trace.arrival) : Json(nullptr)},
           {"deadlocks", trace.deadlocks},
           {"constraint_switches", trace.switches},

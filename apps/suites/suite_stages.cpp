@@ -80,10 +80,6 @@ const Generator& generator_of(const Suite& suite, const SuiteExperiment& experim
              experiment.generate->kind + "'");
 }
 
-Configuration configuration(const std::vector<double>& values) {
-  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
 StageProblem stage_problem(const SuiteProblem& problem) {
   StageProblem ready{problem.name, configuration(problem.start), {}};
   for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
@@ -115,6 +111,10 @@ void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const 
 }
 
 }  // namespace
+
+Configuration configuration(const std::vector<double>& values) {
+  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
 
 Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
   Policies policies;

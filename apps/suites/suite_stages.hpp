@@ -50,4 +50,7 @@ class SuiteStages {
   const Robot& robot_;
 };
 
+/// Joint values of a suite file as a configuration.
+Configuration configuration(const std::vector<double>& values);
+
 }  // namespace clearway

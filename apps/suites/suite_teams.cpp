@@ -4,15 +4,12 @@
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
+#include "apps/suites/suite_stages.hpp"
 #include "mapping/free_space_map.hpp"
 #include "planning/robot/joined_robot.hpp"
 
 namespace clearway {
 namespace {
-
-Configuration configuration(const std::vector<double>& values) {
-  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
 
 Shape shape_of(const SceneShape& shape) {
   if (const auto* box = std::get_if<BoxShape>(&shape.geometry)) return Shape::box(box->size);

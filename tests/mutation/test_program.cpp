@@ -18,6 +18,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(at, what.size(), by);
 }
 
+std::string quoted_include(const fs::path& path) { return "#include \"" + path.string() + "\""; }
+
 std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
 /// The tests of these files, as gtest's filter names them.
@@ -92,8 +94,18 @@ TestProgram::TestProgram(const fs::path& repository, const fs::path& build, cons
     const fs::path file = fs::path(entry["file"].get<std::string>()).lexically_relative(repository);
     const std::string command = entry["command"];
     // A source of a floor, as the floor's library has it; tests of the same name are not its.
-    if (*file.begin() == floor) compile_[file.string()] = command;
+    if (*file.begin() == floor) units_[file.string()] = {repository / file, command};
+    if (entry["file"].get<std::string>().starts_with((build / floor).string() + "/"))
+      add_batch(entry["file"], command);
   }
+}
+
+/// A batch of a unity build includes each of its sources by its whole path.
+void TestProgram::add_batch(const fs::path& batch, const std::string& command) {
+  const std::string text = read_whole(batch);
+  const std::regex include("#include \"([^\"\n]+)\"");
+  for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it)
+    units_[fs::path((*it)[1].str()).lexically_relative(repository_).string()] = {batch, command};
 }
 
 Ended TestProgram::run(const std::string& program, double usual, const std::string& filter,
@@ -128,12 +140,20 @@ double TestProgram::usual_time(const std::string& filter, const fs::path& folder
 
 Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
   fs::create_directories(folder);
-  const fs::path source = folder / fs::path(candidate.file).filename(), object = folder / "fault.o",
+  const fs::path faulty = folder / fs::path(candidate.file).filename(), object = folder / "fault.o",
                  program = folder / "tests";
-  std::ofstream(source) << candidate.fault.applied_to(read_whole(repository_ / candidate.file));
-  // What is compiled is the copy; it includes by the same paths, and warnings do not count as noticing.
-  std::string compile = compile_.at(candidate.file);
-  compile = std::regex_replace(compile, std::regex(" -o \\S+ -c \\S+"), "");
+  std::ofstream(faulty) << candidate.fault.applied_to(read_whole(repository_ / candidate.file));
+  // What is compiled is the copy, alone or in a copy of its batch; it includes by the same paths, and
+  // warnings do not count as noticing. Less is optimized, which takes less time and changes no result.
+  const Unit& unit = units_.at(candidate.file);
+  fs::path source = faulty;
+  if (const fs::path original = repository_ / candidate.file; unit.source != original) {
+    source = folder / "batch.cpp";
+    std::ofstream(source) << replaced(read_whole(unit.source), quoted_include(original),
+                                      quoted_include(faulty));
+  }
+  std::string compile = std::regex_replace(unit.command, std::regex(" -o \\S+ -c \\S+"), "");
+  compile = std::regex_replace(compile, std::regex(" -O2(?= )"), " -O1");
   compile = std::regex_replace(compile, std::regex(" (-MD|-MT \\S+|-MF \\S+|-Werror)(?= )"), "");
   const std::string in_build = "cd " + quoted(build_) + " && ";
   const Ended compiled =

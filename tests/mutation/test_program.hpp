@@ -37,6 +37,7 @@ class TestProgram {
   const std::string& digest() const { return digest_; }
 
  private:
+  void add_batch(const std::filesystem::path& batch, const std::string& command);
   /// Filters of gtest, to be run one after the other.
   std::vector<std::string> stages_for(const std::string& file) const;
   /// s of CPU time that these tests take without a fault. @throws std::runtime_error when they fail
@@ -46,7 +47,12 @@ class TestProgram {
 
   std::filesystem::path repository_, build_;
   std::string floor_, link_, digest_;
-  std::map<std::string, std::string> compile_;  ///< by source, relative
+  /// What is compiled for a source: itself, or the batch that holds it.
+  struct Unit {
+    std::filesystem::path source;
+    std::string command;
+  };
+  std::map<std::string, Unit> units_;  ///< by source, relative
   std::mutex mutex_;
   std::map<std::string, double> usual_;  ///< by filter
 };
