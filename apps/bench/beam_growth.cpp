@@ -17,17 +17,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double heap_bytes() {
+double search_heap_bytes() {
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
 }
 
-double voxels(const Snapshot& map) {
-  const VoxelCounts counts = map.counts();
+}  // namespace
+
+double scene_voxels(const BeamScene& scene) {
+  const VoxelCounts counts = scene.map.counts();
   return static_cast<double>(counts.painted + counts.seen_free + counts.occupied + counts.conflict);
 }
-
-}  // namespace
 
 BeamRun run_beam(const std::string& planner, const PlannerOptions& options, const ConfigurationSpace& space,
                  const BeamScene& scene, int runs) {
@@ -71,7 +71,7 @@ Json beam_joints(double resolution, int runs) {
     rows.push_back(
         {{"joints", task->scene.robot.dof()},
          {"robot", task->scene.robot.name},
-         {"voxels", voxels(task->scene.map)},
+         {"voxels", scene_voxels(task->scene)},
          {"steps", run.steps},
          {"ms", run.ms},
          {"us_a_step", run.us_a_step()},
@@ -109,12 +109,12 @@ Json beam_memory(const ConfigurationSpace& space, const BeamScene& scene) {
       const auto search =
           make_planner("beam", {{"width", std::to_string(width)}, {"step_deg", std::to_string(step_deg)}});
       malloc_trim(0);
-      const double before = heap_bytes();
+      const double before = search_heap_bytes();
       double most = before;
       int asked = 0;
       PlanProblem problem{space, cost, scene.start, scene.goal};
       problem.out_of_time = [&] {
-        if (++asked % 16 == 0) most = std::max(most, heap_bytes());
+        if (++asked % 16 == 0) most = std::max(most, search_heap_bytes());
         return false;
       };
       PlanResult result = search->plan(problem);

@@ -16,6 +16,9 @@ struct BeamRun {
   double us_a_step() const { return steps > 0.0 ? 1e3 * ms / steps : 0.0; }
 };
 
+/// Known voxels of its map.
+double scene_voxels(const BeamScene& scene);
+
 BeamRun run_beam(const std::string& planner, const PlannerOptions& options, const ConfigurationSpace& space,
                  const BeamScene& scene, int runs);
 

@@ -1,31 +1,11 @@
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
-#include <string>
 #include <vector>
 
+#include "apps/bench/page/result.hpp"
+
 namespace clearway::bench {
-
-/// Flags of `clearway_bench NAME`.
-struct BenchOptions {
-  std::filesystem::path input;  ///< recording, map or cloud to measure on; empty: generated
-  double resolution = 0.0;      ///< metres; 0: the benchmark's own
-  int runs = 10;                ///< interleaved runs, >= 1
-};
-
-/// One thing measured against its named peer on the same input in the same run.
-struct BenchResult {
-  double ours = 0.0, peer = 0.0;
-  std::string peer_name, unit;
-  bool smaller_is_better = true;
-  int runs = 0;
-  nlohmann::ordered_json detail;
-};
-
-using Benchmark = BenchResult (*)(const BenchOptions&);
 
 /// Median of numbers; 0 for none.
 double median(std::vector<double> values);
@@ -44,12 +24,15 @@ double cpu_seconds(const std::function<void()>& work);
 /// so that neither side pays for what the other one freed.
 void settle_heap();
 
-/// Medians of `runs` interleaved pairs (ours, peer, ours, ...). Each function makes one run, set-up included,
-/// and returns the figure that it measured inside.
+/// Medians of `options.runs` interleaved pairs (ours, peer, ours, ...). Each function makes one run, set-up
+/// included, and returns the figure that it measured inside.
 struct Pair {
   double ours = 0.0, peer = 0.0;
+
+  double ratio() const { return peer / ours; }  ///< of times
 };
-Pair interleave(int runs, const std::function<double()>& ours, const std::function<double()>& peer);
+Pair interleave(const BenchOptions& options, const std::function<double()>& ours,
+                const std::function<double()>& peer);
 
 // One benchmark a file.
 BenchResult bench_insert(const BenchOptions& options);

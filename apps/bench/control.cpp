@@ -5,15 +5,11 @@
 #include <fcl/geometry/octree/octree.h>
 #include <octomap/OcTree.h>
 
-#include <ctime>
-#include <memory>
-#include <numbers>
-
-#include "apps/bench/bench.hpp"
+#include "apps/bench/control_parts.hpp"
 #include "apps/bench/peers/fcl_bodies.hpp"
+#include "apps/bench/worlds/arm_damper.hpp"
 #include "apps/bench/worlds/arm_worlds.hpp"
 #include "planning/constraint/control_step.hpp"
-#include "planning/constraint/obstacle_constraints.hpp"
 #include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/blocked_octree.hpp"
@@ -21,29 +17,7 @@
 namespace clearway::bench {
 namespace {
 
-constexpr double influence = 0.08, security = 0.01;
 constexpr int starts = 40, steps_each = 50;
-
-DamperOptions damper(const Robot& robot) {
-  return {0.01, influence, security, 0.5 * (influence - security),
-          Eigen::VectorXd::Ones(static_cast<Eigen::Index>(robot.dof()))};
-}
-
-/// This thread's CPU time, us. A call takes some 0.3 us, which are taken off (`clock_us`).
-double now_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
-
-double clock_us() {
-  std::vector<double> took;
-  for (int i = 0; i < 2000; ++i) {
-    const double begin = now_us();
-    took.push_back(now_us() - begin);
-  }
-  return median(took);
-}
 
 /// Where the arm is near something, but not too near: starts of motions, and where each wants to go.
 struct Task {
@@ -202,141 +176,49 @@ class FclStep {
   QuadraticSolver solver_;
 };
 
-/// Three arms that stand 0.9 m apart, each with constraints against the map, itself and the bodies of both
-/// others.
-nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
-  struct Arm {
-    std::unique_ptr<ConfigurationSpace> space;
-    std::unique_ptr<ControlStep> control;
-    std::unique_ptr<ObstacleConstraints> near;
-    std::vector<PlacedShape> bodies;
-    std::vector<ObstacleConstraint> constraints;
-    Configuration q, goal;
+/// From one random place to another: nothing is remembered from the step before.
+std::vector<Task> jumps_near(const ConfigurationSpace& space) {
+  Dice dice(6);
+  std::vector<Task> jumps;
+  while (jumps.size() < 1000) {
+    const Configuration q = dice.configuration(space.robot());
+    const double clearance = space.clearance(q);
+    if (clearance > security && clearance < influence) jumps.push_back({q, q});
+  }
+  return jumps;
+}
+
+std::vector<std::string> us_row(const std::string& name, const nlohmann::ordered_json& told) {
+  const auto cell = [&](const char* key) {
+    return told.contains(key) ? figure(told[key].get<double>()) : std::string("–");
   };
-  std::vector<Arm> arms(3);
-  Dice dice(9);
-  for (std::size_t i = 0; i < arms.size(); ++i) {
-    Robot placed = robot;
-    const double angle = 2.0 * std::numbers::pi / 3.0 * static_cast<double>(i);
-    placed.map_from_base.translation() = 0.52 * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
-    arms[i].space = std::make_unique<ConfigurationSpace>(placed, map, Policies{.critical_by_default = false});
-    DamperOptions options = damper(robot);
-    options.xi /= 2.0;
-    arms[i].control = std::make_unique<ControlStep>(*arms[i].space, options);
-    arms[i].near = std::make_unique<ObstacleConstraints>(arms[i].space->robot());
-  }
-  std::vector<double> times;
-  double pairs = 0.0, constraints = 0.0;
-  const double clock = clock_us();
-  for (int start = 0; start < 60; ++start) {
-    for (Arm& arm : arms) {
-      do arm.q = dice.configuration(robot);
-      while (!arm.space->is_free(arm.q));
-      arm.goal = dice.configuration(robot);
-      arm.bodies = placed_bodies(arm.space->robot(), forward_kinematics(arm.space->robot(), arm.q));
-    }
-    for (int i = 0; i < 20; ++i) {
-      const double begin = now_us();
-      for (Arm& arm : arms) {
-        arm.control->look(arm.q);
-        move_bodies(arm.space->robot(), arm.control->constraints().kinematics().map_from_link(),
-                    Eigen::VectorXd::Zero(6), arm.bodies);
-      }
-      for (Arm& arm : arms) {
-        arm.constraints.clear();
-        for (const Arm& other : arms) {
-          if (&other != &arm)
-            arm.near->append(arm.control->constraints().kinematics().map_from_link(), other.bodies, influence,
-                             arm.constraints);
-        }
-        for (const ObstacleConstraint& constraint : arm.constraints)
-          arm.control->add({constraint.gradient.data(), 6},
-                           damper_bound(arm.control->options(), constraint.distance));
-        pairs += static_cast<double>(arm.constraints.size());
-        constraints += static_cast<double>(arm.control->constraints().constraints().size());
-        arm.q += arm.control->solve(step_to_goal(arm.control->options(), arm.q, arm.goal));
-      }
-      times.push_back(now_us() - begin - clock);
-    }
-  }
-  const auto count = static_cast<double>(times.size());
-  return {{"median_us", median(times)},
-          {"p99_us", quantile(times, 0.99)},
-          {"rows_between_arms", pairs / count},
-          {"other_rows", constraints / count}};
+  return {name, cell("median_us"), cell("p95_us"), cell("p99_us")};
 }
 
-/// How much farther than the nearest voxel of all the nearest constraint of a body is, by exact shapes.
-nlohmann::ordered_json against_exact(const ConfigurationSpace& space) {
-  const Robot& robot = space.robot();
-  ControlConstraints all(space, influence, 0.5 * (influence + security));
-  Dice dice(7);
-  int near = 0, farther = 0, farther_by_1_mm = 0;
-  double worst = 0.0;
-  for (int trial = 0; trial < 4000; ++trial) {
-    const Configuration q = dice.configuration(robot);
-    std::vector<double> ours(robot.bodies.size(), influence), exact = ours;
-    all.look(q);
-    const auto note = [](std::vector<double>& least, int body, double distance) {
-      double& known = least[static_cast<std::size_t>(body)];
-      known = std::min(known, distance);
-    };
-    for (const ControlConstraint& constraint : all.constraints())
-      note(ours, constraint.body, constraint.distance);
-    for (const ProximityConstraint& constraint : space.proximity_constraints(q, influence))
-      note(exact, constraint.body, constraint.distance);
-    for (std::size_t body = 0; body < ours.size(); ++body) {
-      if (exact[body] >= influence) continue;
-      const double by = ours[body] - exact[body];
-      ++near;
-      farther += by > 1e-5;
-      farther_by_1_mm += by > 1e-3;
-      worst = std::max(worst, by);
-    }
-  }
-  return {
-      {"bodies", near}, {"farther", farther}, {"farther_by_1_mm", farther_by_1_mm}, {"farther_by_m", worst}};
-}
-
-/// Our distance between bodies against the smaller of FCL's two solvers (either alone can be too large).
-nlohmann::ordered_json against_fcl(const Robot& robot) {
-  const FclBodies bodies(robot);
-  Dice dice(4);
-  double ours = 0.0, theirs = 0.0, above = 0.0, below = 0.0;
-  int compared = 0, fcl_above = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    const LinkPoses one = forward_kinematics(robot, dice.configuration(robot));
-    Robot other = robot;
-    other.map_from_base.translation() = Eigen::Vector3d(0.7, 0.2, 0.0);
-    const LinkPoses two = forward_kinematics(other, dice.configuration(robot));
-    for (std::size_t a = 0; a < robot.bodies.size(); ++a) {
-      const std::size_t b = (a + static_cast<std::size_t>(trial)) % robot.bodies.size();
-      const Eigen::Isometry3d pose_a = bodies.pose(robot, a, one), pose_b = bodies.pose(robot, b, two);
-      DistanceBounds bounds;
-      const double begin = now_us();
-      bounds = distance(robot.bodies[a].shape, pose_a, robot.bodies[b].shape, pose_b);
-      const double middle = now_us();
-      const double first = fcl_distance(*bodies.shapes[a], pose_a, *bodies.shapes[b], pose_b).distance;
-      const double end = now_us();
-      if (first <= 0.0 || bounds.lower <= 0.0) continue;
-      const double second =
-          fcl_distance(*bodies.shapes[a], pose_a, *bodies.shapes[b], pose_b, fcl::GST_INDEP).distance;
-      const double least = std::min(first, second);
-      ++compared;
-      ours += middle - begin;
-      theirs += end - middle;
-      above = std::max(above, bounds.lower - least);
-      below = std::max(below, least - bounds.lower);
-      fcl_above += first > bounds.upper + 1e-3;
-    }
-  }
-  const double clock = clock_us() * compared;
-  return {{"pairs", compared},
-          {"ours_us", (ours - clock) / compared},
-          {"fcl_us", (theirs - clock) / compared},
-          {"ours_above_fcl_m", above},
-          {"ours_below_fcl_m", below},
-          {"fcl_too_large_by_1_mm", fcl_above}};
+std::vector<Table> control_tables(const nlohmann::ordered_json& detail, const Pair& pair) {
+  Table times{"", {"CPU us per step", "median", "p95", "p99"}, {}};
+  times.constraints = {us_row("ours, along motions", detail),
+                       us_row("ours, from one random place to another", detail["from_place_to_place"]),
+                       us_row("ours, three arms with all their pairs", detail["three_arms"]),
+                       {"FCL, the motions' first steps", figure(pair.peer), "–", "–"},
+                       {"ours, the same first steps", figure(pair.ours), "–", "–"},
+                       {"ratio", figure(pair.ratio()), "–", "–"}};
+  const auto& exact = detail["nearest_rows_against_exact"];
+  const auto& fcl = detail["distance_against_fcl"];
+  const auto number = [](const nlohmann::ordered_json& value) { return figure(value.get<double>()); };
+  Table parts{"", {"part", "figure"}, {}};
+  parts.rows = {
+      {"rows per step", number(detail["rows"])},
+      {"share of rows / kinematics / program", percent(detail["share_rows"].get<double>()) + " / " +
+                                                   percent(detail["share_kinematics"].get<double>()) + " / " +
+                                                   percent(detail["share_program"].get<double>())},
+      {"bodies with a nearer cube than their rows report",
+       count_text(exact["farther"].get<double>()) + " of " + count_text(exact["bodies"].get<double>())},
+      {"by more than 1 mm; at most", count_text(exact["farther_by_1_mm"].get<double>()) + "; " +
+                                         figure(1e3 * exact["farther_by_m"].get<double>()) + " mm"},
+      {"`distance` of two bodies, ours / FCL",
+       number(fcl["ours_us"]) + " / " + number(fcl["fcl_us"]) + " us"}};
+  return {times, parts};
 }
 
 }  // namespace
@@ -348,14 +230,14 @@ BenchResult bench_control(const BenchOptions& options) {
       ArmWorld{.resolution = resolution, .half = 1.2, .spheres = 60, .gap = resolution}.snapshot(robot);
   const ConfigurationSpace space(robot, map, {.critical_by_default = false});
   const std::vector<Task> tasks = tasks_near(space);
-  const DamperOptions damping = damper(robot);
-  FclStep fcl(space, damper(robot));
+  const DamperOptions damping = arm_damper(robot, step_limit);
+  FclStep fcl(space, damping);
   std::vector<Times> runs;
   const Pair pair = interleave(
-      options.runs,
+      options,
       [&] {
         runs.push_back(run_ours(space, damping, tasks, steps_each));
-        return median(runs.back().whole);
+        return median(run_ours(space, damping, tasks, 1).whole);
       },
       [&] {
         std::vector<double> took;
@@ -363,24 +245,29 @@ BenchResult bench_control(const BenchOptions& options) {
           took.push_back(fcl.us(task.start, step_to_goal(damping, task.start, task.goal)));
         return median(took);
       });
+  options.say("parts");
   nlohmann::ordered_json detail = told_of_all(runs);
-  Dice dice(6);
-  std::vector<Task> jumps;
-  while (jumps.size() < 1000) {
-    const Configuration q = dice.configuration(robot);
-    const double clearance = space.clearance(q);
-    if (clearance > security && clearance < influence) jumps.push_back({q, q});
-  }
-  detail["from_place_to_place"] = run_ours(space, damping, jumps, 1).told();
+  const VoxelCounts counts = map.counts();
+  const std::size_t known = counts.seen_free + counts.occupied;
+  detail["from_place_to_place"] = run_ours(space, damping, jumps_near(space), 1).told();
   detail["balls"] = ControlConstraints(space, damping).spheres();
-  detail["known_voxels"] = map.counts().seen_free + map.counts().occupied;
+  detail["known_voxels"] = known;
   detail["blocked_voxels"] = space.blocked_space(2)->blocked_count();
   detail["resolution"] = resolution;
   detail["nearest_rows_against_exact"] = against_exact(space);
   detail["three_arms"] = three_arms(map, robot);
   detail["distance_against_fcl"] = against_fcl(robot);
-  return {pair.ours,    pair.peer, "the same step with fcl::distance to fcl::OcTree", "CPU us per step", true,
-          options.runs, detail};
+  BenchResult result{
+      pair.ours,    pair.peer, "the same step with fcl::distance to fcl::OcTree", "CPU us per step", true,
+      options.runs, detail};
+  result.compared =
+      "Kinematics, rows and quadratic program of a PUMA 560 near obstacles in a map of " +
+      figure(1e-6 * static_cast<double>(known)) + " million known voxels at " + length_text(resolution) +
+      ", d_i = 8 cm: `ControlStep` against the same step with `fcl::distance` of each body to an "
+      "`fcl::OcTree` of the map. The ratio is of the first steps of 40 motions, with nothing remembered; "
+      "FCL's distances are exact, ours are rows of balls that cover the bodies.";
+  result.tables = control_tables(detail, pair);
+  return result;
 }
 
 }  // namespace clearway::bench

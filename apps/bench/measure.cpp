@@ -37,9 +37,11 @@ void settle_heap() {
   for (std::vector<char>& block : blocks) block.reserve(100000);
 }
 
-Pair interleave(int runs, const std::function<double()>& ours, const std::function<double()>& peer) {
+Pair interleave(const BenchOptions& options, const std::function<double()>& ours,
+                const std::function<double()>& peer) {
   std::vector<double> first, second;
-  for (int run = 0; run < runs; ++run) {
+  for (int run = 0; run < options.runs; ++run) {
+    options.say_run(run, options.runs);
     first.push_back(ours());
     second.push_back(peer());
   }

@@ -1,46 +1,72 @@
-// Quadratic programs of the local step: QuadraticSolver against the plain dense form of the same method. In
-// `detail`: how far a million random programs of many kinds are from the optimality conditions.
+// Quadratic programs of the local step: QuadraticSolver against quadprog, and against the plain dense form of
+// the same method. And how far random programs of many kinds are from the optimality conditions.
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/peers/dense_program.hpp"
+#include "apps/bench/peers/quadprog.hpp"
 #include "apps/bench/worlds/random_programs.hpp"
 #include "planning/constraint/quadratic_solver.hpp"
 
 namespace clearway::bench {
 namespace {
 
-constexpr int judged = 1'000'000;
-constexpr int timed = 1'000;
+constexpr int judged_a_run = 100'000, timed = 1'000;  ///< programs
 
 /// Of one kind: what was found, and the worst residuals.
-nlohmann::ordered_json judge_kind(ProgramKind kind, int count, double& worst) {
-  ProgramDice dice(17 + static_cast<std::uint64_t>(kind));
+struct KindFound {
   int feasible = 0, infeasible = 0, not_a_number = 0, above = 0;
   Judgement solved;
   double proof = 0.0;
-  while (feasible + infeasible < count) {
-    const QuadraticProgram program = random_program(dice, kind, dice.below(20) == 0 ? 200 : 40);
+
+  void add(const QuadraticProgram& program) {
     const QuadraticSolution solution = solve(program);
     const Judgement judgement = judge(program, solution);
     not_a_number += !judgement.is_number;
-    worst = std::max(worst, judgement.relative);
-    if (solution.feasible) {
-      ++feasible;
-      solved.relative = std::max(solved.relative, judgement.relative);
-      solved.absolute = std::max(solved.absolute, judgement.absolute);
-      above += judgement.absolute > 1e-9;
-    } else {
-      ++infeasible;
+    (solution.feasible ? feasible : infeasible)++;
+    if (!solution.feasible) {
       proof = std::max(proof, judgement.relative);
+      return;
     }
+    solved.relative = std::max(solved.relative, judgement.relative);
+    solved.absolute = std::max(solved.absolute, judgement.absolute);
+    above += judgement.absolute > 1e-9;
   }
-  return {{"feasible", feasible},
-          {"infeasible_proved", infeasible},
-          {"not_a_number", not_a_number},
-          {"worst_residual", solved.relative},
-          {"worst_residual_absolute", solved.absolute},
-          {"absolute_above_1e-9", above},
-          {"worst_residual_of_proofs", proof}};
+  nlohmann::ordered_json json() const {
+    return {{"feasible", feasible},
+            {"infeasible_proved", infeasible},
+            {"not_a_number", not_a_number},
+            {"worst_residual", solved.relative},
+            {"worst_residual_absolute", solved.absolute},
+            {"absolute_above_1e-9", above},
+            {"worst_residual_of_proofs", proof}};
+  }
+};
+
+Table judge_kinds(const BenchOptions& options, nlohmann::ordered_json& detail) {
+  Table table{
+      "Random programs, up to 14 joints and 200 rows; worst residual of the optimality conditions, or of the "
+      "proof that there is no solution, relative to the size of the terms:",
+      {"kind", "solved", "proved infeasible", "worst of solutions", "worst of proofs"},
+      {}};
+  const int count = judged_a_run * options.runs / static_cast<int>(program_kinds.size()) + 1;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < program_kinds.size(); ++i) {
+    options.say(std::string("judging ") + program_kinds[i]);
+    ProgramDice dice(17 + i);
+    KindFound found;
+    for (int k = 0; k < count; ++k)
+      found.add(random_program(dice, static_cast<ProgramKind>(i), dice.below(20) == 0 ? 200 : 40));
+    detail[program_kinds[i]] = found.json();
+    worst = std::max({worst, found.solved.relative, found.proof});
+    table.rows.push_back({program_kinds[i], count_text(found.feasible), count_text(found.infeasible),
+                          figure(found.solved.relative), figure(found.proof)});
+  }
+  detail["worst_residual"] = worst;
+  return table;
 }
 
 /// Steps of an arm with six joints among `constraints` constraints, of which some are active.
@@ -80,34 +106,92 @@ double time_ours(const std::vector<QuadraticProgram>& programs, QuadraticSolver&
          });
 }
 
+/// CPU us a program, handed over as quadprog wants it beforehand.
+double time_quadprog(const std::vector<QuadraticProgram>& programs, Quadprog& quadprog) {
+  std::vector<Quadprog::Program> prepared;
+  for (const QuadraticProgram& p : programs) prepared.push_back(Quadprog::prepare(p));
+  return 1e6 / timed * cpu_seconds([&] {
+           for (const Quadprog::Program& p : prepared) quadprog.solve(p);
+         });
+}
+
+double time_dense(const std::vector<QuadraticProgram>& programs) {
+  return 1e6 / timed * cpu_seconds([&] {
+           for (const QuadraticProgram& program : programs) solve_densely(program);
+         });
+}
+
+/// The farthest that a solution of quadprog's is from ours.
+/// @throws std::logic_error when only one of them finds any.
+double difference(const std::vector<QuadraticProgram>& programs, Quadprog& quadprog) {
+  double most = 0.0;
+  for (const QuadraticProgram& p : programs) {
+    const QuadraticSolution ours = solve(p);
+    const std::vector<double>& theirs = quadprog.solve(Quadprog::prepare(p));
+    if (ours.feasible == theirs.empty()) throw std::logic_error("quadprog differs about what is feasible");
+    for (std::size_t j = 0; j < theirs.size(); ++j)
+      most = std::max(most, std::abs(theirs[j] - ours.x[static_cast<Eigen::Index>(j)]));
+  }
+  return most;
+}
+
+/// Medians of the runs, CPU us a program.
+struct ProgramTimes {
+  std::vector<double> ours, quadprog, dense;
+  double iterations = 0.0, apart = 0.0;
+};
+
+ProgramTimes time_programs(const BenchOptions& options, int constraints, Quadprog& quadprog) {
+  const std::vector<QuadraticProgram> programs = steps(constraints);
+  QuadraticSolver solver;
+  ProgramTimes times;
+  int iterations = 0;
+  if (quadprog.is_there()) times.apart = difference(programs, quadprog);
+  for (int run = 0; run < options.runs; ++run) {
+    options.say_run(run, options.runs);
+    times.ours.push_back(time_ours(programs, solver, iterations));
+    if (quadprog.is_there()) times.quadprog.push_back(time_quadprog(programs, quadprog));
+    times.dense.push_back(time_dense(programs));
+  }
+  times.iterations = static_cast<double>(iterations) / timed;
+  return times;
+}
+
 }  // namespace
 
 BenchResult bench_qp(const BenchOptions& options) {
-  nlohmann::ordered_json detail;
-  double worst = 0.0;
-  for (std::size_t kind = 0; kind < program_kinds.size(); ++kind) {
-    const int count = judged / static_cast<int>(program_kinds.size()) + 1;
-    detail[program_kinds[kind]] = judge_kind(static_cast<ProgramKind>(kind), count, worst);
-  }
-  detail["worst_residual"] = worst;
-  QuadraticSolver solver;
-  Pair pair;
+  Quadprog quadprog;
+  const std::string name = "the same method in dense matrices";
+  BenchResult result{0,
+                     0,
+                     quadprog.is_there() ? "quadprog (Goldfarb-Idnani)" : name,
+                     "CPU us, 6 joints, 10 rows",
+                     true,
+                     options.runs,
+                     {}};
+  Table table{"Steps of an arm with 6 joints, CPU us per program; solutions are at most this far apart:",
+              {"rows", "ours", "quadprog", "ratio", name, "ratio to it", "apart, rad"},
+              {}};
   for (const int constraints : {5, 40, 10}) {
-    const std::vector<QuadraticProgram> programs = steps(constraints);
-    int iterations = 0;
-    pair = interleave(
-        options.runs, [&] { return time_ours(programs, solver, iterations); },
-        [&] {
-          return 1e6 / timed * cpu_seconds([&] {
-                   for (const QuadraticProgram& program : programs) solve_densely(program);
-                 });
-        });
-    detail["rows_" + std::to_string(constraints)] = {{"ours_us", pair.ours},
-                                                     {"peer_us", pair.peer},
-                                                     {"iterations", static_cast<double>(iterations) / timed}};
+    const ProgramTimes times = time_programs(options, constraints, quadprog);
+    const double ours = median(times.ours), dense = median(times.dense), theirs = median(times.quadprog);
+    auto& constraint = result.detail["rows_" + std::to_string(constraints)];
+    constraint = {{"ours_us", ours}, {"dense_us", dense}, {"iterations", times.iterations}};
+    if (quadprog.is_there()) constraint.update({{"quadprog_us", theirs}, {"apart", times.apart}});
+    const auto told = [&](double value) { return quadprog.is_there() ? figure(value) : "–"; };
+    table.rows.push_back({std::to_string(constraints), figure(ours), told(theirs), told(theirs / ours),
+                          figure(dense), figure(dense / ours), told(times.apart)});
+    result.ours = ours;
+    result.peer = quadprog.is_there() ? theirs : dense;
   }
-  return {pair.ours,    pair.peer, "the same method in dense matrices", "CPU us, 6 joints, 10 rows", true,
-          options.runs, detail};
+  if (!quadprog.is_there()) table.note = "quadprog is left out: install `" + Quadprog::package() + "`.";
+  result.compared =
+      "1,000 random quadratic programs like an arm's steps, with limits: `QuadraticSolver` against Turlach's "
+      "quadprog (Debian's `r-cran-quadprog`), the solver behind R's and Python's, called without R and given "
+      "the Hessian's factor; and against our own textbook form of the method. quadprog knows no limits: "
+      "they are 12 more rows.";
+  result.tables = {table, judge_kinds(options, result.detail)};
+  return result;
 }
 
 }  // namespace clearway::bench

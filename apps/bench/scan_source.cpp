@@ -1,5 +1,6 @@
 #include "apps/bench/scan_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -13,9 +14,11 @@
 namespace clearway::bench {
 namespace {
 
+constexpr std::size_t round_of = 24;  ///< frames
+
 ScanSource in_turn(std::vector<Scan> scans) {
   const auto kept = std::make_shared<const std::vector<Scan>>(std::move(scans));
-  return [kept](std::size_t index) { return (*kept)[index % kept->size()]; };
+  return {[kept](std::size_t index) { return kept->at(index); }, kept->size()};
 }
 
 std::vector<Scan> read_scans(const std::filesystem::path& file) {
@@ -45,12 +48,12 @@ std::vector<Scan> read_scans(const std::filesystem::path& file) {
 
 }  // namespace
 
-ScanSource room_frames(std::size_t frames) { return in_turn(room_scans(frames)); }
+ScanSource room_frames(std::size_t count) { return in_turn(room_scans(round_of, std::min(count, round_of))); }
 
-ScanSource desk_frames(std::size_t frames) { return in_turn(desk_scans(frames)); }
+ScanSource desk_frames(std::size_t count) { return in_turn(desk_scans(round_of, std::min(count, round_of))); }
 
-ScanSource lidar_turns() {
-  return [](std::size_t index) {
+ScanSource lidar_turns(std::size_t count) {
+  const auto turn = [](std::size_t index) {
     const RandomNumbers noise(1, index);
     Scan scan;
     scan.sensor = "lidar";
@@ -73,6 +76,7 @@ ScanSource lidar_turns() {
     }
     return scan;
   };
+  return {turn, count};
 }
 
 ScanSource scans_of(const std::filesystem::path& file) {

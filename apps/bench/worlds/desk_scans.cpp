@@ -46,7 +46,7 @@ Eigen::Isometry3d pose_round_desk(double share) {
 
 }  // namespace
 
-std::vector<Scan> desk_scans(std::size_t frames) {
+std::vector<Scan> desk_scans(std::size_t frames, std::size_t used) {
   const std::vector<Surface> surfaces = desk();
   SceneDepth camera;
   camera.intrinsics = {640, 480, 525.0, 525.0, 319.5, 239.5};
@@ -55,8 +55,8 @@ std::vector<Scan> desk_scans(std::size_t frames) {
   camera.dropout = 0.11;
   for (std::size_t i = 0; i < frames; ++i)
     camera.map_from_sensor.push_back(pose_round_desk(static_cast<double>(i) / static_cast<double>(frames)));
-  std::vector<Scan> scans(frames);
-  for (std::size_t i = 0; i < frames; ++i) {
+  std::vector<Scan> scans(used);
+  for (std::size_t i = 0; i < used; ++i) {
     DepthImage image = render_depth(camera, i, surfaces, 1);
     count_whole_steps(image);
     scans[i] = scan_of(image);

@@ -29,10 +29,10 @@ Scan scan_of(const DepthImage& image) {
   return scan;
 }
 
-std::vector<Scan> room_scans(std::size_t frames) {
+std::vector<Scan> room_scans(std::size_t frames, std::size_t used) {
   const FurnishedRoom room(frames, 1, 1.0);
   std::vector<Scan> scans;
-  for (std::size_t i = 0; i < frames; ++i) scans.push_back(scan_of(room.frame(i)));
+  for (std::size_t i = 0; i < used; ++i) scans.push_back(scan_of(room.frame(i)));
   return scans;
 }
 

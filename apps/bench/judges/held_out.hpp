@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/bench/bench.hpp"
 #include "datasets/simulation/room.hpp"
 #include "mapping/scans/scan.hpp"
 

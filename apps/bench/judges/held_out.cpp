@@ -1,4 +1,4 @@
-#include "apps/bench/held_out.hpp"
+#include "apps/bench/judges/held_out.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "apps/bench/worlds/room_scans.hpp"
 #include "mapping/scans/safe_margins.hpp"
 
 namespace clearway::bench {
@@ -13,14 +14,6 @@ namespace {
 
 const double grazing_cosine = std::cos(70.0 * std::numbers::pi / 180.0);
 constexpr std::size_t judged_every = 23;  // held-out points of a scan: neighbours say the same
-
-Scan scan_of(const CloudFrame& frame) {
-  Scan scan;
-  scan.sensor = frame.kind;
-  scan.map_from_sensor = frame.world_from_sensor;
-  scan.points = frame.points;
-  return scan;
-}
 
 /// The points of a cloud by their direction from the sensor.
 class FieldOfView {

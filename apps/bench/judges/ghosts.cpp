@@ -1,4 +1,4 @@
-#include "apps/bench/ghosts.hpp"
+#include "apps/bench/judges/ghosts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -35,7 +35,7 @@ class GhostWatch {
     });
   }
 
-  /// A voxel that is blocked now and was not before, and how far its ball is from the nearest solid.
+  /// A voxel that is blocked now and was not before, and how far its sphere is from the nearest solid.
   void met(const Eigen::Vector3d& center, double distance) {
     if (distance <= least_distance_) return;
     ++ghosts_;
