@@ -197,12 +197,12 @@ std::vector<std::string> us_row(const std::string& name, const nlohmann::ordered
 
 std::vector<Table> control_tables(const nlohmann::ordered_json& detail, const Pair& pair) {
   Table times{"", {"CPU us per step", "median", "p95", "p99"}, {}};
-  times.constraints = {us_row("ours, along motions", detail),
-                       us_row("ours, from one random place to another", detail["from_place_to_place"]),
-                       us_row("ours, three arms with all their pairs", detail["three_arms"]),
-                       {"FCL, the motions' first steps", figure(pair.peer), "–", "–"},
-                       {"ours, the same first steps", figure(pair.ours), "–", "–"},
-                       {"ratio", figure(pair.ratio()), "–", "–"}};
+  times.rows = {us_row("ours, along motions", detail),
+                us_row("ours, from one random place to another", detail["from_place_to_place"]),
+                us_row("ours, three arms with all their pairs", detail["three_arms"]),
+                {"FCL, the motions' first steps", figure(pair.peer), "–", "–"},
+                {"ours, the same first steps", figure(pair.ours), "–", "–"},
+                {"ratio", figure(pair.ratio()), "–", "–"}};
   const auto& exact = detail["nearest_rows_against_exact"];
   const auto& fcl = detail["distance_against_fcl"];
   const auto number = [](const nlohmann::ordered_json& value) { return figure(value.get<double>()); };

@@ -34,7 +34,7 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
     std::unique_ptr<ControlStep> control;
     std::unique_ptr<ObstacleConstraints> near;
     std::vector<PlacedShape> bodies;
-    std::vector<ObstacleConstraint> rows;
+    std::vector<ObstacleConstraint> constraints;
     Configuration q, goal;
   };
   std::vector<Arm> arms(3);
@@ -50,7 +50,7 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
     arms[i].near = std::make_unique<ObstacleConstraints>(arms[i].space->robot());
   }
   std::vector<double> times;
-  double pairs = 0.0, rows = 0.0;
+  double pairs = 0.0, others = 0.0;
   const double clock = clock_us();
   for (int start = 0; start < 60; ++start) {
     for (Arm& arm : arms) {
@@ -63,20 +63,21 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
       const double begin = now_us();
       for (Arm& arm : arms) {
         arm.control->look(arm.q);
-        move_bodies(arm.space->robot(), arm.control->rows().kinematics().map_from_link(),
+        move_bodies(arm.space->robot(), arm.control->constraints().kinematics().map_from_link(),
                     Eigen::VectorXd::Zero(6), arm.bodies);
       }
       for (Arm& arm : arms) {
-        arm.rows.clear();
+        arm.constraints.clear();
         for (const Arm& other : arms) {
           if (&other != &arm)
-            arm.near->append(arm.control->rows().kinematics().map_from_link(), other.bodies, influence,
-                             arm.rows);
+            arm.near->append(arm.control->constraints().kinematics().map_from_link(), other.bodies, influence,
+                             arm.constraints);
         }
-        for (const ObstacleConstraint& row : arm.rows)
-          arm.control->add({row.gradient.data(), 6}, damper_bound(arm.control->options(), row.distance));
-        pairs += static_cast<double>(arm.rows.size());
-        rows += static_cast<double>(arm.control->rows().rows().size());
+        for (const ObstacleConstraint& constraint : arm.constraints)
+          arm.control->add({constraint.gradient.data(), 6},
+                           damper_bound(arm.control->options(), constraint.distance));
+        pairs += static_cast<double>(arm.constraints.size());
+        others += static_cast<double>(arm.control->constraints().constraints().size());
         arm.q += arm.control->solve(step_to_goal(arm.control->options(), arm.q, arm.goal));
       }
       times.push_back(now_us() - begin - clock);
@@ -86,7 +87,7 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
   return {{"median_us", median(times)},
           {"p99_us", quantile(times, 0.99)},
           {"rows_between_arms", pairs / count},
-          {"other_rows", rows / count}};
+          {"other_rows", others / count}};
 }
 
 nlohmann::ordered_json against_exact(const ConfigurationSpace& space) {
@@ -103,9 +104,10 @@ nlohmann::ordered_json against_exact(const ConfigurationSpace& space) {
       double& known = least[static_cast<std::size_t>(body)];
       known = std::min(known, distance);
     };
-    for (const ControlConstraint& row : all.rows()) note(ours, row.body, row.distance);
-    for (const ProximityConstraint& row : space.proximity_constraints(q, influence))
-      note(exact, row.body, row.distance);
+    for (const ControlConstraint& constraint : all.constraints())
+      note(ours, constraint.body, constraint.distance);
+    for (const ProximityConstraint& constraint : space.proximity_constraints(q, influence))
+      note(exact, constraint.body, constraint.distance);
     for (std::size_t body = 0; body < ours.size(); ++body) {
       if (exact[body] >= influence) continue;
       const double by = ours[body] - exact[body];

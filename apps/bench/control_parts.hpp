@@ -11,7 +11,8 @@ constexpr double step_limit = 0.01;  ///< of each joint, radians
 double now_us();
 double clock_us();
 
-/// Three arms that stand 0.9 m apart, each with rows against the map, itself and the bodies of both others.
+/// Three arms that stand 0.9 m apart, each with constraints against the map, itself and the bodies of both
+/// others.
 nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot);
 
 /// How much farther than the nearest voxel of all the nearest row of a body is, by exact shapes.

@@ -177,7 +177,7 @@ Json octomap_under_lock(const LiveWorld& world, double resolution) {
 
 using Pointer = Json::json_pointer;
 
-/// A constraint of what `microseconds` told, times `unit`.
+/// A row of what `microseconds` told, times `unit`.
 std::vector<std::string> told_row(const std::string& name, const Json& detail, const char* path) {
   const Json& told = detail.at(Pointer(path));
   const auto cell = [&](const char* key) {
@@ -191,7 +191,7 @@ std::vector<Table> live_tables(const Json& detail) {
       ms{"wall ms", "median", "p99", "most"};
   const std::string beside = "/loop_2khz_beside_mapping", loop = beside + "/loop",
                     update = beside + "/update";
-  const auto constraint = [&](const char* name, const std::string& path) {
+  const auto row = [&](const char* name, const std::string& path) {
     return told_row(name, detail, path.c_str());
   };
   Table steps{"The loop at 2 kHz:", us, {}};

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <numbers>
+
 #include "datasets/descriptions/random_numbers.hpp"
 
 namespace clearway {
+
+inline constexpr double degree = std::numbers::pi / 180.0;
 
 /// Random numbers one after the other, the same on every machine. Streams of one seed are independent.
 class SuiteDice {

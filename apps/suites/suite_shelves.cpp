@@ -11,7 +11,6 @@ namespace clearway {
 namespace {
 
 constexpr int most_shelf_draws = 20000;
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr int rows = 3, columns = 3;
 constexpr double wall = 0.05, board = 0.024;  ///< thickness, metres at full size
 

@@ -14,7 +14,6 @@ namespace clearway {
 namespace {
 
 constexpr int most_tunnel_draws = 2000;
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr double widest_turn = 1.2;  ///< rad (or share of m), of a joint between two turns of a way
 
 /// The sphere about the robot's critical parts.

@@ -24,8 +24,8 @@ Quadprog::Program Quadprog::prepare(const QuadraticProgram& program) {
     for (Eigen::Index j = 0; j < n; ++j) prepared.normals.push_back(-normal(j));
     prepared.bounds.push_back(-bound);
   };
-  for (Eigen::Index i = 0; i < program.rows.rows(); ++i)
-    add([&](Eigen::Index j) { return program.rows(i, j); }, program.bounds[i]);
+  for (Eigen::Index i = 0; i < program.matrix.rows(); ++i)
+    add([&](Eigen::Index j) { return program.matrix(i, j); }, program.bounds[i]);
   for (Eigen::Index k = 0; k < program.upper.size(); ++k)
     add([&](Eigen::Index j) { return j == k ? 1.0 : 0.0; }, program.upper[k]);
   for (Eigen::Index k = 0; k < program.lower.size(); ++k)
