@@ -43,8 +43,9 @@ struct PlanQuery {
 
 /// Plans leg after leg, each from where the one before really ended, then has the independent check look at
 /// the whole path, and surveys what the map knows of where the robot goes. Plan::is_proved() is the answer in
-/// one word; status, explanation, validation and survey are its reasons. The first leg that fails ends the
-/// plan: check and survey then cover the legs before it, and `paint` says where painting would help.
+/// one word (a beam with last_segment = false may end one step short of a goal); status, explanation,
+/// validation and survey are its reasons. The first leg that fails ends the plan: check and survey then cover
+/// the legs before it, and `paint` says where painting would help.
 ///
 /// A start or goal that is not finite, past a limit or not free, no path, and time that is out are outcomes.
 /// It is made of parts that may be called alone: Planner::plan, check_path (planning/check/path_check.hpp),

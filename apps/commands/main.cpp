@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -11,6 +12,10 @@
 #include "mapping/system/interruption.hpp"
 
 int main(int argc, char** argv) {
+  // A file opened where a standard stream is missing would get what is written to that stream.
+  int free_number = open("/dev/null", O_RDWR);
+  while (free_number >= 0 && free_number <= STDERR_FILENO) free_number = open("/dev/null", O_RDWR);
+  if (free_number >= 0) close(free_number);
   std::ios::sync_with_stdio(false);
   const bool is_terminal = isatty(STDERR_FILENO) == 1;
   clearway::PlainBuffer plain(std::cout);

@@ -133,7 +133,8 @@ std::string manual_page(const CLI::App& app) {
                      "\" \"User Commands\"\n"
                      ".SH NAME\nclearway \\- " +
                      roff(app.get_description()) +
-                     "\n.SH SYNOPSIS\n.B clearway\n.I command\n.RI [ flags ]\n.SH COMMANDS\n";
+                     "\n.SH SYNOPSIS\n.B clearway\n.I command\n.RI [ flags ]\n.SH OPTIONS\n" +
+                     roff_options(app) + ".SH COMMANDS\n";
   for (const CLI::App* command : commands_of(app)) {
     text += ".SS " + command->get_name() + "\n" + roff(command->get_description()) + "\n" +
             roff_options(*command);

@@ -14,20 +14,26 @@ namespace fs = std::filesystem;
 
 fs::path shipped_file(const std::string& folder, const fs::path& given) {
   std::error_code failed;
-  if (given.filename() != given || given.has_extension() || fs::exists(given, failed)) return given;
+  if (given.filename() != given || given.has_extension() || fs::is_regular_file(given, failed)) return given;
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(datasets_folder() / folder, failed)) {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   }
   if (std::find(names.begin(), names.end(), given) != names.end())
     return datasets_folder() / folder / (given.string() + ".yaml");
+  if (fs::exists(given, failed)) return given;  // refused by its reader, in a sentence
   std::sort(names.begin(), names.end());
+  const std::string start = "no file and none of the " + folder + " is called " + quote(given.string());
+  if (names.empty()) {
+    throw std::invalid_argument(start + ": there are none at " +
+                                quote_path((datasets_folder() / folder).string()) +
+                                ", CLEARWAY_DATASETS may name another folder");
+  }
+  const std::string meant = nearest_name(given.string().substr(0, 100), names, 2);
+  if (!meant.empty()) throw std::invalid_argument(start + "; did you mean '" + meant + "'?");
   std::string list;
   for (const std::string& name : names) list += name + ", ";
-  const std::string meant = nearest_name(given.string().substr(0, 100), names, 2);
-  throw std::invalid_argument("no file and none of the " + folder + " is called " + quote(given.string()) +
-                              (meant.empty() ? ": expected " + list + "or the path of a .yaml file"
-                                             : "; did you mean '" + meant + "'?"));
+  throw std::invalid_argument(start + ": expected " + list + "or the path of a .yaml file");
 }
 
 }  // namespace clearway

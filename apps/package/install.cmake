@@ -17,17 +17,7 @@ install(FILES LICENSE CHANGELOG.md TRUST.md SECURITY.md DESTINATION ${CMAKE_INST
 if(CLEARWAY_APPS)
   install(TARGETS clearway)
 
-  # The program itself writes its manual and its completion.
   set(texts ${PROJECT_BINARY_DIR}/manual)
-  file(MAKE_DIRECTORY ${texts})
-  find_program(GZIP gzip REQUIRED)
-  add_custom_command(OUTPUT ${texts}/clearway.1.gz ${texts}/clearway ${texts}/_clearway
-    COMMAND clearway --manual > clearway.1
-    COMMAND ${GZIP} -9nf clearway.1
-    COMMAND clearway --completion bash > clearway
-    COMMAND clearway --completion zsh > _clearway
-    DEPENDS clearway WORKING_DIRECTORY ${texts} COMMENT "Writing the manual" VERBATIM)
-  add_custom_target(clearway_manual ALL DEPENDS ${texts}/clearway.1.gz)
   install(FILES ${texts}/clearway.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   install(FILES ${texts}/clearway DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
   install(FILES ${texts}/_clearway DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
@@ -35,7 +25,7 @@ endif()
 
 # cmake --build … --target docs: pages of the installed headers, in the build folder's docs/html.
 find_package(Doxygen 1.9 QUIET)
-if(DOXYGEN_FOUND AND PROJECT_IS_TOP_LEVEL)
+if(DOXYGEN_FOUND )
   get_property(headers GLOBAL PROPERTY CLEARWAY_PUBLIC_HEADERS)
   list(REMOVE_DUPLICATES headers)
   set(DOXYGEN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/docs)
@@ -50,7 +40,7 @@ endif()
 
 # cpack in the build folder: clearway_VERSION_amd64.deb. It depends on what the program loads; what programs that link
 # the libraries need as well is only suggested.
-file(STRINGS ${PROJECT_SOURCE_DIR}/.ci/packages packages REGEX "^[a-z].*-dev$")
+file(STRINGS ${PROJECT_SOURCE_DIR}/.ci/packages packages REGEX "^([a-z].*-dev|pkg-config)$")
 list(JOIN packages ", " packages)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "the Clearway authors <clearway@example.org>")

@@ -123,7 +123,9 @@ DecodingChild::DecodingChild(int descriptor, uint64_t file_size)
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("no pipe: ") + std::strerror(errno));
   child_ = fork();
   if (child_ == 0) {
-    guard_child({ends[1], descriptor}, 128 * megabyte + 20 * file_size, 60 + 10 * (file_size / megabyte));
+    // It may outlive the thread that opened the recording, which is read on elsewhere.
+    guard_child({&ends[1], &descriptor},
+                {.memory = 128 * megabyte + 20 * file_size, .seconds = 60 + 10 * (file_size / megabyte)});
     try {
       decode(Sender(ends[1]), descriptor, file_size);
     } catch (...) {

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <fstream>
 #include <locale>
+#include <utility>
 #include <vector>
 
 namespace clearway {
@@ -21,7 +22,13 @@ void limit(__rlimit_resource resource, rlim_t value) {
   ::setrlimit(resource, &bound);
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define CLEARWAY_SANITIZED
+#endif
+#endif
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(CLEARWAY_SANITIZED)
 void limit_memory(std::size_t) {}  // sanitizers reserve terabytes
 #else
 void limit_memory(std::size_t beyond_present) {
@@ -44,20 +51,37 @@ void close_all_but(std::vector<int> kept) {
   ::close_range(first, ~0U, 0);
 }
 
+void let_go_of_handlers() {
+  for (int number = 1; number < NSIG; ++number) {
+    struct sigaction now {};
+    // What the parent ignores, as SIGHUP under nohup, stays ignored.
+    if (::sigaction(number, nullptr, &now) == 0 && now.sa_handler != SIG_IGN) ::signal(number, SIG_DFL);
+  }
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
 }  // namespace
 
-void guard_child(std::initializer_list<int> kept, std::size_t memory, std::uint64_t seconds) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (int number = 1; number < NSIG; ++number) ::signal(number, SIG_DFL);
-  ::signal(SIGPIPE, SIG_IGN);
+void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
+  if (guard.parent != 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != guard.parent) ::_exit(0);  // it went before the line above
+  }
+  let_go_of_handlers();
+  std::vector<int> numbers;
+  for (int* descriptor : kept) {
+    if (*descriptor < 3) *descriptor = ::fcntl(*descriptor, F_DUPFD_CLOEXEC, 3);
+    if (*descriptor < 0) ::_exit(0);
+    numbers.push_back(*descriptor);
+  }
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
-  close_all_but(kept);
+  close_all_but(std::move(numbers));
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   ::setrlimit(RLIMIT_FSIZE, &none);
-  limit(RLIMIT_CPU, static_cast<rlim_t>(seconds));
-  limit_memory(memory);
+  limit(RLIMIT_CPU, static_cast<rlim_t>(guard.seconds));
+  limit_memory(guard.memory);
 }
 
 bool write_fully(int descriptor, const void* from, std::size_t size) {

@@ -1,19 +1,30 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 
 namespace clearway {
 
-/// What shuts a forked child in that reads hostile files: takes from it the parent's signal handlers,
-/// terminal and files (but `kept`), core dumps, writing files, memory and time beyond the limits, and life
-/// beyond the parent's. SIGPIPE is ignored. To be called in the child alone, first thing.
-/// @param memory address space beyond what the program has already, bytes (none under sanitizers, which
-/// reserve
-///        terabytes)
-/// @param seconds processor time; SIGXCPU ends it
-void guard_child(std::initializer_list<int> kept, std::size_t memory, std::uint64_t seconds);
+/// What a forked child that reads hostile files may take.
+struct ChildGuard {
+  /// Address space beyond what the program has already, bytes; none under sanitizers, which reserve
+  /// terabytes.
+  std::size_t memory = 0;
+  std::uint64_t seconds = 10;  ///< processor time; SIGXCPU ends it
+  /// The process before the fork: the child dies with the thread that forked. 0: it does not, and has to end
+  /// when its pipe breaks.
+  pid_t parent = 0;
+};
+
+/// Takes from a forked child the parent's signal handlers, terminal and files (but `kept`), core dumps,
+/// writing files, and what the guard does not allow. SIGPIPE is ignored, as is what the parent ignores. To be
+/// called in the child alone, first thing.
+/// @param kept descriptors; those below 3 get other numbers, which are written back, and 0 to 2 become
+/// /dev/null
+void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard);
 
 /// Writes all of it, whatever signals come; false when that cannot be done.
 bool write_fully(int descriptor, const void* from, std::size_t size);

@@ -37,8 +37,10 @@ void send(int pipe, Mark mark, std::string_view text) {
   if (!heard) ::_exit(0);  // nobody listens any more
 }
 
-[[noreturn]] void run_child(int pipe, const PartedWork& work, const ChildLimits& limits) {
-  guard_child({pipe}, limits.memory, static_cast<std::uint64_t>(limits.seconds));
+[[noreturn]] void run_child(int pipe, pid_t parent, const PartedWork& work, const ChildLimits& limits) {
+  guard_child(
+      {&pipe},
+      {.memory = limits.memory, .seconds = static_cast<std::uint64_t>(limits.seconds), .parent = parent});
   try {
     work([pipe](std::string_view part) { send(pipe, Mark::part, part); });
     send(pipe, Mark::end, "");
@@ -93,14 +95,14 @@ void read_messages(std::string_view received, ChildOutcome& outcome) {
 ChildOutcome run_in_child(const PartedWork& work, const ChildLimits& limits) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::strerror(errno));
-  const pid_t child = ::fork();
+  const pid_t parent = ::getpid(), child = ::fork();
   if (child < 0) {
     const int reason = errno;
     ::close(ends[0]);
     ::close(ends[1]);
     throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(reason));
   }
-  if (child == 0) run_child(ends[1], work, limits);
+  if (child == 0) run_child(ends[1], parent, work, limits);
   ::close(ends[1]);
 
   std::string received;

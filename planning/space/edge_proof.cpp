@@ -9,15 +9,15 @@ namespace clearway {
 namespace {
 
 /// The part [begin, end] of an edge, 0..1, with the bodies and pairs that are not proved free on it yet:
-/// a range of Scratch::open.
+/// a range of EdgeScratch::open.
 struct Piece {
   double begin = 0.0, end = 1.0;
   std::size_t first_open = 0, last_open = 0;
-  int begin_sample = -1, end_sample = -1;  ///< poses at its ends in Scratch::samples; -1: not known yet
+  int begin_sample = -1, end_sample = -1;  ///< poses at its ends in EdgeScratch::samples; -1: not known yet
 };
 
 /// Memory of one proof, kept per thread so that an edge allocates nothing once it is warm.
-struct Scratch {
+struct EdgeScratch {
   std::vector<LinkPoses> samples;
   int used = 0;  ///< of samples
   std::vector<Piece> pieces;
@@ -72,7 +72,7 @@ Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& 
 /// One proof: the edge is halved until each member is proved free on each piece.
 class EdgeProof {
  public:
-  EdgeProof(const CollisionModel& model, Scratch& scratch, std::vector<RecentCubes>& recent,
+  EdgeProof(const CollisionModel& model, EdgeScratch& scratch, std::vector<RecentCubes>& recent,
             KnownClearances* known_from, KnownClearances* known_to)
       : model_(model), scratch_(scratch), recent_(recent), known_from_(known_from), known_to_(known_to) {}
 
@@ -189,7 +189,7 @@ class EdgeProof {
   }
 
   const CollisionModel& model_;
-  Scratch& scratch_;
+  EdgeScratch& scratch_;
   std::vector<RecentCubes>& recent_;
   KnownClearances *known_from_, *known_to_;
   double length_ = 0.0;  ///< of the edge, over the joints that matter
@@ -212,7 +212,7 @@ bool CollisionModel::is_edge_free(const Configuration& from, const Configuration
                                   const std::vector<int>& members, std::vector<RecentCubes>& recent,
                                   KnownClearances* known_from, KnownClearances* known_to,
                                   const EdgePoses* poses) const {
-  thread_local Scratch scratch;
+  thread_local EdgeScratch scratch;
   scratch.from = &from;
   scratch.to = &to;
   scratch.known = poses;

@@ -19,7 +19,13 @@ run(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 # The program finds its robots and suites beside it.
 run(COMMAND ${prefix}/bin/clearway robots PRINTS "puma560")
 run(COMMAND ${prefix}/bin/clearway --version PRINTS "^clearway [0-9]+\\.[0-9]+\\.[0-9]+\n$")
-run(COMMAND ${prefix}/bin/clearway compare quick --out ${WORK}/quick PRINTS "valid")
+foreach(again 1 2)  # the folder that the first one makes is called like the suite
+  execute_process(COMMAND ${prefix}/bin/clearway compare quick --out quick WORKING_DIRECTORY ${WORK}
+    RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT status EQUAL 0 OR NOT out MATCHES "valid")
+    message(FATAL_ERROR "compare quick ended with ${status}:\n${out}${err}")
+  endif()
+endforeach()
 foreach(file share/man/man1/clearway.1.gz share/bash-completion/completions/clearway
     share/zsh/vendor-completions/_clearway share/clearway/suites/quick.yaml include/clearway/mapping/snapshot.hpp)
   if(NOT EXISTS ${prefix}/${file})
@@ -43,13 +49,19 @@ file(WRITE ${WORK}/headers/every_header.cpp "${includes}\nint main() {}\n")
 file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(every_header LANGUAGES C CXX)\n\
 find_package(clearway 0.2 REQUIRED)\nadd_executable(every_header every_header.cpp)\ntarget_link_libraries(every_header PRIVATE\n\
   clearway::mapping clearway::planning clearway::tracking clearway::datasets)\n")
+# The examples are compiled for another instruction set: what both sides share must not depend on it.
+file(STRINGS /proc/cpuinfo avx REGEX "^flags.* avx " LIMIT_COUNT 1)
 foreach(project headers examples)
   set(source ${WORK}/headers)
+  set(flags -Wall)
   if(project STREQUAL examples)
     set(source ${SOURCE}/apps/examples)
+    if(avx)
+      set(flags "-Wall -mavx")
+    endif()
   endif()
   run(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${source} -B ${WORK}/${project}/build -DCMAKE_PREFIX_PATH=${prefix}
-    -DCMAKE_CXX_FLAGS=-Wall -DCMAKE_COMPILE_WARNING_AS_ERROR=ON)
+    -DCMAKE_CXX_FLAGS=${flags} -DCMAKE_COMPILE_WARNING_AS_ERROR=ON)
   run(COMMAND ${CMAKE_COMMAND} --build ${WORK}/${project}/build)
 endforeach()
 set(ENV{CLEARWAY_DATASETS} ${prefix}/share/clearway)

@@ -1,7 +1,13 @@
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <zlib.h>
 
+#include <chrono>
+#include <csignal>
+#include <functional>
 #include <random>
+#include <thread>
 
 #include "datasets/sources/record_seal.hpp"
 #include "datasets/sources/recording.hpp"
@@ -171,6 +177,61 @@ TEST(RecordingReader, RefusesWhatIsNoRecordingInOneSentence) {
   EXPECT_NE(complaint([&] { read_bytes(folder, ""); }).find("empty"), std::string::npos);
   EXPECT_NE(complaint([&] { read_bytes(folder, "boards: []\n"); }).find("not an MRPT rawlog"),
             std::string::npos);
+}
+
+TEST(RecordingReader, ReadsOnWhenTheThreadThatOpenedItHasEnded) {
+  ScratchFolder folder;
+  const SmallLog log = small_log(folder);
+  std::optional<RecordingReader> reader;
+  std::vector<std::string> frames;
+  std::thread([&] {
+    reader.emplace(folder / "small.rawlog");
+    frames.push_back(bytes_of(*reader->next()));
+  }).join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (const auto frame = reader->next()) frames.push_back(bytes_of(*frame));
+  EXPECT_EQ(reader->damage(), std::nullopt);
+  EXPECT_EQ(frames, log.frames);
+}
+
+/// Reads the small log in a child after `before`; whether it got all frames.
+bool reads_all_after(const ScratchFolder& folder, const SmallLog& log, const std::function<void()>& before) {
+  const pid_t child = fork();
+  if (child == 0) {
+    before();
+    RecordingReader reader(folder / "small.rawlog");
+    std::size_t frames = 0;
+    while (reader.next()) ++frames;
+    _exit(frames == log.frames.size() && !reader.damage() ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST(RecordingReader, ReadsInAProgramWithoutStandardStreams) {
+  ScratchFolder folder;
+  const SmallLog log = small_log(folder);
+  for (const std::vector<int>& closed : {std::vector{0}, {1}, {0, 1}, {0, 1, 2}}) {
+    EXPECT_TRUE(reads_all_after(folder, log, [&] {
+      for (const int stream : closed) close(stream);
+    })) << closed.size();
+  }
+}
+
+TEST(RecordingReader, ItsDecoderIgnoresASignalThatTheProgramIgnores) {
+  ScratchFolder folder;
+  const SmallLog log = small_log(folder);
+  EXPECT_TRUE(reads_all_after(folder, log, [] {
+    setpgid(0, 0);
+    std::signal(SIGHUP, SIG_IGN);
+    std::thread([] {
+      for (int i = 0; i < 20; ++i) {
+        kill(0, SIGHUP);  // to the decoder, too
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+    }).detach();
+  }));
 }
 
 TEST(RecordingReader, MayBeDroppedHalfway) {
