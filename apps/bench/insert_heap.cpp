@@ -4,13 +4,14 @@
 
 #include <malloc.h>
 #include <octomap/OcTree.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 
+#include "apps/bench/page/own_process.hpp"
 #include "mapping/scans/scan_rays.hpp"
 #include "mapping/voxels/node_pool.hpp"
 
@@ -25,22 +26,12 @@ double heap_bytes() {
 
 /// What `measure` returns in a child process.
 HeapBytes in_child(const std::function<HeapBytes()>& measure) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error("cannot make a pipe to measure memory");
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("cannot start a process to measure memory");
-  if (child == 0) {
-    HeapBytes result = measure();
-    const bool told = write(ends[1], &result, sizeof(result)) == static_cast<ssize_t>(sizeof(result));
-    _exit(told ? 0 : 1);
-  }
-  close(ends[1]);
+  const std::string bytes = in_own_process([&] {
+    const HeapBytes result = measure();
+    return std::string(reinterpret_cast<const char*>(&result), sizeof result);
+  });
   HeapBytes result;
-  const bool heard = read(ends[0], &result, sizeof(result)) == static_cast<ssize_t>(sizeof(result));
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (!heard || status != 0) throw std::runtime_error("measuring memory in a process of its own failed");
+  std::memcpy(&result, bytes.data(), sizeof result);
   return result;
 }
 

@@ -1,10 +1,13 @@
 // The page of figures, and what becomes of a benchmark that fails.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <sstream>
 #include <stdexcept>
 
+#include "apps/bench/page/own_process.hpp"
 #include "apps/bench/page/page.hpp"
 
 namespace clearway::bench {
@@ -98,6 +101,42 @@ TEST(BenchmarkRun, a_benchmark_that_fails_is_named_and_stops_no_other) {
   EXPECT_TRUE(outcomes[1].failure.empty());
   EXPECT_EQ(exit_status(outcomes), 1);
   EXPECT_EQ(exit_status({outcomes[1]}), 0);
+}
+
+TEST(BenchmarkRun, a_process_of_its_own_hands_back_the_same_result) {
+  BenchOptions options;
+  options.runs = 2;
+  const Benchmark infinite = [](const BenchOptions& asked) {
+    BenchResult result = twice_as_fast(asked);
+    result.peer = 1.0 / 0.0;
+    result.detail["worst"] = 1e-12;
+    return result;
+  };
+  const BenchResult here = infinite(options), there = isolated(infinite)(options);
+  EXPECT_EQ(there.peer, here.peer);
+  EXPECT_EQ(there.runs, 2);
+  EXPECT_EQ(there.detail, here.detail);
+  EXPECT_EQ(there.compared, here.compared);
+  ASSERT_EQ(there.tables.size(), 1U);
+  EXPECT_EQ(to_markdown(there.tables[0]), to_markdown(here.tables[0]));
+}
+
+TEST(BenchmarkRun, one_that_crashes_is_named_as_well) {
+  const auto silent = [](const BenchOptions&) -> BenchResult { _exit(9); };
+  const auto killed = [](const BenchOptions&) -> BenchResult {
+    raise(SIGKILL);
+    return {};
+  };
+  std::ostringstream log;
+  const auto outcomes = outcomes_of({{"silent", "ends", 1, isolated(silent)},
+                                     {"killed", "ends", 1, isolated(killed)},
+                                     {"bad", "fails", 1, isolated(failing)},
+                                     {"good", "works", 1, isolated(twice_as_fast)}},
+                                    {log});
+  EXPECT_EQ(outcomes[0].failure, "its process told no result");
+  EXPECT_EQ(outcomes[1].failure, "its process was ended by signal 9");
+  EXPECT_EQ(outcomes[2].failure, "the peer differs");
+  EXPECT_TRUE(outcomes[3].failure.empty());
 }
 
 TEST(BenchmarkRun, each_runs_as_often_as_it_says_unless_told_otherwise) {
