@@ -1,8 +1,10 @@
 #include "apps/bench/page/own_process.hpp"
 
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <stdexcept>
 
 namespace clearway::bench {
@@ -20,6 +22,7 @@ void write_all(int end, const std::string& text) {
 
 /// The child's life: writes what work returns, or the text of its exception, and ends with 0 or 1.
 [[noreturn]] void live_as_child(int end, const std::function<std::string()>& work) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody would read the result
   try {
     write_all(end, work());
     _exit(0);
