@@ -9,7 +9,9 @@ Command add_compare(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       add_command(app, "compare", "planners against problems on voxel maps, every path re-checked", console);
-  command->add_option("suite", options->suite, "suite file, or the name of one that comes with the program (quick, local, …)")
+  command
+      ->add_option("suite", options->suite,
+                   "suite file, or the name of one that comes with the program (quick, local, …)")
       ->required()
       ->type_name("SUITE.yaml");
   command->add_option("--out", options->out, "folder for results.sqlite, .csv, .log, report.html and plans")
