@@ -78,10 +78,13 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (options.age && slices.empty())
     throw std::invalid_argument("--age: expected --slice beside it, which it colours");
   const std::vector<Eigen::Vector3d> points = points_of(options.at);
+  // Everything is read before anything is said; see hand_over.cpp.
   const Snapshot loaded = load_map(options.map);
+  const Snapshot map = edited(options, loaded);
+  std::optional<Snapshot> other;
+  if (!options.diff.empty()) other = load_map(options.diff);
   if (const std::string remark = painted_csv_remark(options.map, loaded); !remark.empty())
     console.warn("note: " + remark);
-  const Snapshot map = edited(options, loaded);
   require_in_reach(points, map);
   for (const auto& [plane, file] : slices) require_writable(file);
   for (const auto& file : options.exports) require_writable(file);
@@ -93,7 +96,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
     json["at"].push_back(describe_point(map, provenance ? &*provenance : nullptr, point));
   for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
   if (options.conflicts && provenance) json["conflicts"] = describe_conflicts(*provenance);
-  if (!options.diff.empty()) json["diff"] = describe_difference(map, options.diff);
+  if (other) json["diff"] = describe_difference(map, *other, options.diff);
   if (options.holes) json["painted_volumes"] = describe_volumes(map);
   for (const auto& [plane, file] : slices) write_slice_image(map, plane, file, lines, options.age);
   for (const auto& file : options.exports) export_map(map, file);

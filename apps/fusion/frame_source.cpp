@@ -24,8 +24,6 @@ class Rawlog final : public FrameSource {
   RecordingReader reader_;
 };
 
-bool is_cloud(const fs::path& file) { return file.extension() == ".pcd" || file.extension() == ".ply"; }
-
 std::optional<double> number_of(const std::string& text) {
   double value = 0.0;
   const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -85,7 +83,7 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording) {
   if (fs::is_directory(recording, error)) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(recording)) {
-      if (entry.is_regular_file() && is_cloud(entry.path())) files.push_back(entry.path());
+      if (entry.is_regular_file() && is_cloud_file(entry.path())) files.push_back(entry.path());
     }
     if (files.empty()) {
       throw std::invalid_argument("recording '" + recording.string() +
@@ -94,7 +92,7 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording) {
     const fs::path whole = recording.has_filename() ? recording : recording.parent_path();
     return std::make_unique<Clouds>(std::move(files), whole.filename().string());
   }
-  if (is_cloud(recording) && fs::is_regular_file(recording, error)) {
+  if (is_cloud_file(recording) && fs::is_regular_file(recording, error)) {
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
   }
   return std::make_unique<Rawlog>(recording);

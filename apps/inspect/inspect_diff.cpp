@@ -4,15 +4,13 @@
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/inspect/inspect_parts.hpp"
-#include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_difference.hpp"
 
 namespace clearway {
 
 using Json = nlohmann::ordered_json;
 
-Json describe_difference(const Snapshot& map, const std::filesystem::path& other) {
-  const Snapshot there = load_map(other);
+Json describe_difference(const Snapshot& map, const Snapshot& there, const std::filesystem::path& other) {
   const MapDifference found = difference(map, there);
   Json json{{"map", other.string()}, {"differ", found.any()}};
   json["resolution"] = {

@@ -45,8 +45,9 @@ void print_conflicts(const nlohmann::ordered_json& json, std::ostream& out);
 nlohmann::ordered_json describe_ray(const Snapshot& map, const std::string& ray);
 void print_ray(const nlohmann::ordered_json& json, std::ostream& out);
 
-/// How a map differs from the one in `other`.
-nlohmann::ordered_json describe_difference(const Snapshot& map, const std::filesystem::path& other);
+/// How a map differs from another, that in the file `other`.
+nlohmann::ordered_json describe_difference(const Snapshot& map, const Snapshot& there,
+                                           const std::filesystem::path& other);
 void print_difference(const nlohmann::ordered_json& json, std::ostream& out);
 
 /// The map after --merge, --crop and --coarsen; as it is without them. @throws std::invalid_argument.

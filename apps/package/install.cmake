@@ -16,6 +16,7 @@ install(FILES LICENSE CHANGELOG.md TRUST.md SECURITY.md DESTINATION ${CMAKE_INST
 
 if(CLEARWAY_APPS)
   install(TARGETS clearway)
+  install(TARGETS clearway_full DESTINATION libexec)
 
   set(texts ${PROJECT_BINARY_DIR}/manual)
   install(FILES ${texts}/clearway.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)

@@ -8,6 +8,7 @@
 #include "apps/suites/suite_shelves.hpp"
 #include "apps/suites/suite_tunnels.hpp"
 #include "apps/suites/suite_world.hpp"
+#include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 
@@ -139,7 +140,9 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
   if (experiment.generate) {
     generator_of(suite, experiment);
   } else {
-    world_of(suite, experiment);
+    // A cloud that cannot be read is told before anything runs; see also hand_over.cpp.
+    const SuiteWorld& world = world_of(suite, experiment);
+    if (is_cloud_file(world.map)) load_map(world.map);
     require_sizes(suite, experiment, robot);
   }
 }

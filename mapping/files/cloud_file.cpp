@@ -1,126 +1,21 @@
 #include "mapping/files/cloud_file.hpp"
 
-#include <pcl/PCLPointCloud2.h>
-#include <pcl/io/pcd_io.h>
-#include <pcl/io/ply_io.h>
-
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 
+#include "mapping/files/cloud_parser.hpp"
 #include "mapping/files/map_file.hpp"
-#include "mapping/system/child_process.hpp"
-#include "mapping/system/input_file.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
 namespace {
 
-std::size_t count_words(std::istream& stream) {
-  std::size_t count = 0;
-  for (std::string word; stream >> word;) ++count;
-  return count;
-}
-
 constexpr std::size_t most_points = 100'000'000;
-constexpr std::size_t megabyte = std::size_t{1} << 20U;
 
-std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
-  for (const auto& field : cloud.fields) {
-    if (field.name != name) continue;
-    if (field.datatype != pcl::PCLPointField::FLOAT32 || field.offset + sizeof(float) > cloud.point_step) {
-      throw std::runtime_error("its field " + name + " is not a 4-byte float");
-    }
-    return field.offset;
-  }
-  throw std::runtime_error("it has no field " + name);
-}
-
-/// PCL takes a text .pcd that was cut and fills in zeros: its data must hold every number that its header
-/// promises.
-void check_pcd_is_whole(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  stream.imbue(std::locale::classic());
-  std::size_t points = 0, columns = 0;
-  std::string kind;
-  for (std::string line; kind.empty() && std::getline(stream, line);) {
-    std::istringstream words(line);
-    words.imbue(std::locale::classic());
-    std::string key;
-    words >> key;
-    if (key == "POINTS") words >> points;
-    if (key == "FIELDS" && columns == 0) columns = count_words(words);
-    if (key == "COUNT") {
-      columns = 0;
-      for (std::size_t count = 0; words >> count;) columns += count;
-    }
-    if (key == "DATA") words >> kind;
-  }
-  if (kind != "ascii" && kind != "binary" && kind != "binary_compressed") {
-    throw std::runtime_error("its header is cut off or names no known kind of data");
-  }
-  if (kind == "ascii" && count_words(stream) != points * columns) {
-    throw std::runtime_error("it holds another count of numbers than its header says");
-  }
-}
-
-constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
-
-/// Runs in the child: the viewpoint (x y z, qw qx qy qz) and the points as raw floats.
-std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
-  if (is_pcd) check_pcd_is_whole(file);
-  pcl::PCLPointCloud2 cloud;
-  Eigen::Vector4f origin = Eigen::Vector4f::Zero();
-  Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
-  int version = 0;
-  const int status = is_pcd ? pcl::PCDReader().read(file.string(), cloud, origin, turn, version)
-                            : pcl::PLYReader().read(file.string(), cloud, origin, turn, version);
-  if (status < 0) throw std::runtime_error("PCL cannot read it");
-  const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
-  if (count == 0) throw std::runtime_error("it holds no points");
-  if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {
-    throw std::runtime_error("it holds fewer points than its header says");
-  }
-  const std::size_t offsets[3] = {field_offset(cloud, "x"), field_offset(cloud, "y"),
-                                  field_offset(cloud, "z")};
-  std::string points(viewpoint_bytes + count * sizeof(Eigen::Vector3f), '\0');
-  const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
-  std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::memcpy(&points[viewpoint_bytes + (3 * i + axis) * sizeof(float)],
-                  &cloud.data[i * cloud.point_step + offsets[axis]], sizeof(float));
-    }
-  }
-  return points;
-}
-
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
-  throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
-}
-
-/// What read_with_pcl gives, if it ends well in a process of its own.
-std::string read_in_child(const std::filesystem::path& file) {
-  require_input(file, "cloud");
-  const std::size_t size = std::filesystem::file_size(file);
-  if (size == 0) refuse(file, "it is empty");
-  const std::size_t budget = 128 * megabyte + 20 * size;
-  const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
-  const bool is_pcd = file.extension() == ".pcd";
-  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, seconds});
-  if (!read.finished) refuse(file, read.failure);
-  return std::move(read.parts.at(0));
-}
-
-std::vector<Eigen::Vector3f> points_of(const std::string& bytes) {
-  std::vector<Eigen::Vector3f> points((bytes.size() - viewpoint_bytes) / sizeof(Eigen::Vector3f));
-  if (!points.empty())
-    std::memcpy(points.front().data(), bytes.data() + viewpoint_bytes, points.size() * sizeof(points[0]));
-  std::erase_if(points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
-  return points;
+std::vector<Eigen::Vector3f> finite_points(ParsedCloud& cloud) {
+  std::erase_if(cloud.points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
+  return std::move(cloud.points);
 }
 
 std::string raw(const std::vector<Eigen::Vector3f>& points) {
@@ -131,20 +26,25 @@ std::string raw(const std::vector<Eigen::Vector3f>& points) {
 
 }  // namespace
 
+bool is_cloud_file(const std::filesystem::path& file) {
+  return file.extension() == ".pcd" || file.extension() == ".ply";
+}
+
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
-  return points_of(read_in_child(file));
+  ParsedCloud cloud = parse_cloud(file);
+  return finite_points(cloud);
 }
 
 ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
-  const std::string bytes = read_in_child(file);
-  float viewpoint[7];
-  std::memcpy(viewpoint, bytes.data(), sizeof(viewpoint));
-  const Eigen::Vector3f origin(viewpoint[0], viewpoint[1], viewpoint[2]);
-  const Eigen::Quaternionf turn(viewpoint[3], viewpoint[4], viewpoint[5], viewpoint[6]);
+  ParsedCloud parsed = parse_cloud(file);
+  const auto& [x, y, z, qw, qx, qy, qz] = parsed.viewpoint;
+  const Eigen::Vector3f origin(x, y, z);
+  const Eigen::Quaternionf turn(qw, qx, qy, qz);
   if (!origin.allFinite() || !(std::abs(turn.norm() - 1.0F) < 1e-3F)) {
-    refuse(file, "its viewpoint is not a finite place and a unit quaternion");
+    throw DamagedFile("'" + file.string() +
+                      "' is damaged: its viewpoint is not a finite place and a unit quaternion");
   }
-  ViewedCloud cloud{points_of(bytes), Eigen::Isometry3d(turn.normalized().cast<double>())};
+  ViewedCloud cloud{finite_points(parsed), Eigen::Isometry3d(turn.normalized().cast<double>())};
   cloud.file_from_viewpoint.translation() = origin.cast<double>();
   return cloud;
 }

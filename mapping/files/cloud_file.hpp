@@ -11,6 +11,9 @@ namespace clearway {
 
 class FusedTree;
 
+/// True for a name that ends in .pcd or .ply.
+bool is_cloud_file(const std::filesystem::path& file);
+
 /// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files.
 /// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);

@@ -73,7 +73,7 @@ Snapshot load_map(const fs::path& path, double cloud_resolution) {
   const fs::path file = map_file_of(path);
   const std::string kind = file.extension().string();
   if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
-  if (kind == ".pcd" || kind == ".ply") {
+  if (is_cloud_file(file)) {
     require_input(file, "map file");
     return {tree_of_cloud(read_cloud(file), cloud_resolution, file), {}};
   }

@@ -1,15 +1,12 @@
 #include "mapping/scans/scan_filter.hpp"
 
-#include <pcl/filters/statistical_outlier_removal.h>
-#include <pcl/filters/voxel_grid.h>
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "mapping/scans/cloud_filters.hpp"
 
 namespace clearway {
 namespace {
@@ -55,18 +52,7 @@ bool can_be_thinned(const std::vector<Eigen::Vector3f>& points, double edge) {
 }
 
 void thin(std::vector<Eigen::Vector3f>& points, double edge) {
-  if (points.empty() || !can_be_thinned(points, edge)) return;
-  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  cloud->reserve(points.size());
-  for (const auto& point : points) cloud->push_back({point.x(), point.y(), point.z()});
-  pcl::VoxelGrid<pcl::PointXYZ> grid;
-  const auto leaf = static_cast<float>(edge);
-  grid.setLeafSize(leaf, leaf, leaf);
-  grid.setInputCloud(cloud);
-  pcl::PointCloud<pcl::PointXYZ> thinned;
-  grid.filter(thinned);
-  points.clear();
-  for (const auto& point : thinned) points.emplace_back(point.x, point.y, point.z);
+  if (!points.empty() && can_be_thinned(points, edge)) points = one_point_per_cube(points, edge);
 }
 
 /// Drops the points that stand apart from the others. Rays beyond max_range end nowhere and stay.
@@ -78,17 +64,11 @@ void drop_outliers(FilteredPoints& scan, const ScanFilter& filter) {
   const auto middle = std::stable_partition(scan.points.begin(), scan.points.end(), is_hit);
   const auto hits = static_cast<std::size_t>(middle - scan.points.begin());
   if (hits <= static_cast<std::size_t>(filter.outlier_neighbours)) return;
-  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (auto it = scan.points.begin(); it != middle; ++it) cloud->push_back({it->x(), it->y(), it->z()});
-  pcl::StatisticalOutlierRemoval<pcl::PointXYZ> removal;
-  removal.setInputCloud(cloud);
-  removal.setMeanK(filter.outlier_neighbours);
-  removal.setStddevMulThresh(filter.outlier_deviations);
-  pcl::Indices kept;
-  removal.filter(kept);
+  const std::vector<int> kept =
+      inliers({scan.points.begin(), middle}, filter.outlier_neighbours, filter.outlier_deviations);
   std::vector<Eigen::Vector3f> points;
   points.reserve(kept.size() + scan.points.size() - hits);
-  for (const auto index : kept) points.push_back(scan.points[static_cast<std::size_t>(index)]);
+  for (const int index : kept) points.push_back(scan.points[static_cast<std::size_t>(index)]);
   points.insert(points.end(), middle, scan.points.end());
   scan.dropped_filter += scan.points.size() - points.size();
   scan.points = std::move(points);

@@ -1,0 +1,127 @@
+#include "mapping/files/cloud_parser.hpp"
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+
+#include <cstring>
+#include <fstream>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+#include "mapping/system/child_process.hpp"
+#include "mapping/system/damaged_file.hpp"
+#include "mapping/system/input_file.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t megabyte = std::size_t{1} << 20U;
+
+std::size_t count_words(std::istream& stream) {
+  std::size_t count = 0;
+  for (std::string word; stream >> word;) ++count;
+  return count;
+}
+
+std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  for (const auto& field : cloud.fields) {
+    if (field.name != name) continue;
+    if (field.datatype != pcl::PCLPointField::FLOAT32 || field.offset + sizeof(float) > cloud.point_step) {
+      throw std::runtime_error("its field " + name + " is not a 4-byte float");
+    }
+    return field.offset;
+  }
+  throw std::runtime_error("it has no field " + name);
+}
+
+/// PCL takes a text .pcd that was cut and fills in zeros: its data must hold every number that its header
+/// promises.
+void check_pcd_is_whole(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  stream.imbue(std::locale::classic());
+  std::size_t points = 0, columns = 0;
+  std::string kind;
+  for (std::string line; kind.empty() && std::getline(stream, line);) {
+    std::istringstream words(line);
+    words.imbue(std::locale::classic());
+    std::string key;
+    words >> key;
+    if (key == "POINTS") words >> points;
+    if (key == "FIELDS" && columns == 0) columns = count_words(words);
+    if (key == "COUNT") {
+      columns = 0;
+      for (std::size_t count = 0; words >> count;) columns += count;
+    }
+    if (key == "DATA") words >> kind;
+  }
+  if (kind != "ascii" && kind != "binary" && kind != "binary_compressed") {
+    throw std::runtime_error("its header is cut off or names no known kind of data");
+  }
+  if (kind == "ascii" && count_words(stream) != points * columns) {
+    throw std::runtime_error("it holds another count of numbers than its header says");
+  }
+}
+
+constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
+
+/// Runs in the child: the viewpoint (x y z, qw qx qy qz) and the points as raw floats.
+std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
+  if (is_pcd) check_pcd_is_whole(file);
+  pcl::PCLPointCloud2 cloud;
+  Eigen::Vector4f origin = Eigen::Vector4f::Zero();
+  Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
+  int version = 0;
+  const int status = is_pcd ? pcl::PCDReader().read(file.string(), cloud, origin, turn, version)
+                            : pcl::PLYReader().read(file.string(), cloud, origin, turn, version);
+  if (status < 0) throw std::runtime_error("PCL cannot read it");
+  const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
+  if (count == 0) throw std::runtime_error("it holds no points");
+  if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {
+    throw std::runtime_error("it holds fewer points than its header says");
+  }
+  const std::size_t offsets[3] = {field_offset(cloud, "x"), field_offset(cloud, "y"),
+                                  field_offset(cloud, "z")};
+  std::string points(viewpoint_bytes + count * sizeof(Eigen::Vector3f), '\0');
+  const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+  std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::memcpy(&points[viewpoint_bytes + (3 * i + axis) * sizeof(float)],
+                  &cloud.data[i * cloud.point_step + offsets[axis]], sizeof(float));
+    }
+  }
+  return points;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
+  throw DamagedFile("'" + file.string() + "' is damaged: " + reason);
+}
+
+/// What read_with_pcl gives, if it ends well in a process of its own.
+std::string read_in_child(const std::filesystem::path& file) {
+  require_input(file, "cloud");
+  const std::size_t size = std::filesystem::file_size(file);
+  if (size == 0) refuse(file, "it is empty");
+  const std::size_t budget = 128 * megabyte + 20 * size;
+  const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
+  const bool is_pcd = file.extension() == ".pcd";
+  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, seconds});
+  if (!read.finished) refuse(file, read.failure);
+  return std::move(read.parts.at(0));
+}
+
+}  // namespace
+
+ParsedCloud parse_cloud(const std::filesystem::path& file) {
+  const std::string bytes = read_in_child(file);
+  ParsedCloud cloud;
+  std::memcpy(cloud.viewpoint.data(), bytes.data(), viewpoint_bytes);
+  cloud.points.resize((bytes.size() - viewpoint_bytes) / sizeof(Eigen::Vector3f));
+  std::memcpy(cloud.points.data()->data(), bytes.data() + viewpoint_bytes,
+              cloud.points.size() * sizeof(Eigen::Vector3f));
+  return cloud;
+}
+
+}  // namespace clearway
