@@ -70,8 +70,8 @@ class BlockedField final : public BlockedSpace {
   void coarse_clearances(const PointArrays& points, std::span<double> out) const override;
 
   /// The same with registers of one's choice, which the machine must have.
-  void clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const;
-  void coarse_clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const;
+  void clearances(const PointArrays& points, std::span<double> out, InstructionSet vectors) const;
+  void coarse_clearances(const PointArrays& points, std::span<double> out, InstructionSet vectors) const;
 
   std::array<int, 7> squared_around(const Eigen::Vector3i& voxel) const override;
   NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const override;

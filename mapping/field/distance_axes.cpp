@@ -216,21 +216,7 @@ std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after
   return least_of_changed(before, after);
 }
 
-Vectors widest_vectors() {
-#if defined(__x86_64__) && defined(__GNUC__)
-  static const bool has_avx512 = __builtin_cpu_supports("avx512bw") != 0 &&
-                                 __builtin_cpu_supports("avx512dq") != 0 &&
-                                 __builtin_cpu_supports("avx512vl") != 0;
-  static const Vectors widest = has_avx512                            ? Vectors::avx512
-                                : __builtin_cpu_supports("avx2") != 0 ? Vectors::avx2
-                                                                      : Vectors::portable;
-  return widest;
-#else
-  return Vectors::portable;
-#endif
-}
-
-DistanceAxes::DistanceAxes(std::uint16_t cap, Vectors vectors)
+DistanceAxes::DistanceAxes(std::uint16_t cap, InstructionSet vectors)
     : cap_(cap),
       window_(0),
       lower_(lower_portable),
@@ -242,9 +228,9 @@ DistanceAxes::DistanceAxes(std::uint16_t cap, Vectors vectors)
     gaps_.push_back(static_cast<std::uint16_t>(std::min(gap_squared(steps), int{cap})));
   }
 #if defined(__x86_64__) && defined(__GNUC__)
-  if (vectors == Vectors::portable) return;
-  lower_ = vectors == Vectors::avx2 ? lower_avx2 : lower_avx512;
-  above_ = vectors == Vectors::avx2 ? above_avx2 : above_avx512;
+  if (vectors == InstructionSet::portable) return;
+  lower_ = vectors == InstructionSet::avx2 ? lower_avx2 : lower_avx512;
+  above_ = vectors == InstructionSet::avx2 ? above_avx2 : above_avx512;
   count_ = count_avx2;
   square_ = square_avx2;
 #else

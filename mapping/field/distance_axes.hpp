@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mapping/system/instruction_set.hpp"
+
 namespace clearway {
 
 /// Cells that the hot loops take at once: 32 neighbours along x.
@@ -30,12 +32,6 @@ LineChange line_change(const std::uint16_t* before, const std::uint16_t* after);
 /// The least of 32 steps before and after, among those that differ.
 std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after);
 
-/// Which vector registers the hot loops use. All give the same result, bit for bit.
-enum class Vectors { portable, avx2, avx512 };
-
-/// The widest that this machine has.
-Vectors widest_vectors();
-
 /// The steps of an exact distance transform, truncated at `cap`: the sum over the axes of
 /// max(2|delta| - 1, 0)^2, which is the squared distance from a cell's centre to a blocked cube in half
 /// voxels. Separable over the axes (Saito and Toriwaki 1994): along the first axis cells are counted, along
@@ -43,7 +39,7 @@ Vectors widest_vectors();
 class DistanceAxes {
  public:
   /// @param cap 1 to largest_cap.
-  explicit DistanceAxes(std::uint16_t cap, Vectors vectors = widest_vectors());
+  explicit DistanceAxes(std::uint16_t cap, InstructionSet vectors = best_instruction_set());
 
   std::uint16_t cap() const { return cap_; }
 

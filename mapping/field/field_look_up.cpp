@@ -38,9 +38,9 @@ void leave_all_out(const FieldLookUp& /*field*/, const FieldPoints& points, doub
 struct Variants {
   LookUpMany avx2 = leave_all_out, avx512 = leave_all_out;
 
-  LookUpMany of(Vectors vectors) const {
-    if (vectors == Vectors::portable) return leave_all_out;
-    return vectors == Vectors::avx512 ? avx512 : avx2;
+  LookUpMany of(InstructionSet vectors) const {
+    if (vectors == InstructionSet::portable) return leave_all_out;
+    return vectors == InstructionSet::avx512 ? avx512 : avx2;
   }
 };
 
@@ -155,23 +155,24 @@ std::array<int, 7> BlockedField::squared_around(const Eigen::Vector3i& voxel) co
           one(x, y + 1, z), one(x, y, z - 1), one(x, y, z + 1)};
 }
 
-void BlockedField::clearances(const PointArrays& points, std::span<double> out, Vectors vectors) const {
+void BlockedField::clearances(const PointArrays& points, std::span<double> out,
+                              InstructionSet vectors) const {
   look_up_all(look_up(), points, out, tight_variants.of(vectors),
               [this](const Eigen::Vector3d& point) { return clearance(point); });
 }
 
 void BlockedField::coarse_clearances(const PointArrays& points, std::span<double> out,
-                                     Vectors vectors) const {
+                                     InstructionSet vectors) const {
   look_up_all(look_up(), points, out, coarse_variants.of(vectors),
               [this](const Eigen::Vector3d& point) { return coarse_clearance(point); });
 }
 
 void BlockedField::clearances(const PointArrays& points, std::span<double> out) const {
-  clearances(points, out, widest_vectors());
+  clearances(points, out, best_instruction_set());
 }
 
 void BlockedField::coarse_clearances(const PointArrays& points, std::span<double> out) const {
-  coarse_clearances(points, out, widest_vectors());
+  coarse_clearances(points, out, best_instruction_set());
 }
 
 }  // namespace clearway

@@ -35,7 +35,7 @@ constexpr double left_out = -1.0;
 // BlockedField::coarse_clearance and clearance for many points, bit for bit, or `left_out`: for points that
 // are beyond the region or not finite, for the last few, and (clearance) for those within 1.5 voxels of an
 // obstacle. They do the same operations in the same order as the functions for one point, on doubles side by
-// side. Call them only on a machine that has those registers (see widest_vectors).
+// side. Call them only on a machine that has those registers (see best_instruction_set).
 void coarse_clearances_avx2(const FieldLookUp& field, const FieldPoints& points, double* out);
 void coarse_clearances_avx512(const FieldLookUp& field, const FieldPoints& points, double* out);
 void clearances_avx2(const FieldLookUp& field, const FieldPoints& points, double* out);

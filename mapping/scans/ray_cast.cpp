@@ -18,16 +18,6 @@ RayWorkspace::~RayWorkspace() = default;
 RayWorkspace::RayWorkspace(RayWorkspace&&) noexcept = default;
 RayWorkspace& RayWorkspace::operator=(RayWorkspace&&) noexcept = default;
 
-InstructionSet best_instruction_set() {
-#ifdef __x86_64__
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
-    return InstructionSet::avx512;
-  if (__builtin_cpu_supports("avx2")) return InstructionSet::avx2;
-#endif
-  return InstructionSet::portable;
-}
-
 namespace {
 
 /// The cells that a window covers, and whether all rays stay in it.

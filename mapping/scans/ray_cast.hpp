@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "mapping/system/instruction_set.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 
 namespace clearway {
@@ -23,12 +24,6 @@ struct ScanRays {
   Eigen::Vector3f origin = Eigen::Vector3f::Zero();
   std::vector<RayEnd> ends;
 };
-
-/// Which instructions walk the rays. All mark the same cells.
-enum class InstructionSet { portable, avx2, avx512 };
-
-/// The best that this machine has, of those that exist here.
-InstructionSet best_instruction_set();
 
 /// Memory that ray casting keeps from one scan to the next: a byte a cell of the box that the rays cross, at
 /// most 128 MB a thread.

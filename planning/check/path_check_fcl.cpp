@@ -1,102 +1,32 @@
-#include <fcl/geometry/shape/box.h>
-#include <fcl/geometry/shape/capsule.h>
-#include <fcl/geometry/shape/convex.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "planning/check/path_check_model.hpp"
-#include "planning/geometry/convex_hull.hpp"
+#include "planning/check/path_check_shape.hpp"
+#include "planning/geometry/fcl_geometry.hpp"
 
 namespace clearway::check {
 namespace {
 
-/// A body as FCL has it, with the sizes that a separating plane needs.
+/// A body as FCL has it, with the box around it.
 struct Geometry {
-  std::shared_ptr<fcl::CollisionGeometryd> fcl;
   Shape shape;
-  Eigen::Vector3d box_half = Eigen::Vector3d::Zero(), box_center = Eigen::Vector3d::Zero();
+  std::shared_ptr<fcl::CollisionGeometryd> fcl;
+  Eigen::Vector3d box_half, box_center;
 
-  /// Largest n.x over the placed body, from the body's sizes alone.
-  double farthest(const Eigen::Isometry3d& pose, const Eigen::Vector3d& n) const {
-    const Eigen::Vector3d d = pose.linear().transpose() * n;
-    const double middle = n.dot(pose.translation());
-    switch (shape.kind()) {
-      case Shape::Kind::sphere:
-        return middle + shape.radius();
-      case Shape::Kind::capsule:
-        return middle + shape.radius() + std::abs(d.z()) * shape.length() / 2;
-      case Shape::Kind::cylinder:
-        return middle + shape.radius() * std::hypot(d.x(), d.y()) + std::abs(d.z()) * shape.length() / 2;
-      case Shape::Kind::box:
-        return middle + d.cwiseAbs().dot(shape.edges()) / 2;
-      case Shape::Kind::convex:
-        break;
+  explicit Geometry(const Shape& given) : shape(solid(given)), fcl(fcl_geometry(shape)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
+      const double high = farthest(shape, Eigen::Isometry3d::Identity(), unit);
+      const double low = -farthest(shape, Eigen::Isometry3d::Identity(), -unit);
+      box_half[axis] = (high - low) / 2;
+      box_center[axis] = (low + high) / 2;
     }
-    double most = -1e300;
-    for (const Eigen::Vector3d& v : shape.vertices()) most = std::max(most, d.dot(v));
-    return middle + most;
   }
 };
-
-/// FCL wants faces; a hull that qhull gives none for (flat) becomes the box around it.
-std::shared_ptr<fcl::CollisionGeometryd> fcl_hull(const Shape& shape) {
-  const auto triangles = hull_triangles(shape.vertices());
-  if (triangles.empty()) return nullptr;
-  auto faces = std::make_shared<std::vector<int>>();
-  for (const auto& triangle : triangles) {
-    faces->push_back(3);
-    faces->insert(faces->end(), triangle.begin(), triangle.end());
-  }
-  const auto vertices = std::make_shared<std::vector<fcl::Vector3d>>(shape.vertices());
-  return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(triangles.size()), faces);
-}
-
-Geometry geometry_of(const Shape& shape) {
-  Geometry geometry;
-  geometry.shape = shape;
-  const double r = shape.radius(), half = shape.length() / 2;
-  switch (shape.kind()) {
-    case Shape::Kind::sphere:
-      geometry.fcl = std::make_shared<fcl::Sphered>(r);
-      geometry.box_half = Eigen::Vector3d::Constant(r);
-      return geometry;
-    case Shape::Kind::capsule:
-      geometry.fcl = std::make_shared<fcl::Capsuled>(r, shape.length());
-      geometry.box_half = Eigen::Vector3d(r, r, r + half);
-      return geometry;
-    case Shape::Kind::cylinder:
-      geometry.fcl = std::make_shared<fcl::Cylinderd>(r, shape.length());
-      geometry.box_half = Eigen::Vector3d(r, r, half);
-      return geometry;
-    case Shape::Kind::box:
-      geometry.fcl = std::make_shared<fcl::Boxd>(shape.edges());
-      geometry.box_half = shape.edges() / 2;
-      return geometry;
-    case Shape::Kind::convex:
-      break;
-  }
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& v : shape.vertices()) box.extend(v);
-  geometry.box_half = (box.sizes() / 2).cwiseMax(1e-9);
-  geometry.box_center = box.center();
-  geometry.fcl = fcl_hull(shape);
-  if (!geometry.fcl) {
-    std::vector<Eigen::Vector3d> corners;
-    for (int i = 0; i < 8; ++i) {
-      const Eigen::Vector3d side((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-      corners.push_back(geometry.box_center + geometry.box_half.cwiseProduct(side));
-    }
-    geometry.shape = Shape::convex(corners);
-    geometry.fcl = fcl_hull(geometry.shape);
-  }
-  return geometry;
-}
 
 bool collide(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry& b,
              const Eigen::Isometry3d& pose_b) {
@@ -107,8 +37,8 @@ bool collide(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry&
 /// The gap between the planes with normal `n` or `-n` that the bodies touch from either side.
 double separation(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry& b,
                   const Eigen::Isometry3d& pose_b, const Eigen::Vector3d& n) {
-  const double forth = -b.farthest(pose_b, -n) - a.farthest(pose_a, n);
-  const double back = -a.farthest(pose_a, -n) - b.farthest(pose_b, n);
+  const double forth = -farthest(b.shape, pose_b, -n) - farthest(a.shape, pose_a, n);
+  const double back = -farthest(a.shape, pose_a, -n) - farthest(b.shape, pose_b, n);
   return std::max(forth, back);
 }
 
@@ -147,14 +77,14 @@ double certified(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geome
 struct FclBodies::Geometries {
   std::vector<Geometry> bodies;
 
-  static Geometry cube(double edge) { return geometry_of(Shape::box(Eigen::Vector3d::Constant(edge))); }
+  static Geometry cube(double edge) { return Geometry(Shape::box(Eigen::Vector3d::Constant(edge))); }
   static Eigen::Isometry3d at(const Eigen::Vector3d& center) {
     return Eigen::Isometry3d(Eigen::Translation3d{center});
   }
 };
 
 FclBodies::FclBodies(const Robot& robot) : geometries_(std::make_unique<Geometries>()) {
-  for (const Body& body : robot.bodies) geometries_->bodies.push_back(geometry_of(body.shape));
+  for (const Body& body : robot.bodies) geometries_->bodies.emplace_back(body.shape);
 }
 FclBodies::~FclBodies() = default;
 

@@ -4,6 +4,7 @@
 
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
+#include "planning/check/path_check_shape.hpp"
 
 namespace clearway::check {
 namespace {
@@ -33,17 +34,6 @@ KDL::Segment segment_of(const Robot& robot, const Link& link) {
   const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
   const auto kind = joint.kind == JointKind::revolute ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
   return KDL::Segment(link.name, KDL::Joint(joint.name, tip.p, tip.M * vector_of(joint.axis), kind), tip);
-}
-
-/// Distance of the shape's farthest point from its origin.
-double extent(const Shape& shape) {
-  double farthest = shape.radius() + shape.length() / 2;
-  if (shape.kind() == Shape::Kind::box) farthest = shape.edges().norm() / 2;
-  if (shape.kind() == Shape::Kind::convex) {
-    farthest = 0.0;
-    for (const Eigen::Vector3d& v : shape.vertices()) farthest = std::max(farthest, v.norm());
-  }
-  return farthest;
 }
 
 }  // namespace

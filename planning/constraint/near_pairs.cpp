@@ -3,30 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planning/geometry/segment_distance.hpp"
+
 namespace clearway {
 namespace {
 
-bool has_axis(const Shape& shape) {
-  return shape.kind() != Shape::Kind::box && shape.kind() != Shape::Kind::convex;
-}
-
 Eigen::Vector3d moved(const Eigen::Isometry3d& pose, const Eigen::Vector3d& point) {
   return pose.linear().lazyProduct(point) + pose.translation();
-}
-
-/// Squared distance of the segments a + s u and b + t v with s and t in [-1, 1] (Ericson, "Real-Time
-/// Collision Detection", 2005, sec. 5.1.9). Of segments that are parallel within 1e-7 it may be too large by
-/// that share of their length.
-double squared_gap(const Eigen::Vector3d& a, const Eigen::Vector3d& u, const Eigen::Vector3d& b,
-                   const Eigen::Vector3d& v) {
-  const Eigen::Vector3d w = a - b;
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
-  const auto on_segment = [](double value) { return std::clamp(value, -1.0, 1.0); };
-  const double determinant = uu * vv - uv * uv;
-  double s = determinant > 1e-14 * uu * vv ? on_segment((uv * vw - vv * uw) / determinant) : 0.0;
-  const double free = vv > 0.0 ? (vw + s * uv) / vv : 0.0, t = on_segment(free);
-  if (t != free || determinant <= 1e-14 * uu * vv) s = uu > 0.0 ? on_segment((t * uv - uw) / uu) : 0.0;
-  return (w + s * u - t * v).squaredNorm();
 }
 
 /// Whether the plane of a flat end of a cylinder, with axis half + and - about `middle`, is at least `within`
@@ -42,21 +25,14 @@ bool is_beyond_end(const Eigen::Vector3d& middle, const Eigen::Vector3d& half, c
 }  // namespace
 
 Sphere sphere_around(const Body& body) {
-  const Eigen::Vector3d middle = body.shape.bounds(Eigen::Isometry3d::Identity()).center();
-  double radius = body.shape.bounding_radius();
-  if (body.shape.kind() == Shape::Kind::convex) {
-    radius = 0.0;
-    for (const Eigen::Vector3d& corner : body.shape.vertices())
-      radius = std::max(radius, (corner - middle).norm());
-  }
-  return {body.link_from_shape * middle, radius * (1.0 + 1e-9)};
+  const Sphere sphere = body.shape.bounding_sphere();
+  return {body.link_from_shape * sphere.center, sphere.radius * (1.0 + 1e-9)};
 }
 
 NearPairs::NearPairs(const Robot& robot, const std::function<double(const BodyPair&)>& within) {
   for (const Body& body : robot.bodies) {
-    const double length = body.shape.kind() == Shape::Kind::sphere ? 0.0 : body.shape.length();
-    bodies_.push_back({&body, sphere_around(body), has_axis(body.shape),
-                       0.5 * length * body.link_from_shape.linear().col(2)});
+    bodies_.push_back({&body, sphere_around(body), body.shape.is_axial(),
+                       0.5 * body.shape.length() * body.link_from_shape.linear().col(2)});
   }
   for (const BodyPair& pair : self_collision_pairs(robot)) {
     const Placed& first = bodies_[static_cast<std::size_t>(pair.first)];
@@ -106,7 +82,8 @@ bool NearPairs::is_far(const Pair& pair, const LinkPoses& map_from_link) const {
     return map_from_link[static_cast<std::size_t>(placed.body->link)].linear().lazyProduct(placed.half);
   };
   const Eigen::Vector3d first_half = along(first), second_half = along(second);
-  if (squared_gap(first.middle, first_half, second.middle, second_half) >= pair.axes_apart) return true;
+  if (squared_segment_gap(first.middle, first_half, second.middle, second_half) >= pair.axes_apart)
+    return true;
   return (first.is_flat() && is_beyond_end(first.middle, first_half, second.middle, second_half,
                                            second.body->shape.radius(), pair.within)) ||
          (second.is_flat() && is_beyond_end(second.middle, second_half, first.middle, first_half,

@@ -42,7 +42,7 @@ class NearPairs {
     bool has_axis;                                     ///< boxes and hulls have none
     Eigen::Vector3d half;                              ///< the axis' upper half, link frame
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< of sphere and axis, map frame
-    bool is_flat() const { return body->shape.kind() == Shape::Kind::cylinder; }
+    bool is_flat() const { return has_axis && !body->shape.is_rounded(); }
   };
   struct Pair {
     int first, second;

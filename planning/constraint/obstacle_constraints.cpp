@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planning/constraint/near_pairs.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/reach.hpp"
 
@@ -10,10 +11,6 @@ namespace {
 
 /// The middle of the box around a shape, its own frame.
 Eigen::Vector3d middle_of(const Shape& shape) { return shape.bounds(Eigen::Isometry3d::Identity()).center(); }
-
-bool is_round(const Shape& shape) {
-  return shape.kind() == Shape::Kind::sphere || shape.kind() == Shape::Kind::capsule;
-}
 
 /// What Lahouar 2006, eq. 5 needs of a body and a shape, but for the gradient.
 ObstacleConstraint constraint_between(const Body& body, const Eigen::Isometry3d& map_from_body,
@@ -25,7 +22,8 @@ ObstacleConstraint constraint_between(const Body& body, const Eigen::Isometry3d&
   constraint.point = bounds.point_a;
   constraint.obstacle_point = bounds.point_b;
   constraint.normal = bounds.direction;
-  const bool is_told = is_round(body.shape) && is_round(shape.shape) && bounds.direction.squaredNorm() > 0.5;
+  const bool is_told =
+      body.shape.is_rounded() && shape.shape.is_rounded() && bounds.direction.squaredNorm() > 0.5;
   if (bounds.upper <= 0.0 && !is_told) {  // they overlap, and witness points mean little
     constraint.point = map_from_body * middle_of(body.shape);
     constraint.obstacle_point = shape.pose * middle_of(shape.shape);
@@ -46,15 +44,8 @@ Eigen::VectorXd rate_of_approach(const Robot& robot, const LinkPoses& map_from_l
 
 ObstacleConstraints::ObstacleConstraints(const Robot& robot) : robot_(&robot) {
   for (const Body& body : robot.bodies) {
-    const Eigen::Vector3d middle = middle_of(body.shape);
-    double radius = body.shape.bounding_radius() + middle.norm();
-    if (body.shape.kind() == Shape::Kind::convex) {
-      double squared = 0.0;
-      for (const Eigen::Vector3d& corner : body.shape.vertices())
-        squared = std::max(squared, (corner - middle).squaredNorm());
-      radius = std::sqrt(squared);
-    }
-    spheres_.push_back({body.link_from_shape * middle, radius * (1.0 + 1e-9), is_moved(robot, body.link)});
+    const Sphere sphere = sphere_around(body);
+    spheres_.push_back({sphere.center, sphere.radius, is_moved(robot, body.link)});
   }
 }
 

@@ -24,9 +24,7 @@ struct Placed {
       : shape(s), rotation(pose.linear()), center(pose.translation() - origin) {
     if (is_round()) radius = shape.radius();
   }
-  bool is_round() const {
-    return shape.kind() == Shape::Kind::sphere || shape.kind() == Shape::Kind::capsule;
-  }
+  bool is_round() const { return shape.is_rounded(); }
   Eigen::Vector3d end(double side) const { return center + rotation.col(2) * (side * shape.length() / 2); }
   /// Farthest point of the core along `direction`.
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const {

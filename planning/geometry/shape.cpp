@@ -152,6 +152,64 @@ double Shape::bounding_radius() const {
   return std::sqrt(squared);
 }
 
+Sphere Shape::bounding_sphere() const {
+  const Eigen::Vector3d middle = bounds(Eigen::Isometry3d::Identity()).center();
+  if (kind_ != Kind::convex) return {middle, bounding_radius()};
+  double squared = 0.0;
+  for (const Eigen::Vector3d& vertex : vertices_)
+    squared = std::max(squared, (vertex - middle).squaredNorm());
+  return {middle, std::sqrt(squared)};
+}
+
+MedialSegment Shape::medial_segment() const {
+  MedialSegment segment;
+  segment.width = 2.0 * radius_;
+  switch (kind_) {
+    case Kind::sphere:
+    case Kind::capsule:
+      segment.half_length = length_ / 2;
+      segment.half_extent = segment.half_length + radius_;
+      return segment;
+    case Kind::cylinder:
+      segment.half_length = std::max(0.0, length_ / 2 - radius_);
+      segment.half_extent = length_ / 2;
+      return segment;
+    case Kind::box:
+    case Kind::convex:
+      break;
+  }
+  int longest = 0;
+  segment.half_extent = edges_.maxCoeff(&longest) / 2;
+  segment.width = edges_.minCoeff();
+  segment.half_length = std::max(0.0, segment.half_extent - segment.width / 2);
+  segment.axis = Eigen::Vector3d::Unit(longest);
+  return segment;
+}
+
+Shape Shape::grown(double padding) const {
+  if (padding == 0.0) return *this;
+  switch (kind_) {
+    case Kind::sphere:
+      return sphere(radius_ + padding);
+    case Kind::capsule:
+      return capsule(radius_ + padding, length_);
+    case Kind::cylinder:
+      return cylinder(radius_ + padding, length_ + 2 * padding);
+    case Kind::box:
+      return box((edges_.array() + 2 * padding).matrix());
+    case Kind::convex:
+      break;
+  }
+  std::vector<Eigen::Vector3d> corners;  // of a cube about each vertex
+  for (const Eigen::Vector3d& vertex : vertices_) {
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3d side((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+      corners.push_back(vertex + padding * side);
+    }
+  }
+  return convex(std::move(corners));
+}
+
 Shape Shape::scaled(double factor) const {
   Shape shape = *this;
   checked_size(factor, "a scaled body", "factor");

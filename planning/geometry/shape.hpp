@@ -8,6 +8,14 @@
 
 namespace clearway {
 
+/// The segment in the middle of a shape along its longest direction: the rest is round or narrow.
+struct MedialSegment {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, shape's frame
+  double half_length = 0.0;                         ///< of the segment, metres
+  double half_extent = 0.0;                         ///< of the shape along the axis
+  double width = 0.0;                               ///< of the shape, least across the axis
+};
+
 /// An exact convex body: a core (point, segment, or convex hull) inflated by `radius()`.
 /// Its own frame: centred at the origin; capsule and cylinder along z.
 class Shape {
@@ -22,10 +30,19 @@ class Shape {
   static Shape convex(std::vector<Eigen::Vector3d> vertices);  ///< hull of the points (at least one)
 
   Kind kind() const { return kind_; }
-  double radius() const { return radius_; }                ///< sphere, capsule, cylinder
-  double length() const { return length_; }                ///< capsule, cylinder
+  double radius() const { return radius_; }                ///< sphere, capsule, cylinder; else 0
+  double length() const { return length_; }                ///< capsule, cylinder; else 0
   const Eigen::Vector3d& edges() const { return edges_; }  ///< box; convex: of the box around it
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< convex: hull corners
+
+  /// True for a solid of revolution about the own z axis: sphere, capsule, cylinder.
+  bool is_axial() const { return kind_ == Kind::sphere || kind_ == Kind::capsule || kind_ == Kind::cylinder; }
+
+  /// True for all that lies within radius() of a segment, or point, on the own z axis: sphere, capsule.
+  bool is_rounded() const { return kind_ == Kind::sphere || kind_ == Kind::capsule; }
+
+  /// True when signed_distance() and offset_to() are exact: for all but `convex`.
+  bool has_exact_distance() const { return kind_ != Kind::convex; }
 
   /// Farthest point of the shape along `direction` (need not be unit), in the shape's frame.
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
@@ -36,18 +53,27 @@ class Shape {
   /// Radius of the smallest origin-centred sphere that holds the shape.
   double bounding_radius() const;
 
+  /// A sphere that holds the shape, about the middle of the box around it; shape's frame.
+  Sphere bounding_sphere() const;
+
+  MedialSegment medial_segment() const;
+
   /// Spheres in the shape's frame whose union contains the shape; exact for spheres, tighter for more
   /// spheres.
   std::vector<Sphere> sphere_cover() const;
 
   Shape scaled(double factor) const;
 
-  /// Distance of a point (shape's frame) from the surface, negative inside. Exact for all kinds but `convex`,
-  /// where it is that of the bounding box: a lower bound.
+  /// A shape that holds all within `padding` (metres, >= 0) of this one: just these for sphere and capsule;
+  /// with edges that stay sharp else.
+  Shape grown(double padding) const;
+
+  /// Distance of a point (shape's frame) from the surface, negative inside. Where it is not exact it is that
+  /// of the bounding box: a lower bound.
   double signed_distance(const Eigen::Vector3d& point) const;
 
-  /// From the nearest point of the shape (for `convex`: of the box around it) to a point outside, in the
-  /// shape's frame; zero for a point inside.
+  /// From the nearest point of the shape (where that is not exact: of the box around it) to a point outside,
+  /// in the shape's frame; zero for a point inside.
   Eigen::Vector3d offset_to(const Eigen::Vector3d& point) const;
 
  private:

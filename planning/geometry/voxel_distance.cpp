@@ -25,10 +25,10 @@ struct Portable {
 
 using Distances = void (*)(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
 
-Distances distances_with(Vectors vectors) {
+Distances distances_with(InstructionSet vectors) {
 #ifdef __x86_64__
-  if (vectors == Vectors::avx512) return voxel_distances_avx512;
-  if (vectors == Vectors::avx2) return voxel_distances_avx2;
+  if (vectors == InstructionSet::avx512) return voxel_distances_avx512;
+  if (vectors == InstructionSet::avx2) return voxel_distances_avx2;
 #endif
   return voxel_distances_portable;
 }
@@ -41,8 +41,7 @@ DistanceBody body_of(const Shape& shape, const Eigen::Isometry3d& pose, double e
     for (int k = 0; k < 3; ++k) body.axes[i][k] = pose.linear()(k, i);
   }
   body.radius = shape.radius();
-  if (shape.kind() == Shape::Kind::capsule || shape.kind() == Shape::Kind::cylinder)
-    body.half_length = 0.5 * shape.length();
+  body.half_length = 0.5 * shape.length();
   body.size = shape.bounding_radius() + edge;
   body.half_edge = 0.5 * edge;
   body.enough = enough;
@@ -50,8 +49,8 @@ DistanceBody body_of(const Shape& shape, const Eigen::Isometry3d& pose, double e
 }
 
 DistanceKind kind_of(const Shape& shape) {
-  if (shape.kind() == Shape::Kind::cylinder) return DistanceKind::cylinder;
-  return shape.kind() == Shape::Kind::box ? DistanceKind::box : DistanceKind::round;
+  if (shape.is_rounded()) return DistanceKind::round;
+  return shape.is_axial() ? DistanceKind::cylinder : DistanceKind::box;
 }
 
 /// The last cube fills up what is left.
@@ -81,13 +80,13 @@ VoxelDistances::VoxelDistances(const Shape& shape, const Eigen::Isometry3d& map_
     : shape_(shape), map_from_shape_(map_from_shape), edge_(edge) {}
 
 void VoxelDistances::to(std::span<const NearVoxel> cubes, double enough, std::span<VoxelDistance> out) const {
-  static const Vectors widest = widest_vectors();
+  static const InstructionSet widest = best_instruction_set();
   to(cubes, enough, out, widest);
 }
 
 void VoxelDistances::to(std::span<const NearVoxel> cubes, double enough, std::span<VoxelDistance> out,
-                        Vectors vectors) const {
-  if (shape_.kind() == Shape::Kind::convex) {
+                        InstructionSet vectors) const {
+  if (!shape_.has_exact_distance()) {
     for (std::size_t i = 0; i < cubes.size(); ++i) out[i] = proved_distance(cubes[i].center, enough);
     return;
   }

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <span>
 
-#include "mapping/field/distance_axes.hpp"
+#include "mapping/system/instruction_set.hpp"
 #include "planning/geometry/shape.hpp"
 
 namespace clearway {
@@ -38,7 +38,7 @@ class VoxelDistances {
   void to(std::span<const NearVoxel> cubes, double enough, std::span<VoxelDistance> out) const;
   /// The same, bit for bit, with registers of one's choice, which the machine must have.
   void to(std::span<const NearVoxel> cubes, double enough, std::span<VoxelDistance> out,
-          Vectors vectors) const;
+          InstructionSet vectors) const;
 
  private:
   VoxelDistance proved_distance(const Eigen::Vector3d& cube, double enough) const;

@@ -25,7 +25,7 @@ struct DistanceLanes {
 };
 
 // The same operations in the same order, and so the same bits, in four and in eight lanes. Call them only on
-// a machine that has those registers (see widest_vectors).
+// a machine that has those registers (see best_instruction_set).
 void voxel_distances_portable(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
 void voxel_distances_avx2(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
 void voxel_distances_avx512(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);

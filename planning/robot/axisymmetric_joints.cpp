@@ -10,12 +10,11 @@ constexpr double tolerance = 1e-15;  ///< of the sizes involved
 
 /// Whether turning about the axis through the origin maps the shape onto itself.
 bool is_symmetric(const Shape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& axis) {
-  const bool is_round = shape.kind() == Shape::Kind::sphere || shape.kind() == Shape::Kind::capsule ||
-                        shape.kind() == Shape::Kind::cylinder;
-  if (!is_round) return false;
+  if (!shape.is_axial()) return false;
   const Eigen::Vector3d center = pose.translation();
   if (center.cross(axis).norm() > tolerance * (center.norm() + shape.bounding_radius())) return false;
-  return shape.kind() == Shape::Kind::sphere || pose.linear().col(2).cross(axis).norm() <= tolerance;
+  return (shape.is_rounded() && shape.length() == 0.0) ||
+         pose.linear().col(2).cross(axis).norm() <= tolerance;
 }
 
 void carry_before_axisymmetric_joints(const Robot& robot, Body& body) {

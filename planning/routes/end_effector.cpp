@@ -44,7 +44,7 @@ EndEffector find_end_effector(const ConfigurationSpace& space) {
   hand.body = chosen;
   hand.link = body.link;
   hand.center = body.link_from_shape.translation();
-  if (body.shape.kind() != Shape::Kind::convex)  // whose distance is that of the box around it
+  if (body.shape.has_exact_distance())
     hand.inner_radius = std::max(0.0, -body.shape.signed_distance(Eigen::Vector3d::Zero()));
   hand.outer_radius = body.shape.bounding_radius();
   hand.requirement =

@@ -57,7 +57,7 @@ BodyCollision::BodyCollision(const Body& body, std::shared_ptr<const BlockedSpac
   const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
   for (const Sphere& sphere : body_.cover) {
     const double surface = body_.shape.signed_distance(shape_from_link * sphere.center);
-    core_.push_back(body_.shape.kind() != Shape::Kind::convex && surface < 0.0);
+    core_.push_back(body_.shape.has_exact_distance() && surface < 0.0);
     excess_ = std::max(excess_, sphere.radius + surface);
   }
 }
@@ -83,7 +83,7 @@ BodyCollision::Sight BodyCollision::look_at(const Eigen::Isometry3d& map_from_sh
       const double gap = (offset.dot(cube - on_body) - half * offset.cwiseAbs().sum()) / distance;
       if (gap > margin + rounding) return Sight::clear;
     }
-    if (body_.shape.kind() == Shape::Kind::convex) return Sight::unsure;  // the point is of the box around it
+    if (!body_.shape.has_exact_distance()) return Sight::unsure;  // the point is of the box around it
     const Eigen::Vector3d nearest = cube + (on_body - cube).cwiseMax(-half).cwiseMin(half);
     const double beyond = (on_body - nearest).norm();
     if (beyond + rounding <= margin || beyond == 0.0) return Sight::met;

@@ -246,7 +246,7 @@ bool BodyCollision::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cub
     }
     const Eigen::Vector3d nearest = cube + (on_hull - cube).cwiseMax(-half).cwiseMin(half);
     const double beyond = (on_hull - nearest).norm();
-    const bool is_of_body = body_.shape.kind() != Shape::Kind::convex;  // else of the boxes around it
+    const bool is_of_body = body_.shape.has_exact_distance();  // else of the boxes around it
     if (is_of_body && (beyond + rounding <= sweep.margin || beyond == 0.0)) return false;
     point = cube + (nearest + 2.0 * (nearest - on_hull) - cube).cwiseMax(-half).cwiseMin(half);
   }

@@ -17,33 +17,14 @@ constexpr int max_pieces = 4;
 struct LongAxis {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   double half_length = 0.0;  ///< of the medial segment: the rest is round or narrow
-  double half_extent = 0.0;
   int pieces = 1;
 
   explicit LongAxis(const Shape& shape) {
-    double width = 2.0 * shape.radius();
-    switch (shape.kind()) {
-      case Shape::Kind::sphere:
-        return;
-      case Shape::Kind::capsule:
-        half_length = shape.length() / 2;
-        half_extent = half_length + shape.radius();
-        break;
-      case Shape::Kind::cylinder:
-        half_length = std::max(0.0, shape.length() / 2 - shape.radius());
-        half_extent = shape.length() / 2;
-        break;
-      case Shape::Kind::box:
-      case Shape::Kind::convex: {
-        int longest = 0;
-        half_extent = shape.edges().maxCoeff(&longest) / 2;
-        width = shape.edges().minCoeff();
-        half_length = std::max(0.0, half_extent - width / 2);
-        axis = Eigen::Vector3d::Unit(longest);
-        break;
-      }
-    }
-    pieces = std::clamp(static_cast<int>(std::ceil(half_extent / std::max(width, 1e-12))), 1, max_pieces);
+    const MedialSegment middle = shape.medial_segment();
+    axis = middle.axis;
+    half_length = middle.half_length;
+    const double times_wide = middle.half_extent / std::max(middle.width, 1e-12);
+    pieces = std::clamp(static_cast<int>(std::ceil(times_wide)), 1, max_pieces);
   }
 
   /// Signed place along the axis, and the medial point there.

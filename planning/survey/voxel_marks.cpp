@@ -50,7 +50,7 @@ Cell cell_of(int index) {
 }  // namespace
 
 MarkedShape::MarkedShape(const Shape& shape) : shape_(shape) {
-  if (shape.kind() != Shape::Kind::convex) return;
+  if (shape.has_exact_distance()) return;
   const std::vector<Eigen::Vector3d>& corners = shape.vertices();
   for (const auto& [a, b, c] : hull_triangles(corners)) {
     const Eigen::Vector3d& at = corners[static_cast<std::size_t>(a)];
@@ -65,7 +65,7 @@ MarkedShape::MarkedShape(const Shape& shape) : shape_(shape) {
 }
 
 double MarkedShape::distance(const Eigen::Vector3d& point) const {
-  if (shape_.kind() != Shape::Kind::convex) return shape_.signed_distance(point);
+  if (shape_.has_exact_distance()) return shape_.signed_distance(point);
   double most = -1e300;
   for (const Eigen::Vector4d& plane : planes_) most = std::max(most, plane.head<3>().dot(point) - plane.w());
   // A flat hull has no faces, and no inside.
@@ -74,7 +74,7 @@ double MarkedShape::distance(const Eigen::Vector3d& point) const {
 
 bool MarkedShape::touches(const Eigen::Isometry3d& pose, const Eigen::Vector3d& center, double edge) const {
   const double half = edge / 2;
-  if (shape_.kind() != Shape::Kind::convex) {
+  if (shape_.has_exact_distance()) {
     // From the shape's point that is nearest to the cube's middle: it lies in the cube, or the plane through
     // it has the shape on one side and the cube on the other; else nothing is known.
     const Eigen::Vector3d local = pose.linear().transpose() * (center - pose.translation());

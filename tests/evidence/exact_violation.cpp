@@ -74,7 +74,7 @@ bool is_violated(const Robot& robot, const Snapshot& map, const std::map<std::st
   for (const Body& body : robot.bodies) {
     const auto named = policies.find(body.part);
     const Policy policy = named == policies.end() ? Policy::not_occupied : named->second;
-    if (body.shape.kind() != Shape::Kind::convex && is_moved(robot, body))
+    if (body.shape.has_exact_distance() && is_moved(robot, body))
       probes.push_back({&body, policy, volumes_for(map, body.part), fcl_geometry(body.shape)});
   }
   for (std::size_t i = 1; i < path.size(); ++i) {

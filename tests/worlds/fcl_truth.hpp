@@ -3,9 +3,6 @@
 // The slow and obvious twin of ConfigurationSpace: every body against every blocked voxel with FCL.
 
 #include <fcl/geometry/shape/box.h>
-#include <fcl/geometry/shape/capsule.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
@@ -13,23 +10,11 @@
 #include <memory>
 #include <vector>
 
+#include "planning/geometry/fcl_geometry.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
 
 namespace clearway {
-
-inline std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& shape) {
-  switch (shape.kind()) {
-    case Shape::Kind::sphere:
-      return std::make_shared<fcl::Sphered>(shape.radius());
-    case Shape::Kind::capsule:
-      return std::make_shared<fcl::Capsuled>(shape.radius(), shape.length());
-    case Shape::Kind::cylinder:
-      return std::make_shared<fcl::Cylinderd>(shape.radius(), shape.length());
-    default:
-      return std::make_shared<fcl::Boxd>(shape.edges());
-  }
-}
 
 inline bool fcl_collide(const fcl::CollisionGeometryd* a, const Eigen::Isometry3d& pose_a,
                         const fcl::CollisionGeometryd* b, const Eigen::Isometry3d& pose_b) {

@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "apps/bench/peers/fcl_shape.hpp"
 #include "apps/bench/worlds/arm_worlds.hpp"
+#include "planning/geometry/fcl_geometry.hpp"
 #include "planning/space/configuration_space.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -73,7 +73,7 @@ class BruteForce {
         requirements_(std::move(requirements)),
         cube_(grid_.edge(), grid_.edge(), grid_.edge()) {
     for (const Body& body : robot.bodies) {
-      shapes_.push_back(fcl_shape(body.shape));
+      shapes_.push_back(fcl_geometry(body.shape));
       shapes_.back()->computeLocalAABB();
     }
   }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "apps/bench/peers/fcl_shape.hpp"
+#include "planning/geometry/fcl_geometry.hpp"
 #include "planning/robot/kinematics.hpp"
 
 namespace clearway::bench {
@@ -17,7 +17,7 @@ struct FclBodies {
 
   /// @throws std::invalid_argument for hulls of meshes.
   explicit FclBodies(const Robot& robot) {
-    for (const Body& body : robot.bodies) shapes.push_back(fcl_shape(body.shape));
+    for (const Body& body : robot.bodies) shapes.push_back(fcl_geometry(body.shape));
   }
   static Eigen::Isometry3d pose(const Robot& robot, std::size_t body, const LinkPoses& poses) {
     return poses[static_cast<std::size_t>(robot.bodies[body].link)] * robot.bodies[body].link_from_shape;

@@ -6,19 +6,13 @@
 
 #include <algorithm>
 
+#include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
 namespace distance_axes_test {
 
 using worlds::Dice;
-
-std::vector<Vectors> kinds() {
-  std::vector<Vectors> kinds{Vectors::portable};
-  if (widest_vectors() != Vectors::portable) kinds.push_back(Vectors::avx2);
-  if (widest_vectors() == Vectors::avx512) kinds.push_back(Vectors::avx512);
-  return kinds;
-}
 
 std::uint16_t random_cap(Dice& dice) {
   return static_cast<std::uint16_t>(dice.whole(0, 1) == 0 ? dice.whole(1, 400)
@@ -42,7 +36,7 @@ TEST(DistanceAxes, StepsAreCountedToTheNearestSetBit) {
       words[static_cast<std::size_t>(dice.whole(0, lines * count - 1))] |= 1U << dice.whole(0, 31);
     }
     const std::uint16_t cap = random_cap(dice);
-    for (const Vectors kind : kinds()) {
+    for (const InstructionSet kind : worlds::instruction_sets()) {
       const DistanceAxes axes(cap, kind);
       std::vector<std::uint8_t> steps(words.size() * lane_cells);
       axes.count_steps(words.data(), lines, count, steps.data());
@@ -64,7 +58,7 @@ TEST(DistanceAxes, StepsAreSquaredUpToTheCap) {
   Dice dice(2);
   for (int trial = 0; trial < 200; ++trial) {
     const std::uint16_t cap = random_cap(dice);
-    for (const Vectors kind : kinds()) {
+    for (const InstructionSet kind : worlds::instruction_sets()) {
       const DistanceAxes axes(cap, kind);
       std::array<std::uint8_t, lane_cells> steps{};
       bool any = false;
@@ -93,7 +87,7 @@ TEST(DistanceAxes, TheLeastSumWithinTheWindowIsFoundAcrossLinesAndAlongThem) {
       const int at = dice.whole(0, static_cast<int>(cells.size()) - 1);
       cells[static_cast<std::size_t>(at)] = static_cast<std::uint16_t>(dice.whole(0, cap));
     }
-    for (const Vectors kind : kinds()) {
+    for (const InstructionSet kind : worlds::instruction_sets()) {
       const DistanceAxes axes(cap, kind);
       std::array<std::uint16_t, lane_cells> out{};
       axes.lower(&cells[static_cast<std::size_t>(margin)], stride, 1, out.data());
@@ -116,7 +110,7 @@ TEST(DistanceAxes, AnyOf32NumbersAtLeastAValueIsFound) {
     for (auto& number : numbers) number = static_cast<std::uint16_t>(dice.whole(0, 40));
     const auto value = static_cast<std::uint16_t>(dice.whole(0, 41));
     const bool expected = *std::max_element(numbers.begin(), numbers.end()) >= value;
-    for (const Vectors kind : kinds()) {
+    for (const InstructionSet kind : worlds::instruction_sets()) {
       ASSERT_EQ(DistanceAxes(100, kind).any_at_least(numbers.data(), value), expected);
     }
   }

@@ -9,6 +9,7 @@
 #include "mapping/field/blocked_field.hpp"
 #include "mapping/free_space_map.hpp"
 #include "tests/worlds/blocked_truth.hpp"
+#include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -48,16 +49,9 @@ Points mixed_points(Dice& dice, int count, double resolution) {
   return points;
 }
 
-std::vector<Vectors> vectors_here() {
-  std::vector<Vectors> all{Vectors::portable};
-  if (widest_vectors() >= Vectors::avx2) all.push_back(Vectors::avx2);
-  if (widest_vectors() >= Vectors::avx512) all.push_back(Vectors::avx512);
-  return all;
-}
-
 void expect_bits_of_one_by_one(const BlockedField& field, const Points& points) {
   const std::size_t count = points.x.size();
-  for (const Vectors vectors : vectors_here()) {
+  for (const InstructionSet vectors : worlds::instruction_sets()) {
     std::vector<double> tight(count), coarse(count);
     field.clearances(points.arrays(), tight, vectors);
     field.coarse_clearances(points.arrays(), coarse, vectors);

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "mapping/voxels/fused_tree.hpp"
-#include "tests/mapping/instruction_sets.hpp"
+#include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "mapping/scans/scan_rays.hpp"
-#include "tests/mapping/instruction_sets.hpp"
+#include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_map.hpp"
 #include "tests/worlds/stock_octomap.hpp"
 

@@ -104,6 +104,70 @@ TEST(Shape, SignedDistanceIsNegativeInsideAndTheDistanceOutside) {
   }
 }
 
+TEST(Shape, AxialShapesAreThoseThatATurnAboutZLeavesAsTheyAre) {
+  Random random(5);
+  for (const Shape& shape : some_shapes(random)) {
+    double change = 0.0, beyond_segment = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d d = random.point(1.0).normalized();
+      const Eigen::Vector3d turned = Eigen::AngleAxisd(random.between(0, 3), Eigen::Vector3d::UnitZ()) * d;
+      const double far = d.dot(shape.support(d));
+      change = std::max(change, std::abs(turned.dot(shape.support(turned)) - far));
+      const double of_segment = shape.radius() + std::abs(d.z()) * shape.length() / 2;
+      beyond_segment = std::max(beyond_segment, std::abs(far - of_segment));
+    }
+    EXPECT_EQ(shape.is_axial(), change < 1e-12) << static_cast<int>(shape.kind());
+    EXPECT_EQ(shape.is_rounded(), beyond_segment < 1e-12) << static_cast<int>(shape.kind());
+  }
+}
+
+TEST(Shape, TheBoundingSphereHoldsTheShapeAndIsNoLargerThanNeeded) {
+  Random random(6);
+  for (const Shape& shape : some_shapes(random)) {
+    const Sphere sphere = shape.bounding_sphere();
+    double farthest = 0.0;
+    for (int i = 0; i < 2'000; ++i) {
+      const Eigen::Vector3d point = shape.support(random.point(1.0));
+      farthest = std::max(farthest, (point - sphere.center).norm());
+    }
+    EXPECT_LE(farthest, sphere.radius + 1e-12);
+    EXPECT_GE(farthest, 0.99 * sphere.radius);
+  }
+}
+
+TEST(Shape, TheMedialSegmentLiesHalfTheWidthBelowTheSurface) {
+  Random random(7);
+  for (const Shape& shape : some_shapes(random)) {
+    if (!shape.has_exact_distance()) continue;
+    const MedialSegment segment = shape.medial_segment();
+    EXPECT_NEAR(segment.half_extent, segment.axis.dot(shape.support(segment.axis)), 1e-12);
+    const double depth = std::min(segment.width / 2, segment.half_extent);
+    for (const double share : {-1.0, 0.3, 1.0})
+      EXPECT_NEAR(shape.signed_distance(share * segment.half_length * segment.axis), -depth, 1e-12);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
+      EXPECT_GE(2.0 * unit.dot(shape.support(unit)),
+                std::min(segment.width, 2.0 * segment.half_extent) - 1e-12);
+    }
+  }
+}
+
+TEST(Shape, GrownShapesHoldAllWithinThePadding) {
+  Random random(8);
+  for (const Shape& shape : some_shapes(random)) {
+    const Shape grown = shape.grown(0.03);
+    double most = 0.0;
+    for (int i = 0; i < 300; ++i) {
+      const Eigen::Vector3d d = random.point(1.0).normalized();
+      const double gain = d.dot(grown.support(d)) - d.dot(shape.support(d));
+      EXPECT_GE(gain, 0.03 - 1e-12);
+      most = std::max(most, gain);
+    }
+    EXPECT_LE(most, shape.is_rounded() ? 0.03 + 1e-12 : 0.03 * std::sqrt(3.0) + 1e-12);
+    EXPECT_EQ(shape.grown(0.0).support({0.3, -0.4, 0.5}), shape.support({0.3, -0.4, 0.5}));
+  }
+}
+
 TEST(Shape, SizesThatNoBodyCanHaveAreRefusedByName) {
   const auto message = [](auto make) -> std::string {
     try {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
@@ -11,13 +12,6 @@ std::vector<Shape> every_kind() {
   return {Shape::sphere(0.07), Shape::capsule(0.05, 0.3), Shape::cylinder(0.06, 0.15),
           Shape::box({0.1, 0.3, 0.06}),
           Shape::convex({{0, 0, 0}, {0.2, 0, 0}, {0, 0.1, 0}, {0.05, 0.05, 0.2}})};
-}
-
-std::vector<Vectors> vectors_here() {
-  std::vector<Vectors> all{Vectors::portable};
-  if (widest_vectors() >= Vectors::avx2) all.push_back(Vectors::avx2);
-  if (widest_vectors() >= Vectors::avx512) all.push_back(Vectors::avx512);
-  return all;
 }
 
 VoxelDistance distance_to(const VoxelDistances& distances, const NearVoxel& cube, double enough) {
@@ -63,7 +57,7 @@ TEST(VoxelDistance, IsTheSameWhateverOtherCubesAndRegistersThereAre) {
       for (NearVoxel& cube : cubes) cube = {random.point(0.3), random.point(0.2)};
       std::vector<VoxelDistance> together(cubes.size());
       distances.to(cubes, 0.1, together);
-      for (const Vectors vectors : vectors_here()) {
+      for (const InstructionSet vectors : worlds::instruction_sets()) {
         std::vector<VoxelDistance> same(cubes.size());
         distances.to(cubes, 0.1, same, vectors);
         for (std::size_t i = 0; i < cubes.size(); ++i) {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapping/scans/ray_cast.hpp"
+#include "mapping/system/instruction_set.hpp"
 
 namespace clearway::worlds {
 
