@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
+
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 
@@ -18,16 +17,9 @@ constexpr const char* kNoWebGl = "--disable-gpu --disable-software-rasterizer";
 /// Opens pages in a real browser: Chromium, headless.
 class PageInChromium : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "clearway_page_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   /// The document after the page's script has run; `after` follows the file's name in the address.
   std::string open(const std::string& html, const std::string& after = "", const char* gpu = kSoftwareWebGl) {
-    std::ofstream(folder_ / "page.html") << html;
+    folder_.write("page.html", html);
     const std::string command =
         "timeout 100 chromium --headless --no-sandbox --disable-background-networking --no-first-run "
         "--disable-component-update --disable-sync --hide-scrollbars --user-data-dir='" +
@@ -55,7 +47,7 @@ class PageInChromium : public testing::Test {
     return at == std::string::npos ? "no page" : dom.substr(at, dom.find("</pre>", at) - at);
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace clearway

@@ -1,40 +1,23 @@
 #pragma once
 
-#include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 
 #include "mapping/files/map_file.hpp"
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 
 /// A folder of its own for a test's robot files.
-class RobotFolder {
+class RobotFolder : public TemporaryFolder {
  public:
-  explicit RobotFolder(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() / ("clearway_robot_" + name)) {
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~RobotFolder() { std::filesystem::remove_all(path_); }
-  RobotFolder(const RobotFolder&) = delete;
-  RobotFolder& operator=(const RobotFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return path_ / name;
-  }
-
   /// The sentence with which loading r.urdf of this text ends, without the folder; "damaged: " before it
   /// where the program would end with 3, "accepted" when it loads.
   std::string refusal(const std::string& urdf) const {
     try {
-      load_robot(write("r.urdf", urdf).string());
+      load_robot(write("r.urdf", urdf));
     } catch (const DamagedFile& error) {
       return "damaged: " + without_folder(error.what());
     } catch (const std::invalid_argument& error) {
@@ -45,12 +28,10 @@ class RobotFolder {
 
  private:
   std::string without_folder(std::string text) const {
-    const std::string prefix = path_.string() + "/";
+    const std::string prefix = path().string() + "/";
     for (std::size_t at; (at = text.find(prefix)) != std::string::npos;) text.erase(at, prefix.size());
     return text;
   }
-
-  std::filesystem::path path_;
 };
 
 /// A base and a link "arm" that carries `collision`, joined by a `type` joint "j" of this content.

@@ -3,37 +3,25 @@
 // Small robots that no shipped one stands for, as files: what a factor, a sign or a limit does to a bound
 // shows in them and not in arms whose every joint turns one link by its own angle.
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway::worlds {
 
 /// A robot read from a URDF that exists as long as this object.
 class UrdfRobot {
  public:
-  UrdfRobot(const std::string& name, const std::string& links_and_joints) {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("clearway_" + name + "_" + std::to_string(::getpid()) + "_" + std::to_string(made_++));
-    std::filesystem::create_directories(folder_);
-    const std::filesystem::path file = folder_ / (name + ".urdf");
-    std::ofstream(file) << "<robot name='" << name << "'>" << links_and_joints << "</robot>";
-    robot_ = load_robot(file.string());
-  }
-  ~UrdfRobot() { std::filesystem::remove_all(folder_); }
-  UrdfRobot(const UrdfRobot&) = delete;
-  UrdfRobot& operator=(const UrdfRobot&) = delete;
+  UrdfRobot(const std::string& name, const std::string& links_and_joints)
+      : robot_(load_robot(
+            folder_.write(name + ".urdf", "<robot name='" + name + "'>" + links_and_joints + "</robot>"))) {}
 
   const Robot& robot() const { return robot_; }
 
  private:
-  static inline int made_ = 0;
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   Robot robot_;
 };
 

@@ -14,8 +14,8 @@
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/datasets/scratch_folder.hpp"
 #include "tests/worlds/small_scene.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace fusion_test {
@@ -43,7 +43,7 @@ VoxelState state_at(const Fusion& fusion, const Eigen::Vector3d& point) {
 }
 
 TEST(Fusion, AFolderOfCloudsIsARecordingSeenFromItsViewpoints) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "clouds");
   const std::vector<Eigen::Vector3f> points{{1.01F, 0.01F, 0.01F}, {1.01F, 0.31F, 0.01F}};
   std::string bytes = format_pcd(points);
@@ -66,7 +66,7 @@ TEST(Fusion, AFolderOfCloudsIsARecordingSeenFromItsViewpoints) {
 }
 
 TEST(Fusion, ADamagedCloudAmongOthersIsToldAndTheOthersKept) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "clouds");
   write_text(folder / "clouds/a.pcd", format_pcd({ahead}));
   write_text(folder / "clouds/b.pcd", format_pcd({ahead}).substr(0, 150));
@@ -80,7 +80,7 @@ TEST(Fusion, ADamagedCloudAmongOthersIsToldAndTheOthersKept) {
 }
 
 TEST(Fusion, AFixedSensorIsWhereTheSetupSaysAndOthersWhereTheRecordingDoes) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   RecordingWriter writer(folder / "r.rawlog");
   Eigen::Isometry3d recorded(Eigen::Translation3d(0.0, 0.0, 0.51));
   writer.write(scan_frame(1.0, "wall", {ahead}, recorded));
@@ -94,7 +94,7 @@ TEST(Fusion, AFixedSensorIsWhereTheSetupSaysAndOthersWhereTheRecordingDoes) {
 }
 
 TEST(Fusion, FreesLessInSafeIntegrationWhichIsTheDefaultAndTheSameOnAnyThreads) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::vector<Eigen::Vector3f> wall;  // seen at a slant
   for (int i = 0; i < 60; ++i)
     for (int j = 0; j < 60; ++j)
@@ -121,7 +121,7 @@ TEST(Fusion, FreesLessInSafeIntegrationWhichIsTheDefaultAndTheSameOnAnyThreads) 
 }
 
 TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   RecordingWriter writer(folder / "r.rawlog");
   for (int i = 0; i <= 8; ++i) writer.write(scan_frame(100.0 + 0.25 * i, "laser", {ahead}));
   writer.finish();
@@ -144,7 +144,7 @@ TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {
 }
 
 TEST(Fusion, TheStandingRobotDoesNotSeeItself) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   Robot robot = load_robot("puma560");
   robot.map_from_base.translation() = Eigen::Vector3d(0.1, -0.2, 0.3);
   Configuration q(6);
@@ -209,7 +209,7 @@ class FusionWithTags : public testing::Test {
     return pose;
   }
 
-  const ScratchFolder folder_;
+  const TemporaryFolder folder_;
   nlohmann::json truth_;
   std::string setup_text_;
   std::vector<double> times_;

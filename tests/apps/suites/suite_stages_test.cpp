@@ -1,13 +1,13 @@
 #include "apps/suites/suite_stages.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace suite_stages_test {
@@ -52,8 +52,8 @@ TEST(SuiteStages, AMadeWorldIsOneStageWithItsProblems) {
 }
 
 TEST(SuiteStages, ALoadedWorldIsTheMapOfItsFile) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("clearway_stages_" + std::to_string(getpid()));
+  const TemporaryFolder temporary;
+  const std::filesystem::path folder = temporary / "map";
   const Suite made = parse_suite(replaced(two_worlds, "WORLD", "painted"), "s.yaml");
   const Robot robot = load_robot("puma560");
   const Snapshot map = SuiteStages(made, made.experiments[0], robot).make(0).map;
@@ -61,7 +61,6 @@ TEST(SuiteStages, ALoadedWorldIsTheMapOfItsFile) {
   const Suite suite =
       parse_suite(replaced(replaced(two_worlds, "WORLD", "loaded"), "MAP", folder.string()), "s.yaml");
   const SuiteStage stage = SuiteStages(suite, suite.experiments[0], robot).make(0);
-  std::filesystem::remove_all(folder);
   EXPECT_EQ(stage.map_file, folder.string());
   EXPECT_EQ(stage.digest, map_sha256(map));
   EXPECT_EQ(stage.map.counts().painted, map.counts().painted);

@@ -2,19 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/small_scene.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace scene_test {
 
-Scene parse(const ScratchFolder& folder, const std::string& text, const std::string& setup = small_setup) {
-  write_bytes(folder / "setup.yaml", setup);
+Scene parse(const TemporaryFolder& folder, const std::string& text, const std::string& setup = small_setup) {
+  write_file(folder / "setup.yaml", setup);
   return parse_scene(text, "scene.yaml", folder / "");
 }
 
 TEST(Scene, EveryKeyIsRead) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Scene scene = parse(folder, small_scene);
   EXPECT_EQ(scene.setup_text, small_setup);
   ASSERT_EQ(scene.shapes.size(), 3u);
@@ -28,7 +29,7 @@ TEST(Scene, EveryKeyIsRead) {
 }
 
 TEST(Scene, LookingAtAPointPutsItInTheMiddle) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Scene scene = parse(folder, small_scene);
   const Eigen::Vector3d target(0.05, 0, 0.05);
   const Eigen::Vector3d in_camera = scene.camera->map_from_camera.inverse() * target;
@@ -47,7 +48,7 @@ TEST(Scene, LookingAtAPointPutsItInTheMiddle) {
 }
 
 TEST(Scene, MistakesAreNamed) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const std::pair<std::string, std::string> mistakes[] = {
       {"shapes: []", "setup"},
       {"setup: none.yaml", "none.yaml"},
@@ -72,7 +73,7 @@ TEST(Scene, MistakesAreNamed) {
 }
 
 TEST(Scene, TheDatasetsFolderOfMrptCanBeChosen) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const std::string text = "setup: setup.yaml\ninclude: [{recording: '${MRPT_DATASETS}/a.rawlog'}]";
   unsetenv("CLEARWAY_MRPT_DATASETS");
   EXPECT_EQ(parse(folder, text).includes[0].recording, "/usr/share/mrpt/datasets/a.rawlog");

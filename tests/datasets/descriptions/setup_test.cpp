@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace setup_test {
@@ -206,10 +207,10 @@ TEST(Setup, DeepAndRandomYamlNeverCrashes) {
 }
 
 TEST(Setup, FilesThatCannotBeReadAreNamed) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   EXPECT_NE(complaint([&] { load_setup(folder / "none.yaml"); }).find("none.yaml"), std::string::npos);
   EXPECT_NE(complaint([&] { load_setup(folder / "."); }).find("folder"), std::string::npos);
-  write_bytes(folder / "big.yaml", std::string(5 << 20, '#'));
+  write_file(folder / "big.yaml", std::string(5 << 20, '#'));
   EXPECT_NE(complaint([&] { load_setup(folder / "big.yaml"); }).find("4 MB"), std::string::npos);
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/complaint.hpp"
 
 namespace clearway {
 namespace suite_limits_test {

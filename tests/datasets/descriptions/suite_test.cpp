@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace suite_test {
@@ -208,9 +209,9 @@ TEST(Suite, AListOfNumbersIsAnOptionAsItsTextWouldBeAndASeedMayHave64Bits) {
 }
 
 TEST(Suite, AFileIsReadAndAMissingOneNamed) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto file = folder / "two.yaml";
-  write_bytes(file, full);
+  write_file(file, full);
   EXPECT_EQ(load_suite(file).worlds[0].map, folder / "maps/hall.bt");
   const std::string missing = complaint([&] { load_suite(folder / "none.yaml"); });
   EXPECT_NE(missing.find("none.yaml' cannot be read"), std::string::npos);

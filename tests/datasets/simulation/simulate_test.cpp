@@ -8,17 +8,18 @@
 #include <opencv2/calib3d.hpp>
 
 #include "datasets/sources/recording.hpp"
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/sample_frames.hpp"
 #include "tests/worlds/small_scene.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace simulate_test {
 
 using Json = nlohmann::json;
 
-Scene prepared(const ScratchFolder& folder, const std::string& scene = small_scene) {
-  write_bytes(folder / "setup.yaml", small_setup);
+Scene prepared(const TemporaryFolder& folder, const std::string& scene = small_scene) {
+  write_file(folder / "setup.yaml", small_setup);
   return parse_scene(scene, "scene.yaml", folder / "");
 }
 
@@ -29,28 +30,28 @@ Eigen::Isometry3d pose_of(const Json& json) {
 }
 
 TEST(Simulate, TheSameSceneGivesTheSameBytesOnAnyNumberOfThreads) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Scene scene = prepared(folder);
   std::string recording, truth;
   for (const char* threads : {"1", "2", "5"}) {
     setenv("CLEARWAY_THREADS", threads, 1);
     simulate(scene, folder / "out.rawlog");
     if (recording.empty()) {
-      recording = bytes_of(folder / "out.rawlog");
-      truth = bytes_of(folder / "truth.json");
+      recording = read_file(folder / "out.rawlog");
+      truth = read_file(folder / "truth.json");
     }
-    EXPECT_EQ(bytes_of(folder / "out.rawlog"), recording) << threads;
-    EXPECT_EQ(bytes_of(folder / "truth.json"), truth) << threads;
+    EXPECT_EQ(read_file(folder / "out.rawlog"), recording) << threads;
+    EXPECT_EQ(read_file(folder / "truth.json"), truth) << threads;
   }
   unsetenv("CLEARWAY_THREADS");
   Scene other = scene;
   other.seed = 6;
   simulate(other, folder / "out.rawlog");
-  EXPECT_NE(bytes_of(folder / "out.rawlog"), recording);
+  EXPECT_NE(read_file(folder / "out.rawlog"), recording);
 }
 
 TEST(Simulate, TheRecordingHoldsSetupDepthAndPicturesInOrder) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Scene scene = prepared(folder);
   double last = 0;
   const auto result = simulate(scene, folder / "out.rawlog", [&](double share) {
@@ -69,17 +70,17 @@ TEST(Simulate, TheRecordingHoldsSetupDepthAndPicturesInOrder) {
   const auto& image = std::get<ImageFrame>(frames[3].content);
   EXPECT_EQ(image.intrinsics, *scene.setup.camera);
   EXPECT_TRUE(image.world_from_sensor.isApprox(Eigen::Isometry3d::Identity()));
-  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  const Json truth = Json::parse(read_file(folder / "truth.json"));
   ASSERT_EQ(truth["frames"].size(), 6u);
   for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(truth["frames"][i]["time"], frames[3 + i].time, 1e-6);
 }
 
 TEST(Simulate, TruthCornersAreWhatOpenCvProjects) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const Scene scene = prepared(folder);
   simulate(scene, folder / "out.rawlog");
   const auto& camera = *scene.setup.camera;
-  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  const Json truth = Json::parse(read_file(folder / "truth.json"));
   size_t compared = 0;
   for (const auto& frame : truth["frames"]) {
     const Eigen::Isometry3d camera_from_map = pose_of(frame["map_from_camera"]).inverse();
@@ -135,10 +136,10 @@ std::map<int, std::vector<Eigen::Vector2d>> detected(const GrayImage& image) {
 }
 
 TEST(Simulate, ADetectorFindsTheTagsWhereTheTruthPutsThem) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   simulate(prepared(folder), folder / "out.rawlog");
   RecordingReader reader(folder / "out.rawlog");
-  const Json truth = Json::parse(bytes_of(folder / "truth.json"));
+  const Json truth = Json::parse(read_file(folder / "truth.json"));
   size_t index = 0, compared = 0;
   double squares = 0;
   for (const auto& frame : read_all(reader)) {
@@ -162,7 +163,7 @@ TEST(Simulate, ADetectorFindsTheTagsWhereTheTruthPutsThem) {
 }
 
 TEST(Simulate, CloudsLieOnTheShapes) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   Scene scene = prepared(folder);
   scene.depth->noise_constant = scene.depth->noise_quadratic = 0;
   simulate(scene, folder / "out.rawlog");
@@ -182,7 +183,7 @@ TEST(Simulate, CloudsLieOnTheShapes) {
 }
 
 TEST(Simulate, IncludedFramesKeepTheirPlaceInTheOtherWorld) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   RecordingWriter writer(folder / "other.rawlog");
   std::mt19937 random(3);
   const CloudFrame cloud = sample_cloud(random, 12);
@@ -206,8 +207,8 @@ TEST(Simulate, IncludedFramesKeepTheirPlaceInTheOtherWorld) {
 }
 
 TEST(Simulate, UnusableIncludesAndOutputsLeaveNothingBehind) {
-  const ScratchFolder folder;
-  write_bytes(folder / "bad.rawlog", "not a log");
+  const TemporaryFolder folder;
+  write_file(folder / "bad.rawlog", "not a log");
   const std::string include = "setup: setup.yaml\ninclude: [{recording: bad.rawlog}]";
   EXPECT_NE(complaint([&] { simulate(prepared(folder, include), folder / "out.rawlog"); }).find("bad.rawlog"),
             std::string::npos);
@@ -219,7 +220,7 @@ TEST(Simulate, UnusableIncludesAndOutputsLeaveNothingBehind) {
 }
 
 TEST(Simulate, NoDeviceFolderOrTruthIsReplacedByTheRecording) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   EXPECT_THROW(simulate(prepared(folder), "/dev/null"), std::runtime_error);
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
   std::filesystem::create_directory(folder / "out.rawlog");

@@ -11,8 +11,9 @@
 
 #include "datasets/sources/record_seal.hpp"
 #include "datasets/sources/recording.hpp"
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/sample_frames.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace recording_reader_test {
@@ -31,7 +32,7 @@ std::string unpacked(const std::filesystem::path& file) {
   return bytes;
 }
 
-SmallLog small_log(const ScratchFolder& folder) {
+SmallLog small_log(const TemporaryFolder& folder) {
   SmallLog log;
   const auto file = folder / "small.rawlog";
   std::mt19937 random(11);
@@ -39,7 +40,7 @@ SmallLog small_log(const ScratchFolder& folder) {
   for (const auto& frame : sample_frames()) writer.write(frame);
   writer.write(1001, "depth", sample_depth(random, 6, 5));
   writer.finish();
-  log.gz = bytes_of(file);
+  log.gz = read_file(file);
   for (size_t at = 0; at < log.gz.size();) {
     const RecordSeal seal = seal_of(std::string_view(log.gz).substr(at)).value();
     at += seal.size;
@@ -56,8 +57,8 @@ struct Reading {
   std::vector<std::string> frames;
   std::optional<std::string> damage;
 };
-Reading read_bytes(const ScratchFolder& folder, const std::string& bytes) {
-  write_bytes(folder / "damaged.rawlog", bytes);
+Reading read_bytes(const TemporaryFolder& folder, const std::string& bytes) {
+  write_file(folder / "damaged.rawlog", bytes);
   RecordingReader reader(folder / "damaged.rawlog");
   Reading reading;
   for (const auto& frame : read_all(reader)) reading.frames.push_back(bytes_of(frame));
@@ -71,7 +72,7 @@ void expect_beginning_of(const std::vector<std::string>& whole, const std::vecto
 }
 
 TEST(RecordingReader, ReportsACutAtEveryLengthAndKeepsTheFramesBefore) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   ASSERT_EQ(log.frames.size(), log.ends.size());
   for (size_t length = 1; length < log.gz.size(); ++length) {
@@ -86,7 +87,7 @@ TEST(RecordingReader, ReportsACutAtEveryLengthAndKeepsTheFramesBefore) {
 }
 
 TEST(RecordingReader, TellsFileObjectAndPlaceOfDamage) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   const auto damage = *read_bytes(folder, log.gz.substr(0, log.ends[1] + 20)).damage;
   EXPECT_NE(damage.find("damaged.rawlog"), std::string::npos) << damage;
@@ -96,7 +97,7 @@ TEST(RecordingReader, TellsFileObjectAndPlaceOfDamage) {
 }
 
 TEST(RecordingReader, NoFlippedBitOfAGzLogIsTakenForAnotherRecording) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   std::mt19937 random(5);
   int damaged = 0;
@@ -115,7 +116,7 @@ TEST(RecordingReader, NoFlippedBitOfAGzLogIsTakenForAnotherRecording) {
 }
 
 TEST(RecordingReader, SurvivesWhateverAPlainLogHolds) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   std::mt19937 random(6);
   for (int trial = 0; trial < 600; ++trial) {
@@ -130,7 +131,7 @@ TEST(RecordingReader, SurvivesWhateverAPlainLogHolds) {
 }
 
 TEST(RecordingReader, AHugeSizeInALogIsDamageAndNotHugeMemory) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   SmallLog log = small_log(folder);
   // The class name is followed by the observation's fields; every run of four bytes becomes a huge number.
   for (size_t at = 20; at + 4 < log.plain.size(); at += 9) {
@@ -141,7 +142,7 @@ TEST(RecordingReader, AHugeSizeInALogIsDamageAndNotHugeMemory) {
 }
 
 TEST(RecordingReader, ReadsPlainLogsAndLogsOfSeveralGzMembers) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   const Reading plain = read_bytes(folder, log.plain);
   EXPECT_FALSE(plain.damage);
@@ -158,7 +159,7 @@ TEST(RecordingReader, ReadsPlainLogsAndLogsOfSeveralGzMembers) {
 }
 
 TEST(RecordingReader, AnUnknownClassIsDamageAndNotTheEnd) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   std::string bytes = log.plain;
   const auto second = bytes.find("CObservationImage");
@@ -170,7 +171,7 @@ TEST(RecordingReader, AnUnknownClassIsDamageAndNotTheEnd) {
 }
 
 TEST(RecordingReader, RefusesWhatIsNoRecordingInOneSentence) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   EXPECT_NE(complaint([&] { RecordingReader(folder / "missing.rawlog"); }).find("missing.rawlog"),
             std::string::npos);
   EXPECT_NE(complaint([&] { RecordingReader(folder / "."); }).find("it is a folder"), std::string::npos);
@@ -180,7 +181,7 @@ TEST(RecordingReader, RefusesWhatIsNoRecordingInOneSentence) {
 }
 
 TEST(RecordingReader, ReadsOnWhenTheThreadThatOpenedItHasEnded) {
-  ScratchFolder folder;
+  TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   std::optional<RecordingReader> reader;
   std::vector<std::string> frames;
@@ -195,7 +196,8 @@ TEST(RecordingReader, ReadsOnWhenTheThreadThatOpenedItHasEnded) {
 }
 
 /// Reads the small log in a child after `before`; whether it got all frames.
-bool reads_all_after(const ScratchFolder& folder, const SmallLog& log, const std::function<void()>& before) {
+bool reads_all_after(const TemporaryFolder& folder, const SmallLog& log,
+                     const std::function<void()>& before) {
   const pid_t child = fork();
   if (child == 0) {
     before();
@@ -210,7 +212,7 @@ bool reads_all_after(const ScratchFolder& folder, const SmallLog& log, const std
 }
 
 TEST(RecordingReader, ReadsInAProgramWithoutStandardStreams) {
-  ScratchFolder folder;
+  TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   for (const std::vector<int>& closed : {std::vector{0}, {1}, {0, 1}, {0, 1, 2}}) {
     EXPECT_TRUE(reads_all_after(folder, log, [&] {
@@ -220,7 +222,7 @@ TEST(RecordingReader, ReadsInAProgramWithoutStandardStreams) {
 }
 
 TEST(RecordingReader, ItsDecoderIgnoresASignalThatTheProgramIgnores) {
-  ScratchFolder folder;
+  TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   EXPECT_TRUE(reads_all_after(folder, log, [] {
     setpgid(0, 0);
@@ -235,7 +237,7 @@ TEST(RecordingReader, ItsDecoderIgnoresASignalThatTheProgramIgnores) {
 }
 
 TEST(RecordingReader, MayBeDroppedHalfway) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(1);
   RecordingWriter writer(folder / "long.rawlog");
   for (int i = 0; i < 50; ++i) writer.write(Frame{i + 1.0, "camera", sample_image(random, 320, 240)});

@@ -6,8 +6,8 @@
 
 #include "datasets/sources/lens.hpp"
 #include "datasets/sources/recording.hpp"
-#include "tests/datasets/scratch_folder.hpp"
 #include "tests/worlds/sample_frames.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace recording_writer_test {
@@ -26,7 +26,7 @@ std::filesystem::path only_file_in(const std::filesystem::path& folder) {
 }
 
 TEST(RecordingWriter, FramesComeBackAsTheyWere) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto frames = sample_frames();
   write(folder / "a.rawlog", frames);
   RecordingReader reader(folder / "a.rawlog");
@@ -53,7 +53,7 @@ TEST(RecordingWriter, FramesComeBackAsTheyWere) {
 }
 
 TEST(RecordingWriter, DepthImagesBecomeThePointsOnTheirRays) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(3);
   const DepthImage depth = sample_depth(random, 9, 7);
   RecordingWriter writer(folder / "d.rawlog");
@@ -81,25 +81,25 @@ TEST(RecordingWriter, DepthImagesBecomeThePointsOnTheirRays) {
 }
 
 TEST(RecordingWriter, TheSameFramesGiveTheSameBytes) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   write(folder / "a.rawlog", sample_frames());
   write(folder / "b.rawlog", sample_frames());
-  EXPECT_EQ(bytes_of(folder / "a.rawlog"), bytes_of(folder / "b.rawlog"));
+  EXPECT_EQ(read_file(folder / "a.rawlog"), read_file(folder / "b.rawlog"));
 }
 
 TEST(RecordingWriter, UnfinishedRecordingsLeaveNothingAndReplaceNothing) {
-  const ScratchFolder folder;
-  write_bytes(folder / "a.rawlog", "old");
+  const TemporaryFolder folder;
+  write_file(folder / "a.rawlog", "old");
   {
     RecordingWriter writer(folder / "a.rawlog");
     writer.write(sample_frames()[0]);
   }
-  EXPECT_EQ(bytes_of(folder / "a.rawlog"), "old");
+  EXPECT_EQ(read_file(folder / "a.rawlog"), "old");
   EXPECT_EQ(only_file_in(folder / ""), folder / "a.rawlog");
 }
 
 TEST(RecordingWriter, EveryFrameWrittenBeforeACrashCanBeRead) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto frames = sample_frames();
   RecordingWriter writer(folder / "a.rawlog");
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -111,7 +111,7 @@ TEST(RecordingWriter, EveryFrameWrittenBeforeACrashCanBeRead) {
 }
 
 TEST(RecordingWriter, RefusesWhatCannotBeWritten) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   EXPECT_THROW(RecordingWriter(folder / "no/such/folder.rawlog"), std::runtime_error);
   RecordingWriter writer(folder / "a.rawlog");
   EXPECT_THROW(writer.write(Frame{0, "", ImageFrame{{4, 4, {1, 2, 3}}, {}, Eigen::Isometry3d::Identity()}}),
@@ -120,7 +120,7 @@ TEST(RecordingWriter, RefusesWhatCannotBeWritten) {
 }
 
 TEST(RecordingWriter, SaysWhenTheDiskIsFull) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, SIG_IGN);

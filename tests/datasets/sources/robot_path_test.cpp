@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "datasets/sources/recording.hpp"
-#include "tests/datasets/scratch_folder.hpp"
 #include "tests/worlds/sample_frames.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace robot_path_test {
@@ -88,7 +88,7 @@ TEST(RobotPath, FramesWithoutTimeGetTheFirstTimeThereIs) {
 }
 
 TEST(RobotPath, OdometryInARecordingMovesItsSensors) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   RecordingWriter writer(folder / "o.rawlog");
   std::mt19937 random(2);
   const CloudFrame cloud = sample_cloud(random, 4);

@@ -10,7 +10,7 @@
 
 #include "datasets/sources/record_seal.hpp"
 #include "datasets/sources/recording.hpp"
-#include "tests/datasets/scratch_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace sealed_records_test {
@@ -18,7 +18,7 @@ namespace sealed_records_test {
 constexpr int comments = 40;
 
 /// A recording of comments "0", "1", ... and the places where its members begin.
-std::string recording(const ScratchFolder& folder, std::vector<size_t>& begins) {
+std::string recording(const TemporaryFolder& folder, std::vector<size_t>& begins) {
   const auto file = folder / "whole.rawlog";
   RecordingWriter writer(file);
   for (int i = 0; i < comments; ++i)
@@ -37,9 +37,9 @@ struct Reading {
   size_t lost = 0;
 };
 
-Reading read(const ScratchFolder& folder, const std::string& bytes) {
+Reading read(const TemporaryFolder& folder, const std::string& bytes) {
   const auto file = folder / "read.rawlog";
-  write_bytes(file, bytes);
+  write_file(file, bytes);
   RecordingReader reader(file);
   Reading result;
   while (const auto frame = reader.next()) {
@@ -53,7 +53,7 @@ Reading read(const ScratchFolder& folder, const std::string& bytes) {
 }
 
 TEST(SealedRecords, a_whole_recording_is_read_whole_and_ends_with_its_seal) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::vector<size_t> begins;
   const Reading whole = read(folder, recording(folder, begins));
   EXPECT_EQ(begins.size(), comments + 1u);
@@ -62,7 +62,7 @@ TEST(SealedRecords, a_whole_recording_is_read_whole_and_ends_with_its_seal) {
 }
 
 TEST(SealedRecords, a_flipped_bit_costs_one_record_which_is_told_by_number_and_time) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::vector<size_t> begins;
   std::string bytes = recording(folder, begins);
   bytes[begins[7] + RecordSeal::header_bytes + 20] ^= 4;
@@ -74,7 +74,7 @@ TEST(SealedRecords, a_flipped_bit_costs_one_record_which_is_told_by_number_and_t
 }
 
 TEST(SealedRecords, no_flipped_bit_anywhere_is_taken_for_what_was_recorded) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::vector<size_t> begins;
   const std::string whole = recording(folder, begins);
   std::mt19937 random(1);
@@ -89,7 +89,7 @@ TEST(SealedRecords, no_flipped_bit_anywhere_is_taken_for_what_was_recorded) {
 }
 
 TEST(SealedRecords, missing_doubled_and_cut_off_records_are_noticed_even_between_two_of_them) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   std::vector<size_t> begins;
   const std::string whole = recording(folder, begins);
   const Reading missing = read(folder, whole.substr(0, begins[3]) + whole.substr(begins[5]));

@@ -10,8 +10,8 @@
 #include "mapping/maps/map_edit.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/voxels/fused_tree.hpp"
-#include "tests/mapping/temporary_folder.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace seen_within_test {
@@ -130,7 +130,7 @@ TEST(SeenWithin, AMapKeepsItsAgesInItsFileAndInItsEdits) {
     map.insert(partial_scan(dice, 10.0 * round));
     other.insert(partial_scan(dice, 10.0 * round + 5));
   }
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Snapshot now = map.snapshot();
   save_map(now, folder / "map");
   const Eigen::AlignedBox3d box(Eigen::Vector3d(-0.4, -0.4, -0.4), Eigen::Vector3d(0.4, 0.4, 0.4));

@@ -4,7 +4,7 @@
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
-#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace map_digest_test {
@@ -15,7 +15,7 @@ TEST(MapDigest, sha256_of_known_texts) {  // FIPS 180-2, appendix B
 }
 
 TEST(MapDigest, is_that_of_the_file_which_the_map_is_saved_as) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("free", {"tool"});
   map.paint(volume, {{0.1, 0.2, 0.3}, 0.4});

@@ -10,17 +10,14 @@
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
-#include "tests/mapping/temporary_folder.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace map_file_test {
 
 namespace fs = std::filesystem;
 using worlds::Dice;
-using worlds::read_all;
-using worlds::TemporaryFolder;
-using worlds::write_all;
 
 /// Real files for trying, which are not part of the repository.
 fs::path shared_data(const std::string& name) {
@@ -41,7 +38,7 @@ TEST(MapFile, ASavedMapIsReadBackWhole) {
 
   save_map(read, folder / "again");
   for (const char* name : {"map.ot", "painted.csv"}) {
-    EXPECT_EQ(read_all(folder / "deep/map" / name), read_all(folder / "again" / name));
+    EXPECT_EQ(read_file(folder / "deep/map" / name), read_file(folder / "again" / name));
   }
 }
 
@@ -75,7 +72,7 @@ TEST(MapFile, ExportedFilesKeepTheOccupiedVoxels) {
 
 TEST(MapFile, SaysWhatIsWrongWithAPathThatIsNoMap) {
   const TemporaryFolder folder;
-  write_all(folder / "a.stl", "x");
+  write_file(folder / "a.stl", "x");
   fs::create_directory(folder / "empty");
   for (const char* name : {"missing.ot", "missing", "a.stl", "empty"}) {
     try {
@@ -94,9 +91,9 @@ TEST(MapFile, SaysWhatIsWrongWithAPathThatIsNoMap) {
 TEST(MapFile, AnEmptyFileOfAnyKindIsDamaged) {
   const TemporaryFolder folder;
   for (const char* name : {"a.ot", "a.bt", "a.pcd", "a.ply"}) {
-    write_all(folder / name, "");
+    write_file(folder / name, "");
     EXPECT_THROW(load_map(folder / name), DamagedFile) << name;
-    write_all(folder / name, std::string(3000, '\xff'));
+    write_file(folder / name, std::string(3000, '\xff'));
     EXPECT_THROW(load_map(folder / name), DamagedFile) << name;
   }
 }
@@ -114,10 +111,10 @@ TEST(MapFile, AnotherKindUnderAWrongNameIsDamaged) {
 TEST(MapFile, AnUnwritableTargetLeavesTheOldFile) {
   const TemporaryFolder folder;
   const Snapshot map = worlds::random_map(5).snapshot();
-  write_all(folder / "file", "in the way");
+  write_file(folder / "file", "in the way");
   EXPECT_THROW(save_map(map, folder / "file"), std::runtime_error);
   EXPECT_THROW(save_map(map, folder / "file/map"), std::runtime_error);
-  EXPECT_EQ(read_all(folder / "file"), "in the way");
+  EXPECT_EQ(read_file(folder / "file"), "in the way");
   fs::create_directory(folder / "a.bt");
   EXPECT_THROW(export_map(map, folder / "a.bt"), std::runtime_error);
   fs::create_symlink("/dev/full", folder / "full.ot");
@@ -126,11 +123,11 @@ TEST(MapFile, AnUnwritableTargetLeavesTheOldFile) {
 
 TEST(MapFile, ADigestIsSha256OfTheFile) {
   const TemporaryFolder folder;
-  write_all(folder / "abc.ot", "abc");
+  write_file(folder / "abc.ot", "abc");
   EXPECT_EQ(map_sha256(folder / "abc.ot"),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   fs::create_directory(folder / "map");
-  write_all(folder / "map/map.ot", "");
+  write_file(folder / "map/map.ot", "");
   EXPECT_EQ(map_sha256(folder / "map"), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_THROW(map_sha256(folder / "missing"), std::invalid_argument);
 }
@@ -146,8 +143,8 @@ TEST(MapFile, ACloudBecomesTheVoxelsThatHoldItsPoints) {
     voxels.insert({cell.x(), cell.y(), cell.z()});
   }
   points.push_back({std::nanf(""), 0.0F, 0.0F});
-  write_all(folder / "a.pcd", format_pcd(points));
-  write_all(folder / "a.ply", format_ply(points));
+  write_file(folder / "a.pcd", format_pcd(points));
+  write_file(folder / "a.ply", format_ply(points));
   for (const char* name : {"a.pcd", "a.ply"}) {
     const Snapshot map = load_map(folder / name, 0.1);
     EXPECT_EQ(map.counts().occupied, voxels.size());
@@ -157,7 +154,7 @@ TEST(MapFile, ACloudBecomesTheVoxelsThatHoldItsPoints) {
     }
   }
   EXPECT_THROW(load_map(folder / "a.pcd", 0.0), std::invalid_argument);
-  write_all(folder / "far.pcd", format_pcd({{5e5F, 0.0F, 0.0F}}));
+  write_file(folder / "far.pcd", format_pcd({{5e5F, 0.0F, 0.0F}}));
   EXPECT_THROW(load_map(folder / "far.pcd", 0.1), std::invalid_argument);
 }
 
@@ -166,17 +163,17 @@ TEST(MapFile, ACloudKeepsThePlaceItWasSeenFrom) {
   std::string bytes = format_pcd({{1.0F, 2.0F, 3.0F}, {-1.0F, 0.5F, 0.25F}});
   const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
   bytes.replace(bytes.find(none), none.size(), "VIEWPOINT 0.5 -1 2 0.70710678 0 0 0.70710678");
-  write_all(folder / "a.pcd", bytes);
+  write_file(folder / "a.pcd", bytes);
   const ViewedCloud cloud = read_viewed_cloud(folder / "a.pcd");
   EXPECT_EQ(cloud.points, read_cloud(folder / "a.pcd"));
   ASSERT_EQ(cloud.points.size(), 2U);
   EXPECT_LT((cloud.file_from_viewpoint * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.5, 0.0, 2.0)).norm(),
             1e-6);
-  write_all(folder / "b.ply", format_ply({{1.0F, 2.0F, 3.0F}}));
+  write_file(folder / "b.ply", format_ply({{1.0F, 2.0F, 3.0F}}));
   EXPECT_TRUE(
       read_viewed_cloud(folder / "b.ply").file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity()));
   bytes.replace(bytes.find("0.70710678 0 0"), 14, "0 0 0 0 0 0 00");
-  write_all(folder / "c.pcd", bytes);
+  write_file(folder / "c.pcd", bytes);
   EXPECT_THROW(read_viewed_cloud(folder / "c.pcd"), DamagedFile);
 }
 
@@ -194,7 +191,7 @@ TEST(MapFile, DamagedCloudsNeverCrash) {
         damaged.resize(at);
       else
         damaged[at] ^= static_cast<char>(1U << dice.whole(0, 7));
-      write_all(folder / name, damaged);
+      write_file(folder / name, damaged);
       try {
         const Snapshot map = load_map(folder / name);
         EXPECT_FALSE(i % 2 == 0) << "cut at " << at << " of " << bytes.size() << " in " << name;
@@ -226,10 +223,10 @@ TEST(MapFile, ATextCloudThatIsCutIsDamaged) {
   for (const auto& [name, binary] :
        {std::pair{"a.pcd", format_pcd(points)}, std::pair{"a.ply", format_ply(points)}}) {
     const std::string text = as_text(binary, "ascii", points);
-    write_all(folder / name, text);
+    write_file(folder / name, text);
     EXPECT_EQ(read_cloud(folder / name).size(), points.size());
     for (std::size_t cut = 0; cut + 9 < text.size(); cut += 5) {  // the last number may lose digits unnoticed
-      write_all(folder / name, text.substr(0, cut));
+      write_file(folder / name, text.substr(0, cut));
       EXPECT_THROW(read_cloud(folder / name), DamagedFile) << name << " " << cut;
     }
   }
@@ -237,8 +234,8 @@ TEST(MapFile, ATextCloudThatIsCutIsDamaged) {
 
 TEST(MapFile, AWholeOccupiedUniverseIsNotExportedAsPoints) {
   const TemporaryFolder folder;
-  write_all(folder / "all.ot",
-            "# Octomap OcTree file\nid OcTree\nsize 1\nres 0.1\ndata\n" + std::string("\0\0\200\77\0", 5));
+  write_file(folder / "all.ot",
+             "# Octomap OcTree file\nid OcTree\nsize 1\nres 0.1\ndata\n" + std::string("\0\0\200\77\0", 5));
   const Snapshot map = load_map(folder / "all.ot");
   EXPECT_EQ(map.counts().occupied, std::size_t{1} << 48U);
   EXPECT_THROW(export_map(map, folder / "all.pcd"), std::invalid_argument);

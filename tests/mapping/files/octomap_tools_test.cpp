@@ -10,14 +10,13 @@
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/voxels/fused_tree.hpp"
-#include "tests/mapping/temporary_folder.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace octomap_tools_test {
 
 namespace fs = std::filesystem;
-using worlds::TemporaryFolder;
 
 class OctomapTools : public ::testing::Test {
  protected:

@@ -4,8 +4,8 @@
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
-#include "tests/mapping/temporary_folder.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace painted_csv_test {
@@ -123,24 +123,24 @@ TEST(PaintedCsv, SurvivesRandomDamage) {
 }
 
 TEST(PaintedCsv, beside_our_own_map_it_is_a_copy_and_whoever_changes_it_is_told_that_it_is_not_used) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("tool", {"hand"});
   map.paint(volume, {{0.1, 0.2, 0.3}, 0.2});
   save_map(map.snapshot(), folder.path());
   const auto remark = [&] { return painted_csv_remark(folder.path(), load_map(folder.path())); };
   EXPECT_EQ(remark(), "");
-  const std::string text = worlds::read_all(folder / "painted.csv");
+  const std::string text = read_file(folder / "painted.csv");
   std::string larger = text;
   larger.replace(larger.find(",0.2,0,"), 4, ",0.9");
   for (const std::string& changed : {larger, std::string("hello"), std::string()}) {
-    worlds::write_all(folder / "painted.csv", changed);
+    write_file(folder / "painted.csv", changed);
     EXPECT_NE(remark().find("painted.csv' differs from the painted volumes in map.ot and is not used"),
               std::string::npos)
         << remark();
     EXPECT_EQ(load_map(folder.path()).volumes()[0].spheres[0].radius, 0.2);
   }
-  worlds::write_all(folder / "painted.csv", text);
+  write_file(folder / "painted.csv", text);
   export_map(map.snapshot(), folder / "map.ot");  // a tree of another program, without volumes
   EXPECT_EQ(load_map(folder.path()).volumes().size(), 1u);
   EXPECT_NE(remark().find("because map.ot holds none"), std::string::npos) << remark();

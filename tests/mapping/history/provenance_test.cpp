@@ -11,8 +11,8 @@
 #include "mapping/files/octree_check.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
-#include "tests/mapping/temporary_folder.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace provenance_test {
@@ -252,7 +252,7 @@ TEST(ProvenanceFile, SurvivesDamageThatCarriesTheRightChecksum) {
 }
 
 TEST(ProvenanceFile, LiesBesideTheMapThatItBelongsTo) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Snapshot map = worlds::random_map(1).snapshot();
   save_map(map, folder.path());
   EXPECT_FALSE(load_provenance(folder.path()).has_value());

@@ -5,12 +5,10 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/maps/map_edit.hpp"
-#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace map_damage_test {
-
-using worlds::TemporaryFolder;
 
 /// A painted sphere, of a recording that was damaged after `records` or not at all.
 Snapshot map_of(std::optional<std::size_t> records) {

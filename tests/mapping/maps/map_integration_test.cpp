@@ -8,8 +8,8 @@
 #include "mapping/files/octree_file.hpp"
 #include "mapping/maps/map_edit.hpp"
 #include "mapping/voxels/fused_tree.hpp"
-#include "tests/mapping/temporary_folder.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace map_integration_test {
@@ -60,7 +60,7 @@ TEST(MapIntegration, OfTwoPartsTheLessSafeOneHolds) {
 }
 
 TEST(MapIntegration, StaysThroughEditsAndFiles) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const MapIntegration which : {none, safe, compatible}) {
     const Snapshot map = made_by(which);
     EXPECT_EQ(integration_of(coarsen(map, 0.2)), which);
@@ -71,7 +71,7 @@ TEST(MapIntegration, StaysThroughEditsAndFiles) {
 }
 
 TEST(MapIntegration, OfAForeignFileIsUnknownAndOfACloudNone) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Snapshot map = made_by(safe);
   for (const char* name : {"foreign.bt", "foreign.ot"}) {
     export_map(map, folder.path() / name);
@@ -99,7 +99,7 @@ TEST(MapIntegration, AFileThatDoesNotSayIsReadAsUnknownAndOneThatSaysNonsenseIsD
 }
 
 TEST(MapIntegration, AVerdictOnAMapOfCompatibleIntegrationOrForeignFreeSpaceSaysSo) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   EXPECT_EQ(integration_caveat(made_by(safe)), "");
   EXPECT_EQ(integration_caveat(made_by(none)), "");
   EXPECT_NE(integration_caveat(made_by(compatible)).find("compatible integration"), std::string::npos);

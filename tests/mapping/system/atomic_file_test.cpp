@@ -6,15 +6,12 @@
 #include <csignal>
 #include <stdexcept>
 
-#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace atomic_file_test {
 
 namespace fs = std::filesystem;
-using worlds::read_all;
-using worlds::TemporaryFolder;
-using worlds::write_all;
 
 std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
@@ -24,7 +21,7 @@ TEST(SaveFile, ReplacesTheWholeContent) {
   const TemporaryFolder folder;
   save_file(folder / "a", "a long first content");
   save_file(folder / "a", std::string_view("x\0y", 3));
-  EXPECT_EQ(read_all(folder / "a"), std::string("x\0y", 3));
+  EXPECT_EQ(read_file(folder / "a"), std::string("x\0y", 3));
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
@@ -35,9 +32,9 @@ TEST(AtomicFile, WithoutItsEndLeavesTheOldFileAndNothingElse) {
     AtomicFile file(folder / "a");
     file.append("half");
     EXPECT_EQ(files_in(folder.path()), 2U);
-    EXPECT_EQ(read_all(folder / "a"), "old");
+    EXPECT_EQ(read_file(folder / "a"), "old");
   }
-  EXPECT_EQ(read_all(folder / "a"), "old");
+  EXPECT_EQ(read_file(folder / "a"), "old");
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
@@ -51,7 +48,7 @@ TEST(AtomicFile, ADiskThatIsFullLeavesTheOldFileAndNothingElse) {
   setrlimit(RLIMIT_FSIZE, &full);
   EXPECT_THROW(save_file(folder / "a", std::string(1000, 'x')), std::runtime_error);
   setrlimit(RLIMIT_FSIZE, &before);
-  EXPECT_EQ(read_all(folder / "a"), "old");
+  EXPECT_EQ(read_file(folder / "a"), "old");
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
@@ -71,9 +68,9 @@ TEST(AtomicFile, TwoWritersOfOneFileDoNotMeet) {
   two.append("two");
   EXPECT_EQ(files_in(folder.path()), 2U);
   one.finish();
-  EXPECT_EQ(read_all(folder / "a"), "one");
+  EXPECT_EQ(read_file(folder / "a"), "one");
   two.finish();
-  EXPECT_EQ(read_all(folder / "a"), "two");
+  EXPECT_EQ(read_file(folder / "a"), "two");
 }
 
 TEST(SaveFile, NamesTheFileThatCannotBeWritten) {
@@ -99,7 +96,7 @@ TEST(SaveFile, RefusesEarlyWhatItWouldRefuseLateAndTouchesNothing) {
   save_file(folder / "old", "content");
   EXPECT_NO_THROW(require_writable(folder / "old"));
   EXPECT_NO_THROW(require_writable(folder / "new"));
-  EXPECT_EQ(read_all(folder / "old"), "content");
+  EXPECT_EQ(read_file(folder / "old"), "content");
   EXPECT_FALSE(fs::exists(folder / "new"));
 }
 
@@ -108,7 +105,7 @@ TEST(SaveFile, WritesThroughALinkToTheFileBehindIt) {
   save_file(folder / "real", "old");
   fs::create_symlink(folder / "real", folder / "link");
   save_file(folder / "link", "new");
-  EXPECT_EQ(read_all(folder / "real"), "new");
+  EXPECT_EQ(read_file(folder / "real"), "new");
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
 }
 

@@ -11,15 +11,12 @@
 #include <stdexcept>
 
 #include "mapping/system/atomic_file.hpp"
-#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace atomic_folder_test {
 
 namespace fs = std::filesystem;
-using worlds::read_all;
-using worlds::TemporaryFolder;
-using worlds::write_all;
 
 bool nothing_is_ours(const fs::path&) { return false; }
 bool text_is_ours(const fs::path& relative) { return relative.extension() == ".txt"; }
@@ -29,7 +26,7 @@ std::map<std::string, std::string> content(const fs::path& folder) {
   std::map<std::string, std::string> found;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().lexically_relative(folder).string();
-    if (entry.is_regular_file() && name != own_files_name) found[name] = read_all(entry.path());
+    if (entry.is_regular_file() && name != own_files_name) found[name] = read_file(entry.path());
   }
   return found;
 }
@@ -87,9 +84,9 @@ TEST(AtomicFolder, KeepsWhatIsNotOurs) {
   const fs::path out = folder / "out";
   fs::create_directories(out / "mine/deep");
   fs::create_directory(out / "empty");
-  write_all(out / "recording.rawlog", "mine");
-  write_all(out / "mine/deep/note.md", "mine");
-  write_all(out / "old.txt", "ours, of a version that left no list");
+  write_file(out / "recording.rawlog", "mine");
+  write_file(out / "mine/deep/note.md", "mine");
+  write_file(out / "old.txt", "ours, of a version that left no list");
   fs::create_symlink("recording.rawlog", out / "link");
   publish(out, {{"a.txt", "first"}});
   EXPECT_EQ(content(out), (Content{{"a.txt", "first"},
@@ -99,7 +96,7 @@ TEST(AtomicFolder, KeepsWhatIsNotOurs) {
   EXPECT_TRUE(fs::is_symlink(out / "link"));
   EXPECT_TRUE(fs::is_directory(out / "empty"));
   // From now on the list says what is ours: a text of somebody else stays as well.
-  write_all(out / "theirs.txt", "theirs");
+  write_file(out / "theirs.txt", "theirs");
   publish(out, {{"b.txt", "second"}});
   EXPECT_EQ(content(out), (Content{{"b.txt", "second"},
                                    {"mine/deep/note.md", "mine"},
@@ -112,11 +109,11 @@ TEST(AtomicFolder, FilesOfOthersThatComeOrChangeMeanwhileAreKeptAsTheyAreThen) {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
   fs::create_directory(out);
-  write_all(out / "changes.md", "before");
-  write_all(out / "ours.txt.md", "theirs, until we write it");
+  write_file(out / "changes.md", "before");
+  write_file(out / "ours.txt.md", "theirs, until we write it");
   AtomicFolder next(out, text_is_ours);
   save_file(out / "changes.md", "after");  // a new file under the old name
-  write_all(out / "comes.md", "late");
+  write_file(out / "comes.md", "late");
   save_file(next.path() / "ours.txt.md", "ours");
   next.publish();
   EXPECT_EQ(content(out), (Content{{"changes.md", "after"}, {"comes.md", "late"}, {"ours.txt.md", "ours"}}));
@@ -143,7 +140,7 @@ TEST(AtomicFolder, ALinkToAFolderStaysALink) {
 
 TEST(AtomicFolder, RefusesBeforeTheWorkWhatCannotBeReplaced) {
   const TemporaryFolder folder;
-  write_all(folder / "file", "x");
+  write_file(folder / "file", "x");
   fs::create_directory(folder / "sockets");
   sockaddr_un address{AF_UNIX, {}};
   const std::string name = folder / "sockets/s";
@@ -189,7 +186,7 @@ TEST(AtomicFolder, KeptWorkHasANameAndMakesWayForTheNext) {
   fs::create_directory(partial);
   { const AtomicFolder next(out, text_is_ours, Unpublished::kept); }  // was killed at its very beginning
   fs::create_directory(partial);
-  write_all(partial / "theirs", "of somebody else");
+  write_file(partial / "theirs", "of somebody else");
   EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::kept), std::runtime_error);
   EXPECT_TRUE(fs::exists(partial));
 }

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace input_file_test {
@@ -28,7 +28,7 @@ std::string refusal(const std::filesystem::path& file, std::size_t largest = 100
 }
 
 TEST(InputFile, reads_every_byte_of_a_regular_file) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string bytes("a\0\n\xff", 4);
   std::ofstream(folder / "f", std::ios::binary) << bytes;
   EXPECT_EQ(read_input(folder / "f", "file", 4), bytes);
@@ -39,7 +39,7 @@ TEST(InputFile, reads_every_byte_of_a_regular_file) {
 }
 
 TEST(InputFile, pipes_devices_sockets_and_folders_are_refused_without_waiting) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_EQ(refusal(pipe), "map file '" + pipe + "' cannot be read: it is a pipe, expected a regular file");
@@ -61,7 +61,7 @@ TEST(InputFile, pipes_devices_sockets_and_folders_are_refused_without_waiting) {
 }
 
 TEST(InputFile, a_file_that_is_too_large_is_refused_before_it_is_read) {
-  const worlds::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "huge").flush();
   std::filesystem::resize_file(folder / "huge", std::uintmax_t{1} << 40U);  // takes no disk
   EXPECT_NE(refusal(folder / "huge", 1U << 20U).find("more than 1 MB"), std::string::npos);

@@ -8,15 +8,12 @@
 
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/file_descriptor.hpp"
-#include "tests/mapping/temporary_folder.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace temporary_name_test {
 
 namespace fs = std::filesystem;
-using worlds::read_all;
-using worlds::TemporaryFolder;
-using worlds::write_all;
 
 /// Runs `work` in a process of its own, which ends without any cleaning up.
 template <class Work>
@@ -59,7 +56,7 @@ TEST(TemporaryName, WhatAKilledProcessLeftGoesWithTheNextFileWrittenThere) {
   EXPECT_EQ(entries_in(folder.path()), 1U);
   save_file(folder / "b", "whole");
   EXPECT_EQ(entries_in(folder.path()), 1U);
-  EXPECT_EQ(read_all(folder / "b"), "whole");
+  EXPECT_EQ(read_file(folder / "b"), "whole");
 }
 
 TEST(TemporaryName, NeverRemovesTheFileOfALivingProcess) {
@@ -69,13 +66,13 @@ TEST(TemporaryName, NeverRemovesTheFileOfALivingProcess) {
   in_killed_process([&] { save_file(folder / "b", "of another process"); });
   file.append(" and half");
   file.finish();
-  EXPECT_EQ(read_all(folder / "a"), "half and half");
+  EXPECT_EQ(read_file(folder / "a"), "half and half");
 }
 
 TEST(TemporaryName, RemovesNeitherOtherNamesNorThroughLinks) {
   const TemporaryFolder folder, elsewhere;
-  write_all(elsewhere / "kept", "x");
-  write_all(folder / ".a.clearway-123", "x");
+  write_file(elsewhere / "kept", "x");
+  write_file(folder / ".a.clearway-123", "x");
   const fs::path abandoned = temporary_name(folder / "map");
   fs::create_directory(abandoned);
   fs::create_directory_symlink(elsewhere.path(), abandoned / "link");
@@ -90,9 +87,9 @@ TEST(TemporaryName, AFolderThatWasMovedAsideAndHasNoSuccessorGetsItsNameBack) {
   const TemporaryFolder folder;
   const fs::path aside = moved_aside_name(folder / "map");
   fs::create_directory(aside);
-  write_all(aside / "map.ot", "old");
+  write_file(aside / "map.ot", "old");
   remove_abandoned(folder.path());
-  EXPECT_EQ(read_all(folder / "map" / "map.ot"), "old");
+  EXPECT_EQ(read_file(folder / "map" / "map.ot"), "old");
 }
 
 }  // namespace temporary_name_test

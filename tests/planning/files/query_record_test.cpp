@@ -1,14 +1,13 @@
 #include "planning/files/query_record.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "mapping/files/map_file.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace query_record_test {
@@ -16,18 +15,12 @@ namespace query_record_test {
 /// A folder that a record is written to and read from.
 class QueryRecordFile : public ::testing::Test {
  protected:
-  QueryRecordFile()
-      : folder_(std::filesystem::temp_directory_path() / ("clearway_queries_" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~QueryRecordFile() override { std::filesystem::remove_all(folder_); }
-
   std::optional<QueryRecord> read(const std::string& text) const {
-    std::ofstream(folder_ / "queries.json", std::ios::binary) << text;
-    return load_query_record(folder_);
+    folder_.write("queries.json", text);
+    return load_query_record(folder_.path());
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 QueryRecord example() {
@@ -74,7 +67,7 @@ TEST_F(QueryRecordFile, AnyByteThatIsAnotherIsDamage) {
 }
 
 TEST_F(QueryRecordFile, NoRecordIsNone) {
-  EXPECT_FALSE(load_query_record(folder_));
+  EXPECT_FALSE(load_query_record(folder_.path()));
   EXPECT_FALSE(load_query_record(folder_ / "map.bt"));
 }
 

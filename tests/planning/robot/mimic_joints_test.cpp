@@ -8,7 +8,7 @@ namespace clearway {
 namespace mimic_joints_test {
 
 TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
-  const RobotFolder folder("mimic_joints");
+  const RobotFolder folder;
   const auto with = [&](const std::string& first, const std::string& second,
                         const std::string& type = "revolute") {
     const std::string limit = "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/>";

@@ -9,6 +9,7 @@
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace robot_test {
@@ -18,18 +19,8 @@ namespace fs = std::filesystem;
 /// A folder of its own for each test.
 class RobotFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        fs::temp_directory_path() /
-        ("clearway_robot_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
+    return folder_.write(name, text);
   }
 
   /// A URDF with a base, a link "arm" with this collision geometry, and this joint between them.
@@ -48,14 +39,14 @@ class RobotFile : public testing::Test {
       load_robot(file);
     } catch (const std::invalid_argument& error) {
       std::string text = error.what();
-      const std::string prefix = folder_.string() + "/";
+      const std::string prefix = folder_.path().string() + "/";
       for (std::size_t at; (at = text.find(prefix)) != std::string::npos;) text.erase(at, prefix.size());
       return text;
     }
     return "accepted";
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   const std::string sphere = "<sphere radius='0.1'/>";
   const std::string turning =
       joint("revolute", "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/>");

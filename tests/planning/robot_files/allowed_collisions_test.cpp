@@ -57,7 +57,7 @@ TEST(AllowedCollisions, PairsOfPartsArePairsOfAllTheirBodiesAndOfNoBodyWithItsel
 }
 
 TEST(AllowedCollisions, AnSrdfMayNameAHundredThousandPairsAndNotOneMore) {
-  const RobotFolder folder("srdf_limit");
+  const RobotFolder folder;
   const auto of = [](int pairs) {
     std::string text = "<robot name='r'>";
     for (int i = 0; i < pairs; ++i) text += "<disable_collisions link1='a' link2='b'/>";

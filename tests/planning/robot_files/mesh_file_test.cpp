@@ -29,7 +29,7 @@ class MeshFile : public testing::Test {
     return text;
   }
 
-  RobotFolder folder_{testing::UnitTest::GetInstance()->current_test_info()->name()};
+  RobotFolder folder_;
   const MeshSample sample_ = ellipsoid(6, 8, {0.1F, 0.2F, 0.3F});
 };
 
@@ -111,7 +111,7 @@ TEST_F(MeshFile, FlatSingleAndDoubledVerticesHaveHullsToo) {
 }
 
 TEST_F(MeshFile, WhatAMeshRefersToIsNotRead) {
-  const std::string secret = folder_.write("secret.mtl", std::string("newmtl a\n")).string();
+  const std::string secret = folder_.write("secret.mtl", std::string("newmtl a\n"));
   const std::string obj =
       "mtllib " + secret + "\nmtllib /dev/zero\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   EXPECT_EQ(failure("m.obj", obj), "");
@@ -233,7 +233,7 @@ TEST_F(MeshFile, DamagedFilesOfEveryKindEndInAHullOrASentenceSoonAndInLittleMemo
 }
 
 TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
-  const RobotFolder folder("find_mesh");
+  const RobotFolder folder;
   fs::create_directories(folder.path() / "arm/meshes");
   fs::create_directories(folder.path() / "arm/urdf");
   folder.write("arm/meshes/a.stl", "x");

@@ -27,7 +27,7 @@ class UrdfDocumentFile : public testing::Test {
     return folder_.refusal(two_links(collision, "revolute", free_turn()));
   }
 
-  RobotFolder folder_{testing::UnitTest::GetInstance()->current_test_info()->name()};
+  RobotFolder folder_;
   const std::string limit_ = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
 };
 

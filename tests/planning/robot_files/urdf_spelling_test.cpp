@@ -30,7 +30,7 @@ TEST(MisspeltName, SlipsAreRecognisedAndOtherWordsLeftAlone) {
 }
 
 TEST(UrdfSpelling, NamesThatWouldDisappearInSilenceAreRefusedWithWhatWasMeant) {
-  const RobotFolder folder("urdf_spelling");
+  const RobotFolder folder;
   const std::string whole = two_links(
       "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' "
       "izz='1'/></inertial><collision><origin xyz='0 0 0.1' rpy='0 0 1'/><geometry><cylinder "
