@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 
 #include "mapping/maps/map_damage.hpp"
@@ -41,6 +42,12 @@ void require_fields(const PlanQuery& query) {
     refuse_field("time_limit is " + short_text(query.time_limit) + " s", "a number above 0");
   if (!(query.advice_time >= 0.0))
     refuse_field("advice_time is " + short_text(query.advice_time) + " s", "a number from 0");
+  if (!(query.payload >= 0.0) || !std::isfinite(query.payload))
+    refuse_field("payload is " + short_text(query.payload) + " kg", "a finite number from 0");
+  if (!query.gravity.allFinite()) {
+    const std::vector<double> values(query.gravity.begin(), query.gravity.end());
+    refuse_field("gravity is " + to_text(values) + " m/s^2", "finite numbers");
+  }
   if (query.survey) require_parts(query.survey->allow_outside, robot, "plan query: survey.allow_outside");
 }
 

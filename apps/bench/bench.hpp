@@ -4,13 +4,12 @@
 #include <vector>
 
 #include "apps/bench/page/result.hpp"
+#include "apps/console/quantile.hpp"
 
 namespace clearway::bench {
 
 /// Median of numbers; 0 for none.
 double median(std::vector<double> values);
-/// The p-th quantile (0 to 1), nearest rank.
-double quantile(std::vector<double> values, double p);
 
 /// CPU time of this process so far (all its threads), seconds.
 double cpu_time();

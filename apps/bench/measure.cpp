@@ -7,14 +7,7 @@
 
 namespace clearway::bench {
 
-double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
-  return values[static_cast<std::size_t>(std::clamp(rank, 0.0, static_cast<double>(values.size() - 1)))];
-}
-
-double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+double median(std::vector<double> values) { return values.empty() ? 0.0 : quantile(std::move(values), 0.5); }
 
 double cpu_time() {
   timespec now{};

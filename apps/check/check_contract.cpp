@@ -5,6 +5,7 @@
 
 #include "apps/console/parse.hpp"
 #include "apps/query/query.hpp"
+#include "planning/problem/planner.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {

@@ -4,6 +4,7 @@
 #include "apps/check/check_contract.hpp"
 #include "apps/console/parse.hpp"
 
+#include "planning/problem/planner.hpp"
 namespace clearway {
 
 namespace {

@@ -1,24 +1,16 @@
 #include "apps/compare/compare_summary.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "apps/console/number_or_null.hpp"
+#include "apps/console/quantile.hpp"
 
 namespace clearway {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Nearest rank; NaN for none.
-double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(p * static_cast<double>(values.size()));
-  return values[std::min(static_cast<std::size_t>(std::max(rank, 1.0)) - 1, values.size() - 1)];
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include "mapping/system/plain_text.hpp"
 
 #include <cstdint>
+#include <deque>
 #include <limits>
 
 namespace clearway {
@@ -43,23 +44,51 @@ void append_escaped(std::string& result, std::string_view bytes) {
   }
 }
 
+/// What comes first in a text, as it is shown.
+struct Piece {
+  std::string shown;
+  std::size_t characters = 0;
+};
+
+/// Takes one character, or one byte that is none, off the text.
+Piece take_piece(std::string_view& text) {
+  std::uint32_t code = 0;
+  const std::size_t size = take_character(text, code);
+  const std::string_view bytes = text.substr(0, size > 0 ? size : 1);
+  text.remove_prefix(bytes.size());
+  if (size > 0 && is_shown(code)) return {std::string(bytes), 1};
+  Piece piece;
+  append_escaped(piece.shown, bytes);
+  piece.characters = piece.shown.size();
+  return piece;
+}
+
 /// Plain text of at most `most` characters as they are shown.
 std::string plain_up_to(std::string_view text, std::size_t most) {
   std::string result;
   for (std::size_t characters = 0; !text.empty();) {
-    std::uint32_t code = 0;
-    const std::size_t size = take_character(text, code);
-    const bool as_it_is = size > 0 && is_shown(code);
-    std::string piece;
-    if (as_it_is)
-      piece = text.substr(0, size);
-    else
-      append_escaped(piece, text.substr(0, size > 0 ? size : 1));
-    characters += as_it_is ? 1 : piece.size();
+    const Piece piece = take_piece(text);
+    characters += piece.characters;
     if (characters > most) return result + "…";
-    result += piece;
-    text.remove_prefix(size > 0 ? size : 1);
+    result += piece.shown;
   }
+  return result;
+}
+
+/// The same, cut at its beginning.
+std::string plain_end(std::string_view text, std::size_t most) {
+  std::deque<Piece> kept;
+  std::size_t characters = 0;
+  bool is_cut = false;
+  while (!text.empty()) {
+    kept.push_back(take_piece(text));
+    for (characters += kept.back().characters; characters > most; is_cut = true) {
+      characters -= kept.front().characters;
+      kept.pop_front();
+    }
+  }
+  std::string result = is_cut ? "…" : "";
+  for (const Piece& piece : kept) result += piece.shown;
   return result;
 }
 
@@ -73,6 +102,6 @@ std::string shortened(std::string_view text) { return plain_up_to(text, longest)
 
 std::string quote(std::string_view text) { return "'" + shortened(text) + "'"; }
 
-std::string quote_path(std::string_view path) { return "'" + plain_up_to(path, longest_path) + "'"; }
+std::string quote_path(std::string_view path) { return "'" + plain_end(path, longest_path) + "'"; }
 
 }  // namespace clearway

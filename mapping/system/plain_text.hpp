@@ -18,7 +18,7 @@ std::string shortened(std::string_view text);
 /// Shortened, between single quotes.
 std::string quote(std::string_view text);
 
-/// A path, plain, cut after 255 characters, between single quotes.
+/// A path, plain, between single quotes; of a longer one the last 255 characters, with the file's name.
 std::string quote_path(std::string_view path);
 
 }  // namespace clearway

@@ -20,7 +20,8 @@ struct BoundaryOptions {
 BoundaryOptions read_options(OptionReader& reader, BoundaryOptions initial);
 
 /// Constraint method with boundary following, Lahouar et al. 2006, eq. 1-23, in a static scene.
-/// Complete for two joints only: with more, motion is confined to one plane per deadlock.
+/// Not complete: with more than two joints motion is confined to one plane per deadlock; with two, a
+/// leave_ratio below 1 gives up at an obstacle that is small against its distance to the goal.
 class Boundary : public Planner {
  public:
   using Options = BoundaryOptions;

@@ -25,9 +25,6 @@ struct QueryTerms {
   std::vector<Configuration> goals;
 };
 
-/// Start, goals and base count as kept within this, in radians and metres; scales within this share.
-constexpr double contract_tolerance = 1e-6;
-
 /// The record that a map folder keeps of its queries, in DIR/queries.json. It holds for one map.
 struct QueryRecord {
   std::string map_sha256;

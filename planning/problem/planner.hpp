@@ -27,6 +27,9 @@ struct PlanProblem {
   std::function<bool()> out_of_time = [] { return false; };
 };
 
+/// Start, goals and base count as kept within this, in radians and metres; scales within this share.
+constexpr double contract_tolerance = 1e-6;
+
 /// Everything one query told us.
 struct PlanResult {
   PlanStatus status = PlanStatus::no_path;

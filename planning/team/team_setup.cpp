@@ -88,7 +88,9 @@ void check_team_inputs(const Team& team, const TeamOptions& options) {
   require(options.period > 0.0 && std::isfinite(options.period), "team: period: expected more than 0 s");
   require(options.duration >= options.period && options.duration / options.period <= 1e6,
           "team: duration: expected one to a million periods");
-  require(options.max_acceleration > 0.0, "team: max_acceleration: expected more than 0");
+  require(options.max_acceleration > 0.0 && std::isfinite(options.max_acceleration),
+          "team: max_acceleration: expected more than 0");
+  text_of_options("team", options.boundary);  // refuses what is out of range
   std::set<std::string> names;
   for (const TeamRobot& member : team.robots) {
     const Robot& robot = member.space->robot();

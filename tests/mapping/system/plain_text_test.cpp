@@ -56,9 +56,12 @@ TEST(PlainText, what_is_quoted_shows_letters_of_any_language_and_no_control_of_e
             "'\\xc2\\x9b31m \\xff \\xe2\\x80\\xae'");
 }
 
-TEST(PlainText, a_path_is_cut_to_255_characters) {
+TEST(PlainText, a_path_is_cut_to_its_last_255_characters) {
   EXPECT_EQ(quote_path(std::string(255, 'x')), "'" + std::string(255, 'x') + "'");
-  EXPECT_EQ(quote_path(std::string(256, 'x')), "'" + std::string(255, 'x') + "…'");
+  EXPECT_EQ(quote_path("y" + std::string(255, 'x')), "'…" + std::string(255, 'x') + "'");
+  EXPECT_EQ(quote_path(std::string(300, 'x') + "/家.yaml"), "'…" + std::string(248, 'x') + "/家.yaml'");
+  EXPECT_EQ(quote_path(std::string(300, '\n') + "a"), "'…" + plain(std::string(127, '\n')) + "a'");
+  EXPECT_EQ(quote_path(""), "''");
 }
 
 }  // namespace plain_text_test

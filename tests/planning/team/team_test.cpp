@@ -226,6 +226,17 @@ TEST(Team, BadInputIsToldInOneSentence) {
   chosen.boundary.local.xi = 0.011;
   EXPECT_NE(refusal(two_arms(), chosen).find("xi 0.011: expected xi <= influence - security"),
             std::string::npos);
+  const auto refused = [](const auto& spoil) {
+    TeamOptions spoilt = options(true);
+    spoil(spoilt);
+    return refusal(two_arms(), spoilt);
+  };
+  EXPECT_NE(refused([](TeamOptions& o) { o.boundary.local.max_step = -1.0; }).find("team: option 'max_step'"),
+            std::string::npos);
+  EXPECT_NE(refused([](TeamOptions& o) { o.boundary.leave_ratio = NAN; }).find("team: option 'leave_ratio'"),
+            std::string::npos);
+  EXPECT_NE(refused([](TeamOptions& o) { o.max_acceleration = INFINITY; }).find("max_acceleration"),
+            std::string::npos);
   team = two_arms();
   Robot still = team.robots[0].space->robot();
   still.joints[2].max_velocity = 0.0;
