@@ -13,9 +13,9 @@ using AnyJson = nlohmann::json;
 constexpr std::size_t deepest = 64, most_containers = 1'000'000, most_values = 8'000'000;
 
 /// Follows the parser, so that it can tell in plain words what should have come next.
-class Gate {
+class SizeLimit {
  public:
-  Gate(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  SizeLimit(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
   bool null() { return value(); }
   bool boolean(bool) { return value(); }
@@ -125,8 +125,8 @@ class Gate {
 }  // namespace
 
 void require_json(std::string_view text, const std::string& name) {
-  Gate gate(text, name);
-  static_cast<void>(AnyJson::sax_parse(text, &gate));
+  SizeLimit limit(text, name);
+  static_cast<void>(AnyJson::sax_parse(text, &limit));
 }
 
 }  // namespace clearway

@@ -1,0 +1,163 @@
+#include "planning/gate/gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/require.hpp"
+#include "planning/gate/motion_proof.hpp"
+
+namespace clearway {
+
+struct Gate::Map {
+  ConfigurationSpace space;
+  double taken = 0.0;  ///< seconds
+  std::shared_ptr<const Provenance> history;
+  JointLimits limits;
+  std::uint64_t number = 0;
+};
+
+namespace {
+
+/// The largest difference of a joint.
+double gap(const Configuration& a, const Configuration& b) { return (a - b).cwiseAbs().maxCoeff(); }
+
+/// Where the robot is, of the places where it may be.
+const Configuration& nearest_of(const std::vector<Configuration>& places, const Configuration& q) {
+  return *std::min_element(places.begin(), places.end(), [&](const Configuration& a, const Configuration& b) {
+    return gap(a, q) < gap(b, q);
+  });
+}
+
+std::string jump_sentence(const Robot& robot, const Configuration& from, const Configuration& to,
+                          double tolerance) {
+  Eigen::Index worst = 0;
+  (to - from).cwiseAbs().maxCoeff(&worst);
+  return "positions[0] is not where the robot is: joint " +
+         robot.joints[static_cast<std::size_t>(worst)].name + " is " + short_text(to[worst], 6) +
+         ", where the last passed motion ends it is " + short_text(from[worst], 6) + ", expected within " +
+         short_text(tolerance) + " (rad or m)";
+}
+
+std::string stale_sentence(double age, double max_age) {
+  return age > 0.0
+             ? "the newest map is " + short_text(age) + " s older than the chunk, expected at most " +
+                   short_text(max_age) + " s"
+             : "the newest map is " + short_text(-age) + " s younger than the chunk, expected at most " +
+                   short_text(max_age) + " s: are their clocks one?";
+}
+
+GateReason reason_of(Obstruction obstruction) {
+  switch (obstruction) {
+    case Obstruction::none:
+      return GateReason::not_proved;
+    case Obstruction::not_finite:
+      return GateReason::not_finite;
+    case Obstruction::joint_limit:
+      return GateReason::joint_limit;
+    case Obstruction::self_collision:
+      return GateReason::self_collision;
+    default:
+      return GateReason::blocked;
+  }
+}
+
+std::string obstruction_sentence(const Verdict& verdict) {
+  if (!verdict.is_free()) return verdict.sentence();
+  const std::string part = verdict.part.empty() ? "the robot" : verdict.part;
+  return part + " comes too near to " +
+         (verdict.point.allFinite() ? "a blocked voxel" : "something or to another part") +
+         " to be proved free";
+}
+
+/// What stopped the proof, and how far the motion may go.
+void explain(const ConfigurationSpace& space, const Provenance* history, const JointLimits& limits,
+             const MotionChunk& chunk, const StraightPiece& piece, GateVerdict& verdict) {
+  const ProofEnd end = find_proof_end(space, piece);
+  verdict.reason = reason_of(end.obstruction.obstruction);
+  verdict.piece = piece.name;
+  verdict.parameter = end.parameter;
+  verdict.obstruction = end.obstruction;
+  verdict.sentence = to_text(piece.name) + ": " + obstruction_sentence(end.obstruction);
+  const bool has_voxel = verdict.reason == GateReason::blocked || verdict.reason == GateReason::not_proved;
+  if (has_voxel && end.obstruction.point.allFinite()) {
+    verdict.evidence = evidence_of(space.map(), history, end.obstruction.point);
+    verdict.sentence += "; " + verdict.evidence->sentence();
+  }
+  verdict.may_go = proved_part(space, chunk, limits, piece.name);
+}
+
+}  // namespace
+
+Gate::Gate(GateOptions options) : options_(std::move(options)) {
+  require(options_.tolerance >= 0.0 && std::isfinite(options_.tolerance),
+          "gate: tolerance is " + short_text(options_.tolerance) + ", expected a finite number not below 0");
+  require(options_.max_age > 0.0,
+          "gate: max_age is " + short_text(options_.max_age) + ", expected seconds above 0");
+  restart(options_.start);
+}
+
+Gate::~Gate() = default;
+
+void Gate::restart(std::optional<Configuration> start) {
+  standing_.clear();
+  if (start) standing_.push_back(std::move(*start));
+}
+
+std::uint64_t Gate::publish(ConfigurationSpace space, double taken,
+                            std::shared_ptr<const Provenance> history) {
+  const JointLimits limits = joint_limits(space.robot(), options_.limits);
+  if (options_.start) {
+    const std::string violation = limit_violation(space.robot(), *options_.start);
+    require(violation.empty(), "gate: start: " + violation);
+  }
+  require(options_.max_age == std::numeric_limits<double>::infinity() || std::isfinite(taken),
+          "gate: expected to be told when the map was taken, because max_age asks for it");
+  const std::shared_ptr<const Map> before = maps_.get();
+  require(before == nullptr || before->space.robot().dof() == space.robot().dof(),
+          "gate: expected a robot with as many joints as that of the map before");
+  maps_.publish(
+      std::make_shared<const Map>(Map{std::move(space), taken, std::move(history), limits, published_ + 1}));
+  return ++published_;
+}
+
+GateVerdict Gate::judge(const MotionChunk& chunk) {
+  GateVerdict verdict;
+  const auto refused = [&](GateReason reason, std::string sentence) {
+    verdict.reason = reason;
+    verdict.sentence = std::move(sentence);
+    return verdict;
+  };
+  const std::shared_ptr<const Map> map = maps_.get();
+  if (map == nullptr) return refused(GateReason::no_map, "no map has come yet");
+  verdict.map = map->number;
+  const Robot& robot = map->space.robot();
+  if (ChunkFault fault = find_fault(chunk, robot, map->limits); fault.reason != GateReason::none)
+    return refused(fault.reason, std::move(fault.sentence));
+  const double age = chunk.times.front() - map->taken;
+  if (options_.max_age != std::numeric_limits<double>::infinity() && !(std::abs(age) <= options_.max_age))
+    return refused(GateReason::stale_map, stale_sentence(age, options_.max_age));
+  std::optional<Configuration> standing;
+  for (const Configuration& place : standing_)
+    require(place.size() == chunk.positions.front().size(), "gate: start: " + limit_violation(robot, place));
+  if (!standing_.empty()) standing = nearest_of(standing_, chunk.positions.front());
+  if (standing && !(gap(*standing, chunk.positions.front()) <= options_.tolerance))
+    return refused(GateReason::jump,
+                   jump_sentence(robot, *standing, chunk.positions.front(), options_.tolerance));
+
+  const std::vector<StraightPiece> pieces = straight_pieces(chunk, map->limits, standing);
+  const std::size_t unproved = first_unproved(map->space, pieces);
+  if (unproved < pieces.size()) {
+    explain(map->space, map->history.get(), map->limits, chunk, pieces[unproved], verdict);
+    return verdict;
+  }
+  const Configuration& end = chunk.positions.back();
+  const Configuration stop = stop_from(end, edge_velocity(chunk, chunk.positions.size() - 2), map->limits);
+  verdict.may_go = ProvedPart{chunk.times.back(), end, stop};
+  standing_.assign({end, stop});
+  return verdict;
+}
+
+}  // namespace clearway
