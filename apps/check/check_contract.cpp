@@ -14,12 +14,6 @@ namespace {
 
 std::string name_of(const std::string& robot) { return std::filesystem::path(robot).stem().string(); }
 
-std::vector<std::string> joint_names(const Robot& robot) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
 /// The map's record of the plan's query, or null with a note that says why it does not count.
 const QueryTerms* query_of(const std::optional<QueryRecord>& record, const Plan& plan, const Robot& robot,
                            const std::string& map_digest, std::vector<std::string>& notes) {
@@ -128,9 +122,7 @@ class Statement {
   }
 
   Configuration configuration(const std::string& text, const char* flag) const {
-    std::vector<bool> is_prismatic;
-    for (const Joint& joint : robot_.joints) is_prismatic.push_back(joint.kind == JointKind::prismatic);
-    return parse_configuration(text, flag, joint_names(robot_), is_prismatic, options_.degrees);
+    return parse_configuration(text, flag, joint_names(robot_), prismatic_joints(robot_), options_.degrees);
   }
 
   const CheckOptions& options_;

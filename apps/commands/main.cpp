@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   const bool is_terminal = isatty(STDERR_FILENO) == 1;
   clearway::PlainBuffer plain(std::cout);
   std::ostream out(&plain);
-  clearway::Console console(out, std::cerr, is_terminal);
+  clearway::Console console(out, std::cerr, is_terminal, &std::cin);
   // What fails then is told as any other error: a file that grows too large, a reader that went away.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);

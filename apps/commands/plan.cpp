@@ -15,23 +15,10 @@
 #include "planning/files/trajectory_file.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/planner_table.hpp"
-#include "planning/space/part_policies.hpp"
 
 namespace clearway {
 
 namespace {
-
-std::vector<std::string> joint_names(const Robot& robot) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
-std::vector<bool> prismatic_joints(const Robot& robot) {
-  std::vector<bool> flags;
-  for (const Joint& joint : robot.joints) flags.push_back(joint.kind == JointKind::prismatic);
-  return flags;
-}
 
 int print_planner_options(const PlanOptions& options, Console& console) {
   const auto planner = make_planner(options.planner, choose_planner_options(options.settings));
@@ -87,18 +74,6 @@ void tell_default_policy(const PlanOptions& options, const Plan& plan, const Con
               " names no critical part, so all of it must lie in known free space; with --policy "
               "not_occupied unknown "
               "counts as free");
-}
-
-/// A padding may make the robot's surroundings too large to be looked at: then the flag is named.
-ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
-                                double padding, double seen_within) {
-  require_seen_within(seen_within, map, part_policies(robot, map, policies));  // which no padding mends
-  try {
-    return ConfigurationSpace(robot, map, policies, {.padding = padding, .seen_within = seen_within});
-  } catch (const std::invalid_argument& error) {
-    if (padding == 0.0) throw;
-    throw std::invalid_argument("with --padding " + significant(padding) + " (metres): " + error.what());
-  }
 }
 
 std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,

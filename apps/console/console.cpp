@@ -7,8 +7,8 @@
 
 namespace clearway {
 
-Console::Console(std::ostream& out, std::ostream& log, bool is_terminal)
-    : out_(&out), log_(&log), is_terminal_(is_terminal) {}
+Console::Console(std::ostream& out, std::ostream& log, bool is_terminal, std::istream* in)
+    : in_(in != nullptr ? in : &nothing_), out_(&out), log_(&log), is_terminal_(is_terminal) {}
 
 void Console::log(std::string_view line) {
   if (quiet) return;

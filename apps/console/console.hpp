@@ -1,7 +1,7 @@
 #pragma once
 
 #include <functional>
-#include <iosfwd>
+#include <istream>
 #include <string>
 #include <string_view>
 
@@ -12,11 +12,13 @@ namespace clearway {
 class Console {
  public:
   /// @param is_terminal progress bars are drawn only when `log` is a terminal.
-  Console(std::ostream& out, std::ostream& log, bool is_terminal = false);
+  /// @param in what commands that answer lines read; null: nothing
+  Console(std::ostream& out, std::ostream& log, bool is_terminal = false, std::istream* in = nullptr);
 
   bool quiet = false;  ///< no log, no progress; warnings and results still appear
   bool json = false;   ///< one JSON object on `out`, nothing else there
 
+  std::istream& in() { return *in_; }
   std::ostream& out() { return *out_; }
   /// One line of log, unless quiet.
   void log(std::string_view line);
@@ -29,6 +31,8 @@ class Console {
 
  private:
   void clear_bar();
+  std::istream nothing_{nullptr};
+  std::istream* in_;
   std::ostream* out_;
   std::ostream* log_;
   bool is_terminal_ = false;

@@ -9,6 +9,7 @@
 #include "apps/query/survey_figures.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/space/part_policies.hpp"
 
 namespace clearway {
 
@@ -26,6 +27,29 @@ Robot choose_robot(const RobotChoice& choice) {
 
 double choose_padding(const RobotChoice& choice, const Robot& robot) {
   return choice.padding.value_or(robot.position_accuracy);
+}
+
+std::vector<std::string> joint_names(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+std::vector<bool> prismatic_joints(const Robot& robot) {
+  std::vector<bool> flags;
+  for (const Joint& joint : robot.joints) flags.push_back(joint.kind == JointKind::prismatic);
+  return flags;
+}
+
+ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
+                                double padding, double seen_within) {
+  require_seen_within(seen_within, map, part_policies(robot, map, policies));  // which no padding mends
+  try {
+    return ConfigurationSpace(robot, map, policies, {.padding = padding, .seen_within = seen_within});
+  } catch (const std::invalid_argument& error) {
+    if (padding == 0.0) throw;
+    throw std::invalid_argument("with --padding " + significant(padding) + " (metres): " + error.what());
+  }
 }
 
 namespace {

@@ -18,6 +18,16 @@ Robot choose_robot(const RobotChoice& choice);
 /// The distance that every body keeps, metres: as chosen, else the robot's position accuracy.
 double choose_padding(const RobotChoice& choice, const Robot& robot);
 
+/// Of each joint its name, and whether it slides: what parse_configuration asks for.
+std::vector<std::string> joint_names(const Robot& robot);
+std::vector<bool> prismatic_joints(const Robot& robot);
+
+/// The robot in the map. A padding may make its surroundings too large to be looked at: then the flag is
+/// named.
+/// @throws std::invalid_argument
+ConfigurationSpace padded_space(const Robot& robot, const Snapshot& map, const Policies& policies,
+                                double padding, double seen_within);
+
 /// "P" sets every part, "PART=P" one part. @throws std::invalid_argument for an unknown part or policy.
 Policies choose_policies(const std::vector<std::string>& texts, const Robot& robot);
 

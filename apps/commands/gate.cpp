@@ -1,0 +1,91 @@
+#include <istream>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/line_reader.hpp"
+#include "apps/console/parse.hpp"
+#include "apps/query/query.hpp"
+#include "apps/query/survey_figures.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/history/provenance.hpp"
+#include "mapping/maps/map_damage.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
+#include "planning/files/gate_line.hpp"
+
+namespace clearway {
+
+namespace {
+
+GateOptions gate_options(const GateCommandOptions& options, const Robot& robot) {
+  GateOptions gate;
+  if (!options.max_velocity.empty()) gate.limits.max_velocity = options.max_velocity;
+  if (!options.deceleration.empty()) gate.limits.deceleration = options.deceleration;
+  gate.limits.reaction = options.reaction;
+  gate.tolerance = options.tolerance;
+  if (options.max_age) gate.max_age = *options.max_age;
+  if (!options.start.empty())
+    gate.start =
+        parse_configuration(options.start, "--start", joint_names(robot), prismatic_joints(robot), false);
+  return gate;
+}
+
+/// When the map's newest look was; 0 when nobody asks.
+double newest_look(const GateCommandOptions& options, const Snapshot& map) {
+  const SeenStamps* const seen = map.seen();
+  if (!options.max_age) return 0.0;
+  if (seen == nullptr || seen->empty())
+    throw std::invalid_argument(
+        "--max-age: the map does not know when it was last seen, expected one made of "
+        "scans with times");
+  return seen->newest();
+}
+
+GateVerdict judge(Gate& gate, const ChunkLine& line) {
+  if (line.is_read()) return gate.judge(line.chunk);
+  return {.reason = line.fault.reason, .sentence = line.fault.sentence};
+}
+
+GateVerdict too_long(std::size_t most) {
+  return {.reason = GateReason::line_too_long,
+          .sentence = "the line is longer than " + std::to_string(most) + " bytes"};
+}
+
+}  // namespace
+
+int run_gate(const GateCommandOptions& options, Console& console) {
+  const Robot robot = choose_robot(options.robot);
+  const Policies policies = choose_policies(options.robot.policies, robot);
+  const GateOptions gate_terms = gate_options(options, robot);
+  joint_limits(robot, gate_terms.limits);  // throws before the map is read
+  Gate gate(gate_terms);
+  const Snapshot map = load_map(options.map);
+  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
+    console.warn("note: " + remark);
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+  std::shared_ptr<const Provenance> history;
+  if (auto found = load_provenance(options.map))
+    history = std::make_shared<const Provenance>(std::move(*found));
+  const double padding = choose_padding(options.robot, robot);
+  const double seen_within = options.robot.seen_within.value_or(0.0);
+  ConfigurationSpace space = padded_space(robot, map, policies, padding, seen_within);
+  console.log("policy: " + describe_policies(space.policies(), seen_within) +
+              "; padding: " + describe_padding(padding, robot.position_accuracy));
+  gate.publish(std::move(space), newest_look(options, map), history);
+
+  LineReader lines(console.in(), options.max_line);
+  std::size_t number = 0, passed = 0;
+  while (const std::optional<InputLine> text = lines.next()) {
+    const ChunkLine line = text->is_too_long ? ChunkLine{} : parse_chunk_line(text->text);
+    const GateVerdict verdict = text->is_too_long ? too_long(options.max_line) : judge(gate, line);
+    passed += verdict.is_passed();
+    console.out() << verdict_line(++number, line.id, verdict) << '\n';
+    if (!console.out().flush()) return exit_bad_input;  // nobody reads them any more; main tells
+  }
+  console.log(grouped(number) + " chunks: " + grouped(passed) + " passed, " + grouped(number - passed) +
+              " refused");
+  return passed == number ? exit_done : exit_no;
+}
+
+}  // namespace clearway
