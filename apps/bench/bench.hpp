@@ -49,5 +49,6 @@ BenchResult bench_beam(const BenchOptions& options);
 BenchResult bench_qp(const BenchOptions& options);
 BenchResult bench_control(const BenchOptions& options);
 BenchResult bench_live(const BenchOptions& options);
+BenchResult bench_gate(const BenchOptions& options);
 
 }  // namespace clearway::bench

@@ -36,6 +36,8 @@ std::vector<Entry> all_entries() {
        bench_control},
       {"live", "a control loop beside a thread that fuses depth frames against the same update in the loop",
        4, bench_live},
+      {"gate", "verdicts on chunks beside a thread that fuses depth frames; FCL on samples of the same", 15,
+       bench_gate},
   };
 }
 
