@@ -72,7 +72,8 @@ class CommandLine : public ::testing::Test {
 
 TEST_F(CommandLine, help_documents_every_flag_and_ends_well) {
   EXPECT_EQ(run_command({"--help"}).status, exit_done);
-  for (const char* command : {"replay", "plan", "check", "gate", "inspect", "simulate", "robots", "planners"}) {
+  for (const char* command :
+       {"replay", "plan", "check", "gate", "inspect", "simulate", "robots", "planners"}) {
     const CommandRun run = run_command({command, "--help"});
     EXPECT_EQ(run.status, exit_done);
     EXPECT_NE(run.out.find("--json"), std::string::npos) << command;
