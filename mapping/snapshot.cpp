@@ -1,6 +1,7 @@
 #include "mapping/snapshot.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "mapping/field/field_cache.hpp"
@@ -34,6 +35,8 @@ struct Snapshot::State {
   std::shared_ptr<const SeenStamps> seen;
   std::vector<PaintedVolume> volumes;
   mutable FieldCache fields;
+  mutable std::once_flag bounds_known;
+  mutable Eigen::AlignedBox3i bounds;  ///< of all leaves, in cells
 };
 
 Snapshot::Snapshot() : Snapshot(std::make_shared<const FusedTree>(1.0), {}) {}
@@ -93,8 +96,10 @@ void extend_to_leaves(const FusedNode& node, const CellCube& cube, Eigen::Aligne
 }  // namespace
 
 Eigen::AlignedBox3d Snapshot::bounds() const {
-  Eigen::AlignedBox3i cells;
-  if (const FusedNode* root = tree().getRoot()) extend_to_leaves(*root, CellCube{}, cells);
+  std::call_once(state_->bounds_known, [this] {
+    if (const FusedNode* root = tree().getRoot()) extend_to_leaves(*root, CellCube{}, state_->bounds);
+  });
+  const Eigen::AlignedBox3i& cells = state_->bounds;
   if (cells.isEmpty()) return {};
   return {cells.min().cast<double>() * resolution(), cells.max().cast<double>() * resolution()};
 }

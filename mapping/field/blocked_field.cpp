@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
+#include <mutex>
 
+#include "mapping/field/byte_field.hpp"
 #include "mapping/field/field_look_up.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -42,6 +45,11 @@ Corners corners_of(const DistanceLayers& layers, int low_x, int low_y, int low_z
 
 }  // namespace
 
+struct BlockedField::Bytes {
+  std::once_flag made;
+  std::unique_ptr<const ByteField> field;
+};
+
 BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
                            bool updatable, int threads, const SeenStamps* seen)
     : requirement_(requirement),
@@ -52,7 +60,8 @@ BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
       layers_(blocked_cells(tree, seen, requirement, cells.first, cells.size, threads), cap_of(cells),
               updatable, threads),
-      blocked_count_(layers_.blocked().count()) {}
+      blocked_count_(layers_.blocked().count()),
+      bytes_(std::make_shared<Bytes>()) {}
 
 BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
                            int threads, const SeenStamps* seen)
@@ -67,7 +76,13 @@ BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, 
                   : blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked()),
               threads),
       blocked_count_(before.blocked_count_ +
-                     static_cast<std::size_t>(layers_.blocked().count_beyond(before.layers_.blocked()))) {}
+                     static_cast<std::size_t>(layers_.blocked().count_beyond(before.layers_.blocked()))),
+      bytes_(std::make_shared<Bytes>()) {}
+
+const ByteField& BlockedField::byte_field() const {
+  std::call_once(bytes_->made, [this] { bytes_->field = std::make_unique<ByteField>(*this); });
+  return *bytes_->field;
+}
 
 bool BlockedField::is_blocked(const Eigen::Vector3d& point) const {
   if (!point.allFinite()) return true;

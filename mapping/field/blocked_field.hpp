@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
 
 #include "mapping/field/blocked_space.hpp"
 #include "mapping/field/distance_layers.hpp"
@@ -34,7 +35,8 @@ constexpr std::size_t field_memory_limit = std::size_t{1} << 30U;
 FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance,
                          std::size_t memory_limit = field_memory_limit);
 
-/// Memory of the field of a region at most, bytes: 2.1 a cell, or 4.1 when it can be updated.
+/// Memory of the field of a region at most, bytes: 2.1 a cell, or 4.1 when it can be updated; 1 more, not
+/// counted here, once byte_field() was asked for.
 std::size_t field_bytes(const FieldRegion& region, bool updatable);
 
 /// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel.
@@ -55,6 +57,7 @@ class BlockedField final : public BlockedSpace {
 
   const FieldRegion& cells() const { return cells_; }
   const DistanceLayers& layers() const { return layers_; }
+  bool is_outside_blocked() const { return outside_blocked_; }
 
   const Requirement& requirement() const override { return requirement_; }
   double resolution() const override { return cells_.resolution; }
@@ -72,6 +75,8 @@ class BlockedField final : public BlockedSpace {
   /// The same with registers of one's choice, which the machine must have.
   void clearances(const PointArrays& points, std::span<double> out, InstructionSet vectors) const;
   void coarse_clearances(const PointArrays& points, std::span<double> out, InstructionSet vectors) const;
+
+  const ByteField& byte_field() const override;
 
   std::array<int, 7> squared_around(const Eigen::Vector3i& voxel) const override;
   NearestBlocked nearest(const Eigen::Vector3d& point, double limit) const override;
@@ -108,6 +113,8 @@ class BlockedField final : public BlockedSpace {
   Eigen::AlignedBox3d box_;
   DistanceLayers layers_;
   std::size_t blocked_count_;
+  struct Bytes;  ///< made at the first look
+  std::shared_ptr<Bytes> bytes_;
 };
 
 }  // namespace clearway

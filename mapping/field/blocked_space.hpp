@@ -34,6 +34,8 @@ struct PointArrays {
   std::span<const double> x, y, z;
 };
 
+struct ByteField;  // mapping/field/byte_field.hpp
+
 /// The voxels that one requirement forbids, inside one region, ready for geometric queries.
 /// Immutable and safe to read from many threads. Everything here is derived from the map's tree.
 ///
@@ -68,6 +70,10 @@ class BlockedSpace {
   /// @throws std::invalid_argument when the arrays and `out` differ in length.
   virtual void clearances(const PointArrays& points, std::span<double> out) const = 0;
   virtual void coarse_clearances(const PointArrays& points, std::span<double> out) const = 0;
+
+  /// The field once more, for look-ups of many points at single precision. Made at the first call, from any
+  /// thread; lives as long as this object.
+  virtual const ByteField& byte_field() const = 0;
 
   /// The squared distance from the middle of a voxel to the nearest blocked cube, in half voxels: exact, a
   /// whole number, 0 in a blocked voxel; beyond max_distance() some number that is no smaller than it. After

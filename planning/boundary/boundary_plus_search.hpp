@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 
-#include "planning/boundary/bidirectional_trees.hpp"
+#include "planning/sampling/bidirectional_trees.hpp"
 #include "planning/boundary/boundary_plus.hpp"
 #include "planning/boundary/local_run.hpp"
 

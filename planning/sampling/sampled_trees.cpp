@@ -1,34 +1,31 @@
 #include "planning/sampling/sampled_trees.hpp"
 
-#include <ompl/base/ProblemDefinition.h>
-#include <ompl/datastructures/NearestNeighborsLinear.h>
-#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <algorithm>
+#include <limits>
 
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/shortcut.hpp"
-#include "planning/sampling/ompl_query.hpp"
+#include "planning/sampling/bidirectional_trees.hpp"
 
 namespace clearway {
 
 TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
-  OmplQuery query{problem, options.weight, std::mt19937_64(problem.seed), options.guide};
-  const auto information = certified_space(query);
-  const auto definition = problem_definition(query, information);
-  ompl::geometric::RRTConnect planner(information);
-  planner.setNearestNeighbors<ompl::NearestNeighborsLinear>();  // the default draws from OMPL's own generator
-  planner.setRange(options.range);
-  planner.setProblemDefinition(definition);
-  planner.setup();
+  BidirectionalTrees trees(problem, options.weight, options.range);
+  std::mt19937_64 random(problem.seed);
+  constexpr double everywhere = std::numeric_limits<double>::infinity();
+  if (!trees.join(BidirectionalTrees::start, 0, everywhere, 1)) {
+    while (trees.samples() < options.max_samples && !problem.out_of_time()) {
+      constexpr int at_once = 1000;
+      if (trees.grow(std::min(at_once, options.max_samples - trees.samples()), random, options.guide)) break;
+    }
+  }
   TreePath result;
-  planner.solve(ompl::base::PlannerTerminationCondition([&] {
-    result.out_of_time = problem.out_of_time();
-    return result.out_of_time || query.samples >= options.max_samples;
-  }));
-  result.waypoints = waypoints(query, *definition);
-  result.samples = query.samples;
-  result.configurations = query.configurations;
-  result.edges = query.edges;
+  if (trees.is_joined()) result.waypoints = trees.path();
+  result.out_of_time = !trees.is_joined() && problem.out_of_time();
+  result.is_certified = trees.is_joined();
+  result.samples = trees.samples();
+  result.edges = trees.edges_checked();
   return result;
 }
 
@@ -40,7 +37,9 @@ PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePat
   result.configurations_checked += found.configurations;
   result.edges_checked = found.edges;
   result.statistics = {{"samples", found.samples}};
-  if (path.empty() || !is_certified(problem.space, path, result.edges_checked)) {
+  const bool is_proved =
+      !path.empty() && (found.is_certified || is_certified(problem.space, path, result.edges_checked));
+  if (!is_proved) {
     result.status = found.out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
     result.final_distance = (problem.goal - problem.start).norm();
     result.explanation = path.empty() ? "No path found with " + std::to_string(found.samples) + " samples."

@@ -16,25 +16,25 @@ using SampleGuide = std::function<std::optional<Configuration>(std::mt19937_64& 
 
 struct TreeOptions {
   Eigen::VectorXd weight;  ///< of each joint in lengths, see joint_weights
-  double range = 0.0;      ///< longest edge tried, weighted units; 0: OMPL's choice
+  double range = 0.0;      ///< longest edge tried, weighted units; 0: a fifth of the space's extent
   int max_samples = 20000;
   SampleGuide guide{};  ///< empty: all samples are uniform
 };
 
 struct TreePath {
-  std::vector<Configuration> waypoints;  ///< from start to goal, edges certified one by one; empty: none
+  std::vector<Configuration> waypoints;  ///< from start to goal; empty: none
+  bool is_certified = false;  ///< each edge was certified, or is a part of one that was
   int samples = 0;
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   bool out_of_time = false;
 };
 
-/// RRT-Connect of OMPL (Kuffner and LaValle 2000) with ConfigurationSpace::is_edge_free as its motion
-/// validator, between start and goal of the problem, which must be free. Same seed, same path. The ends are
-/// put back exactly after OMPL's arithmetic: certify the path before it is returned to anyone.
+/// RRT-Connect (Kuffner and LaValle 2000) on certified edges, between start and goal of the problem, which
+/// must be free: the straight edge, then two trees that go as far as edges are free. Same seed, same path.
 TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options);
 
 /// What a sampling planner answers that found this path, or none: the path is shortened by so many tries of
-/// `shortcut`, certified once more as a whole, and costed.
+/// `shortcut`, certified as a whole unless it is already, and costed.
 /// @param ends what check_ends said of the problem
 PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePath found,
                      const Eigen::VectorXd& weight, int shortcuts);

@@ -3,10 +3,12 @@
 // Not part of the installed library.
 
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "planning/batch/edge_pieces.hpp"
 #include "planning/robot/self_collision.hpp"
 #include "planning/space/body_collision.hpp"
 #include "planning/space/configuration_space.hpp"
@@ -38,6 +40,8 @@ struct CollisionModel {
   std::vector<Eigen::VectorXd>
       turns;  ///< of these: radians any link below the body turns per unit of each joint
   std::vector<BodyPair> pairs;
+  /// Bodies, pairs and fields at single precision, for many looks at once; null where that is of no use.
+  std::unique_ptr<const SphereRobot> spheres;
   Eigen::VectorXd matters;  ///< of each joint 1 when it moves a body, or a pair of them, else 0
 
   const Eigen::Isometry3d& pose(const LinkPoses& map_from_link, std::size_t body) const {
@@ -62,6 +66,10 @@ struct CollisionModel {
   bool is_edge_free(const Configuration& from, const Configuration& to, const std::vector<int>& members,
                     std::vector<RecentCubes>& recent, KnownClearances* known_from = nullptr,
                     KnownClearances* known_to = nullptr, const EdgePoses* poses = nullptr) const;
+
+  /// The same for some of the members on parts of the edge alone.
+  bool are_pieces_free(const Configuration& from, const Configuration& to,
+                       const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) const;
 };
 
 }  // namespace clearway

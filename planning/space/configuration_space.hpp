@@ -94,6 +94,10 @@ class ConfigurationSpace {
   /// clearance over the bodies' reach bounds. False when blocked or undecided at options().edge_resolution.
   bool is_edge_free(const Configuration& from, const Configuration& to) const;
 
+  /// How much of the straight edge is certified free from its start on, 0..1: 1 where is_edge_free() holds,
+  /// else a part that costs nothing more to know, often 0. For searches that go as far as they can.
+  double free_share(const Configuration& from, const Configuration& to) const;
+
   /// Conservative (<= true) smallest distance of any body to what blocks it, or to another body; padding
   /// subtracted, at most the fields' max_distance; <= 0 when not free.
   double clearance(const Configuration& q) const;

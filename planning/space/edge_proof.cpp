@@ -1,7 +1,9 @@
 // The proof that a whole edge is free: ConfigurationSpace::is_edge_free.
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
+#include <optional>
 
 #include "planning/space/collision_model.hpp"
 
@@ -46,6 +48,25 @@ struct EdgeScratch {
   }
 };
 
+EdgeScratch& scratch_for(const Configuration& from, const Configuration& to, const EdgePoses* poses) {
+  thread_local EdgeScratch scratch;
+  scratch.from = &from;
+  scratch.to = &to;
+  scratch.known = poses;
+  scratch.step = to - from;
+  scratch.distance = scratch.step.cwiseAbs();
+  return scratch;
+}
+
+/// Of this thread, for the robot that it looked at last.
+EdgePieces& edge_pieces(const SphereRobot& robot) {
+  thread_local std::optional<EdgePieces> pieces;
+  thread_local std::uint64_t id = 0;
+  if (!pieces || id != robot.id) pieces.emplace(robot);
+  id = robot.id;
+  return *pieces;
+}
+
 enum class Finding { proved, open, blocked };
 
 /// The hull of a body at two poses stands for all between them when its points leave their chords by no more
@@ -80,13 +101,39 @@ class EdgeProof {
     bound_motions(members);
     if (!stands_free(members)) return false;
     scratch_.pieces.assign(1, {0.0, 1.0, 0, scratch_.open.size(), scratch_.used - 1, -1});
+    return examine_pieces();
+  }
+
+  /// The same for parts of the edge, each with members of its own.
+  bool holds_on(const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) {
+    bound_motions(members);
+    scratch_.used = 0;
+    scratch_.open.clear();
+    scratch_.pieces.clear();
+    for (const EdgePieces::Piece& piece : pieces) {
+      const std::size_t first = scratch_.open.size();
+      for (int i = piece.first; i < piece.last; ++i) {
+        const int member = members[static_cast<std::size_t>(i)];
+        if (scratch_.motion[static_cast<std::size_t>(member)] > 0.0) {
+          scratch_.open.push_back(member);
+          continue;
+        }
+        if (scratch_.used == 0) scratch_.sample(model_.robot, 0.0);
+        if (!is_clear_where_it_stands(static_cast<std::size_t>(member))) return false;
+      }
+      scratch_.pieces.push_back({piece.begin, piece.end, first, scratch_.open.size(), -1, -1});
+    }
+    return examine_pieces();
+  }
+
+ private:
+  bool examine_pieces() {
     for (std::size_t next = 0; next < scratch_.pieces.size(); ++next) {  // halves in turn: far samples first
       if (!examine_piece(scratch_.pieces[next])) return false;
     }
     return true;
   }
 
- private:
   void bound_motions(const std::vector<int>& members) {
     length_ = scratch_.step.cwiseProduct(model_.matters).norm();
     scratch_.motion.resize(model_.members());
@@ -198,26 +245,43 @@ class EdgeProof {
 }  // namespace
 
 bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
+  return free_share(from, to) == 1.0;
+}
+
+double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {
   const CollisionModel& model = *model_;
-  if (!model.is_within_limits(from) || !model.is_within_limits(to)) return false;
+  if (!model.is_within_limits(from) || !model.is_within_limits(to)) return 0.0;
+  if (model.spheres) {
+    EdgePieces& pieces = edge_pieces(*model.spheres);
+    const EdgePieces::Finding finding = pieces.examine(from, to);
+    if (finding == EdgePieces::Finding::free ||
+        (finding == EdgePieces::Finding::open &&
+         model.are_pieces_free(from, to, pieces.open_pieces(), pieces.open_members())))
+      return 1.0;
+    return pieces.proved_share();
+  }
   thread_local std::vector<int> all;
   thread_local std::vector<RecentCubes> recent;
   all.resize(model.members());
   std::iota(all.begin(), all.end(), 0);
   recent.assign(model.bodies.size(), {});
-  return model.is_edge_free(from, to, all, recent);
+  return model.is_edge_free(from, to, all, recent) ? 1.0 : 0.0;
+}
+
+bool CollisionModel::are_pieces_free(const Configuration& from, const Configuration& to,
+                                     const std::vector<EdgePieces::Piece>& pieces,
+                                     const std::vector<int>& members) const {
+  thread_local std::vector<RecentCubes> recent;
+  recent.assign(bodies.size(), {});
+  EdgeScratch& scratch = scratch_for(from, to, nullptr);
+  return EdgeProof(*this, scratch, recent, nullptr, nullptr).holds_on(pieces, members);
 }
 
 bool CollisionModel::is_edge_free(const Configuration& from, const Configuration& to,
                                   const std::vector<int>& members, std::vector<RecentCubes>& recent,
                                   KnownClearances* known_from, KnownClearances* known_to,
                                   const EdgePoses* poses) const {
-  thread_local EdgeScratch scratch;
-  scratch.from = &from;
-  scratch.to = &to;
-  scratch.known = poses;
-  scratch.step = to - from;
-  scratch.distance = scratch.step.cwiseAbs();
+  EdgeScratch& scratch = scratch_for(from, to, poses);
   return EdgeProof(*this, scratch, recent, known_from, known_to).holds(members);
 }
 

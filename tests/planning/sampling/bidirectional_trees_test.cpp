@@ -1,4 +1,4 @@
-#include "planning/boundary/bidirectional_trees.hpp"
+#include "planning/sampling/bidirectional_trees.hpp"
 
 #include <gtest/gtest.h>
 

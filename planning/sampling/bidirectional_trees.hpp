@@ -25,7 +25,8 @@ class BidirectionalTrees {
   };
 
   /// The roots are start and goal of the problem, which outlives this object.
-  BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight);
+  /// @param range longest edge of the samples, weighted units; 0: a fifth of the space's extent
+  BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight, double range = 0.0);
 
   const std::vector<Node>& nodes(Side side) const { return trees_[side].nodes; }
 
@@ -64,6 +65,7 @@ class BidirectionalTrees {
   int nearest(Side side, const Configuration& q) const;
   bool is_free(const Configuration& from, const Configuration& to);
   int extend(Side side, const Configuration& towards);
+  int advance(Side side, int from, const Configuration& towards);
   bool connect(Side side, int other_node);
   Configuration draw(std::mt19937_64& random) const;
   double length(const Configuration& a, const Configuration& b) const {
@@ -76,6 +78,7 @@ class BidirectionalTrees {
   std::array<Tree, 2> trees_;
   std::array<int, 2> joined_{-1, -1};
   bool joined_by_sample_ = false;
+  bool is_whole_ = false;  ///< the last edge was free all along
   Side active_ = start;
   std::uint64_t edges_checked_ = 0;
   int samples_ = 0;

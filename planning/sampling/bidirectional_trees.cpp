@@ -1,4 +1,4 @@
-#include "planning/boundary/bidirectional_trees.hpp"
+#include "planning/sampling/bidirectional_trees.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,17 @@ namespace {
 /// OMPL's default: the longest edge as a share of the space's extent.
 constexpr double range_share = 0.2;
 
+/// Less of an edge than this is not worth a node.
+constexpr double least_share = 0.25;
+
 BidirectionalTrees::Side other(BidirectionalTrees::Side side) {
   return side == BidirectionalTrees::start ? BidirectionalTrees::goal : BidirectionalTrees::start;
 }
 
 }  // namespace
 
-BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight)
+BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight,
+                                       double range)
     : problem_(problem), weight_(weight), low_(problem.start), high_(problem.start) {
   const Robot& robot = problem.space.robot();
   const Eigen::AlignedBox3d map = problem.space.map().bounds();
@@ -34,7 +38,7 @@ BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::
     low_[j] = std::max(joint.lower, least - margin);
     high_[j] = std::min(joint.upper, most + margin);
   }
-  range_ = range_share * length(low_, high_);
+  range_ = range > 0.0 ? range : range_share * length(low_, high_);
   add(start, problem.start, -1, false);
   add(goal, problem.goal, -1, false);
 }
@@ -112,7 +116,18 @@ int BidirectionalTrees::extend(Side side, const Configuration& towards) {
   if (far == 0.0) return -1;
   const Configuration next =
       far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near));
-  return is_free(near, next) ? add(side, next, from, true) : -1;
+  return advance(side, from, next);
+}
+
+/// As far along that edge as it is free; the new node, or -1.
+int BidirectionalTrees::advance(Side side, int from, const Configuration& towards) {
+  const Configuration& near = trees_[side].nodes[static_cast<std::size_t>(from)].q;
+  ++edges_checked_;
+  const double share = problem_.space.free_share(near, towards);
+  is_whole_ = share == 1.0;
+  if (is_whole_) return add(side, towards, from, true);
+  if (share < least_share) return -1;
+  return add(side, near + share * (towards - near), from, true);
 }
 
 /// Edges from the other tree's nearest node on to that node of this one.
@@ -122,7 +137,11 @@ bool BidirectionalTrees::connect(Side side, int node) {
   while (!problem_.out_of_time()) {
     const int reached = extend(far_side, target);
     if (reached < 0) return false;
-    if (trees_[far_side].nodes[static_cast<std::size_t>(reached)].q != target) continue;
+    const Configuration& there = trees_[far_side].nodes[static_cast<std::size_t>(reached)].q;
+    if (there != target) {
+      if (is_whole_) continue;
+      return false;
+    }
     joined_[side] = node;
     joined_[far_side] = reached;
     joined_by_sample_ = true;

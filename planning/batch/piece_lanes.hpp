@@ -1,0 +1,61 @@
+#pragma once
+
+// Not part of the installed library.
+
+#include <cstdint>
+#include <vector>
+
+#include "planning/batch/sphere_robot.hpp"
+
+namespace clearway {
+
+/// Pieces of edges that are looked at side by side: lanes. On each piece the joints move at constant speed
+/// from `q - step` to `q + step`; a piece without a step is one configuration.
+struct PieceLanes {
+  static constexpr int count = 16;
+  struct alignas(64) Floats {
+    float at[count];
+  };
+  struct alignas(64) Doubles {
+    double at[count];
+  };
+  using Lanes = std::uint16_t;  ///< a bit a lane
+
+  explicit PieceLanes(const SphereRobot& robot);
+
+  // What is asked.
+  std::vector<Doubles> q, step;  ///< of each joint: in the middle, and from there to the end
+  std::vector<Floats> bend;  ///< of each frame: how far any ball's middle leaves the straight way that it is on
+                             ///< in the middle of the piece, at most, metres
+  std::vector<Floats> pair_bend;  ///< of each pair of frames, the same of both, seen from where they meet
+  std::vector<Floats> approach;   ///< of each pair of frames: how much balls of it approach at most, metres
+  Lanes active = 0;               ///< lanes in use
+  std::vector<Lanes> wanted;      ///< of each member: the lanes in which it is asked for
+  bool moving = true;             ///< false: all steps are zero
+
+  // What was found.
+  Lanes blocked = 0;          ///< in the middle some body surely touches what blocks it, or another body
+  Lanes stuck = 0;            ///< spheres stand out too far to prove it on a shorter piece about the middle
+  std::vector<Lanes> failed;  ///< of each member: the lanes in which it was not proved free
+  std::vector<int> members;   ///< those of which some lane failed
+
+  /// Asks for all members in the first lanes.
+  void want_all(int lanes);
+  /// Asks for nothing, before `want`.
+  void want_none();
+  void want(int member, int lane) { wanted[static_cast<std::size_t>(member)] |= static_cast<Lanes>(1U << lane); }
+
+  // Memory of look().
+  std::vector<Floats> value, motion;   ///< of each frame: of its joint
+  std::vector<Floats> pose;            ///< of each frame: 9 rows of its rotation, 3 of its place
+  std::vector<Floats> twist;           ///< of each frame: turn, then velocity of what is at the base
+  std::vector<Floats> middle;          ///< of each frame: of the sphere about its balls, as below
+  std::vector<Floats> place;           ///< of each ball: x, y, z about the base
+  std::vector<Lanes> is_placed;     ///< of each ball: a bit a register
+};
+
+/// Fills in what was found: by spheres and fields alone, so never more than is true. The same bits on every
+/// machine.
+void look(const SphereRobot& robot, PieceLanes& lanes);
+
+}  // namespace clearway

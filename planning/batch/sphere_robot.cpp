@@ -1,0 +1,281 @@
+#include "planning/batch/sphere_robot.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+#include "mapping/field/byte_field.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double largest_length = 100.0;  ///< metres: a few um of rounding
+constexpr double rounding_of_float = 6e-8;
+constexpr int balls_a_cluster = 8;
+
+using Ball = SphereRobot::Ball;
+
+std::atomic<std::uint64_t> robots_made = 0;
+
+/// A rotation that takes z to the axis.
+Eigen::Matrix3d turned_to(const Eigen::Vector3d& axis) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+}
+
+void store(const Eigen::Matrix3d& rotation, float* rows) {
+  for (int i = 0; i < 9; ++i) rows[i] = static_cast<float>(rotation(i / 3, i % 3));
+}
+
+Eigen::Vector3d center(const Ball& ball) { return {ball.x, ball.y, ball.z}; }
+
+/// A sphere around spheres.
+Ball around(std::span<const Ball> balls) {
+  Eigen::AlignedBox3d box;
+  for (const Ball& ball : balls) box.extend(center(ball));
+  Ball bound{0, 0, 0, -1};
+  if (balls.empty()) return bound;
+  const Eigen::Vector3f middle = box.center().cast<float>();
+  bound = {middle.x(), middle.y(), middle.z(), 0};
+  double radius = 0.0;
+  for (const Ball& ball : balls)
+    radius = std::max(radius, (center(ball) - middle.cast<double>()).norm() + ball.radius);
+  bound.radius = static_cast<float>(radius * (1.0 + 2.0 * rounding_of_float));
+  return bound;
+}
+
+/// Makes a SphereRobot step by step.
+class Maker {
+ public:
+  Maker(const Robot& robot, std::span<const BlockedBody> bodies, std::span<const BodyPair> pairs,
+        double padding)
+      : robot_(robot), bodies_(bodies), pairs_(pairs) {
+    out_.id = ++robots_made;
+    out_.padding = static_cast<float>(padding * (1.0 + 2.0 * rounding_of_float));
+    out_.joints = robot.dof();
+    out_.members = bodies.size() + pairs.size();
+    store(robot.map_from_base.linear(), out_.base);
+  }
+
+  std::unique_ptr<const SphereRobot> made() {
+    place_frames();
+    place_fields();
+    place_balls();
+    bound_levers();
+    if (!(size_ < largest_length)) return nullptr;
+    pair_up();
+    // Each frame's rotation and translation is rounded a dozen times, and so are values and sums.
+    out_.slack = static_cast<float>(32.0 * rounding_of_float * static_cast<double>(out_.frames.size() + 2) *
+                                    std::max(size_, 1e-3));
+    return std::make_unique<const SphereRobot>(std::move(out_));
+  }
+
+ private:
+  void place_frames() {
+    out_.frames.emplace_back();
+    for (const Link& link : robot_.links) {
+      const bool is_root = link.parent < 0;
+      const Eigen::Isometry3d parent = is_root ? Eigen::Isometry3d::Identity()
+                                               : frame_from_link_[static_cast<std::size_t>(link.parent)];
+      const int parent_frame = is_root ? 0 : frame_of_link_[static_cast<std::size_t>(link.parent)];
+      const Eigen::Isometry3d here = parent * link.parent_from_link;
+      if (link.joint < 0) {
+        frame_from_link_.push_back(here);
+        frame_of_link_.push_back(parent_frame);
+        continue;
+      }
+      const Joint& joint = robot_.joints[static_cast<std::size_t>(link.joint)];
+      const Eigen::Matrix3d turned = turned_to(joint.axis);
+      SphereRobot::Frame frame;
+      frame.parent = parent_frame;
+      frame.joint = link.joint;
+      frame.turns = joint.kind == JointKind::revolute;
+      frame.multiplier = link.multiplier;
+      frame.offset = link.offset;
+      store(here.linear() * turned, frame.rotation);
+      for (int i = 0; i < 3; ++i) frame.translation[i] = static_cast<float>(here.translation()[i]);
+      frame_of_link_.push_back(static_cast<int>(out_.frames.size()));
+      Eigen::Isometry3d own = Eigen::Isometry3d::Identity();
+      own.linear() = turned.transpose();
+      frame_from_link_.push_back(own);
+      out_.frames.push_back(frame);
+    }
+  }
+
+  void place_fields() {
+    for (const BlockedBody& body : bodies_) {
+      const ByteField* bytes = &body.space->byte_field();
+      const auto known = std::find_if(out_.fields.begin(), out_.fields.end(),
+                                      [&](const SphereRobot::Field& field) { return field.bytes == bytes; });
+      field_of_.push_back(static_cast<int>(known - out_.fields.begin()));
+      if (known != out_.fields.end()) continue;
+      SphereRobot::Field field{bytes, {}};
+      const Eigen::Vector3d low = bytes->low - robot_.map_from_base.translation();
+      for (int i = 0; i < 3; ++i) field.low[i] = static_cast<float>(low[i]);
+      size_ = std::max(
+          size_, low.norm() + (bytes->size.cast<double>() * bytes->resolution).norm());
+      out_.fields.push_back(field);
+    }
+  }
+
+  /// Of the bodies that were given, which is this body of the robot; -1: none, no joint moves it.
+  int member_of(std::size_t body) const {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (bodies_[i].body == &robot_.bodies[body]) return static_cast<int>(i);
+    }
+    return -1;
+  }
+
+  void place_balls() {
+    const std::size_t count = robot_.bodies.size();
+    std::vector<int> members(count), order(count);
+    for (std::size_t i = 0; i < count; ++i) members[i] = member_of(i);
+    const auto frame = [&](int body) {
+      return frame_of_link_[static_cast<std::size_t>(robot_.bodies[static_cast<std::size_t>(body)].link)];
+    };
+    const auto field = [&](int body) {
+      const int member = members[static_cast<std::size_t>(body)];
+      return member < 0 ? -1 : field_of_[static_cast<std::size_t>(member)];
+    };
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+      return std::pair(frame(a), field(a)) < std::pair(frame(b), field(b));
+    });
+    out_.bodies.resize(count);
+    out_.body_bounds.resize(count);
+    for (const int body : order) add(static_cast<std::size_t>(body), frame(body), members[static_cast<std::size_t>(body)]);
+    group(field_of_);
+    for (std::size_t i = 0; i < out_.frames.size(); ++i) {
+      const auto first = std::lower_bound(out_.frame_of.begin(), out_.frame_of.end(), static_cast<int>(i));
+      const auto last = std::upper_bound(first, out_.frame_of.end(), static_cast<int>(i));
+      out_.bounds.push_back(around(std::span(out_.balls).subspan(
+          static_cast<std::size_t>(first - out_.frame_of.begin()), static_cast<std::size_t>(last - first))));
+    }
+  }
+
+  void add(std::size_t index, int frame, int member) {
+    const Body& body = robot_.bodies[index];
+    const Eigen::Isometry3d& frame_from_link = frame_from_link_[static_cast<std::size_t>(body.link)];
+    const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
+    const int first = static_cast<int>(out_.balls.size());
+    for (const Sphere& sphere : body.cover) {
+      const Eigen::Vector3f at = (frame_from_link * sphere.center).cast<float>();
+      out_.balls.push_back({at.x(), at.y(), at.z(),
+                            static_cast<float>(sphere.radius * (1.0 + 2.0 * rounding_of_float))});
+      out_.member.push_back(member);
+      out_.frame_of.push_back(frame);
+      const bool is_exact = body.shape.kind() != Shape::Kind::convex;  // else the box around it is measured
+      const double inner = is_exact ? -body.shape.signed_distance(shape_from_link * sphere.center) : 0.0;
+      out_.inner.push_back(static_cast<float>(inner * (1.0 - 2.0 * rounding_of_float)));
+    }
+    const int last = static_cast<int>(out_.balls.size());
+    out_.body_bounds[index] = around(balls_of({first, last}));
+    out_.bodies[index].first = static_cast<int>(out_.clusters.size());
+    for (int ball = first; ball < last; ball += balls_a_cluster) {
+      const int end = std::min(ball + balls_a_cluster, last);
+      out_.clusters.push_back({ball, end, around(balls_of({ball, end}))});
+    }
+    out_.bodies[index].last = static_cast<int>(out_.clusters.size());
+  }
+
+  std::span<const Ball> balls_of(const SphereRobot::Range& range) const {
+    return std::span(out_.balls)
+        .subspan(static_cast<std::size_t>(range.first), static_cast<std::size_t>(range.last - range.first));
+  }
+
+  void group(const std::vector<int>& field_of) {
+    const auto field = [&](int ball) {
+      const int member = out_.member[static_cast<std::size_t>(ball)];
+      return member < 0 ? -1 : field_of[static_cast<std::size_t>(member)];
+    };
+    const auto frame = [&](int ball) { return out_.frame_of[static_cast<std::size_t>(ball)]; };
+    const auto ball = [&](int cluster) { return out_.clusters[static_cast<std::size_t>(cluster)].first; };
+    const int count = static_cast<int>(out_.clusters.size());
+    for (int first = 0, last = 0; first < count; first = last) {
+      const int of = ball(first);
+      while (last < count && frame(ball(last)) == frame(of) && field(ball(last)) == field(of)) ++last;
+      if (field(of) < 0) continue;
+      const int end = out_.clusters[static_cast<std::size_t>(last - 1)].last;
+      out_.groups.push_back({frame(of), field(of), first, last, around(balls_of({of, end}))});
+    }
+    std::reverse(out_.groups.begin(), out_.groups.end());
+  }
+
+  /// How far what slides on a link of this frame may be from where it is at 0, metres.
+  double travel(const SphereRobot::Frame& frame) const {
+    if (frame.turns || frame.joint < 0) return 0.0;
+    const Joint& joint = robot_.joints[static_cast<std::size_t>(frame.joint)];
+    return std::max(std::abs(frame.multiplier * joint.lower + frame.offset),
+                    std::abs(frame.multiplier * joint.upper + frame.offset));
+  }
+
+  void bound_levers() {
+    const std::size_t count = out_.frames.size();
+    out_.lever.assign(count * count, 0.0F);
+    for (std::size_t frame = 0; frame < count; ++frame) {
+      const Ball& bound = out_.bounds[frame];
+      double length = bound.radius < 0 ? 0.0 : center(bound).norm() + bound.radius;
+      for (int mover = static_cast<int>(frame); mover >= 0;
+           mover = out_.frames[static_cast<std::size_t>(mover)].parent) {
+        const SphereRobot::Frame& at = out_.frames[static_cast<std::size_t>(mover)];
+        length += travel(at);
+        out_.lever[frame * count + static_cast<std::size_t>(mover)] =
+            at.turns ? static_cast<float>(length * (1.0 + 1e-6)) : 1.0F;
+        length += Eigen::Map<const Eigen::Vector3f>(at.translation).cast<double>().norm();
+      }
+      size_ = std::max(size_, length);
+    }
+  }
+
+  int meeting(int a, int b) const {
+    while (a != b) {  // parents come first
+      int& later = a > b ? a : b;
+      later = out_.frames[static_cast<std::size_t>(later)].parent;
+    }
+    return a;
+  }
+
+  void pair_up() {
+    struct Told {
+      SphereRobot::Pair pair;
+      int a, b;
+    };
+    std::vector<Told> all;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      SphereRobot::Pair pair{pairs_[i].first, pairs_[i].second, static_cast<int>(bodies_.size() + i)};
+      const auto frame = [&](int body) {
+        return frame_of_link_[static_cast<std::size_t>(robot_.bodies[static_cast<std::size_t>(body)].link)];
+      };
+      if (frame(pair.a) < frame(pair.b)) std::swap(pair.a, pair.b);
+      all.push_back({pair, frame(pair.a), frame(pair.b)});
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Told& x, const Told& y) {
+      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    });
+    for (const Told& told : all) {
+      const int index = static_cast<int>(out_.body_pairs.size());
+      if (out_.frame_pairs.empty() || out_.frame_pairs.back().a != told.a || out_.frame_pairs.back().b != told.b)
+        out_.frame_pairs.push_back({told.a, told.b, meeting(told.a, told.b), index, index});
+      ++out_.frame_pairs.back().last;
+      out_.body_pairs.push_back(told.pair);
+    }
+  }
+
+  const Robot& robot_;
+  std::span<const BlockedBody> bodies_;
+  std::span<const BodyPair> pairs_;
+  SphereRobot out_;
+  std::vector<Eigen::Isometry3d> frame_from_link_;
+  std::vector<int> frame_of_link_;
+  std::vector<int> field_of_;  ///< of each body that was given
+  double size_ = 0.0;          ///< no coordinate is larger, metres
+};
+
+}  // namespace
+
+std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
+                                                std::span<const BodyPair> pairs, double padding) {
+  return Maker(robot, bodies, pairs, padding).made();
+}
+
+}  // namespace clearway

@@ -1,0 +1,100 @@
+#pragma once
+
+// Not part of the installed library.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mapping/field/blocked_space.hpp"
+#include "planning/robot/robot.hpp"
+#include "planning/robot/self_collision.hpp"
+
+namespace clearway {
+
+struct ByteField;
+
+/// A body that some joint moves, and what blocks it.
+struct BlockedBody {
+  const Body* body = nullptr;
+  const BlockedSpace* space = nullptr;
+};
+
+/// A robot as spheres in frames, at single precision, for PieceBatch: links that joints move, with all that
+/// is fixed to them, and each body by the spheres that cover it. Lengths are in metres, in map axes about the
+/// robot's base, so that it does not matter how far that is from the map's origin. Plain data.
+struct SphereRobot {
+  /// A link that a joint moves (frame 0: what none moves). Its frame is turned so that the joint's axis is z:
+  /// its pose is that of the parent, times this rotation and translation, times the joint's motion.
+  struct Frame {
+    int parent = -1;
+    int joint = -1;
+    bool turns = false;
+    double multiplier = 1.0, offset = 0.0;  ///< value of the motion = multiplier * q + offset
+    float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
+    float translation[3] = {};
+  };
+  struct Ball {
+    float x = 0, y = 0, z = 0, radius = 0;
+  };
+  /// A field of blocked voxels and where its first cell's corner is, seen from the robot's base.
+  struct Field {
+    const ByteField* bytes = nullptr;
+    float low[3] = {};
+  };
+  /// Some balls of one body, first to last - 1, and a sphere around them.
+  struct Cluster {
+    int first = 0, last = 0;
+    Ball bound;
+  };
+  /// Clusters first to last - 1 of one frame that are looked up in one field, and a sphere around them.
+  struct Group {
+    int frame = 0, field = 0, first = 0, last = 0;
+    Ball bound;
+  };
+  /// Pairs of bodies, first to last - 1 of `body_pairs`, of two frames. `meet` is the last frame that moves
+  /// both: what happens between them is seen from there.
+  struct FramePair {
+    int a = 0, b = 0, meet = 0, first = 0, last = 0;
+  };
+  struct Pair {
+    int a = 0, b = 0, member = 0;  ///< bodies of the robot, and what CollisionModel calls the pair
+  };
+  struct Range {
+    int first = 0, last = 0;
+  };
+
+  std::uint64_t id = 0;  ///< no other's of this process
+  std::vector<Frame> frames;
+  std::vector<Ball> balls;     ///< by frame, then field, then body; all in their frames
+  std::vector<int> member;     ///< of each: which of the bodies that were given; -1: one that no joint moves
+  std::vector<float> inner;    ///< of each: radius about its middle that lies in the body, <= 0: unknown
+  std::vector<int> frame_of;   ///< of each
+  std::vector<Field> fields;
+  std::vector<Group> groups;   ///< those of the last frames first: they meet things more often
+  std::vector<Ball> bounds;    ///< around all balls of each frame; radius < 0: none
+  std::vector<Cluster> clusters;
+  std::vector<Range> bodies;   ///< clusters of each body of the robot
+  std::vector<Ball> body_bounds;
+  std::vector<FramePair> frame_pairs;
+  std::vector<Pair> body_pairs;
+  float base[9] = {};            ///< rotation of the robot's base in the map, row by row
+  float padding = 0;             ///< metres
+  float slack = 0;               ///< no rounding at single precision puts a sphere farther off, metres
+  std::vector<float> lever;      ///< [frame * frames + mover]: no sphere's middle gets farther from the mover's
+                                 ///< axis, metres; of one that slides 1
+  std::size_t joints = 0;
+  std::size_t members = 0;       ///< bodies and pairs
+
+  float lever_of(std::size_t frame, std::size_t mover) const { return lever[frame * frames.size() + mover]; }
+};
+
+/// Null when the robot or the map is too large or too far away for single precision to be of use.
+/// @param bodies those that some joint moves. @param pairs of bodies of the robot, members after the bodies
+std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
+                                                std::span<const BodyPair> pairs, double padding);
+
+}  // namespace clearway
