@@ -59,7 +59,8 @@ EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configu
   open_.clear();
   members_.clear();
   queue_.clear();
-  for (int i = 0; i < first_cut; ++i) queue_.push_back({double(i) / first_cut, double(i + 1) / first_cut, 0, -1});
+  for (int i = 0; i < first_cut; ++i)
+    queue_.push_back({double(i) / first_cut, double(i + 1) / first_cut, 0, -1});
   for (std::size_t next = 0; next < queue_.size();) {
     const std::size_t count = std::min(queue_.size() - next, std::size_t{PieceLanes::count});
     std::array<Piece, PieceLanes::count> pieces;

@@ -49,7 +49,7 @@ class EdgePieces {
   const Configuration* from_ = nullptr;
   Eigen::VectorXd step_;
   double proved_share_ = 0.0;
-  std::vector<double> distance_;             ///< of each frame: |multiplier * step|
+  std::vector<double> distance_;          ///< of each frame: |multiplier * step|
   std::vector<double> bend_, pair_bend_;  ///< of each frame, pair of frames: over half the edge, metres
   std::vector<double> approach_;          ///< of each pair of frames, over the whole edge, metres
   std::vector<Piece> queue_, open_;

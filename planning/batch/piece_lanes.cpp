@@ -6,6 +6,10 @@
 
 #include "mapping/field/byte_field.hpp"
 
+// Three widths are enough; the library that chooses among all is not needed, nor linked.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
+#define HWY_DISABLE_PCLMUL_AES  // widest_vectors() does not ask for them
+#define HWY_DISABLE_F16C
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "planning/batch/piece_lanes.cpp"
 #include <hwy/foreach_target.h>
@@ -29,7 +33,9 @@ struct Point {
 };
 
 HWY_INLINE Vector load(const Floats& row, std::size_t lane) { return hn::Load(Tag(), row.at + lane); }
-HWY_INLINE void store(Vector numbers, Floats& row, std::size_t lane) { hn::Store(numbers, Tag(), row.at + lane); }
+HWY_INLINE void store(Vector numbers, Floats& row, std::size_t lane) {
+  hn::Store(numbers, Tag(), row.at + lane);
+}
 HWY_INLINE Vector all(float number) { return hn::Set(Tag(), number); }
 HWY_INLINE Point load_point(const Floats* rows, std::size_t lane) {
   return {load(rows[0], lane), load(rows[1], lane), load(rows[2], lane)};
@@ -43,7 +49,9 @@ HWY_INLINE Point minus(const Point& a, const Point& b) {
 HWY_INLINE Point plus(const Point& a, const Point& b) {
   return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
 }
-HWY_INLINE Point times(Vector s, const Point& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
+HWY_INLINE Point times(Vector s, const Point& a) {
+  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
+}
 HWY_INLINE Point cross(const Point& a, const Point& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
@@ -213,11 +221,12 @@ class Look {
     const auto x = axis(point.x, 0, gap.x, border, beyond);
     const auto y = axis(point.y, 1, gap.y, border, beyond);
     const auto z = axis(point.z, 2, gap.z, border, beyond);
-    const auto cell =
-        hn::Add(hn::Mul(hn::Add(hn::Mul(z, hn::Set(WholeTag(), bytes.size[1])), y), hn::Set(WholeTag(), bytes.size[0])), x);
-    const auto number = hn::And(
-        hn::GatherOffset(WholeTag(), reinterpret_cast<const std::int32_t*>(bytes.cells.data()), cell),
-        hn::Set(WholeTag(), 255));
+    const auto cell = hn::Add(hn::Mul(hn::Add(hn::Mul(z, hn::Set(WholeTag(), bytes.size[1])), y),
+                                      hn::Set(WholeTag(), bytes.size[0])),
+                              x);
+    const auto number =
+        hn::And(hn::GatherOffset(WholeTag(), reinterpret_cast<const std::int32_t*>(bytes.cells.data()), cell),
+                hn::Set(WholeTag(), 255));
     const Vector units = hn::ConvertTo(Tag(), number);
     const Vector off = hn::Mul(hn::Sqrt(squared(gap)), all(resolution));
     const Vector step = all(static_cast<float>(bytes.step));
@@ -280,7 +289,8 @@ class Look {
     }
   }
 
-  void look_at_ball(const SphereRobot::Group& group, const SphereRobot::Field& field, int index, Lanes asked) {
+  void look_at_ball(const SphereRobot::Group& group, const SphereRobot::Field& field, int index,
+                    Lanes asked) {
     const auto i = static_cast<std::size_t>(index);
     const auto member = static_cast<std::size_t>(robot_.member[i]);
     for (std::size_t lane = 0; lane < PieceLanes::count; lane += hn::Lanes(Tag())) {
@@ -435,8 +445,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace clearway {
 
-HWY_EXPORT(look_at_all);
-
 PieceLanes::PieceLanes(const SphereRobot& robot)
     : q(robot.joints, Doubles{}),
       step(robot.joints, Doubles{}),
@@ -461,10 +469,19 @@ void PieceLanes::want_all(int lanes) {
 void PieceLanes::want_none() { std::fill(wanted.begin(), wanted.end(), Lanes{0}); }
 
 void look(const SphereRobot& robot, PieceLanes& lanes) {
+  static const Vectors widest = widest_vectors();
+  look(robot, lanes, widest);
+}
+
+void look(const SphereRobot& robot, PieceLanes& lanes, Vectors vectors) {
   for (const int member : lanes.members) lanes.failed[static_cast<std::size_t>(member)] = 0;
   lanes.members.clear();
   lanes.blocked = lanes.stuck = 0;
-  HWY_DYNAMIC_DISPATCH(look_at_all)(robot, lanes);
+#if HWY_ARCH_X86
+  if (vectors == Vectors::avx512) return N_AVX3::look_at_all(robot, lanes);
+  if (vectors == Vectors::avx2) return N_AVX2::look_at_all(robot, lanes);
+#endif
+  HWY_STATIC_DISPATCH(look_at_all)(robot, lanes);
 }
 
 }  // namespace clearway

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mapping/field/distance_axes.hpp"
 #include "planning/batch/sphere_robot.hpp"
 
 namespace clearway {
@@ -25,8 +26,8 @@ struct PieceLanes {
 
   // What is asked.
   std::vector<Doubles> q, step;  ///< of each joint: in the middle, and from there to the end
-  std::vector<Floats> bend;  ///< of each frame: how far any ball's middle leaves the straight way that it is on
-                             ///< in the middle of the piece, at most, metres
+  std::vector<Floats> bend;  ///< of each frame: how far any ball's middle leaves the straight way that it is
+                             ///< on in the middle of the piece, at most, metres
   std::vector<Floats> pair_bend;  ///< of each pair of frames, the same of both, seen from where they meet
   std::vector<Floats> approach;   ///< of each pair of frames: how much balls of it approach at most, metres
   Lanes active = 0;               ///< lanes in use
@@ -43,19 +44,23 @@ struct PieceLanes {
   void want_all(int lanes);
   /// Asks for nothing, before `want`.
   void want_none();
-  void want(int member, int lane) { wanted[static_cast<std::size_t>(member)] |= static_cast<Lanes>(1U << lane); }
+  void want(int member, int lane) {
+    wanted[static_cast<std::size_t>(member)] |= static_cast<Lanes>(1U << lane);
+  }
 
   // Memory of look().
-  std::vector<Floats> value, motion;   ///< of each frame: of its joint
-  std::vector<Floats> pose;            ///< of each frame: 9 rows of its rotation, 3 of its place
-  std::vector<Floats> twist;           ///< of each frame: turn, then velocity of what is at the base
-  std::vector<Floats> middle;          ///< of each frame: of the sphere about its balls, as below
-  std::vector<Floats> place;           ///< of each ball: x, y, z about the base
-  std::vector<Lanes> is_placed;     ///< of each ball: a bit a register
+  std::vector<Floats> value, motion;  ///< of each frame: of its joint
+  std::vector<Floats> pose;           ///< of each frame: 9 rows of its rotation, 3 of its place
+  std::vector<Floats> twist;          ///< of each frame: turn, then velocity of what is at the base
+  std::vector<Floats> middle;         ///< of each frame: of the sphere about its balls, as below
+  std::vector<Floats> place;          ///< of each ball: x, y, z about the base
+  std::vector<Lanes> is_placed;       ///< of each ball: a bit a register
 };
 
 /// Fills in what was found: by spheres and fields alone, so never more than is true. The same bits on every
 /// machine.
 void look(const SphereRobot& robot, PieceLanes& lanes);
+/// The same with registers of one's choice, which the machine must have.
+void look(const SphereRobot& robot, PieceLanes& lanes, Vectors vectors);
 
 }  // namespace clearway

@@ -75,8 +75,8 @@ class Maker {
     out_.frames.emplace_back();
     for (const Link& link : robot_.links) {
       const bool is_root = link.parent < 0;
-      const Eigen::Isometry3d parent = is_root ? Eigen::Isometry3d::Identity()
-                                               : frame_from_link_[static_cast<std::size_t>(link.parent)];
+      const Eigen::Isometry3d parent =
+          is_root ? Eigen::Isometry3d::Identity() : frame_from_link_[static_cast<std::size_t>(link.parent)];
       const int parent_frame = is_root ? 0 : frame_of_link_[static_cast<std::size_t>(link.parent)];
       const Eigen::Isometry3d here = parent * link.parent_from_link;
       if (link.joint < 0) {
@@ -112,8 +112,7 @@ class Maker {
       SphereRobot::Field field{bytes, {}};
       const Eigen::Vector3d low = bytes->low - robot_.map_from_base.translation();
       for (int i = 0; i < 3; ++i) field.low[i] = static_cast<float>(low[i]);
-      size_ = std::max(
-          size_, low.norm() + (bytes->size.cast<double>() * bytes->resolution).norm());
+      size_ = std::max(size_, low.norm() + (bytes->size.cast<double>() * bytes->resolution).norm());
       out_.fields.push_back(field);
     }
   }
@@ -143,13 +142,15 @@ class Maker {
     });
     out_.bodies.resize(count);
     out_.body_bounds.resize(count);
-    for (const int body : order) add(static_cast<std::size_t>(body), frame(body), members[static_cast<std::size_t>(body)]);
+    for (const int body : order)
+      add(static_cast<std::size_t>(body), frame(body), members[static_cast<std::size_t>(body)]);
     group(field_of_);
     for (std::size_t i = 0; i < out_.frames.size(); ++i) {
       const auto first = std::lower_bound(out_.frame_of.begin(), out_.frame_of.end(), static_cast<int>(i));
       const auto last = std::upper_bound(first, out_.frame_of.end(), static_cast<int>(i));
-      out_.bounds.push_back(around(std::span(out_.balls).subspan(
-          static_cast<std::size_t>(first - out_.frame_of.begin()), static_cast<std::size_t>(last - first))));
+      out_.bounds.push_back(around(std::span(out_.balls)
+                                       .subspan(static_cast<std::size_t>(first - out_.frame_of.begin()),
+                                                static_cast<std::size_t>(last - first))));
     }
   }
 
@@ -160,8 +161,8 @@ class Maker {
     const int first = static_cast<int>(out_.balls.size());
     for (const Sphere& sphere : body.cover) {
       const Eigen::Vector3f at = (frame_from_link * sphere.center).cast<float>();
-      out_.balls.push_back({at.x(), at.y(), at.z(),
-                            static_cast<float>(sphere.radius * (1.0 + 2.0 * rounding_of_float))});
+      out_.balls.push_back(
+          {at.x(), at.y(), at.z(), static_cast<float>(sphere.radius * (1.0 + 2.0 * rounding_of_float))});
       out_.member.push_back(member);
       out_.frame_of.push_back(frame);
       const bool is_exact = body.shape.kind() != Shape::Kind::convex;  // else the box around it is measured
@@ -249,12 +250,12 @@ class Maker {
       if (frame(pair.a) < frame(pair.b)) std::swap(pair.a, pair.b);
       all.push_back({pair, frame(pair.a), frame(pair.b)});
     }
-    std::stable_sort(all.begin(), all.end(), [](const Told& x, const Told& y) {
-      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-    });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Told& x, const Told& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
     for (const Told& told : all) {
       const int index = static_cast<int>(out_.body_pairs.size());
-      if (out_.frame_pairs.empty() || out_.frame_pairs.back().a != told.a || out_.frame_pairs.back().b != told.b)
+      if (out_.frame_pairs.empty() || out_.frame_pairs.back().a != told.a ||
+          out_.frame_pairs.back().b != told.b)
         out_.frame_pairs.push_back({told.a, told.b, meeting(told.a, told.b), index, index});
       ++out_.frame_pairs.back().last;
       out_.body_pairs.push_back(told.pair);

@@ -33,7 +33,7 @@ struct SphereRobot {
     int parent = -1;
     int joint = -1;
     bool turns = false;
-    double multiplier = 1.0, offset = 0.0;  ///< value of the motion = multiplier * q + offset
+    double multiplier = 1.0, offset = 0.0;            ///< value of the motion = multiplier * q + offset
     float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
     float translation[3] = {};
   };
@@ -69,25 +69,25 @@ struct SphereRobot {
 
   std::uint64_t id = 0;  ///< no other's of this process
   std::vector<Frame> frames;
-  std::vector<Ball> balls;     ///< by frame, then field, then body; all in their frames
-  std::vector<int> member;     ///< of each: which of the bodies that were given; -1: one that no joint moves
-  std::vector<float> inner;    ///< of each: radius about its middle that lies in the body, <= 0: unknown
-  std::vector<int> frame_of;   ///< of each
+  std::vector<Ball> balls;    ///< by frame, then field, then body; all in their frames
+  std::vector<int> member;    ///< of each: which of the bodies that were given; -1: one that no joint moves
+  std::vector<float> inner;   ///< of each: radius about its middle that lies in the body, <= 0: unknown
+  std::vector<int> frame_of;  ///< of each
   std::vector<Field> fields;
-  std::vector<Group> groups;   ///< those of the last frames first: they meet things more often
-  std::vector<Ball> bounds;    ///< around all balls of each frame; radius < 0: none
+  std::vector<Group> groups;  ///< those of the last frames first: they meet things more often
+  std::vector<Ball> bounds;   ///< around all balls of each frame; radius < 0: none
   std::vector<Cluster> clusters;
-  std::vector<Range> bodies;   ///< clusters of each body of the robot
+  std::vector<Range> bodies;  ///< clusters of each body of the robot
   std::vector<Ball> body_bounds;
   std::vector<FramePair> frame_pairs;
   std::vector<Pair> body_pairs;
-  float base[9] = {};            ///< rotation of the robot's base in the map, row by row
-  float padding = 0;             ///< metres
-  float slack = 0;               ///< no rounding at single precision puts a sphere farther off, metres
-  std::vector<float> lever;      ///< [frame * frames + mover]: no sphere's middle gets farther from the mover's
-                                 ///< axis, metres; of one that slides 1
+  float base[9] = {};        ///< rotation of the robot's base in the map, row by row
+  float padding = 0;         ///< metres
+  float slack = 0;           ///< no rounding at single precision puts a sphere farther off, metres
+  std::vector<float> lever;  ///< [frame * frames + mover]: no sphere's middle gets farther from the mover's
+                             ///< axis, metres; of one that slides 1
   std::size_t joints = 0;
-  std::size_t members = 0;       ///< bodies and pairs
+  std::size_t members = 0;  ///< bodies and pairs
 
   float lever_of(std::size_t frame, std::size_t mover) const { return lever[frame * frames.size() + mover]; }
 };

@@ -150,7 +150,8 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     model.matters = model.matters.array().max((model.rates(member).array() > 0.0).cast<double>());
   std::vector<BlockedBody> blocked;
   for (std::size_t i = 0; i < model.bodies.size(); ++i)
-    blocked.push_back({&model.robot.bodies[static_cast<std::size_t>(model.indices[i])], &model.bodies[i].space()});
+    blocked.push_back(
+        {&model.robot.bodies[static_cast<std::size_t>(model.indices[i])], &model.bodies[i].space()});
   model.spheres = sphere_robot(model.robot, blocked, model.pairs, model.options.padding);
 }
 

@@ -1,0 +1,125 @@
+// Edges in pieces: against dense samples by shapes at double precision, and against the exact proof.
+
+#include "planning/batch/edge_pieces.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/worlds/batch_worlds.hpp"
+
+namespace clearway {
+namespace edge_pieces_test {
+
+/// The same answer without the batch.
+bool is_proved_exactly(const CollisionModel& model, const Configuration& from, const Configuration& to) {
+  std::vector<int> all(model.members());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<RecentCubes> recent(model.bodies.size());
+  return model.is_edge_free(from, to, all, recent);
+}
+
+bool is_free_at(const ConfigurationSpace& space, const Configuration& from, const Configuration& to,
+                double begin, double end, int samples) {
+  for (int i = 0; i <= samples; ++i) {
+    if (!space.is_free(from + (begin + (end - begin) * i / samples) * (to - from))) return false;
+  }
+  return true;
+}
+
+struct Counts {
+  int free = 0, blocked = 0, open = 0, parts = 0;
+};
+
+Counts judge(const ConfigurationSpace& space, std::uint64_t seed, int edges) {
+  const CollisionModel& model = space.collision_model();
+  EdgePieces pieces(*model.spheres);
+  Random random(seed);
+  Counts counts;
+  for (int i = 0; i < edges; ++i) {
+    const Configuration from = random.configuration(model.robot);
+    const Configuration to = from + std::pow(random.unit(), 2.0) * (random.configuration(model.robot) - from);
+    const EdgePieces::Finding finding = pieces.examine(from, to);
+    const std::string where = model.robot.name + " edge " + std::to_string(i);
+    const bool is_proved = is_proved_exactly(model, from, to);
+    EXPECT_FALSE(is_proved && !space.is_edge_free(from, to)) << where << ": refused although it was proved";
+    if (finding == EdgePieces::Finding::free) {
+      ++counts.free;
+      EXPECT_TRUE(is_free_at(space, from, to, 0.0, 1.0, 100)) << where;
+    }
+    if (finding == EdgePieces::Finding::blocked) {
+      ++counts.blocked;
+      EXPECT_FALSE(is_proved) << where;
+      EXPECT_FALSE(space.is_edge_free(from, to)) << where;
+    }
+    counts.open += finding == EdgePieces::Finding::open;
+    const double share = space.free_share(from, to);
+    EXPECT_EQ(share == 1.0, space.is_edge_free(from, to));
+    if (share == 0.0 || share == 1.0) continue;
+    ++counts.parts;
+    EXPECT_TRUE(is_free_at(space, from, to, 0.0, share, 100)) << where << " to " << share;
+  }
+  return counts;
+}
+
+TEST(EdgePieces, WhatTheyProveIsFreeAndWhatTheyRefuseCannotBeProved) {
+  Counts all;
+  for (Robot robot : worlds::robots_of_all_kinds()) {
+    Random random(11);
+    robot.map_from_base.translation() = random.point(1.0);
+    const Snapshot map = worlds::voxels_about(robot, 4);
+    for (const Policies& policies : {Policies{.critical_by_default = false}, Policies{}}) {
+      const ConfigurationSpace space(robot, map, policies, {.padding = 0.005});
+      const Counts counts = judge(space, 12, 150);
+      all.free += counts.free, all.blocked += counts.blocked, all.parts += counts.parts;
+    }
+  }
+  EXPECT_GT(all.free, 100);
+  EXPECT_GT(all.blocked, 100);
+  EXPECT_GT(all.parts, 100);
+}
+
+TEST(EdgePieces, OpenPiecesHoldAllThatIsNotDecided) {
+  const Robot robot = load_robot("puma560");
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 5), {.critical_by_default = false});
+  const CollisionModel& model = space.collision_model();
+  EdgePieces pieces(*model.spheres);
+  Random random(13);
+  int open = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Configuration from = random.configuration(robot);
+    const Configuration to = from + 0.2 * (random.configuration(robot) - from);
+    if (pieces.examine(from, to) != EdgePieces::Finding::open) continue;
+    ++open;
+    for (int k = 0; k <= 200; ++k) {  // what is not free at a sample is open there
+      const double part = k / 200.0;
+      const LinkPoses poses = forward_kinematics(model.robot, from + part * (to - from));
+      for (std::size_t body = 0; body < model.bodies.size(); ++body) {
+        if (model.bodies[body].is_clear(model.pose(poses, body), 0.0)) continue;
+        const auto& all = pieces.open_pieces();
+        EXPECT_TRUE(std::any_of(all.begin(), all.end(),
+                                [&](const EdgePieces::Piece& piece) {
+                                  if (part < piece.begin || part > piece.end) return false;
+                                  const auto first = pieces.open_members().begin() + piece.first;
+                                  const auto last = pieces.open_members().begin() + piece.last;
+                                  return std::find(first, last, static_cast<int>(body)) != last;
+                                }))
+            << "edge " << i << " at " << part;
+      }
+    }
+  }
+  EXPECT_GT(open, 20);
+}
+
+TEST(EdgePieces, ARobotTooFarAwayForSinglePrecisionIsLeftToTheExactProof) {
+  Robot robot = load_robot("planar2");
+  const Snapshot map = worlds::voxels_about(robot, 6);
+  robot.map_from_base.translation().x() = 1e6;
+  const ConfigurationSpace space(robot, map, {.critical_by_default = false});
+  EXPECT_EQ(space.collision_model().spheres, nullptr);
+  EXPECT_TRUE(space.is_edge_free(Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(0.5, 0.5)));
+  EXPECT_EQ(space.free_share(Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(0.5, 0.5)), 1.0);
+}
+
+}  // namespace edge_pieces_test
+}  // namespace clearway

@@ -1,0 +1,63 @@
+#pragma once
+
+// Robots among blocked voxels, for what looks at many configurations at once.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/space/collision_model.hpp"
+#include "tests/worlds/random_map.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway::worlds {
+
+/// Those that come with the program, and small ones with mimic joints, slides and two arms.
+inline std::vector<Robot> robots_of_all_kinds() {
+  std::vector<Robot> robots;
+  for (const char* name : {"puma560", "panda", "arm5", "planar2"}) robots.push_back(load_robot(name));
+  robots.push_back(whip().robot());
+  robots.push_back(telescope().robot());
+  robots.push_back(scissors().robot());
+  return robots;
+}
+
+/// The robot in all of these is more than 10 cm away from the point.
+inline bool keep_away(const Robot& robot, const std::vector<Configuration>& homes,
+                      const Eigen::Vector3d& point) {
+  for (const Configuration& home : homes) {
+    const LinkPoses poses = forward_kinematics(robot, home);
+    for (const Body& body : robot.bodies) {
+      for (const Sphere& sphere : body.cover) {
+        const Eigen::Vector3d center = poses[static_cast<std::size_t>(body.link)] * sphere.center;
+        if ((center - point).norm() < sphere.radius + 0.1) return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// Some 15 blocked voxels where the robot's last bodies get, but for a few configurations, and as many
+/// painted spheres.
+inline Snapshot voxels_about(const Robot& robot, std::uint64_t seed, double edge = 0.05) {
+  Random random(seed);
+  FreeSpaceMap map({.resolution = edge});
+  const int volume = map.add_volume("free", robot.critical_parts);
+  std::vector<Configuration> homes;
+  for (int i = 0; i < 4; ++i) homes.push_back(random.configuration(robot));
+  for (int i = 0, blocked = 0; i < 400 && blocked < 15; ++i) {
+    const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+    const Body& body = robot.bodies[robot.bodies.size() - 1 - static_cast<std::size_t>(random.below(2))];
+    const Eigen::Vector3d at =
+        poses[static_cast<std::size_t>(body.link)] * body.link_from_shape.translation() + random.point(0.1);
+    if (i < 15) map.paint(volume, {at, random.between(0.2, 0.5)});
+    if (!keep_away(robot, homes, at)) continue;
+    occupy(map, ((at / edge).array().floor() + 0.5) * edge);
+    ++blocked;
+  }
+  return map.snapshot();
+}
+
+}  // namespace clearway::worlds
