@@ -9,7 +9,7 @@
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/system/number_text.hpp"
 #include "planning/advice/paint_advice.hpp"
-#include "planning/beam/beam_guided.hpp"
+#include "planning/auto_planner.hpp"
 #include "planning/check/path_check.hpp"
 
 namespace clearway {
@@ -151,7 +151,7 @@ PathCost path_cost(const PlanQuery& query) {
 Plan plan_and_check(const PlanQuery& query) {
   require_fields(query);
   const PathCost cost = path_cost(query);
-  const auto planner = query.planner ? query.planner : std::make_shared<const BeamGuided>();
+  const auto planner = query.planner ? query.planner : std::make_shared<const AutoPlanner>();
   Plan plan = empty_plan(query, *planner);
   plan_legs(query, *planner, cost, plan);
   check_whole_path(query.space, plan);

@@ -22,7 +22,7 @@ struct PlanQuery {
   const ConfigurationSpace& space;   ///< robot, map, policy of each part, padding; outlives the call
   Configuration start;               ///< rad or m, one value for each joint, in the robot's order
   std::vector<Configuration> goals;  ///< the same, at least one; visited in this order, each ends a leg
-  /// Null: `beam_guided` with its defaults. Else of a struct of options, or of a name and text:
+  /// Null: `auto` with its defaults. Else of a struct of options, or of a name and text:
   ///   std::make_shared<Beam>(BeamOptions{.width = 20}), make_planner("beam", {{"width", "20"}})
   std::shared_ptr<const Planner> planner = nullptr;
   std::uint64_t seed = 1;                                 ///< of the planner, for every leg

@@ -2,6 +2,7 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/auto_planner.hpp"
 #include "planning/beam/beam.hpp"
 #include "planning/beam/beam_guided.hpp"
 #include "planning/beam/beam_reference.hpp"
@@ -32,6 +33,8 @@ PlannerEntry entry(std::string_view description) {
 
 const std::vector<PlannerEntry>& planner_table() {
   static const std::vector<PlannerEntry> table = {
+      entry<AutoPlanner>(
+          "the one to call: trees, local method and guided search in turn, until one succeeds"),
       entry<Beam>("beam search on a joint lattice (Chong et al. 2008, Fig. 8)"),
       entry<BeamGuided>("beam search led by a route through paint or free voxels, then straightened (ours)"),
       entry<BeamReference>("beam with every neighbour checked: slow and obvious, for comparison"),
@@ -43,9 +46,10 @@ const std::vector<PlannerEntry>& planner_table() {
       entry<Constraint>("the local step of boundary alone: stops at the first deadlock"),
       entry<Est>("EST of OMPL, with certified edges"),
       entry<Prm>("PRM of OMPL, with certified edges"),
-      entry<RrtConnect>("RRT-Connect of OMPL, with certified edges"),
+      entry<RrtConnect>("RRT-Connect on certified edges, many pieces of them at once, then shortcuts (ours)"),
       entry<RrtConnectFcl>(
           "RRT-Connect of OMPL as most people run it: FCL on an octree, edges not certified"),
+      entry<RrtConnectOmpl>("RRT-Connect of OMPL, with certified edges and OMPL's simplification"),
       entry<RrtStar>("RRT* of OMPL, with certified edges: improves its path until samples or time are out"),
   };
   return table;

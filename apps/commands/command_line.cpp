@@ -96,7 +96,7 @@ Command add_plan(CLI::App& app, Console& console) {
       ->take_all();
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")
-      ->required()
+      ->capture_default_str()
       ->type_name("NAME");
   command->add_option("--set", options->settings, "planner option; repeatable")
       ->type_name("KEY=VALUE")

@@ -58,7 +58,7 @@ struct PlanOptions {
   bool degrees = false;
   CostChoice cost;
   SurveyDemands survey;
-  std::string planner;
+  std::string planner = "auto";
   std::vector<std::string> settings;  ///< "key=value", planner options
   std::uint64_t seed = 1;
   double time_limit = 60.0;

@@ -159,7 +159,7 @@ PaintAdvice advise_paint(const Planner& planner, const PlanProblem& problem, boo
   if (check_ends(free).status != PlanStatus::solved) return advice;
 
   if (dynamic_cast<const BeamGuided*>(&planner) == nullptr) {
-    advice.way_exists = BeamGuided().plan(problem).status == PlanStatus::solved;
+    advice.way_exists = BeamGuided({.max_samples = 20000}).plan(problem).status == PlanStatus::solved;
   }
   const PlanResult own = planner.plan(free);
   std::optional<std::vector<PaintHint>> ours, other;

@@ -14,14 +14,14 @@ std::string_view to_string(BoundaryPlusStage stage);
 struct BoundaryPlusOptions {
   ConstraintOptions local = {};  ///< its max_steps stays 0: local_steps and plane_steps count
   double stride = 4.0;  ///< max_step, when left to us, is that many times the one of `constraint`, 0.1 to 10
-  int local_steps = 300;      ///< of one run of the local method, 0 to 1,000,000; 0: no local method
-  int planes = 4;             ///< tried at most from each side, 0 to 1000; 0: none
-  int plane_steps = 60;       ///< of one run along a boundary and local steps after it, 1 to 1,000,000
-  int max_samples = 20000;    ///< of the hand-over, 0 to 100,000,000; 0: none
-  double guided_share = 0.3;  ///< of its samples that a route for the hand proposes, after the first 300, 0
-                              ///< to 1
-  int shortcuts = 100;        ///< attempts to shorten the path, 0 to 1,000,000
-  bool smooth = true;         ///< corners are rounded
+  int local_steps = 300;        ///< of one run of the local method, 0 to 1,000,000; 0: no local method
+  int planes = 4;               ///< tried at most from each side, 0 to 1000; 0: none
+  int plane_steps = 60;         ///< of one run along a boundary and local steps after it, 1 to 1,000,000
+  int max_samples = 100000000;  ///< of the hand-over, 0 to 100,000,000; 0: none
+  double guided_share = 0.3;    ///< of its samples that a route for the hand proposes, after the first 300, 0
+                                ///< to 1
+  int shortcuts = 100;          ///< attempts to shorten the path, 0 to 1,000,000
+  bool smooth = true;           ///< corners are rounded
 };
 BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initial);
 

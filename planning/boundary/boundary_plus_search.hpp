@@ -4,9 +4,9 @@
 #include <random>
 #include <string>
 
-#include "planning/sampling/bidirectional_trees.hpp"
 #include "planning/boundary/boundary_plus.hpp"
 #include "planning/boundary/local_run.hpp"
+#include "planning/sampling/bidirectional_trees.hpp"
 
 namespace clearway {
 

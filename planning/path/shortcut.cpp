@@ -23,23 +23,23 @@ class Shortener {
       constexpr std::size_t few = 8;
       for (std::size_t to = path_.size() - 1; to > from + 1;
            to -= to - from > few ? (to - from) / 2 : std::size_t{1}) {
-        if (!is_free(path_[from], path_[to])) continue;
+        if (!space_.is_edge_free(path_[from], path_[to])) continue;
         path_.erase(at(from + 1), at(to));
         break;
       }
     }
   }
 
-  /// Two points of the path joined, over and over; in turn any two, and two about a waypoint. Ends when some
-  /// `patience` tries gained nothing worth while.
+  /// Two points of the path joined, over and over; in turn any two, and two about a waypoint. Ends when so
+  /// many tries in a row, more for longer paths, gained nothing worth while.
   void cut(std::mt19937_64& random) {
-    constexpr int patience = 12;
     constexpr double worth_while = 0.002;
+    const int patience = 8 + 2 * static_cast<int>(path_.size());
     for (int idle = 0; idle < patience && left_ > 0 && path_.size() > 2;) {
       const std::vector<double> lengths = edge_lengths(path_, weight_);
       const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
       const auto [from, to] = left_ % 2 == 0 ? any_two(lengths, whole, random) : about_a_waypoint(random);
-      const double gained = from.edge < to.edge ? join(from, to) : 0.0;
+      const double gained = join(from, to);
       idle = gained > worth_while * whole ? 0 : idle + 1;
     }
   }
@@ -51,12 +51,6 @@ class Shortener {
 
   std::vector<Configuration>::iterator at(std::size_t index) {
     return path_.begin() + static_cast<std::ptrdiff_t>(index);
-  }
-
-  bool is_free(const Configuration& from, const Configuration& to) {
-    if (left_ <= 0) return false;
-    --left_;
-    return space_.is_edge_free(from, to);
   }
 
   static Places any_two(const std::vector<double>& lengths, double whole, std::mt19937_64& random) {
@@ -74,13 +68,15 @@ class Shortener {
 
   /// Joins two places of different edges; how much shorter that made the path.
   double join(const PlaceOnPath& from, const PlaceOnPath& to) {
+    --left_;
+    if (from.edge == to.edge) return 0.0;
     const Configuration start = point_at(path_, from), end = point_at(path_, to);
     const auto length = [&](const Configuration& a, const Configuration& b) {
       return weight_.cwiseProduct(b - a).norm();
     };
     double gained = -length(start, end) + length(start, path_[from.edge + 1]) + length(path_[to.edge], end);
     for (std::size_t i = from.edge + 1; i < to.edge; ++i) gained += length(path_[i], path_[i + 1]);
-    if (gained <= 0.0 || !is_free(start, end)) return 0.0;
+    if (gained <= 0.0 || !space_.is_edge_free(start, end)) return 0.0;
     std::vector<Configuration> shorter(path_.begin(), at(from.edge + 1));
     if (start != shorter.back()) shorter.push_back(start);
     if (end != path_[to.edge + 1]) shorter.push_back(end);
@@ -92,7 +88,7 @@ class Shortener {
   const ConfigurationSpace& space_;
   const Eigen::VectorXd& weight_;
   std::vector<Configuration> path_;
-  int left_;  ///< edges that may still be tried
+  int left_;  ///< tries to cut
 };
 
 }  // namespace
@@ -101,9 +97,11 @@ std::vector<Configuration> shortcut(const ConfigurationSpace& space, std::vector
                                     const Eigen::VectorXd& weight, std::uint64_t seed, int attempts) {
   std::mt19937_64 random(seed);
   Shortener shortener(space, std::move(path), weight, attempts);
-  shortener.jump();
-  shortener.cut(random);
-  shortener.jump();
+  if (attempts > 0) {
+    shortener.jump();
+    shortener.cut(random);
+    shortener.jump();
+  }
   return std::move(shortener).path();
 }
 

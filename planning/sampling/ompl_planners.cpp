@@ -3,9 +3,11 @@
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/objectives/PathLengthOptimizationObjective.h>
 #include <ompl/base/samplers/InformedStateSampler.h>
+#include <ompl/datastructures/NearestNeighborsLinear.h>
 #include <ompl/geometric/planners/est/EST.h>
 #include <ompl/geometric/planners/informedtrees/BITstar.h>
 #include <ompl/geometric/planners/prm/PRM.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 
 #include <cmath>
@@ -14,6 +16,7 @@
 
 #include "planning/problem/option_reader.hpp"
 #include "planning/sampling/ompl_query.hpp"
+#include "planning/sampling/seeded_simplifier.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -171,6 +174,13 @@ int read_shortcuts(OptionReader& reader, int initial) {
 
 }  // namespace
 
+RrtConnectOmplOptions read_options(OptionReader& reader, RrtConnectOmplOptions initial) {
+  return {.range = read_range(reader, initial.range),
+          .prismatic_scale = read_prismatic_scale(reader, initial.prismatic_scale),
+          .max_samples = read_max_samples(reader, initial.max_samples),
+          .simplify = reader.flag("simplify", initial.simplify)};
+}
+
 EstOptions read_options(OptionReader& reader, EstOptions initial) {
   return {.range = read_range(reader, initial.range),
           .prismatic_scale = read_prismatic_scale(reader, initial.prismatic_scale),
@@ -200,6 +210,14 @@ BitStarOptions read_options(OptionReader& reader, BitStarOptions initial) {
 
 OmplPlanner::OmplPlanner(std::string_view name, PlannerOptions in_force, const Settings& settings)
     : Planner(name, std::move(in_force)), settings_(settings) {}
+
+RrtConnectOmpl::RrtConnectOmpl(const RrtConnectOmplOptions& options)
+    : OmplPlanner(table_name, text_of_options(table_name, options),
+                  {.algorithm = Algorithm::rrtconnect,
+                   .range = options.range,
+                   .prismatic_scale = options.prismatic_scale,
+                   .max_samples = options.max_samples,
+                   .simplify = options.simplify}) {}
 
 Est::Est(const EstOptions& options)
     : OmplPlanner(table_name, text_of_options(table_name, options),
@@ -250,7 +268,13 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   if (algorithm == Algorithm::rrtstar || algorithm == Algorithm::bitstar)  // the others take the first path
     definition->setOptimizationObjective(std::make_shared<ShortPath>(information, query, is_over));
   ob::PlannerPtr planner;
-  if (algorithm == Algorithm::est) {
+  if (algorithm == Algorithm::rrtconnect) {
+    const auto trees = std::make_shared<og::RRTConnect>(information);
+    trees
+        ->setNearestNeighbors<ompl::NearestNeighborsLinear>();  // the default draws from OMPL's own generator
+    trees->setRange(settings_.range);
+    planner = trees;
+  } else if (algorithm == Algorithm::est) {
     const auto est = std::make_shared<Seeded<og::EST>>(information, problem.seed);
     est->setRange(settings_.range);
     planner = est;
@@ -268,6 +292,11 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   planner->setProblemDefinition(definition);
   planner->setup();
   planner->solve(ob::PlannerTerminationCondition(is_over));
+  if (settings_.simplify && definition->hasExactSolution()) {
+    SeededSimplifier(information, query)
+        .simplify(*definition->getSolutionPath()->as<og::PathGeometric>(),
+                  ob::PlannerTerminationCondition([&] { return problem.out_of_time(); }), false);
+  }
   found.waypoints = waypoints(query, *definition);
   found.samples = query.samples;
   found.configurations = query.configurations;

@@ -8,15 +8,21 @@ class OptionReader;
 
 // Options of OMPL's sampling planners. Weighted units: see joint_weights.
 
+struct RrtConnectOmplOptions {
+  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 100000000;   ///< 1 to 100,000,000
+  bool simplify = true;          ///< OMPL's path simplification, with certified edges, instead of shortcuts
+};
 struct EstOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 20000;       ///< 1 to 100,000,000
-  int shortcuts = 100;           ///< attempts to shorten the path, 0 to 1,000,000
+  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 struct PrmOptions {
   double prismatic_scale = 0.0;  ///< as EstOptions, like all below
-  int max_samples = 20000;
+  int max_samples = 100000000;
   int shortcuts = 100;
 };
 struct RrtStarOptions {
@@ -31,13 +37,14 @@ struct BitStarOptions {
   int max_samples = 5000;  ///< drawn in any case, to improve the path
   int shortcuts = 100;
 };
+RrtConnectOmplOptions read_options(OptionReader& reader, RrtConnectOmplOptions initial);
 EstOptions read_options(OptionReader& reader, EstOptions initial);
 PrmOptions read_options(OptionReader& reader, PrmOptions initial);
 RrtStarOptions read_options(OptionReader& reader, RrtStarOptions initial);
 BitStarOptions read_options(OptionReader& reader, BitStarOptions initial);
 
 /// A sampling planner of OMPL with our certified edges as its motion validator, then shortcuts, each edge
-/// certified again: as RrtConnect. `rrtstar` and `bitstar` go on to improve on the weighted length of their
+/// certified again. `rrtstar` and `bitstar` go on to improve on the weighted length of their
 /// path until `max_samples` are drawn or time is out. The same seed gives the same path as long as samples,
 /// not time, end the search: all that these planners draw comes from generators of the query's own, but for
 /// pivots of OMPL's trees of nearest neighbours, whose answers are exact whatever these are.
@@ -46,15 +53,16 @@ class OmplPlanner : public Planner {
   PlanResult plan(const PlanProblem& problem) const override;
 
  protected:
-  enum class Algorithm { est, prm, rrtstar, bitstar };
+  enum class Algorithm { rrtconnect, est, prm, rrtstar, bitstar };
 
-  /// What all four share, and what some have.
+  /// What all share, and what some have.
   struct Settings {
     Algorithm algorithm = Algorithm::est;
     double range = 0.0;
     int batch = 0;
     double prismatic_scale = 0.0;
     int max_samples = 0, shortcuts = 0;
+    bool simplify = false;
   };
   OmplPlanner(std::string_view name, PlannerOptions in_force, const Settings& settings);
 
@@ -63,6 +71,14 @@ class OmplPlanner : public Planner {
 };
 
 // Each throws std::invalid_argument naming the option that is out of range.
+
+/// RRT-Connect (Kuffner and LaValle 2000), as a peer of `rrtconnect`, which is ours.
+class RrtConnectOmpl : public OmplPlanner {
+ public:
+  using Options = RrtConnectOmplOptions;
+  static constexpr std::string_view table_name = "rrtconnect_ompl";
+  explicit RrtConnectOmpl(const RrtConnectOmplOptions& options = {});
+};
 
 /// Expansive space trees (Hsu, Latombe and Motwani 1999).
 class Est : public OmplPlanner {

@@ -7,15 +7,16 @@ namespace clearway {
 class OptionReader;
 
 struct RrtConnectOptions {
-  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
+  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: a fifth of the extent
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 20000;       ///< 1 to 100,000,000
-  int shortcuts = 100;           ///< attempts to shorten the path, 0 to 1,000,000
+  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 RrtConnectOptions read_options(OptionReader& reader, RrtConnectOptions initial);
 
-/// RRT-Connect of OMPL (Kuffner and LaValle 2000) with our certified edges as its motion validator, then
-/// shortcuts, each edge certified again. The same seed gives the same path.
+/// RRT-Connect (Kuffner and LaValle 2000) on certified edges: the straight edge, then two trees that go as
+/// far towards each sample as the way is free; then shortcuts. All of its path is certified. The same seed
+/// gives the same path.
 class RrtConnect : public Planner {
  public:
   using Options = RrtConnectOptions;

@@ -2,7 +2,6 @@
 
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/datastructures/NearestNeighborsLinear.h>
-#include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "planning/problem/option_reader.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
 #include "planning/sampling/ompl_query.hpp"
+#include "planning/sampling/seeded_simplifier.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -40,15 +40,6 @@ bool is_same(const Robot& a, const Robot& b) {
          std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), same_body) &&
          a.exempt == b.exempt && a.map_from_base.matrix() == b.map_from_base.matrix();
 }
-
-/// OMPL's own simplifier with the query's seed.
-class SeededSimplifier : public ompl::geometric::PathSimplifier {
- public:
-  SeededSimplifier(const ob::SpaceInformationPtr& information, OmplQuery& query)
-      : ompl::geometric::PathSimplifier(information) {
-    rng_.setLocalSeed(static_cast<std::uint_fast32_t>(query.random()));
-  }
-};
 
 ob::SpaceInformationPtr sampled_checks(OmplQuery& query, const FclOctreeSpace& scene, double resolution) {
   const auto information = std::make_shared<ob::SpaceInformation>(state_space(query));

@@ -13,7 +13,7 @@ struct RrtConnectFclOptions {
   bool simplify = true;          ///< OMPL's path simplification
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 20000;       ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< 1 to 100,000,000
 };
 RrtConnectFclOptions read_options(OptionReader& reader, RrtConnectFclOptions initial);
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,11 @@ struct ProximityConstraint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< n, from the robot to the obstacle
 };
 
+/// A straight way in joint space.
+struct Edge {
+  Configuration from, to;
+};
+
 struct CollisionModel;  // planning/space/collision_model.hpp
 
 /// A robot in a map under a policy: the one place that says which configurations and edges are free.
@@ -87,12 +93,18 @@ class ConfigurationSpace {
 
   /// Exact decision: limits, self-collision, every body against every blocked voxel cube of its requirement.
   bool is_free(const Configuration& q) const;
+  /// The same of many, several times as fast: by spheres for sixteen at a time, by exact shapes where these
+  /// cannot tell. The same answers, whatever the machine and however they are put together.
+  std::vector<bool> is_free(std::span<const Configuration> qs) const;
   /// The same with the reason.
   Verdict check(const Configuration& q) const;
 
   /// Certified for every configuration on the straight edge: adaptive bisection, each piece proved by
   /// clearance over the bodies' reach bounds. False when blocked or undecided at options().edge_resolution.
   bool is_edge_free(const Configuration& from, const Configuration& to) const;
+
+  /// The same of many.
+  std::vector<bool> is_edge_free(std::span<const Edge> edges) const;
 
   /// How much of the straight edge is certified free from its start on, 0..1: 1 where is_edge_free() holds,
   /// else a part that costs nothing more to know, often 0. For searches that go as far as they can.

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "mapping/free_space_map.hpp"
+#include "planning/auto_planner.hpp"
 #include "planning/beam/beam.hpp"
-#include "planning/beam/beam_guided.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -36,8 +36,8 @@ TEST(PlanAndCheck, NeedsASpaceAStartAndAGoalAndTellsTheWholeStory) {
   EXPECT_EQ(plan.status(), PlanStatus::solved);
   EXPECT_EQ(plan.waypoints().front(), left);
   EXPECT_EQ(plan.waypoints().back(), right);
-  EXPECT_EQ(plan.planner, "beam_guided");
-  EXPECT_EQ(plan.options, BeamGuided().options());
+  EXPECT_EQ(plan.planner, "auto");
+  EXPECT_EQ(plan.options, AutoPlanner().options());
   EXPECT_EQ(plan.robot, "point");
   EXPECT_EQ(plan.joints, (std::vector<std::string>{"x", "y"}));
   EXPECT_EQ(plan.map_resolution, 0.05);
@@ -171,7 +171,10 @@ TEST(PlanAndCheck, SaysWherePaintingWouldConnectStartAndGoalUnlessNoTimeIsGivenF
   const VoxelScene scene{
       0.05, {}, {{Eigen::Vector3d(0, 0, 0), 0.5}, {Eigen::Vector3d(2, 0, 0), 0.5}}, {"base"}};
   const ConfigurationSpace space(load_robot("point"), scene.snapshot());
-  PlanQuery query{.space = space, .start = left, .goals = {right}, .planner = make_planner("rrtconnect")};
+  PlanQuery query{.space = space,
+                  .start = left,
+                  .goals = {right},
+                  .planner = make_planner("rrtconnect", {{"max_samples", "2000"}})};
   const Plan advised = plan_and_check(query);
   EXPECT_EQ(advised.status(), PlanStatus::no_path);
   ASSERT_FALSE(advised.paint.empty());

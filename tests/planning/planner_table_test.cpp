@@ -8,6 +8,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "planning/auto_planner.hpp"
 #include "planning/beam/beam.hpp"
 #include "planning/beam/beam_guided.hpp"
 #include "planning/beam/beam_reference.hpp"
@@ -100,6 +101,7 @@ SameOptions range() {
 
 const std::map<std::string, SameOptions>& all_options() {
   static const std::map<std::string, SameOptions> all = {
+      {"auto", sampling_options<AutoPlanner>() + shortcuts<AutoPlanner>()},
       {"beam", beam_options<Beam>()},
       {"beam_reference", beam_options<BeamReference>()},
       {"beam_guided", range<BeamGuided>() + sampling_options<BeamGuided>() +
@@ -121,6 +123,8 @@ const std::map<std::string, SameOptions>& all_options() {
                                         {"guided_share", "0", typed<BoundaryPlus>({.guided_share = 0.0})},
                                         {"smooth", "false", typed<BoundaryPlus>({.smooth = false})}}},
       {"rrtconnect", range<RrtConnect>() + sampling_options<RrtConnect>() + shortcuts<RrtConnect>()},
+      {"rrtconnect_ompl", range<RrtConnectOmpl>() + sampling_options<RrtConnectOmpl>() +
+                              SameOptions{{"simplify", "false", typed<RrtConnectOmpl>({.simplify = false})}}},
       {"est", range<Est>() + sampling_options<Est>() + shortcuts<Est>()},
       {"prm", sampling_options<Prm>() + shortcuts<Prm>()},
       {"rrtstar", range<RrtStar>() + sampling_options<RrtStar>() + shortcuts<RrtStar>()},
@@ -164,6 +168,7 @@ TEST(PlannerTable, APlannerMadeOfNothingIsThatOfTheTableWithoutOptions) {
   expect_defaults<Boundary>(), expect_defaults<BoundaryPlus>(), expect_defaults<BoundarySides>();
   expect_defaults<Constraint>(), expect_defaults<Est>(), expect_defaults<Prm>();
   expect_defaults<RrtConnect>(), expect_defaults<RrtConnectFcl>();
+  expect_defaults<AutoPlanner>(), expect_defaults<RrtConnectOmpl>();
   expect_defaults<RrtStar>(), expect_defaults<BitStar>();
 }
 

@@ -1,0 +1,55 @@
+// Many configurations at once against one at a time.
+
+#include <gtest/gtest.h>
+
+#include "tests/worlds/batch_worlds.hpp"
+
+namespace clearway {
+namespace batch_checks_test {
+
+TEST(BatchChecks, ManyConfigurationsAreJudgedAsEachAlone) {
+  int free = 0, all = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const Snapshot map = worlds::voxels_about(robot, 7);
+    for (const Policies& policies : {Policies{.critical_by_default = false}, Policies{}}) {
+      const ConfigurationSpace space(robot, map, policies, {.padding = 0.003});
+      Random random(17);
+      std::vector<Configuration> qs;
+      for (int i = 0; i < 333; ++i) {  // not a multiple of a batch
+        qs.push_back(random.configuration(robot));
+        if (i % 10 == 0) qs.back()[0] = i % 20 == 0 ? std::nan("") : 1e3;
+        if (i % 50 == 7) qs.back() = Eigen::VectorXd::Zero(1 + (robot.dof() == 1 ? 1 : 0));
+      }
+      const std::vector<bool> together = space.is_free(qs);
+      ASSERT_EQ(together.size(), qs.size());
+      for (std::size_t i = 0; i < qs.size(); ++i) {
+        ASSERT_EQ(together[i], space.is_free(qs[i])) << robot.name << " " << i;
+        free += together[i];
+        ++all;
+      }
+      for (const std::size_t count : {0, 1, 16, 17})
+        ASSERT_TRUE(std::equal(together.begin(), together.begin() + static_cast<std::ptrdiff_t>(count),
+                               space.is_free(std::span(qs).first(count)).begin()));
+    }
+  }
+  EXPECT_GT(free, all / 10);
+  EXPECT_LT(free, all * 9 / 10);
+}
+
+TEST(BatchChecks, ManyEdgesAreJudgedAsEachAlone) {
+  const Robot robot = load_robot("arm5");
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 8), {.critical_by_default = false});
+  Random random(18);
+  std::vector<Edge> edges;
+  for (int i = 0; i < 100; ++i) {
+    const Configuration from = random.configuration(robot);
+    edges.push_back({from, from + 0.2 * (random.configuration(robot) - from)});
+  }
+  const std::vector<bool> together = space.is_edge_free(edges);
+  ASSERT_EQ(together.size(), edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    EXPECT_EQ(together[i], space.is_edge_free(edges[i].from, edges[i].to));
+}
+
+}  // namespace batch_checks_test
+}  // namespace clearway
