@@ -8,8 +8,9 @@
 
 // Three widths are enough; the library that chooses among all is not needed, nor linked.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
-#define HWY_DISABLE_PCLMUL_AES  // widest_vectors() does not ask for them
+#define HWY_DISABLE_PCLMUL_AES  // best_instruction_set() does not ask for them
 #define HWY_DISABLE_F16C
+#define HWY_DISABLE_BMI2_FMA
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "planning/batch/piece_lanes.cpp"
 #include <hwy/foreach_target.h>
@@ -469,17 +470,17 @@ void PieceLanes::want_all(int lanes) {
 void PieceLanes::want_none() { std::fill(wanted.begin(), wanted.end(), Lanes{0}); }
 
 void look(const SphereRobot& robot, PieceLanes& lanes) {
-  static const Vectors widest = widest_vectors();
+  static const InstructionSet widest = best_instruction_set();
   look(robot, lanes, widest);
 }
 
-void look(const SphereRobot& robot, PieceLanes& lanes, Vectors vectors) {
+void look(const SphereRobot& robot, PieceLanes& lanes, InstructionSet vectors) {
   for (const int member : lanes.members) lanes.failed[static_cast<std::size_t>(member)] = 0;
   lanes.members.clear();
   lanes.blocked = lanes.stuck = 0;
 #if HWY_ARCH_X86
-  if (vectors == Vectors::avx512) return N_AVX3::look_at_all(robot, lanes);
-  if (vectors == Vectors::avx2) return N_AVX2::look_at_all(robot, lanes);
+  if (vectors == InstructionSet::avx512) return N_AVX3::look_at_all(robot, lanes);
+  if (vectors == InstructionSet::avx2) return N_AVX2::look_at_all(robot, lanes);
 #endif
   HWY_STATIC_DISPATCH(look_at_all)(robot, lanes);
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/field/distance_axes.hpp"
+#include "mapping/system/instruction_set.hpp"
 #include "planning/batch/sphere_robot.hpp"
 
 namespace clearway {
@@ -61,6 +61,6 @@ struct PieceLanes {
 /// machine.
 void look(const SphereRobot& robot, PieceLanes& lanes);
 /// The same with registers of one's choice, which the machine must have.
-void look(const SphereRobot& robot, PieceLanes& lanes, Vectors vectors);
+void look(const SphereRobot& robot, PieceLanes& lanes, InstructionSet vectors);
 
 }  // namespace clearway

@@ -144,9 +144,9 @@ TEST(PieceLanes, MostOfWhatIsFreeIsProved) {
 }
 
 TEST(PieceLanes, AllRegistersFindTheSame) {
-  std::vector<Vectors> kinds{Vectors::portable};
-  if (widest_vectors() != Vectors::portable) kinds.push_back(Vectors::avx2);
-  if (widest_vectors() == Vectors::avx512) kinds.push_back(Vectors::avx512);
+  std::vector<InstructionSet> kinds{InstructionSet::portable};
+  if (best_instruction_set() != InstructionSet::portable) kinds.push_back(InstructionSet::avx2);
+  if (best_instruction_set() == InstructionSet::avx512) kinds.push_back(InstructionSet::avx512);
   for (const Robot& robot : worlds::robots_of_all_kinds()) {
     const ConfigurationSpace space(robot, worlds::voxels_about(robot, 3), {});
     const SphereRobot& spheres = *space.collision_model().spheres;
