@@ -90,7 +90,7 @@ TEST_F(CommandLine, lists_are_json_when_asked) {
   const Json robots = Json::parse(run_command({"robots", "--json"}).out);
   std::set<std::string> names;
   for (const auto& robot : robots["robots"]) names.insert(robot["name"]);
-  for (const char* name : {"puma560", "puma560_miniature", "panda", "arm5", "planar2", "point"})
+  for (const char* name : {"puma560", "puma560_miniature", "panda", "arm5", "arm6", "planar2", "point"})
     EXPECT_TRUE(names.count(name)) << name;
   const Json planners = Json::parse(run_command({"planners", "--json"}).out);
   std::set<std::string> found;

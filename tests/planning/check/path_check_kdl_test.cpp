@@ -33,7 +33,7 @@ double largest_share(const Robot& robot) {
 }
 
 TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
-  for (const char* name : {"puma560", "panda", "arm5", "planar2", "point"})
+  for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"})
     EXPECT_GT(largest_share(load_robot(name)), 0.3) << name;
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
   for (const Robot& robot : {whip.robot(), telescope.robot()}) EXPECT_GT(largest_share(robot), 0.3);

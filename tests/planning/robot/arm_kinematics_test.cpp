@@ -22,7 +22,7 @@ TEST(ArmKinematics, ASlidingLinkThatFollowsNoJointKeepsItsOffset) {
 }
 
 TEST(ArmKinematics, PlacesLinksAndMovesPointsAsTheGeneralFunctionsDo) {
-  for (const char* name : {"puma560", "arm5", "panda", "planar2", "point"}) {
+  for (const char* name : {"puma560", "arm5", "arm6", "panda", "planar2", "point"}) {
     Robot robot = load_robot(name);
     robot.links.back().multiplier = -0.7;  // a joint that drives its link at another rate
     robot.links.back().offset = 0.3;
@@ -47,7 +47,7 @@ TEST(ArmKinematics, PlacesLinksAndMovesPointsAsTheGeneralFunctionsDo) {
 }
 
 TEST(ArmKinematics, NoPointOfASphereMovesFartherThanItsBoundAndSomeMoveNearlySoFar) {
-  for (const char* name : {"puma560", "arm5", "panda", "planar2", "point"}) {
+  for (const char* name : {"puma560", "arm5", "arm6", "panda", "planar2", "point"}) {
     Robot robot = load_robot(name);
     robot.links.back().multiplier = -0.7;
     ArmKinematics kinematics(robot);

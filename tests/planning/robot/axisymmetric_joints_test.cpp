@@ -23,7 +23,7 @@ double reach_along(const Robot& robot, std::size_t body, const LinkPoses& poses,
 
 TEST(AxisymmetricJoints, BodiesTakeUpTheSameSpaceInEveryConfiguration) {
   Random random(11);
-  for (const char* name : {"puma560", "puma560_miniature", "panda", "arm5", "planar2", "point"}) {
+  for (const char* name : {"puma560", "puma560_miniature", "panda", "arm5", "arm6", "planar2", "point"}) {
     const Robot robot = load_robot(name), carried = without_axisymmetric_joints(robot);
     ASSERT_EQ(carried.bodies.size(), robot.bodies.size());
     for (int i = 0; i < 200; ++i) {

@@ -57,7 +57,7 @@ TEST_P(KinematicsOf, PosesAndJacobiansAgreeWithKdlReadingTheSameUrdf) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, KinematicsOf,
-                         testing::Values("puma560", "panda", "arm5", "planar2", "point"));
+                         testing::Values("puma560", "panda", "arm5", "arm6", "planar2", "point"));
 
 TEST(Kinematics, ARootThatStandsOffItsBaseTakesItsChildrenWithIt) {
   Robot robot;

@@ -11,7 +11,7 @@ namespace clearway {
 namespace reach_test {
 
 TEST(Reach, TheBoxHoldsTheBodyInEveryConfigurationAndIsNotFarTooLarge) {
-  for (const char* name : {"puma560", "panda", "arm5", "planar2", "point"}) {
+  for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"}) {
     Robot robot = load_robot(name);
     Random random(1);
     for (Joint& joint : robot.joints) {  // what Random samples

@@ -179,8 +179,8 @@ TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
   EXPECT_EQ(refusal(write("r.yaml", "inverse_kinematics: magic")),
             "r.yaml: 'inverse_kinematics' must be numeric or puma");
   EXPECT_TRUE(refusal(write("r.yaml", "a: [")).starts_with("r.yaml is not valid YAML at line 1, column "));
-  EXPECT_TRUE(
-      refusal("no_such_robot").starts_with("unknown robot 'no_such_robot': expected one of arm5, panda, "));
+  EXPECT_TRUE(refusal("no_such_robot")
+                  .starts_with("unknown robot 'no_such_robot': expected one of arm5, arm6, panda, "));
 }
 
 TEST_F(RobotFile, UnlimitedAndMimicJointsAndUnnormalisedAxesAreUnderstood) {
@@ -321,6 +321,57 @@ TEST(Robot, ThePandaFollowsItsPublishedTableAndItsHomePoseTouchesNothing) {
   }
   EXPECT_GT(touching, 100);  // hand against forearm, foot, shoulder
   EXPECT_LT(touching, 400);  // and nothing that always touches
+}
+
+TEST(Robot, BetweenTheOpenFingersOfThePandaThereIsRoomAndNoneInThem) {
+  const Robot panda = load_robot("panda");
+  const Body* const hand = &*std::find_if(panda.bodies.begin(), panda.bodies.end(),
+                                          [](const Body& body) { return body.part == "hand"; });
+  const auto inside = [&](double y, double z) {  // of the hand's frame
+    return std::any_of(hand, panda.bodies.data() + panda.bodies.size(), [&](const Body& body) {
+      const Eigen::Vector3d at = body.link_from_shape.inverse() * Eigen::Vector3d(0.0, y, z);
+      return body.shape.signed_distance(at) <= 0.0;
+    });
+  };
+  for (double z = 0.07; z < 0.11; z += 0.005) {
+    for (const double side : {-1.0, 1.0}) {
+      EXPECT_FALSE(inside(side * 0.039, z)) << z;  // a thing of 78 mm fits
+      EXPECT_TRUE(inside(side * 0.045, z)) << z;
+    }
+    EXPECT_FALSE(inside(0.0, z)) << z;
+  }
+  EXPECT_TRUE(inside(0.0, 0.06));
+  EXPECT_TRUE(inside(0.1, 0.06));
+  EXPECT_FALSE(inside(0.045, 0.115));
+}
+
+TEST(Robot, TheSixJointArmFollowsItsPublishedTableAndConsistsOfSpheres) {
+  const Robot arm = load_robot("arm6");
+  ASSERT_EQ(arm.dof(), 6u);
+  const double quarter = std::numbers::pi / 2;
+  const double table[6][3] = {{0, quarter, 0.089159}, {-0.425, 0, 0},         {-0.39225, 0, 0},
+                              {0, quarter, 0.10915},  {0, -quarter, 0.09465}, {0, 0, 0.0823}};  // a, alpha, d
+  Random random(3);
+  for (int i = 0; i < 50; ++i) {
+    const Configuration q = random.configuration(arm);
+    Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();
+    for (int j = 0; j < 6; ++j) {  // standard rows: Rz(theta) Tz(d), then Tx(a) Rx(alpha)
+      expected =
+          expected * modified_dh(0, 0, table[j][2], q[j]) * modified_dh(table[j][0], table[j][1], 0, 0);
+    }
+    expected = expected * Eigen::Translation3d(0, 0, 0.13);
+    EXPECT_LT((tip_pose(arm, q).matrix() - expected.matrix()).norm(), 1e-9);
+  }
+  for (const Body& body : arm.bodies) EXPECT_EQ(body.shape.kind(), Shape::Kind::sphere) << body.part;
+  Configuration up(6);
+  up << 0, -quarter, 0.3, -quarter, -quarter, 0;
+  EXPECT_TRUE(ConfigurationSpace(arm, Snapshot(), {.critical_by_default = false}).is_free(up));
+  int touching = 0;
+  const FclTruth truth(arm, {}, 0.05);
+  for (int i = 0; i < 2'000; ++i)
+    touching += truth.touches_itself(forward_kinematics(arm, random.configuration(arm)));
+  EXPECT_GT(touching, 100);   // gripper against upper arm and shoulder
+  EXPECT_LT(touching, 1200);  // and nothing that always touches
 }
 
 TEST(Robot, ScalingScalesEveryLengthAndMassesWithTheCube) {

@@ -68,7 +68,7 @@ TEST(AllowedCollisions, AnSrdfMayNameAHundredThousandPairsAndNotOneMore) {
 }
 
 TEST(AllowedCollisions, NoPairIsExemptThatTouchesInLessThanNineTenthsByFcl) {
-  for (const char* name : {"puma560", "panda", "arm5", "planar2", "puma560_miniature"}) {
+  for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "puma560_miniature"}) {
     Robot robot = load_robot(name);
     const Pairs found = always_colliding_bodies(robot);
     for (const auto& pair : found) {
