@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "apps/suites/suite_draws.hpp"
+#include "apps/suites/suite_front.hpp"
 #include "apps/suites/suite_reaching.hpp"
 
 namespace clearway {
@@ -15,14 +15,15 @@ using Eigen::Vector3d;
 class ObstacleDrawer {
  public:
   ObstacleDrawer(const Robot& robot, const ArmReach& reach, SuiteDice dice)
-      : robot_(robot), size_(reach.length), shoulder_(reach.height), dice_(dice) {
-    const double turn = dice_.between(-0.5, 0.5);
-    map_from_front_ = robot_.map_from_base * Eigen::AngleAxisd(turn, Vector3d::UnitZ());
-    add_floor();
+      : front_(robot, reach, dice), size_(front_.size()), shoulder_(front_.shoulder()) {
+    front_.add_floor();
     add_sensors();
   }
 
-  ReachingScene take() { return std::move(scene_); }
+  ReachingScene take() {
+    scene_.world.solids = front_.solids();
+    return std::move(scene_);
+  }
 
   void shelf() {
     const double front = between(0.48, 0.60), depth = between(0.26, 0.34);
@@ -45,7 +46,7 @@ class ObstacleDrawer {
     const double top = floor_or(shoulder_ - between(0.2, 0.35)), thick = 0.04 * size_;
     const double edge = between(0.25, 0.32), half = between(0.7, 0.85);
     add_box("table", {edge, -half, top - thick}, {edge + between(0.6, 0.75), half, top});
-    const int things = dice_.whole(3, 6);
+    const int things = front_.dice().whole(3, 6);
     for (int i = 0; i < things; ++i) {
       const double aside = between(-0.55, 0.55), ahead = between(0.38, 0.85);
       const Vector3d at(ahead, aside, top);
@@ -86,17 +87,12 @@ class ObstacleDrawer {
     const double above = between(-0.25, 0.1), aside = between(-0.15, 0.15), ahead = between(0.58, 0.68);
     const Vector3d middle(ahead, aside, shoulder_ + above);
     for (int axis = 0; axis < 3; ++axis) {
-      for (int edge = 0; edge < 4; ++edge) {  // the twelve edges of a cube
-        Vector3d low = middle, high = middle;
-        low[axis] -= half, high[axis] += half;
-        const double u = edge % 2 == 0 ? -half : half, v = edge / 2 == 0 ? -half : half;
-        add_bar(low, high, axis, u, v, bar);
-      }
-      if (dice_.whole(0, 1) == 0) continue;  // and a bar across two opposite sides
+      front_.add_edges(middle, half, axis, bar);
+      if (front_.dice().whole(0, 1) == 0) continue;  // and a bar across two opposite sides
       Vector3d low = middle, high = middle;
       low[axis] -= half, high[axis] += half;
-      add_bar(low, high, axis, -half, 0.0, bar);
-      add_bar(low, high, axis, half, 0.0, bar);
+      front_.add_bar(low, high, axis, -half, 0.0, bar);
+      front_.add_bar(low, high, axis, half, 0.0, bar);
     }
     const double inner = 0.5 * half, out = half + 0.1 * size_, far = half + 0.3 * size_;
     const Vector3d in = Vector3d::Constant(inner);
@@ -110,9 +106,10 @@ class ObstacleDrawer {
   }
 
   void boxes() {
-    const int count = dice_.whole(10, 18);
+    const int count = front_.dice().whole(10, 18);
     for (int i = 0; i < count; ++i) {
-      const double away = between(0.35, 0.95), turn = dice_.between(-std::numbers::pi, std::numbers::pi);
+      const double away = between(0.35, 0.95),
+                   turn = front_.dice().between(-std::numbers::pi, std::numbers::pi);
       const Vector3d at(away * std::cos(turn), away * std::sin(turn), shoulder_ + between(-0.6, 0.7));
       const double high = between(0.05, 0.15), wide = between(0.05, 0.15), deep = between(0.05, 0.15);
       const Vector3d half(deep, wide, high);
@@ -121,42 +118,25 @@ class ObstacleDrawer {
   }
 
  private:
-  double between(double low, double high) { return size_ * dice_.between(low, high); }
-  double floor_or(double height) const { return std::max(height, 0.06 * size_); }
-
+  double between(double low, double high) { return front_.between(low, high); }
+  double floor_or(double height) const { return front_.floor_or(height); }
   void add_box(const char* name, const Vector3d& low, const Vector3d& high) {
-    std::vector<SceneShape>& solids = scene_.world.solids;
-    solids.push_back(
-        box_between(std::string(name) + " " + std::to_string(solids.size()), map_from_front_, low, high));
+    front_.add_box(name, low, high);
   }
-
-  /// A bar along `axis`, moved by u and v along the other two.
-  void add_bar(Vector3d low, Vector3d high, int axis, double u, double v, double bar) {
-    for (Vector3d* end : {&low, &high}) (*end)[(axis + 1) % 3] += u, (*end)[(axis + 2) % 3] += v;
-    add_box("bar", low - Vector3d::Constant(bar / 2), high + Vector3d::Constant(bar / 2));
-  }
-
   void add_region(const Vector3d& low, const Vector3d& high, const Vector3d& approach) {
-    scene_.regions.push_back({map_from_front_, low, high, approach});
-  }
-
-  void add_floor() {
-    const double wide = 1.2 * size_;
-    add_box("floor", {-wide, -wide, -0.05 * size_}, {wide, wide, -0.01 * size_});
+    scene_.regions.push_back({front_.map_from_front(), low, high, approach});
   }
 
   void add_sensors() {
     scene_.world.sensor_range = 2.5 * size_;
     for (const Vector3d& at : {Vector3d(-0.3, -0.9, 0.7), Vector3d(-0.3, 0.9, 0.3), Vector3d(1.2, 1.1, 0.1),
                                Vector3d(1.2, -1.1, -0.2)}) {
-      scene_.world.sensors.push_back(map_from_front_ * (size_ * at + shoulder_ * Vector3d::UnitZ()));
+      scene_.world.sensors.push_back(front_.map_from_front() * (size_ * at + shoulder_ * Vector3d::UnitZ()));
     }
   }
 
-  const Robot& robot_;
+  SuiteFront front_;
   double size_, shoulder_;
-  SuiteDice dice_;
-  Eigen::Isometry3d map_from_front_;  ///< base frame turned about z, so that the scene lies along x
   ReachingScene scene_;
 };
 

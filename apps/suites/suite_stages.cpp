@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "apps/suites/suite_furniture.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "apps/suites/suite_shelves.hpp"
 #include "apps/suites/suite_tunnels.hpp"
@@ -55,6 +56,12 @@ SuiteStage reaching_stage(const SuiteGenerator& generator, std::size_t index, co
   return {scene.world.name, scene.map, "", "", std::move(scene.problems)};
 }
 
+SuiteStage furniture_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                           const Policies& policies, double padding) {
+  FurnitureScene scene = draw_cells(generator, index, robot, policies, padding);
+  return {scene.name, scene.map, "", "", std::move(scene.problems)};
+}
+
 /// All kinds.
 constexpr Generator generators[] = {
     {"tunnels", 1, tunnel_stage},
@@ -64,6 +71,7 @@ constexpr Generator generators[] = {
     {"ladder", problems_of_a_scene, reaching_stage},
     {"cage", problems_of_a_scene, reaching_stage},
     {"boxes", problems_of_a_scene, reaching_stage},
+    {"cells", problems_of_furniture, furniture_stage},
 };
 
 std::string generator_kinds() {

@@ -4,19 +4,13 @@
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
+#include "apps/suites/suite_cells.hpp"
 #include "apps/suites/suite_stages.hpp"
 #include "mapping/free_space_map.hpp"
 #include "planning/robot/joined_robot.hpp"
 
 namespace clearway {
 namespace {
-
-Shape shape_of(const SceneShape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape.geometry)) return Shape::box(box->size);
-  if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry))
-    return Shape::cylinder(cylinder->radius, cylinder->length);
-  return Shape::sphere(std::get<SphereShape>(shape.geometry).radius);
-}
 
 TeamRobot make_robot(const SuiteTeamRobot& given, const Snapshot& map,
                      const std::map<std::string, std::string>& policies) {

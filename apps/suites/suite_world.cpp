@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/suites/suite_cells.hpp"
 #include "apps/suites/suite_scans.hpp"
 #include "mapping/free_space_map.hpp"
 
@@ -29,6 +30,7 @@ void paint(const SuiteWorld& world, const SuiteVolume& volume, const std::vector
 }  // namespace
 
 Snapshot make_map(const SuiteWorld& world, const std::vector<std::string>& critical_parts) {
+  if (world.is_exact) return map_of_solids(world.solids, world.resolution);
   FreeSpaceMap map({.resolution = world.resolution, .discretize = true});
   for (const Eigen::Vector3d& sensor : world.sensors) {
     map.insert(scan_solids(world.solids, sensor, world.sensor_range, world.resolution),

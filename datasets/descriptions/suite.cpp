@@ -33,6 +33,11 @@ void read_made_world(const YamlFields& fields, SuiteWorld& world) {
     world.solids.push_back(read_scene_shape(entry));
     take_name(names, world.solids.back().name, entry, "name");
   }
+  world.is_exact = fields.has("exact") && fields.boolean("exact");
+  for (const char* key : {"sensors", "sensor_range", "volumes", "pockets"})
+    if (world.is_exact && fields.has(key)) fields.fail(key, "expected nothing: an exact world is its solids");
+  if (world.is_exact && world.solids.empty()) fields.fail("solids", "expected at least one");
+  if (world.is_exact) return;
   if (fields.has("sensors"))
     for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
       world.sensors.emplace_back(at.data());

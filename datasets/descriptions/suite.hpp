@@ -26,12 +26,13 @@ struct SuiteVolume {
   std::vector<std::vector<SuiteSphere>> strokes;  ///< in the order painted; single spheres are strokes of one
 };
 
-/// A map to plan in: loaded, or made of solids that sensors look at and of paint.
+/// A map to plan in: loaded, or made of solids that sensors look at and of paint, or of solids alone.
 struct SuiteWorld {
   std::string name;
   std::filesystem::path map;             ///< a map to load; empty: made of what follows
   double resolution = 0.02;              ///< m, edge of a voxel
   std::vector<SceneShape> solids;        ///< what the sensors see
+  bool is_exact = false;                 ///< solids are the voxels that they meet: no sensors, no paint
   std::vector<Eigen::Vector3d> sensors;  ///< where range sensors stand that look all around; may be empty
   double sensor_range = 5;               ///< m
   std::vector<SuiteVolume> volumes;      ///< painted

@@ -31,6 +31,26 @@ double area(const CylinderShape& cylinder) {
 }
 double area(const SphereShape& sphere) { return 4 * std::numbers::pi * sphere.radius * sphere.radius; }
 
+Eigen::Array3d box_about(const BoxShape& box) { return box.size; }
+Eigen::Array3d box_about(const CylinderShape& cylinder) {
+  return {2 * cylinder.radius, 2 * cylinder.radius, cylinder.length};
+}
+Eigen::Array3d box_about(const SphereShape& sphere) { return Eigen::Array3d::Constant(2 * sphere.radius); }
+
+/// All voxels that solids meet are listed.
+void require_cells(const YamlFields& fields, const SuiteWorld& world) {
+  constexpr double most = budget / bytes_of_point;
+  double voxels = 0;
+  for (const SceneShape& solid : world.solids) {
+    const auto box = std::visit([](const auto& shape) { return box_about(shape); }, solid.geometry);
+    voxels += (box / world.resolution + 2.0).prod();
+    if (voxels > most)
+      fields.fail("solids", "expected at most " + text(most) + " voxels of " + text(world.resolution) +
+                                " m in an exact world, got " + text(voxels) + " up to '" + solid.name +
+                                "'; make the solids smaller or the resolution coarser");
+  }
+}
+
 /// Rays end on solids half a voxel apart.
 void require_solids(const YamlFields& fields, const SuiteWorld& world) {
   constexpr double most = budget / bytes_of_point;
@@ -98,6 +118,7 @@ void require_paint(const YamlFields& fields, const SuiteWorld& world) {
 
 void require_size(const YamlFields& fields, const SuiteWorld& world) {
   if (!world.map.empty()) return;
+  if (world.is_exact) return require_cells(fields, world);
   require_solids(fields, world);
   if (!world.sensors.empty()) require_range(fields, "sensor_range", world.sensor_range, world.resolution);
   require_paint(fields, world);

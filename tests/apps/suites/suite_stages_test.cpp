@@ -128,7 +128,7 @@ TEST(SuiteStages, AnUnknownGeneratorIsRefused) {
     EXPECT_STREQ(
         error.what(),
         "suite 's', experiment 'drawn', field 'generate': expected one of the kinds tunnels, shelves, "
-        "shelf, table, ladder, cage, boxes, got 'mazes'");
+        "shelf, table, ladder, cage, boxes, cells, got 'mazes'");
   }
 }
 

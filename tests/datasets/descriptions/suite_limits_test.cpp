@@ -45,6 +45,17 @@ TEST(SuiteLimits, every_extent_that_asks_for_more_than_a_gigabyte_is_refused) {
   EXPECT_NE(runs.find("got 1e+07"), std::string::npos) << runs;
 }
 
+TEST(SuiteLimits, an_exact_world_of_too_many_voxels_is_refused) {
+  EXPECT_EQ(complaint_of("resolution: 0.01, exact: true, solids: [{name: s, box: [2, 2, 2]}]"), "");
+  for (const std::string solid : {"box: [3, 3, 3]", "sphere: 1.5", "cylinder: [1.5, 3]"}) {
+    const std::string told =
+        complaint_of("resolution: 0.01, exact: true, solids: [{name: s, " + solid + "}]");
+    EXPECT_NE(told.find("worlds[0].solids: expected at most 2.5e+07 voxels of 0.01 m"), std::string::npos)
+        << solid << told;
+    EXPECT_NE(told.find("up to 's'"), std::string::npos) << told;
+  }
+}
+
 TEST(SuiteLimits, what_the_suites_of_the_papers_ask_for_is_far_below) {
   EXPECT_EQ(complaint_of("resolution: 0.02, sensors: [[0, 0, 1]], sensor_range: 5, "
                          "solids: [{name: s, box: [10, 10, 0.1]}]"),

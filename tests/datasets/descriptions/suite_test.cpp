@@ -100,6 +100,26 @@ TEST(Suite, EveryKeyIsRead) {
   EXPECT_EQ(drawn.gravity, Eigen::Vector3d(0, 0, -9.81));
 }
 
+TEST(Suite, AnExactWorldIsItsSolidsAlone) {
+  const auto world = [](const std::string& more) {
+    return "worlds: [{name: w, exact: true, " + more +
+           "}]\nplanners: [{planner: beam}]\nexperiments: [{name: e, robot: arm5, world: w, problems: " +
+           "[{name: p, start: [0], goals: [[1]]}]}]";
+  };
+  const Suite suite = parse_suite(world("solids: [{name: s, box: [1, 1, 1]}]"), "s.yaml");
+  EXPECT_TRUE(suite.worlds.at(0).is_exact);
+  EXPECT_EQ(suite.worlds[0].solids.size(), 1u);
+  EXPECT_FALSE(parse_suite(full, "two.yaml").worlds[1].is_exact);
+  const auto told = [&](const std::string& more) {
+    return complaint([&] { parse_suite(world(more), "s.yaml"); });
+  };
+  EXPECT_EQ(told("resolution: 0.1"), "suite 's.yaml', line 1, worlds[0].solids: expected at least one.");
+  for (const std::string key : {"sensors: [[0, 0, 1]]", "pockets: [[0, 0, 0, 1]]", "sensor_range: 2"})
+    EXPECT_NE(told(key + ", solids: [{name: s, box: [1, 1, 1]}]").find("an exact world is its solids"),
+              std::string::npos)
+        << key;
+}
+
 TEST(Suite, AnExperimentWithoutPlannersTakesTheSuitesAndALabelIsThePlannersName) {
   const Suite suite = parse_suite(full, "two.yaml");
   ASSERT_EQ(suite.experiments.at(1).planners.size(), 2u);
