@@ -32,15 +32,16 @@ using check::Nearest;
 
 class Checker {
  public:
-  Checker(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
-          double padding, const std::vector<Configuration>& path, double cap, double seen_within)
+  Checker(const Robot& robot, const check::KdlArm& arm, const Snapshot& map,
+          const std::map<std::string, Policy>& policies, double padding,
+          const std::vector<Configuration>& path, double cap, double seen_within)
       : robot_(robot),
         map_(map),
         padding_(padding),
         seen_within_(seen_within),
         path_(path),
         cap_(cap),
-        arm_(robot),
+        arm_(arm),
         fcl_(robot),
         tasks_(check::list_tasks(robot, map, policies, arm_)) {
     verdict_.clearance.assign(path.size(), cap);
@@ -111,9 +112,12 @@ class Checker {
                                                    : arm_.motion(item.body, abs_dq));
     const double keep = item.other ? 0.0 : padding_;
     const double length = dq.norm();
+    std::optional<Eigen::Vector3d> hint;
     for (double t = 0.0;;) {
       if (contact_ && contact_->edge == edge && contact_->parameter <= t) return;
-      Nearest near = nearest(item, start(edge) + t * dq);
+      // No more is asked of a pair than takes it through the rest of the edge.
+      Nearest near = nearest(item, start(edge) + t * dq, (1.0 - t) * rate / 0.9, hint);
+      hint = near.cube;
       if (t == 0.0 && !item.other) note_clearance(static_cast<std::size_t>(edge), near.distance);
       const double room = near.distance - keep;
       // On to where the proof has fallen to 0.8 of the least distance measured so far, not to nothing.
@@ -130,13 +134,15 @@ class Checker {
 
   void stall(const Item& item, int edge, double t, double length, Nearest near);
 
-  Nearest nearest(const Item& item, const Configuration& q) {
-    arm_.place(q, poses_);
+  /// @param enough of a pair's distance: where more is proved, it may be less than the distance
+  /// @param hint a blocked voxel that may be near
+  Nearest nearest(const Item& item, const Configuration& q, double enough = HUGE_VAL,
+                  const std::optional<Eigen::Vector3d>& hint = std::nullopt) const {
+    const Eigen::Isometry3d pose = arm_.place(q, item.body);
     if (item.other)
-      return {fcl_.distance(item.body, poses_[item.body], *item.other, poses_[*item.other]), {}};
-    const Eigen::Isometry3d& pose = poses_[item.body];
+      return {fcl_.distance(item.body, pose, *item.other, arm_.place(q, *item.other), enough), {}};
     return check::nearest_voxel(fcl_, item.body, pose, inner_point(item.body, pose), cells_[item.group],
-                                cap_ + padding_);
+                                cap_ + padding_, hint);
   }
 
   /// A point inside the body: the centre of its frame, or of a hull's corners.
@@ -168,11 +174,10 @@ class Checker {
   double seen_within_;
   const std::vector<Configuration>& path_;
   double cap_;
-  check::KdlArm arm_;
+  const check::KdlArm& arm_;
   check::FclBodies fcl_;
   check::Tasks tasks_;
   std::vector<check::BlockedCells> cells_;  ///< of the edges at hand, one for each group
-  check::BodyPoses poses_;
   PathVerdict verdict_;
   std::optional<Contact> contact_;
   double least_ = 0.0;     ///< proved over all that was passed so far
@@ -267,8 +272,9 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
   if (!verdict.first_contact.empty()) return verdict;
   verdict.edge = -1;
   try {
-    if (!robot.source.empty()) check::require_same_poses(robot, check::KdlArm(robot));
-    return Checker(robot, map, policies, padding, waypoints, distance_cap, seen_within).run();
+    const check::KdlArm arm(robot);
+    if (!robot.source.empty()) check::require_same_poses(robot, arm);
+    return Checker(robot, arm, map, policies, padding, waypoints, distance_cap, seen_within).run();
   } catch (const check::FileDisagrees& error) {
     verdict.first_contact = error.what();
     return verdict;

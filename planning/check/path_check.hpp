@@ -22,12 +22,13 @@ struct PathVerdict {
   std::string checker = "kdl+fcl";  ///< whose kinematics and geometry decided
 };
 
-/// Re-checks a path in code that no planner shares: KDL kinematics, FCL `collide` and
-/// unsigned `distance` (shape against voxel boxes read straight from the tree) with a separating plane as
-/// proof, conservative advancement along each edge with reach bounds of its own. Contract as
-/// ConfigurationSpace: for EVERY configuration on every straight edge. Parts that `policies` does not name
-/// are `not_occupied`. A path of one waypoint is checked there; no waypoint, a wrong size, NaN and values
-/// outside the joint limits are refused, naming the waypoint (`edge` is then its index).
+/// Re-checks a path in code that no planner shares: KDL kinematics, shapes against voxel boxes read straight
+/// from the tree, separating planes as proof, FCL `collide` and unsigned `distance` where a plane of our own
+/// does not close (always where something touches), conservative advancement along each edge with reach
+/// bounds of its own. Contract as ConfigurationSpace: for EVERY configuration on every straight edge. Parts
+/// that `policies` does not name are `not_occupied`. A path of one waypoint is checked there; no waypoint, a
+/// wrong size, NaN and values outside the joint limits are refused, naming the waypoint (`edge` is then its
+/// index).
 ///
 /// Of a robot that was loaded from a file (Robot::source) the kinematics are what urdfdom and kdl_parser read
 /// from its URDF, in which our own reader has no part. When they put a link or body more than 1e-9 m or rad

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -9,12 +10,18 @@ namespace clearway::check {
 namespace {
 
 constexpr double most_cells = 1e9;
-constexpr int block_edge = 8;  ///< cells
+constexpr int most_key = 32768;  ///< of a tree's cells, either way
 
 /// True when the voxel of a point was not seen in the last seconds up to the map's newest look.
 bool is_stale(const Snapshot& map, const Eigen::Vector3d& point, double seconds) {
   const auto seen = map.last_seen(point);
   return !seen || map.seen()->newest() - *seen > seconds;
+}
+
+/// Bits `begin` to `end` of a word, both from 0 to 64.
+std::uint64_t bits_between(int begin, int end) {
+  const std::uint64_t all = ~std::uint64_t{0};
+  return (end >= 64 ? all : (std::uint64_t{1} << end) - 1) & (begin >= 64 ? 0 : all << begin);
 }
 
 }  // namespace
@@ -27,9 +34,14 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
   if (size_.cast<double>().prod() > most_cells) {
     throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
   }
-  const auto count = static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
-                     static_cast<std::size_t>(size_.z());
-  cells_.assign(count, outside_blocked_ ? blocked_cell : free_cell);
+  words_ = (static_cast<std::size_t>(size_.x()) + 63) / 64;
+  blocked_.assign(words_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()), 0);
+  if (outside_blocked_) set(first_, first_ + size_, true);
+  read(map, policy, volumes, seen_within);
+  list_shell();
+}
+
+void BlockedCells::read(const Snapshot& map, Policy policy, std::uint16_t volumes, double seen_within) {
   map.visit_leaves([&](const Voxel& leaf) {
     const bool occupied = leaf.state == VoxelState::occupied || leaf.state == VoxelState::conflict;
     bool free = !occupied;
@@ -40,42 +52,93 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
         policy == Policy::known_free && leaf.state == VoxelState::seen_free && seen_within > 0.0;
     // A pruned leaf is a cube of several voxels; its corners lie on cell borders.
     const Eigen::Array3d corner = (leaf.center.array() - leaf.size / 2) / edge_;
-    const int across = static_cast<int>(std::lround(leaf.size / edge_));
-    const Eigen::Vector3i low = corner.round().cast<int>().matrix();
+    const int across = static_cast<int>(leaf.size / edge_ + 0.5);
+    const Eigen::Vector3i low = ((corner + (most_key + 0.5)).cast<int>() - most_key).matrix();  // rounded
     const Eigen::Vector3i begin = low.cwiseMax(first_);
     const Eigen::Vector3i end = (low.array() + across).matrix().cwiseMin(first_ + size_);
+    if ((begin.array() >= end.array()).any()) return;
+    if (!ages) return set(begin, end, !free);
     for (int z = begin.z(); z < end.z(); ++z) {
       for (int y = begin.y(); y < end.y(); ++y) {
         for (int x = begin.x(); x < end.x(); ++x) {
-          const bool is_free = free && !(ages && is_stale(map, center({x, y, z}), seen_within));
-          cells_[index({x, y, z})] = is_free ? free_cell : blocked_cell;
+          const Eigen::Vector3i at(x, y, z);
+          set(at, at + Eigen::Vector3i::Ones(), is_stale(map, center(at), seen_within));
         }
       }
     }
   });
-  mark_surrounded();
-  mark_blocks();
 }
 
-/// A cell is surrounded when all 27 cells about it are blocked: a minimum over three cells along x, of that
-/// along y, of that along z. Cells beyond the block count as free, so that none is marked by guess.
-void BlockedCells::mark_surrounded() {
-  std::vector<std::uint8_t> least = cells_;
-  const std::array<std::size_t, 3> stride{
-      1, static_cast<std::size_t>(size_.x()),
-      static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y())};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::vector<std::uint8_t> before = least;
-    const auto length = static_cast<std::size_t>(size_[static_cast<Eigen::Index>(axis)]);
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      const std::size_t along = i / stride[axis] % length;
-      const bool border = along == 0 || along + 1 == length;
-      least[i] = border ? std::uint8_t{free_cell}
-                        : std::min({before[i - stride[axis]], before[i], before[i + stride[axis]]});
+void BlockedCells::set(const Eigen::Vector3i& begin, const Eigen::Vector3i& end, bool is_blocked) {
+  const int from = begin.x() - first_.x(), to = end.x() - first_.x();
+  for (int z = begin.z(); z < end.z(); ++z) {
+    for (int y = begin.y(); y < end.y(); ++y) {
+      std::uint64_t* const words = &blocked_[row(y - first_.y(), z - first_.z())];
+      for (int word = from / 64; word <= (to - 1) / 64; ++word) {
+        const std::uint64_t bits = bits_between(std::max(from - 64 * word, 0), std::min(to - 64 * word, 64));
+        words[word] = is_blocked ? words[word] | bits : words[word] & ~bits;
+      }
     }
   }
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
-    if (least[i] == blocked_cell) cells_[i] = surrounded_cell;
+}
+
+/// A cell is surrounded when all 27 cells about it are blocked: of three cells along x, of that along y, of
+/// that along z. Cells beyond the block count as free, so that none is marked by guess.
+BlockedCells::Bits BlockedCells::surrounded() const {
+  Bits along_x(blocked_.size());
+  for (std::size_t i = 0; i < blocked_.size(); ++i) {
+    const std::size_t word = i % words_;
+    const std::uint64_t before = word > 0 ? blocked_[i - 1] >> 63U : 0;
+    const std::uint64_t after = word + 1 < words_ ? blocked_[i + 1] << 63U : 0;
+    along_x[i] = blocked_[i] & (blocked_[i] << 1U | before) & (blocked_[i] >> 1U | after);
+  }
+  const auto of_three = [&](const Bits& bits, std::size_t stride, std::size_t length) {
+    Bits least(bits.size(), 0);
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+      const std::size_t along = i / stride % length;
+      if (along > 0 && along + 1 < length) least[i] = bits[i - stride] & bits[i] & bits[i + stride];
+    }
+    return least;
+  };
+  const auto rows = static_cast<std::size_t>(size_.y()), layers = static_cast<std::size_t>(size_.z());
+  return of_three(of_three(along_x, words_, rows), words_ * rows, layers);
+}
+
+/// Block by block, each from low z, y and x on.
+void BlockedCells::list_shell() {
+  Bits shell = surrounded();
+  for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = blocked_[i] & ~shell[i];
+  blocks_ = (size_.array() + (block_edge - 1)) / block_edge;
+  shell_begin_.push_back(0);
+  for (int z = 0; z < size_.z(); z += block_edge) {
+    for (int y = 0; y < size_.y(); y += block_edge) {
+      std::uint64_t any = 0;  // of the rows of these blocks, in the word at hand
+      for (int x = 0; x < size_.x(); x += block_edge) {
+        if (x % 64 == 0) any = rows_together(shell, x / 64, y, z);
+        if ((any >> static_cast<unsigned>(x % 64) & block_bits) != 0) list_block(shell, {x, y, z});
+        shell_begin_.push_back(shell_.size());
+      }
+    }
+  }
+}
+
+std::uint64_t BlockedCells::rows_together(const Bits& bits, int word, int y, int z) const {
+  std::uint64_t any = 0;
+  for (int k = z; k < std::min(z + block_edge, size_.z()); ++k) {
+    for (int j = y; j < std::min(y + block_edge, size_.y()); ++j)
+      any |= bits[row(j, k) + static_cast<std::size_t>(word)];
+  }
+  return any;
+}
+
+void BlockedCells::list_block(const Bits& shell, const Eigen::Vector3i& corner) {
+  for (int z = corner.z(); z < std::min(corner.z() + block_edge, size_.z()); ++z) {
+    for (int y = corner.y(); y < std::min(corner.y() + block_edge, size_.y()); ++y) {
+      const std::uint64_t word = shell[row(y, z) + static_cast<std::size_t>(corner.x() / 64)];
+      for (std::uint64_t bits = word >> static_cast<unsigned>(corner.x() % 64) & block_bits; bits != 0;
+           bits &= bits - 1)
+        shell_.push_back(center(first_ + Eigen::Vector3i(corner.x() + std::countr_zero(bits), y, z)));
+    }
   }
 }
 
@@ -83,65 +146,32 @@ Eigen::Vector3i BlockedCells::cell(const Eigen::Vector3d& point) const {
   return (point.array() / edge_).floor().cast<int>().matrix();
 }
 
+std::size_t BlockedCells::row(int y, int z) const {
+  return words_ *
+         (static_cast<std::size_t>(y) + static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(z));
+}
+
 bool BlockedCells::is_inside(const Eigen::Vector3i& at) const {
   return ((at - first_).array() >= 0).all() && ((at - first_).array() < size_.array()).all();
 }
 
-std::size_t BlockedCells::index(const Eigen::Vector3i& at) const {
-  const Eigen::Matrix<std::size_t, 3, 1> local = (at - first_).cast<std::size_t>();
-  return local.x() +
-         static_cast<std::size_t>(size_.x()) * (local.y() + static_cast<std::size_t>(size_.y()) * local.z());
-}
-
 bool BlockedCells::is_blocked(const Eigen::Vector3i& at) const {
-  return is_inside(at) ? cells_[index(at)] != free_cell : outside_blocked_;
+  if (!is_inside(at)) return outside_blocked_;
+  const Eigen::Vector3i local = at - first_;
+  const std::uint64_t word = blocked_[row(local.y(), local.z()) + static_cast<std::size_t>(local.x() / 64)];
+  return (word >> static_cast<unsigned>(local.x() % 64) & 1U) != 0;
 }
 
-std::vector<Eigen::Vector3i> BlockedCells::shell(const Eigen::AlignedBox3d& box) const {
+bool BlockedCells::blocks_touching(const Eigen::AlignedBox3d& box, Eigen::Vector3i& low,
+                                   Eigen::Vector3i& high) const {
   const double touch = 1e-9;  // closed cells that touch the closed box belong to it
   const Eigen::Vector3i begin = cell(box.min().array() - touch * edge_ - 1e-12).cwiseMax(first_);
   const Eigen::Vector3i end =
       cell(box.max().array() + touch * edge_ + 1e-12).cwiseMin(first_ + size_ - Eigen::Vector3i::Ones());
-  std::vector<Eigen::Vector3i> found;
-  if ((begin.array() > end.array()).any()) return found;
-  const Eigen::Vector3i low = (begin - first_) / block_edge, high = (end - first_) / block_edge;
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const Eigen::Vector3i block(x, y, z);
-        if (!block_has_shell_[block_index(block)]) continue;
-        const Eigen::Vector3i corner = first_ + block * block_edge;
-        append_shell(corner.cwiseMax(begin), (corner.array() + (block_edge - 1)).matrix().cwiseMin(end),
-                     found);
-      }
-    }
-  }
-  return found;
-}
-
-void BlockedCells::append_shell(const Eigen::Vector3i& begin, const Eigen::Vector3i& end,
-                                std::vector<Eigen::Vector3i>& found) const {
-  for (int z = begin.z(); z <= end.z(); ++z) {
-    for (int y = begin.y(); y <= end.y(); ++y) {
-      for (int x = begin.x(); x <= end.x(); ++x) {
-        if (cells_[index({x, y, z})] == blocked_cell) found.emplace_back(x, y, z);
-      }
-    }
-  }
-}
-
-void BlockedCells::mark_blocks() {
-  blocks_ = (size_.array() + (block_edge - 1)) / block_edge;
-  block_has_shell_.assign(static_cast<std::size_t>(blocks_.prod()), false);
-  std::size_t i = 0;
-  for (int z = 0; z < size_.z(); ++z) {
-    for (int y = 0; y < size_.y(); ++y) {
-      for (int x = 0; x < size_.x(); ++x, ++i) {
-        if (cells_[i] == blocked_cell)
-          block_has_shell_[block_index(Eigen::Vector3i(x, y, z) / block_edge)] = true;
-      }
-    }
-  }
+  if ((begin.array() > end.array()).any()) return false;
+  low = (begin - first_) / block_edge;
+  high = (end - first_) / block_edge;
+  return true;
 }
 
 std::size_t BlockedCells::block_index(const Eigen::Vector3i& block) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "planning/check/path_check_model.hpp"
+#include "planning/check/path_check_planes.hpp"
 #include "planning/check/path_check_shape.hpp"
 #include "planning/geometry/fcl_geometry.hpp"
 
@@ -44,8 +45,8 @@ double separation(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geom
 
 /// Certified distance: FCL's witness points only propose the planes. One solver's proposal that does not
 /// bear out what it claimed is followed by the other's, and by the directions of a box and of the centres.
-double certified(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry& b,
-                 const Eigen::Isometry3d& pose_b) {
+double by_fcl(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry& b,
+              const Eigen::Isometry3d& pose_b) {
   if (collide(a, pose_a, b, pose_b)) return 0.0;
   constexpr double closed = 1e-7;  // metres between claim and proof
   double best = 0.0;
@@ -94,8 +95,11 @@ bool FclBodies::touches_cube(std::size_t body, const Eigen::Isometry3d& pose, co
 }
 
 double FclBodies::cube_distance(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
-                                double edge) const {
-  return certified(Geometries::cube(edge), Geometries::at(cube), geometries_->bodies[body], pose);
+                                double edge, double enough) const {
+  const Geometry& geometry = geometries_->bodies[body];
+  const Gap gap = cube_gap(geometry.shape, pose, cube, edge, enough);
+  if (gap.proves(enough)) return gap.proved;
+  return by_fcl(Geometries::cube(edge), Geometries::at(cube), geometry, pose);
 }
 
 bool FclBodies::touch(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
@@ -104,8 +108,30 @@ bool FclBodies::touch(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_
 }
 
 double FclBodies::distance(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
-                           const Eigen::Isometry3d& pose_b) const {
-  return certified(geometries_->bodies[a], pose_a, geometries_->bodies[b], pose_b);
+                           const Eigen::Isometry3d& pose_b, double enough) const {
+  const Geometry &first = geometries_->bodies[a], &second = geometries_->bodies[b];
+  const Gap gap = body_gap(first.shape, pose_a, second.shape, pose_b, enough);
+  if (gap.proves(enough)) return gap.proved;
+  return by_fcl(first, pose_a, second, pose_b);
+}
+
+double FclBodies::point_distance(std::size_t body, const Eigen::Vector3d& point) const {
+  const Geometry& geometry = geometries_->bodies[body];
+  const Shape& shape = geometry.shape;
+  const double half = shape.length() / 2, beyond = std::max(std::abs(point.z()) - half, 0.0);
+  switch (shape.kind()) {
+    case Shape::Kind::sphere:
+      return std::max(point.norm() - shape.radius(), 0.0);
+    case Shape::Kind::capsule:
+      return std::max(
+          std::sqrt(point.x() * point.x() + point.y() * point.y() + beyond * beyond) - shape.radius(), 0.0);
+    case Shape::Kind::cylinder:
+      return Eigen::Vector2d(std::max(point.head<2>().norm() - shape.radius(), 0.0), beyond).norm();
+    case Shape::Kind::box:
+    case Shape::Kind::convex:
+      break;
+  }
+  return ((point - geometry.box_center).cwiseAbs() - geometry.box_half).cwiseMax(0.0).norm();
 }
 
 const Eigen::Vector3d& FclBodies::box_half(std::size_t body) const {

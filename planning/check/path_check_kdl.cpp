@@ -135,6 +135,18 @@ void KdlArm::place(const Eigen::VectorXd& q, BodyPoses& poses) const {
   chains_->place_bodies(chains_->place(chains_->base, q), poses);
 }
 
+Eigen::Isometry3d KdlArm::place(const Eigen::VectorXd& q, std::size_t body) const {
+  const KdlLinks& links = chains_->links;
+  KDL::Frame frame = chains_->link_from_body[body];
+  for (int i = chains_->body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
+    const auto link = static_cast<std::size_t>(i);
+    const int joint = links.joint[link];
+    const double value = joint < 0 ? 0.0 : links.multiplier[link] * q[joint] + links.offset[link];
+    frame = links.segments[link]->pose(value) * frame;
+  }
+  return isometry_of(chains_->base * frame);
+}
+
 void KdlArm::place_on_base(const Eigen::VectorXd& q, std::vector<Eigen::Isometry3d>& links,
                            BodyPoses& bodies) const {
   const std::vector<KDL::Frame> frames = chains_->place(KDL::Frame::Identity(), q);

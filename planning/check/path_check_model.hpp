@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -33,6 +34,8 @@ class KdlArm {
 
   /// Places all bodies.
   void place(const Eigen::VectorXd& q, BodyPoses& poses) const;
+  /// Places one body.
+  Eigen::Isometry3d place(const Eigen::VectorXd& q, std::size_t body) const;
 
   /// Places all links and bodies in the frame of the robot's base, wherever that stands. A turned link's
   /// frame is the file's; the robot's has another orientation.
@@ -56,9 +59,10 @@ class KdlArm {
 /// @throws FileDisagrees naming the first link or body that is more than 1e-9 m or rad elsewhere.
 void require_same_poses(const Robot& robot, const KdlArm& arm);
 
-/// Certified distances by FCL: LIBCCD `collide` first, then unsigned `distance` for a direction, and a
-/// separating plane along that direction for the proof. A wrong distance from FCL can only make the proof
-/// weaker. 0 when they touch or nothing is proved.
+/// Certified distances: of a separating plane. Projections to and fro propose planes first
+/// (path_check_planes.hpp); where they do not close, FCL decides: LIBCCD `collide`, then unsigned `distance`
+/// for a direction and a plane along it. A wrong distance from FCL can only make the proof weaker. 0 when
+/// they touch or nothing is proved; more than `enough` may be less than the distance.
 class FclBodies {
  public:
   explicit FclBodies(const Robot& robot);
@@ -69,11 +73,14 @@ class FclBodies {
   bool touches_cube(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
                     double edge) const;
   double cube_distance(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
-                       double edge) const;
+                       double edge, double enough = HUGE_VAL) const;
   bool touch(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
              const Eigen::Isometry3d& pose_b) const;
   double distance(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
-                  const Eigen::Isometry3d& pose_b) const;
+                  const Eigen::Isometry3d& pose_b, double enough = HUGE_VAL) const;
+
+  /// From a point in the body's own frame to the body; of a hull to the box that holds it. 0 inside.
+  double point_distance(std::size_t body, const Eigen::Vector3d& point) const;
 
   /// Half edges of a box in the body's own frame that holds the body, about `box_center`.
   const Eigen::Vector3d& box_half(std::size_t body) const;
@@ -85,7 +92,7 @@ class FclBodies {
 };
 
 /// The voxels that one part may not touch, read from the tree's leaves one by one inside `box`; everything
-/// outside the stored leaves is unknown. Kept as one byte per voxel.
+/// outside the stored leaves is unknown. Kept as one bit per voxel.
 class BlockedCells {
  public:
   /// @param seen_within under `known_free` voxels seen free longer than so many seconds before the map's
@@ -98,26 +105,55 @@ class BlockedCells {
   Eigen::Vector3d center(const Eigen::Vector3i& cell) const {
     return (cell.cast<double>().array() + 0.5) * edge_;
   }
-  /// The blocked cells that touch the box and are not wholly surrounded by blocked cells: a connected body
-  /// with one point in a free cell cannot reach the others without touching one of these.
-  std::vector<Eigen::Vector3i> shell(const Eigen::AlignedBox3d& box) const;
   Eigen::Vector3i cell(const Eigen::Vector3d& point) const;
 
+  /// Visits the centres of the blocked cells in blocks of cells that touch the box, but for those wholly
+  /// surrounded by blocked cells: a connected body with one point in a free cell cannot reach them without
+  /// touching others.
+  /// @param is_near asked of each such block that holds any: its centre and half diagonal
+  template <class IsNear, class Visit>
+  void visit_shell(const Eigen::AlignedBox3d& box, const IsNear& is_near, const Visit& visit) const {
+    Eigen::Vector3i low, high;
+    if (!blocks_touching(box, low, high)) return;
+    const double half_diagonal = 0.5 * std::sqrt(3.0) * block_edge * edge_ * (1.0 + 1e-9);
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        std::size_t i = block_index({low.x(), y, z});
+        for (int x = low.x(); x <= high.x(); ++x, ++i) {
+          if (shell_begin_[i] == shell_begin_[i + 1]) continue;
+          const Eigen::Vector3d middle =
+              (first_.cast<double>().array() + block_edge * (Eigen::Array3d(x, y, z) + 0.5)) * edge_;
+          if (!is_near(middle, half_diagonal)) continue;
+          for (std::size_t k = shell_begin_[i]; k < shell_begin_[i + 1]; ++k) visit(shell_[k]);
+        }
+      }
+    }
+  }
+
  private:
-  enum : std::uint8_t { free_cell = 0, blocked_cell = 1, surrounded_cell = 2 };
-  void mark_surrounded();
-  void mark_blocks();
+  static constexpr int block_edge = 4;  ///< cells
+  static constexpr std::uint64_t block_bits = (std::uint64_t{1} << block_edge) - 1;
+  using Bits = std::vector<std::uint64_t>;
+
+  void read(const Snapshot& map, Policy policy, std::uint16_t volumes, double seen_within);
+  void set(const Eigen::Vector3i& begin, const Eigen::Vector3i& end, bool is_blocked);
+  Bits surrounded() const;
+  void list_shell();
+  void list_block(const Bits& shell, const Eigen::Vector3i& corner);
+  std::uint64_t rows_together(const Bits& bits, int word, int y, int z) const;
+  bool blocks_touching(const Eigen::AlignedBox3d& box, Eigen::Vector3i& low, Eigen::Vector3i& high) const;
   std::size_t block_index(const Eigen::Vector3i& block) const;
-  void append_shell(const Eigen::Vector3i& begin, const Eigen::Vector3i& end,
-                    std::vector<Eigen::Vector3i>& found) const;
-  std::size_t index(const Eigen::Vector3i& cell) const;
+  std::size_t row(int y, int z) const;  ///< first word of a row along x, from the block's corner
   bool is_inside(const Eigen::Vector3i& cell) const;
+
   double edge_ = 0.0;
   bool outside_blocked_ = false;
   Eigen::Vector3i first_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();
-  std::vector<std::uint8_t> cells_;
-  Eigen::Vector3i blocks_ = Eigen::Vector3i::Zero();  ///< of 8 x 8 x 8 cells, along each axis
-  std::vector<bool> block_has_shell_;
+  std::size_t words_ = 0;  ///< of a row
+  Bits blocked_;
+  Eigen::Vector3i blocks_ = Eigen::Vector3i::Zero();  ///< along each axis
+  std::vector<Eigen::Vector3d> shell_;                ///< block by block
+  std::vector<std::size_t> shell_begin_;              ///< of each block, and the end
 };
 
 /// How near a body or pair is to what it must not touch, certified.
@@ -131,9 +167,11 @@ Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eige
                            double margin);
 
 /// The nearest blocked voxel no farther than `limit` from the body; `distance` is `limit` when there is none.
-/// `inside`: a point inside the body, map frame.
+/// `inside`: a point inside the body, map frame. `hint`: the centre of a blocked voxel that is near, if one
+/// is known.
 Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
-                      const Eigen::Vector3d& inside, const BlockedCells& cells, double limit);
+                      const Eigen::Vector3d& inside, const BlockedCells& cells, double limit,
+                      const std::optional<Eigen::Vector3d>& hint = std::nullopt);
 
 /// What must be proved along every edge: a body against its voxels, or two bodies against each other.
 struct Item {

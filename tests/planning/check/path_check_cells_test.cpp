@@ -1,0 +1,95 @@
+// The independent check's voxels: read from the tree, and which of them it looks at.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "planning/check/path_check_model.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway::check {
+namespace path_check_cells_test {
+
+constexpr double edge = 0.1;
+using Key = std::array<int, 3>;
+
+Key key(const Eigen::Vector3i& cell) { return {cell.x(), cell.y(), cell.z()}; }
+
+/// Clumps of occupied voxels and painted ones between them, more than 64 along x.
+Snapshot clumps(Random& random) {
+  FreeSpaceMap builder({.resolution = edge});
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3d corner(random.between(-5.0, 5.0), random.between(-1.0, 1.0),
+                                 random.between(-1.0, 1.0));
+    for (int k = 0; k < 64; ++k) occupy(builder, corner + edge * Eigen::Vector3d(k % 4, k / 4 % 4, k / 16));
+  }
+  const int volume = builder.add_volume("free", {});
+  for (int i = 0; i < 10; ++i) builder.paint(volume, {Eigen::Vector3d(i - 4.5, 0.2, 0.1), 0.7});
+  return builder.snapshot();
+}
+
+TEST(PathCheckCells, EveryVoxelIsThatOfTheMapAndTheShellIsWhatHasAFreeNeighbour) {
+  Random random(4);
+  const Snapshot map = clumps(random);
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-5.13, -1.04, -0.97), Eigen::Vector3d(4.9, 1.11, 1.2));
+  for (const Policy policy : {Policy::not_occupied, Policy::known_free}) {
+    const BlockedCells cells(map, policy, 0xffff, box, 0.0);
+    const Eigen::Vector3i low = cells.cell(box.min()), high = cells.cell(box.max());
+    std::set<Key> expected, shell;
+    int blocked = 0, all = 0;
+    const auto is_inside = [&](const Eigen::Vector3i& at) {
+      return (at.array() >= low.array()).all() && (at.array() <= high.array()).all();
+    };
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x, ++all) {
+          const Eigen::Vector3i at(x, y, z);
+          const VoxelState state = map.state(cells.center(at));
+          const bool truth = state == VoxelState::occupied || state == VoxelState::conflict ||
+                             (policy == Policy::known_free && state != VoxelState::painted);
+          ASSERT_EQ(cells.is_blocked(at), truth) << at.transpose();
+          blocked += truth;
+          bool surrounded = true;
+          for (int k = 0; k < 27 && surrounded; ++k) {
+            const Eigen::Vector3i next = at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+            surrounded = is_inside(next) && cells.is_blocked(next);
+          }
+          if (truth && !surrounded) expected.insert(key(at));
+        }
+      }
+    }
+    cells.visit_shell(
+        box, [](const Eigen::Vector3d&, double) { return true; },
+        [&](const Eigen::Vector3d& center) { EXPECT_TRUE(shell.insert(key(cells.cell(center))).second); });
+    EXPECT_EQ(shell, expected);
+    EXPECT_GT(blocked, 1000);
+    EXPECT_LT(expected.size(), static_cast<std::size_t>(blocked));
+    EXPECT_LT(blocked, all);
+  }
+}
+
+TEST(PathCheckCells, ABlockThatIsNotNearIsLeftOutWithAllOfItsVoxels) {
+  Random random(5);
+  const Snapshot map = clumps(random);
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-5.0, -1.5, -1.5), Eigen::Vector3d(5.0, 1.5, 1.5));
+  const BlockedCells cells(map, Policy::not_occupied, 0xffff, box, 0.0);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d at(random.between(-5.0, 5.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+    const double radius = random.between(0.1, 1.0);
+    std::set<Key> found, expected;
+    cells.visit_shell(
+        box,
+        [&](const Eigen::Vector3d& middle, double reach) { return (middle - at).norm() - reach < radius; },
+        [&](const Eigen::Vector3d& center) {
+          if ((center - at).norm() < radius) found.insert(key(cells.cell(center)));
+        });
+    cells.visit_shell(
+        box, [](const Eigen::Vector3d&, double) { return true; },
+        [&](const Eigen::Vector3d& center) {
+          if ((center - at).norm() < radius) expected.insert(key(cells.cell(center)));
+        });
+    EXPECT_EQ(found, expected);
+  }
+}
+
+}  // namespace path_check_cells_test
+}  // namespace clearway::check
