@@ -8,6 +8,7 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/thread_time.hpp"
 #include "planning/advice/paint_advice.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/path_check.hpp"
@@ -90,6 +91,7 @@ void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
 
 void plan_legs(const PlanQuery& query, const Planner& planner, const PathCost& cost, Plan& plan) {
   const auto begin = Clock::now();
+  const ThreadStopwatch cpu(plan.cpu_s);
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {
     const auto leg_begin = Clock::now();
@@ -105,8 +107,11 @@ void plan_legs(const PlanQuery& query, const Planner& planner, const PathCost& c
 void check_whole_path(const ConfigurationSpace& space, Plan& plan) {
   const std::vector<Configuration> path = plan.waypoints();
   if (path.empty()) return;
+  const auto begin = Clock::now();
+  const ThreadStopwatch cpu(plan.check_cpu_s);
   plan.validation =
       check_path(space.robot(), space.map(), plan.policies, plan.padding, path, 0.0, plan.seen_within);
+  plan.check_s = seconds_since(begin);
 }
 
 /// Adds what the map knows of where the robot goes, and refuses for it.

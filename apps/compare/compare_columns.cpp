@@ -15,6 +15,11 @@ using Cell = CompareCell;
 
 std::int64_t whole(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
+/// Nothing for teams, which plan nothing beforehand.
+std::function<Cell(const Run&, const Who&)> of_planning(double Run::*seconds) {
+  return [seconds](const Run& run, const Who&) -> Cell { return run.team ? Cell{} : Cell{run.*seconds}; };
+}
+
 /// What every run has.
 std::vector<RunColumn> common_columns() {
   return {
@@ -40,6 +45,11 @@ std::vector<RunColumn> common_columns() {
        [](const Run& run, const Who&) -> Cell { return whole(run.configurations); }},
       {"edges", "INTEGER", [](const Run& run, const Who&) -> Cell { return whole(run.edges); }},
       {"time_s", "REAL", [](const Run& run, const Who&) -> Cell { return run.time; }},
+      {"cpu_s", "REAL", of_planning(&Run::cpu)},
+      {"space_cpu_s", "REAL", of_planning(&Run::space_cpu)},
+      {"derive_cpu_s", "REAL", of_planning(&Run::derive_cpu)},
+      {"check_s", "REAL", of_planning(&Run::check_time)},
+      {"check_cpu_s", "REAL", of_planning(&Run::check_cpu)},
       {"plan", "TEXT", [](const Run& run, const Who&) -> Cell { return run.plan_file; }},
       {"contact", "TEXT", [](const Run& run, const Who&) -> Cell { return run.contact; }},
       {"explanation", "TEXT", [](const Run& run, const Who&) -> Cell { return run.explanation; }},

@@ -88,14 +88,16 @@ std::vector<std::vector<std::string>> team_table(const CompareExperiment& experi
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment) {
   if (experiment.setup.teams) return team_table(experiment);
   std::vector<std::vector<std::string>> rows{{"planner", "solved / valid / total", "median s", "p95 s",
-                                              "cost J", "length rad", "steps", "unsolved"}};
+                                              "CPU s", "check s", "cost J", "length rad", "steps",
+                                              "unsolved"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back(
         {experiment.planners[i].label,
          std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
-         cell(sum.time_median), cell(sum.time_p95), cell(sum.cost_median, 4), cell(sum.length_median, 4),
-         cell(sum.steps_median, 6), unsolved_text(sum)});
+         cell(sum.time_median), cell(sum.time_p95), cell(sum.cpu_median), cell(sum.check_median),
+         cell(sum.cost_median, 4), cell(sum.length_median, 4), cell(sum.steps_median, 6),
+         unsolved_text(sum)});
   }
   return rows;
 }

@@ -54,10 +54,14 @@ struct CompareRun {
   std::size_t steps = 0, waypoints = 0;
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   double time = 0.0;                            ///< s, wall clock, all legs
-  std::string plan_file;                        ///< below the folder of results
-  std::map<std::string, double> statistics;     ///< of those with columns of their own (compare_columns)
-  std::optional<CompareMotion> motion;  ///< of a valid path as time_parameterize times it, or of a team
-  std::optional<CompareTeamRun> team;   ///< teams: then min_clearance is the least separation
+  double cpu = 0.0;                             ///< s of the same, by the thread that planned
+  double space_cpu = 0.0;   ///< s, before: the space of this problem's map, made once for all its runs
+  double derive_cpu = 0.0;  ///< s, before: what the planner derives from map and robot; less once another did
+  double check_time = 0.0, check_cpu = 0.0;  ///< s, after: the independent check
+  std::string plan_file;                     ///< below the folder of results
+  std::map<std::string, double> statistics;  ///< of those with columns of their own (compare_columns)
+  std::optional<CompareMotion> motion;       ///< of a valid path as time_parameterize times it, or of a team
+  std::optional<CompareTeamRun> team;        ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return status == PlanStatus::solved; }
   bool is_valid() const { return is_solved() && check == "valid"; }
@@ -109,9 +113,10 @@ struct CompareSummary {
   double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
   double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
   double motion_median = 0.0;      ///< s, of valid runs
-  double time_median = 0.0, time_p95 = 0.0;  ///< s
-  double cost_median = 0.0;                  ///< J
-  double length_median = 0.0;                ///< rad
+  double time_median = 0.0, time_p95 = 0.0;     ///< s
+  double cpu_median = 0.0, check_median = 0.0;  ///< s, CPU: to plan; to check what was planned
+  double cost_median = 0.0;                     ///< J
+  double length_median = 0.0;                   ///< rad
   double steps_median = 0.0;
   std::map<std::string, std::size_t> unsolved;  ///< by status
 };

@@ -13,6 +13,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/parallel.hpp"
+#include "mapping/system/thread_time.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/trajectory.hpp"
@@ -66,6 +67,9 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
   run.waypoints = plan.waypoints().size();
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;
+  run.cpu = plan.cpu_s;
+  run.check_time = plan.check_s;
+  run.check_cpu = plan.check_cpu_s;
   run.statistics = column_statistics(plan.legs);
   if (plan.validation.valid) run.motion = motion_of(space.robot(), plan.waypoints());
   for (const PlanResult& leg : plan.legs) {
@@ -143,13 +147,15 @@ class Runner {
  private:
   std::shared_ptr<OpenStage> make_stage(std::size_t index) {
     SuiteStage stage = stages_.make(index);
+    const double before = thread_cpu_seconds();
     ConfigurationSpace space(experiment_.robot, stage.map, experiment_.policies,
                              {.padding = experiment_.setup.padding.value_or(0.0)});
+    const double space_cpu = thread_cpu_seconds() - before;
     collected_.open(index, stage.problems.size());
     if (stage.map_file.empty() && (choice_.keep_maps || !experiment_.setup.generate)) {
       stage.map_file = keep_map(stage).string();
     }
-    return std::make_shared<OpenStage>(OpenStage{std::move(stage), std::move(space), index});
+    return std::make_shared<OpenStage>(OpenStage{std::move(stage), std::move(space), index, space_cpu});
   }
 
   /// A folder that `clearway check --map` reads, named by what is in it.
@@ -179,8 +185,11 @@ class Runner {
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
       for (int number = 1; number <= experiment_.setup.runs; ++number) {
         const PlanQuery query = query_of(*task.stage, problem, i, number);
-        const Plan plan = plan_once(query, problem, i);
+        double derive_cpu = 0.0;
+        const Plan plan = plan_once(query, problem, i, derive_cpu);
         CompareRun run = run_of(plan, task.stage->space, path_cost(query));
+        run.space_cpu = task.stage->space_cpu;
+        run.derive_cpu = derive_cpu;
         run.planner = i;
         run.number = number;
         run.plan_file = save_plan(plan, problem, i, number);
@@ -214,10 +223,14 @@ class Runner {
             .map_digest = open.stage.digest};
   }
 
-  Plan plan_once(const PlanQuery& query, const StageProblem& problem, std::size_t planner) const {
+  /// @param derive_cpu s, of what the planner derives from the map, which is no part of the plan's time
+  Plan plan_once(const PlanQuery& query, const StageProblem& problem, std::size_t planner,
+                 double& derive_cpu) const {
     try {
-      // Untimed: what the planner derives from the map.
-      query.planner->plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
+      {
+        const ThreadStopwatch cpu(derive_cpu);
+        query.planner->plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
+      }
       return plan_and_check(query);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +

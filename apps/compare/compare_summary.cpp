@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
   CompareSummary sum;
-  std::vector<double> times, costs, lengths, steps, motions;
+  std::vector<double> times, cpus, checks, costs, lengths, steps, motions;
   for (const CompareProblem& problem : experiment.problems) {
     for (const CompareRun& run : problem.runs) {
       if (run.planner != planner) continue;
@@ -36,6 +36,8 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
       }
       ++sum.solved;
       times.push_back(run.time);
+      cpus.push_back(run.cpu);
+      checks.push_back(run.check_cpu);
       if (!run.is_valid()) continue;
       ++sum.valid;
       if (run.motion) motions.push_back(run.motion->time);
@@ -46,6 +48,8 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
   }
   sum.time_median = quantile(times, 0.5);
   sum.time_p95 = quantile(times, 0.95);
+  sum.cpu_median = quantile(cpus, 0.5);
+  sum.check_median = quantile(checks, 0.5);
   sum.cost_median = quantile(costs, 0.5);
   sum.length_median = quantile(lengths, 0.5);
   sum.steps_median = quantile(steps, 0.5);
@@ -57,6 +61,7 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
   const ComparePlanner& who = experiment.planners[planner];
   const CompareSummary sum = summary(experiment, planner);
   const auto of_teams = [&](const Json& value) { return experiment.setup.teams ? value : Json(nullptr); };
+  const auto of_planners = [&](const Json& value) { return experiment.setup.teams ? Json(nullptr) : value; };
   return {{"label", who.label},
           {"planner", who.planner},
           {"options", who.options},
@@ -67,6 +72,8 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"refused", sum.refused},
           {"time_median_s", number_or_null(sum.time_median)},
           {"time_p95_s", number_or_null(sum.time_p95)},
+          {"cpu_median_s", of_planners(number_or_null(sum.cpu_median))},
+          {"check_cpu_median_s", of_planners(number_or_null(sum.check_median))},
           {"cost_median_joules", number_or_null(sum.cost_median)},
           {"length_median_rad", number_or_null(sum.length_median)},
           {"steps_median", number_or_null(sum.steps_median)},

@@ -17,7 +17,8 @@ struct OpenStage {
   SuiteStage stage;
   ConfigurationSpace space;
   std::size_t index = 0;
-  std::size_t next = 0;  ///< first problem that nobody has taken
+  double space_cpu = 0.0;  ///< s, to make the space
+  std::size_t next = 0;    ///< first problem that nobody has taken
 };
 
 /// One problem of an open stage.

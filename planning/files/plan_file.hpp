@@ -36,7 +36,9 @@ struct Plan {
   Configuration start;                       ///< as asked; of no size when the file does not say
   std::vector<Configuration> goals;          ///< as asked
   double time_s = 0.0;
-  std::vector<PaintHint> paint;      ///< of a plan that is not solved: where painting would help
+  double cpu_s = 0.0;  ///< of the thread that planned; this and the next two are in no file
+  double check_s = 0.0, check_cpu_s = 0.0;  ///< of the independent check
+  std::vector<PaintHint> paint;             ///< of a plan that is not solved: where painting would help
   PathVerdict validation;            ///< of the whole path; `valid == false` and empty contact: not checked
   std::optional<PathSurvey> survey;  ///< what the map knows of where the robot goes
   std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"

@@ -158,6 +158,9 @@ TEST_F(CompareColumns, TellOfLocalPlannersWhatTheirPlansTell) {
     for (const char* name : {"step_bound_m", "obstacle_speed_m_s", "safe", "outrun"})
       EXPECT_TRUE(run.at(name).is_null()) << name;
     EXPECT_EQ(run.at("solved_by").is_null(), run.at("planner") != "boundary_plus");
+    for (const char* name : {"cpu_s", "space_cpu_s", "derive_cpu_s"}) EXPECT_GT(run.at(name), 0.0) << name;
+    for (const char* name : {"check_s", "check_cpu_s"})
+      EXPECT_EQ(run.at(name) == 0.0, run.at("check") == "none") << name;
     ASSERT_EQ(run.at("motion_time_s").is_null(), run.at("valid") == 0);
     if (run.at("valid") == 0) continue;
     EXPECT_GT(run.at("motion_time_s"), 2.5) << "the disc goes 2.5 m at 1 m/s at most";
@@ -219,7 +222,7 @@ TEST_F(CompareColumns, AnOutrunRobotIsNotSafeAndOneThatNeverMovedHasNoFigures) {
   EXPECT_NE(found[0].at("outrun").get<std::string>().find("'train'"), std::string::npos);
   EXPECT_EQ(found[1].at("status"), "start_invalid");
   EXPECT_EQ(found[1].at("safe"), 0);
-  for (const char* name : {"motion_time_s", "step_bound_m", "speed_share", "deadlocks"})
+  for (const char* name : {"motion_time_s", "step_bound_m", "speed_share", "deadlocks", "cpu_s", "check_s"})
     EXPECT_TRUE(found[1].at(name).is_null()) << name;
 }
 

@@ -64,6 +64,8 @@ TEST(CompareSummary, TellsMediansOfValidRunsAndTimesOfSolvedOnes) {
     run.status = PlanStatus::solved;
     run.check = i < 5 ? "valid" : "refused";
     run.time = i * i;
+    run.cpu = 2.0 * i * i;
+    run.check_cpu = 3.0 * i * i;
     run.cost = 10.0 * i * i;
     run.length = 100.0 * i * i;
     run.steps = static_cast<std::size_t>(7 * i * i);
@@ -77,6 +79,8 @@ TEST(CompareSummary, TellsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_EQ(sum.solved, 5U);
   EXPECT_EQ(sum.valid, 4U);
   EXPECT_DOUBLE_EQ(sum.time_median, 9.0);
+  EXPECT_DOUBLE_EQ(sum.cpu_median, 18.0);
+  EXPECT_DOUBLE_EQ(sum.check_median, 27.0);
   EXPECT_GT(sum.time_p95, 20.0);
   EXPECT_LE(sum.time_p95, 25.0);
   const double middle = sum.cost_median / 10.0;  // of 1, 4, 9, 16
