@@ -16,7 +16,6 @@
 
 #include "planning/problem/option_reader.hpp"
 #include "planning/sampling/ompl_query.hpp"
-#include "planning/sampling/seeded_simplifier.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -292,11 +291,7 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   planner->setProblemDefinition(definition);
   planner->setup();
   planner->solve(ob::PlannerTerminationCondition(is_over));
-  if (settings_.simplify && definition->hasExactSolution()) {
-    SeededSimplifier(information, query)
-        .simplify(*definition->getSolutionPath()->as<og::PathGeometric>(),
-                  ob::PlannerTerminationCondition([&] { return problem.out_of_time(); }), false);
-  }
+  if (settings_.simplify) simplify(query, information, *definition);
   found.waypoints = waypoints(query, *definition);
   found.samples = query.samples;
   found.configurations = query.configurations;

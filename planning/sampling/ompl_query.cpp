@@ -4,6 +4,7 @@
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
 #include <ompl/util/Console.h>
 
 #include <algorithm>
@@ -53,6 +54,15 @@ class SeededSampler : public ob::StateSampler {
     }
   }
   OmplQuery* query_;
+};
+
+/// OMPL's own simplifier with the query's seed.
+class SeededSimplifier : public ompl::geometric::PathSimplifier {
+ public:
+  SeededSimplifier(const ob::SpaceInformationPtr& information, OmplQuery& query)
+      : ompl::geometric::PathSimplifier(information) {
+    rng_.setLocalSeed(static_cast<std::uint_fast32_t>(query.random()));
+  }
 };
 
 class CertifiedMotions : public ob::MotionValidator {
@@ -136,6 +146,14 @@ ob::ProblemDefinitionPtr problem_definition(const OmplQuery& query,
   query.set(goal.get(), query.problem.goal);
   definition->setStartAndGoalStates(start, goal);
   return definition;
+}
+
+void simplify(OmplQuery& query, const ob::SpaceInformationPtr& information,
+              const ob::ProblemDefinition& definition) {
+  if (!definition.hasExactSolution()) return;
+  SeededSimplifier(information, query)
+      .simplify(*definition.getSolutionPath()->as<ompl::geometric::PathGeometric>(),
+                ob::PlannerTerminationCondition([&query] { return query.problem.out_of_time(); }), false);
 }
 
 std::vector<Configuration> waypoints(const OmplQuery& query, const ob::ProblemDefinition& definition) {

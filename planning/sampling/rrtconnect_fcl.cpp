@@ -10,7 +10,6 @@
 #include "planning/problem/option_reader.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
 #include "planning/sampling/ompl_query.hpp"
-#include "planning/sampling/seeded_simplifier.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -136,11 +135,7 @@ PlanResult RrtConnectFcl::plan(const PlanProblem& problem) const {
     out_of_time = problem.out_of_time();
     return out_of_time || query.samples >= options_.max_samples;
   }));
-  if (options_.simplify && definition->hasExactSolution()) {
-    SeededSimplifier(information, query)
-        .simplify(*definition->getSolutionPath()->as<ompl::geometric::PathGeometric>(),
-                  ob::PlannerTerminationCondition([&] { return problem.out_of_time(); }), false);
-  }
+  if (options_.simplify) simplify(query, information, *definition);
   std::vector<Configuration> path = waypoints(query, *definition);
   result.configurations_checked += query.configurations;
   result.edges_checked = information->getMotionValidator()->getCheckedMotionCount();
