@@ -257,7 +257,7 @@ class Look {
                                    load(lanes_.bend[static_cast<std::size_t>(frame)], lane)));
     }
     Finding finding;
-    finding.open = bits(hn::Lt(seen.lower, need));
+    finding.open = bits(hn::Not(hn::Ge(seen.lower, need)));  // what is no number is not proved
     if (finding.open == 0) return finding;
     const auto resolution = static_cast<float>(field.bytes->resolution);
     finding.stuck = bits(hn::Lt(seen.lower, all(reach + 0.1F * resolution)));
@@ -345,12 +345,12 @@ class Look {
     Finding finding;
     const Vector gap = hn::Mul(squared(minus(a, b)), all(1.0F - 1e-5F));
     Vector need = hn::Add(most, all(radii));
-    finding.open = bits(hn::Le(gap, hn::Mul(need, need)));
+    finding.open = bits(hn::Not(hn::Gt(gap, hn::Mul(need, need))));
     if (!moving || finding.open == 0) return finding_at(finding, gap, radii, inner);
     Vector sum = speed(pair.a, pair.meet, a, lane);
     if (pair.meet != pair.b) sum = hn::Add(sum, speed(pair.b, pair.meet, b, lane));
     need = hn::Add(hn::Add(hn::Mul(sum, all(rounded_up)), bend), all(radii + robot_.slack));
-    finding.open = bits(hn::Le(gap, hn::Mul(need, need)));
+    finding.open = bits(hn::Not(hn::Gt(gap, hn::Mul(need, need))));
     return finding_at(finding, gap, radii, inner);
   }
   HWY_INLINE Finding finding_at(Finding finding, Vector gap, float radii, float inner) const {

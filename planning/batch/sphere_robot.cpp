@@ -10,7 +10,7 @@
 namespace clearway {
 namespace {
 
-constexpr double largest_length = 100.0;  ///< metres: a few um of rounding
+constexpr double largest_length = 100.0;  ///< metres; there rounding takes some mm from what can be proved
 constexpr double rounding_of_float = 6e-8;
 constexpr int balls_a_cluster = 8;
 
@@ -62,10 +62,10 @@ class Maker {
     place_fields();
     place_balls();
     bound_levers();
-    if (!(size_ < largest_length)) return nullptr;
+    if (!is_small_) return nullptr;
     pair_up();
-    // Each frame's rotation and translation is rounded a dozen times, and so are values and sums.
-    out_.slack = static_cast<float>(32.0 * rounding_of_float * static_cast<double>(out_.frames.size() + 2) *
+    // Each frame's rotation and translation is rounded a dozen times, and so are values, sums and velocities.
+    out_.slack = static_cast<float>(64.0 * rounding_of_float * static_cast<double>(out_.frames.size() + 2) *
                                     std::max(size_, 1e-3));
     return std::make_unique<const SphereRobot>(std::move(out_));
   }
@@ -92,6 +92,8 @@ class Maker {
       frame.turns = joint.kind == JointKind::revolute;
       frame.multiplier = link.multiplier;
       frame.offset = link.offset;
+      out_.steepest = std::max(out_.steepest, std::abs(link.multiplier));
+      out_.farthest_offset = std::max(out_.farthest_offset, std::abs(link.offset));
       store(here.linear() * turned, frame.rotation);
       for (int i = 0; i < 3; ++i) frame.translation[i] = static_cast<float>(here.translation()[i]);
       frame_of_link_.push_back(static_cast<int>(out_.frames.size()));
@@ -210,12 +212,32 @@ class Maker {
                     std::abs(frame.multiplier * joint.upper + frame.offset));
   }
 
+  /// Of each frame how far the middle of any ball, or of a sphere around some, is from its origin, metres.
+  std::vector<double> farthest_middles() const {
+    std::vector<double> farthest(out_.frames.size(), 0.0);
+    const auto extend = [&](int frame, const Ball& ball) {
+      double& most = farthest[static_cast<std::size_t>(frame)];
+      most = std::max(most, center(ball).norm());
+    };
+    for (std::size_t i = 0; i < out_.balls.size(); ++i) extend(out_.frame_of[i], out_.balls[i]);
+    for (const SphereRobot::Group& group : out_.groups) extend(group.frame, group.bound);
+    for (const SphereRobot::Cluster& cluster : out_.clusters)
+      extend(out_.frame_of[static_cast<std::size_t>(cluster.first)], cluster.bound);
+    for (std::size_t i = 0; i < out_.bodies.size(); ++i) {
+      if (out_.bodies[i].first == out_.bodies[i].last) continue;
+      const SphereRobot::Cluster& first = out_.clusters[static_cast<std::size_t>(out_.bodies[i].first)];
+      extend(out_.frame_of[static_cast<std::size_t>(first.first)], out_.body_bounds[i]);
+    }
+    for (std::size_t i = 0; i < farthest.size(); ++i) extend(static_cast<int>(i), out_.bounds[i]);
+    return farthest;
+  }
+
   void bound_levers() {
     const std::size_t count = out_.frames.size();
+    const std::vector<double> farthest = farthest_middles();
     out_.lever.assign(count * count, 0.0F);
     for (std::size_t frame = 0; frame < count; ++frame) {
-      const Ball& bound = out_.bounds[frame];
-      double length = bound.radius < 0 ? 0.0 : center(bound).norm() + bound.radius;
+      double length = farthest[frame];
       for (int mover = static_cast<int>(frame); mover >= 0;
            mover = out_.frames[static_cast<std::size_t>(mover)].parent) {
         const SphereRobot::Frame& at = out_.frames[static_cast<std::size_t>(mover)];
@@ -224,7 +246,10 @@ class Maker {
             at.turns ? static_cast<float>(length * (1.0 + 1e-6)) : 1.0F;
         length += Eigen::Map<const Eigen::Vector3f>(at.translation).cast<double>().norm();
       }
+      length += std::max(0.0F, out_.bounds[frame].radius);
       size_ = std::max(size_, length);
+      is_small_ =
+          is_small_ && length < largest_length && size_ < largest_length;  // false for what is no number
     }
   }
 
@@ -270,6 +295,7 @@ class Maker {
   std::vector<int> frame_of_link_;
   std::vector<int> field_of_;  ///< of each body that was given
   double size_ = 0.0;          ///< no coordinate is larger, metres
+  bool is_small_ = true;       ///< nor larger than is of use
 };
 
 }  // namespace

@@ -86,8 +86,14 @@ struct SphereRobot {
   float slack = 0;           ///< no rounding at single precision puts a sphere farther off, metres
   std::vector<float> lever;  ///< [frame * frames + mover]: no sphere's middle gets farther from the mover's
                              ///< axis, metres; of one that slides 1
+  double steepest = 0, farthest_offset = 0;  ///< largest |multiplier| and |offset| of the frames
   std::size_t joints = 0;
   std::size_t members = 0;  ///< bodies and pairs
+
+  /// Whether the values of all motions are so small that angles can be told at single precision.
+  bool suits(const Eigen::VectorXd& q) const {
+    return q.size() == 0 || steepest * q.cwiseAbs().maxCoeff() + farthest_offset < 1e6;
+  }
 
   float lever_of(std::size_t frame, std::size_t mover) const { return lever[frame * frames.size() + mover]; }
 };

@@ -5,6 +5,7 @@
 
 #include "planning/beam/beam_search.hpp"
 #include "planning/problem/option_reader.hpp"
+#include "planning/space/collision_model.hpp"
 
 namespace clearway {
 namespace {
@@ -23,6 +24,7 @@ bool next_perturbation(std::vector<int>& change) {
 std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, const BeamOptions& options,
                             const BeamPaths& paths, BeamChecks& checks) {
   std::map<LatticeIndex, Head> found;
+  const CollisionModel& model = problem.space.collision_model();
   for (const int parent : paths.beam()) {
     const Configuration from = lattice.configuration(paths.head(parent).node);
     std::vector<int> change(static_cast<std::size_t>(lattice.dof()), -1);
@@ -35,7 +37,7 @@ std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, 
       ++checks.configurations;
       if (!problem.space.is_free(q)) continue;  // filter 1: node
       ++checks.edges;
-      if (!options.node_only && !problem.space.is_edge_free(from, q)) continue;  // filter 1: edge
+      if (!options.node_only && !model.is_edge_free_by_shapes(from, q)) continue;  // filter 1: edge
       const Head head = paths.extend(parent, node, problem.cost.generalized_forces(q));
       const auto [place, is_new] = found.try_emplace(node, head);
       if (!is_new && head.cost < place->second.cost) place->second = head;  // filter 4

@@ -113,7 +113,7 @@ int BidirectionalTrees::extend(Side side, const Configuration& towards) {
   const int from = nearest(side, towards);
   const Configuration& near = trees_[side].nodes[static_cast<std::size_t>(from)].q;
   const double far = length(near, towards);
-  if (far == 0.0) return -1;
+  if (far == 0.0) return from;
   const Configuration next =
       far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near));
   return advance(side, from, next);

@@ -66,6 +66,10 @@ std::vector<bool> ConfigurationSpace::is_free(std::span<const Configuration> qs)
       places.clear();
     }
     if (i == qs.size() || !model.is_within_limits(qs[i])) continue;
+    if (!model.spheres->suits(qs[i])) {
+      free[i] = is_free(qs[i]);
+      continue;
+    }
     batch.push_back(qs[i]);
     places.push_back(i);
   }

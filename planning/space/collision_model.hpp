@@ -67,6 +67,9 @@ struct CollisionModel {
                     std::vector<RecentCubes>& recent, KnownClearances* known_from = nullptr,
                     KnownClearances* known_to = nullptr, const EdgePoses* poses = nullptr) const;
 
+  /// The same for all members: by exact shapes from the start, without `spheres`.
+  bool is_edge_free_by_shapes(const Configuration& from, const Configuration& to) const;
+
   /// The same for some of the members on parts of the edge alone.
   bool are_pieces_free(const Configuration& from, const Configuration& to,
                        const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) const;

@@ -251,7 +251,7 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
 double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {
   const CollisionModel& model = *model_;
   if (!model.is_within_limits(from) || !model.is_within_limits(to)) return 0.0;
-  if (model.spheres) {
+  if (model.spheres && model.spheres->suits(from) && model.spheres->suits(to)) {
     EdgePieces& pieces = edge_pieces(*model.spheres);
     const EdgePieces::Finding finding = pieces.examine(from, to);
     if (finding == EdgePieces::Finding::free ||
@@ -260,12 +260,16 @@ double ConfigurationSpace::free_share(const Configuration& from, const Configura
       return 1.0;
     return pieces.proved_share();
   }
+  return model.is_edge_free_by_shapes(from, to) ? 1.0 : 0.0;
+}
+
+bool CollisionModel::is_edge_free_by_shapes(const Configuration& from, const Configuration& to) const {
   thread_local std::vector<int> all;
   thread_local std::vector<RecentCubes> recent;
-  all.resize(model.members());
+  all.resize(members());
   std::iota(all.begin(), all.end(), 0);
-  recent.assign(model.bodies.size(), {});
-  return model.is_edge_free(from, to, all, recent) ? 1.0 : 0.0;
+  recent.assign(bodies.size(), {});
+  return is_edge_free(from, to, all, recent);
 }
 
 bool CollisionModel::are_pieces_free(const Configuration& from, const Configuration& to,

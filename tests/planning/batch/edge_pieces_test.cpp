@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 
 #include "tests/worlds/batch_worlds.hpp"
@@ -109,6 +110,31 @@ TEST(EdgePieces, OpenPiecesHoldAllThatIsNotDecided) {
     }
   }
   EXPECT_GT(open, 20);
+}
+
+TEST(EdgePieces, AnglesWithoutEndAreLeftToExactShapes) {
+  Robot robot = load_robot("planar2");
+  for (Joint& joint : robot.joints) {
+    joint.lower = -std::numeric_limits<double>::infinity();
+    joint.upper = std::numeric_limits<double>::infinity();
+  }
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 6), {.critical_by_default = false});
+  ASSERT_NE(space.collision_model().spheres, nullptr);
+  Random random(14);
+  int blocked = 0;
+  for (const double size : {1e2, 1e5, 1e9, 1e13, 1e16, 1e20, 1e41}) {
+    std::vector<Configuration> qs;
+    for (int i = 0; i < 100; ++i)
+      qs.emplace_back(Eigen::Vector2d(random.between(-size, size), random.between(-3.0, 3.0)));
+    const std::vector<bool> together = space.is_free(qs);
+    for (std::size_t i = 0; i < qs.size(); ++i) {
+      const bool is_free = space.is_free(qs[i]);
+      EXPECT_EQ(together[i], is_free) << qs[i].transpose();
+      EXPECT_FALSE(space.is_edge_free(qs[i], qs[i]) && !is_free) << qs[i].transpose();
+      blocked += !is_free;
+    }
+  }
+  EXPECT_GT(blocked, 50);
 }
 
 TEST(EdgePieces, ARobotTooFarAwayForSinglePrecisionIsLeftToTheExactProof) {
