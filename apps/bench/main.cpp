@@ -26,7 +26,7 @@ std::vector<Entry> all_entries() {
       {"cast_ray", "rays through the map against OctoMap's castRay", 10, bench_cast_ray},
       {"snapshot", "a snapshot against OctoMap's copy; readers beside a live writer", 10, bench_snapshot},
       {"checks", "configuration checks against FCL shapes on fcl::OcTree", 10, bench_checks},
-      {"edges", "edges proved free or refused against FCL shapes on fcl::OcTree every 0.01 rad", 5,
+      {"edges", "edges proved free or refused against FCL shapes on fcl::OcTree every 0.01 rad", 3,
        bench_edges},
       {"load", "loading a map of 10 million nodes against octomap::OcTree", 6, bench_load},
       {"paint", "painting balls along a stroke against OctoMap's updateNode", 5, bench_paint},

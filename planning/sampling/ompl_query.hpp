@@ -44,7 +44,8 @@ std::shared_ptr<ompl::base::SpaceInformation> certified_space(OmplQuery& query);
 std::shared_ptr<ompl::base::ProblemDefinition> problem_definition(
     const OmplQuery& query, const std::shared_ptr<ompl::base::SpaceInformation>& information);
 
-/// Shortens the path that OMPL found, if any, by OMPL's own simplifier, which draws from the query's generator.
+/// Shortens the path that OMPL found, if any, by OMPL's own simplifier, which draws from the query's
+/// generator.
 void simplify(OmplQuery& query, const std::shared_ptr<ompl::base::SpaceInformation>& information,
               const ompl::base::ProblemDefinition& definition);
 
