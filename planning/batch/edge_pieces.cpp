@@ -69,7 +69,8 @@ EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configu
     const std::span<const Piece> asked(pieces.data(), count);
     ask(asked);
     look(*robot_, lanes_);
-    if (next == count) proved_share_ = double(std::min(std::countr_zero(failing()), first_cut)) / first_cut;
+    if (next == count)
+      proved_share_ = double(std::min(std::countr_zero(unsigned{lanes_.failing()}), first_cut)) / first_cut;
     if (lanes_.blocked != 0) return Finding::blocked;
     sort_out(asked);
   }
@@ -112,15 +113,9 @@ void EdgePieces::ask(std::span<const Piece> pieces) {
   }
 }
 
-unsigned EdgePieces::failing() const {
-  unsigned all = 0;
-  for (const int member : lanes_.members) all |= lanes_.failed[static_cast<std::size_t>(member)];
-  return all;
-}
-
 /// Cuts what is not proved, or leaves it open.
 void EdgePieces::sort_out(std::span<const Piece> pieces) {
-  const unsigned failing_lanes = failing();
+  const unsigned failing_lanes = lanes_.failing();
   for (std::size_t lane = 0; lane < pieces.size(); ++lane) {
     if ((failing_lanes >> lane & 1U) == 0) continue;
     const int first = static_cast<int>(members_.size());

@@ -40,7 +40,6 @@ class EdgePieces {
   void bound_bends();
   double bend_of(int frame, int above) const;
   double motion_of(int frame, int above) const;
-  unsigned failing() const;
   void ask(std::span<const Piece> pieces);
   void sort_out(std::span<const Piece> pieces);
 

@@ -467,6 +467,12 @@ void PieceLanes::want_all(int lanes) {
   std::fill(wanted.begin(), wanted.end(), active);
 }
 
+PieceLanes::Lanes PieceLanes::failing() const {
+  Lanes lanes = 0;
+  for (const int member : members) lanes |= failed[static_cast<std::size_t>(member)];
+  return lanes;
+}
+
 void PieceLanes::want_none() { std::fill(wanted.begin(), wanted.end(), Lanes{0}); }
 
 void look(const SphereRobot& robot, PieceLanes& lanes) {

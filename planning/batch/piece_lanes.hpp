@@ -40,6 +40,9 @@ struct PieceLanes {
   std::vector<Lanes> failed;  ///< of each member: the lanes in which it was not proved free
   std::vector<int> members;   ///< those of which some lane failed
 
+  /// The lanes in which some member was not proved free.
+  Lanes failing() const;
+
   /// Asks for all members in the first lanes.
   void want_all(int lanes);
   /// Asks for nothing, before `want`.

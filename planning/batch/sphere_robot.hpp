@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -97,6 +98,16 @@ struct SphereRobot {
 
   float lever_of(std::size_t frame, std::size_t mover) const { return lever[frame * frames.size() + mover]; }
 };
+
+/// What this thread keeps for the robot that it asked for last: an object made of it.
+template <class Kept>
+Kept& of_this_thread(const SphereRobot& robot) {
+  thread_local std::optional<Kept> kept;
+  thread_local std::uint64_t id = 0;
+  if (!kept || id != robot.id) kept.emplace(robot);
+  id = robot.id;
+  return *kept;
+}
 
 /// Null when the robot or the map is too large or too far away for single precision to be of use.
 /// @param bodies those that some joint moves. @param pairs of bodies of the robot, members after the bodies

@@ -1,8 +1,7 @@
 // Many configurations or edges at once: ConfigurationSpace::is_free and is_edge_free of spans.
 
 #include <algorithm>
-#include <cstdint>
-#include <optional>
+#include <cstddef>
 
 #include "planning/batch/piece_lanes.hpp"
 #include "planning/space/collision_model.hpp"
@@ -10,29 +9,20 @@
 namespace clearway {
 namespace {
 
-/// Of this thread, for the robot that it looked at last.
-PieceLanes& lanes_of(const SphereRobot& robot) {
-  thread_local std::optional<PieceLanes> lanes;
-  thread_local std::uint64_t id = 0;
-  if (!lanes || id != robot.id) lanes.emplace(robot);
-  id = robot.id;
-  lanes->moving = false;
-  return *lanes;
-}
-
-/// One lane each; idle lanes repeat the first.
-void put(std::span<const Configuration> qs, PieceLanes& lanes) {
+/// The configurations at some places of a list, one lane each; idle lanes repeat the first.
+void put(std::span<const Configuration> qs, std::span<const std::size_t> places, PieceLanes& lanes) {
   for (std::size_t lane = 0; lane < PieceLanes::count; ++lane) {
-    const Configuration& q = qs[lane < qs.size() ? lane : 0];
+    const Configuration& q = qs[places[lane < places.size() ? lane : 0]];
     for (std::size_t j = 0; j < lanes.q.size(); ++j) lanes.q[j].at[lane] = q[static_cast<Eigen::Index>(j)];
   }
-  lanes.want_all(static_cast<int>(qs.size()));
+  lanes.want_all(static_cast<int>(places.size()));
 }
 
 /// What spheres could not tell of a lane, by shapes.
 bool is_free_by_shapes(const CollisionModel& model, const Configuration& q, const PieceLanes& lanes,
                        std::size_t lane) {
-  const LinkPoses poses = forward_kinematics(model.robot, q);
+  thread_local LinkPoses poses;
+  forward_kinematics(model.robot, q, poses);
   const std::size_t bodies = model.bodies.size();
   return std::all_of(lanes.members.begin(), lanes.members.end(), [&](int member) {
     const auto i = static_cast<std::size_t>(member);
@@ -51,28 +41,30 @@ std::vector<bool> ConfigurationSpace::is_free(std::span<const Configuration> qs)
     for (std::size_t i = 0; i < qs.size(); ++i) free[i] = is_free(qs[i]);
     return free;
   }
-  PieceLanes& lanes = lanes_of(*model.spheres);
-  std::vector<Configuration> batch;
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i <= qs.size(); ++i) {
-    if (batch.size() == PieceLanes::count || (i == qs.size() && !batch.empty())) {
-      put(batch, lanes);
-      look(*model.spheres, lanes);
-      for (std::size_t lane = 0; lane < batch.size(); ++lane) {
-        free[places[lane]] =
-            (lanes.blocked >> lane & 1U) == 0 && is_free_by_shapes(model, batch[lane], lanes, lane);
-      }
-      batch.clear();
-      places.clear();
+  PieceLanes& lanes = of_this_thread<PieceLanes>(*model.spheres);
+  lanes.moving = false;
+  std::vector<std::size_t> places;  // of the configurations that are looked at together
+  const auto judge = [&] {
+    put(qs, places, lanes);
+    look(*model.spheres, lanes);
+    const unsigned failing = lanes.failing();
+    for (std::size_t lane = 0; lane < places.size(); ++lane) {
+      const bool is_open = (failing >> lane & 1U) != 0, is_blocked = (lanes.blocked >> lane & 1U) != 0;
+      const Configuration& q = qs[places[lane]];
+      free[places[lane]] = !is_open || (!is_blocked && is_free_by_shapes(model, q, lanes, lane));
     }
-    if (i == qs.size() || !model.is_within_limits(qs[i])) continue;
+    places.clear();
+  };
+  for (std::size_t i = 0; i < qs.size(); ++i) {
+    if (!model.is_within_limits(qs[i])) continue;
     if (!model.spheres->suits(qs[i])) {
       free[i] = is_free(qs[i]);
       continue;
     }
-    batch.push_back(qs[i]);
     places.push_back(i);
+    if (places.size() == PieceLanes::count) judge();
   }
+  if (!places.empty()) judge();
   return free;
 }
 

@@ -1,9 +1,7 @@
 // The proof that a whole edge is free: ConfigurationSpace::is_edge_free.
 
 #include <algorithm>
-#include <cstdint>
 #include <numeric>
-#include <optional>
 
 #include "planning/space/collision_model.hpp"
 
@@ -56,15 +54,6 @@ EdgeScratch& scratch_for(const Configuration& from, const Configuration& to, con
   scratch.step = to - from;
   scratch.distance = scratch.step.cwiseAbs();
   return scratch;
-}
-
-/// Of this thread, for the robot that it looked at last.
-EdgePieces& edge_pieces(const SphereRobot& robot) {
-  thread_local std::optional<EdgePieces> pieces;
-  thread_local std::uint64_t id = 0;
-  if (!pieces || id != robot.id) pieces.emplace(robot);
-  id = robot.id;
-  return *pieces;
 }
 
 enum class Finding { proved, open, blocked };
@@ -252,7 +241,7 @@ double ConfigurationSpace::free_share(const Configuration& from, const Configura
   const CollisionModel& model = *model_;
   if (!model.is_within_limits(from) || !model.is_within_limits(to)) return 0.0;
   if (model.spheres && model.spheres->suits(from) && model.spheres->suits(to)) {
-    EdgePieces& pieces = edge_pieces(*model.spheres);
+    EdgePieces& pieces = of_this_thread<EdgePieces>(*model.spheres);
     const EdgePieces::Finding finding = pieces.examine(from, to);
     if (finding == EdgePieces::Finding::free ||
         (finding == EdgePieces::Finding::open &&
