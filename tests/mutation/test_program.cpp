@@ -142,7 +142,13 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
   fs::create_directories(folder);
   const fs::path faulty = folder / fs::path(candidate.file).filename(), object = folder / "fault.o",
                  program = folder / "tests";
-  std::ofstream(faulty) << candidate.fault.applied_to(read_whole(repository_ / candidate.file));
+  std::string text = candidate.fault.applied_to(read_whole(repository_ / candidate.file));
+  // Code for several instruction sets includes itself (Highway): the fault must be in each of them.
+  const std::string itself = "#define HWY_TARGET_INCLUDE ";
+  if (const std::string original = itself + "\"" + candidate.file + "\"";
+      text.find(original) != std::string::npos)
+    text = replaced(text, original, itself + "\"" + faulty.string() + "\"");
+  std::ofstream(faulty) << text;
   // What is compiled is the copy, alone or in a copy of its batch; it includes by the same paths, and
   // warnings do not count as noticing. Less is optimized, which takes less time and changes no result.
   const Unit& unit = units_.at(candidate.file);
