@@ -90,11 +90,7 @@ void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd
     fill_pack(starter, window, batch, set, pack);
     if (pack.active == 0) continue;
     window.cells()[pack.origin] = 1;
-    if (set == InstructionSet::avx512) {
-      walk_pack_avx512(pack, window.cells());
-    } else {
-      walk_pack_avx2(pack, window.cells());
-    }
+    walk_pack(pack, window.cells(), set);
   }
 }
 

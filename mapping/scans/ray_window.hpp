@@ -70,8 +70,7 @@ struct RayPack {
 void fill_pack(const RayStarter& starter, const RayWindow& window,
                const std::array<RayEnd, RayPack::size>& rays, InstructionSet set, RayPack& pack);
 
-// Mark with 1 the bytes of all cells that the rays of a pack free, the origin's left out.
-void walk_pack_avx2(RayPack& pack, std::uint8_t* cells);
-void walk_pack_avx512(RayPack& pack, std::uint8_t* cells);
+/// Marks with 1 the bytes of all cells that the rays of a pack free, the origin's left out.
+void walk_pack(RayPack& pack, std::uint8_t* cells, InstructionSet set);
 
 }  // namespace clearway

@@ -14,8 +14,8 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/history/provenance.hpp"
-#include "tests/apps/mutated_bytes.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {

@@ -30,8 +30,8 @@
 #include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/urdf_file.hpp"
-#include "tests/apps/mutated_bytes.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {

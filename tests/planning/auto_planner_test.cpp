@@ -15,7 +15,7 @@ PlanResult plan(const ConfigurationSpace& space, const Configuration& start, con
                 const AutoPlannerOptions& options = {}) {
   int asked = 0;
   return AutoPlanner(options).plan(
-      {space, PathCost(space.robot()), start, goal, 3, [asked]() mutable { return ++asked > 5'000; }});
+      {space, PathCost(space.robot()), start, goal, 3, [asked]() mutable { return ++asked > 2'000; }});
 }
 
 TEST(AutoPlanner, SolvesWhatAStraightEdgeDoesNotAndTheIndependentCheckAgrees) {

@@ -12,6 +12,7 @@
 #include "datasets/sources/record_seal.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/sample_frames.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -71,11 +72,17 @@ void expect_beginning_of(const std::vector<std::string>& whole, const std::vecto
   EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin()));
 }
 
-TEST(RecordingReader, ReportsACutAtEveryLengthAndKeepsTheFramesBefore) {
+TEST(RecordingReader, ReportsACutAtAnyLengthAndKeepsTheFramesBefore) {
   const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   ASSERT_EQ(log.frames.size(), log.ends.size());
+  const size_t stride = mutations(600) < 10000 ? 9 : 1;  // round the ends of frames every length
+  const auto is_near = [&](size_t length) {
+    return std::any_of(log.ends.begin(), log.ends.end(),
+                       [&](size_t end) { return end <= length + 4 && length <= end + 4; });
+  };
   for (size_t length = 1; length < log.gz.size(); ++length) {
+    if (length % stride != 0 && !is_near(length)) continue;
     const Reading reading = read_bytes(folder, log.gz.substr(0, length));
     EXPECT_TRUE(reading.damage) << "cut to " << length << " of " << log.gz.size();
     const size_t whole =
@@ -101,7 +108,8 @@ TEST(RecordingReader, NoFlippedBitOfAGzLogIsTakenForAnotherRecording) {
   const SmallLog log = small_log(folder);
   std::mt19937 random(5);
   int damaged = 0;
-  for (int trial = 0; trial < 600; ++trial) {
+  const int trials = mutations(150);
+  for (int trial = 0; trial < trials; ++trial) {
     std::string bytes = log.gz;
     const size_t at = 2 + random() % (bytes.size() - 2);
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
@@ -112,14 +120,14 @@ TEST(RecordingReader, NoFlippedBitOfAGzLogIsTakenForAnotherRecording) {
       EXPECT_EQ(reading.frames, log.frames) << "byte " << at;
     }
   }
-  EXPECT_GT(damaged, 570);
+  EXPECT_GT(damaged, trials * 95 / 100);
 }
 
 TEST(RecordingReader, SurvivesWhateverAPlainLogHolds) {
   const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   std::mt19937 random(6);
-  for (int trial = 0; trial < 600; ++trial) {
+  for (int trial = 0; trial < mutations(150); ++trial) {
     std::string bytes = log.plain;
     for (int flips = 1 + static_cast<int>(random() % 4); flips > 0; --flips)
       bytes[random() % bytes.size()] = static_cast<char>(trial % 3 == 0 ? 0xff : random());

@@ -10,6 +10,7 @@
 
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/mesh_samples.hpp"
+#include "tests/worlds/mutated_bytes.hpp"
 
 namespace clearway {
 namespace mesh_file_test {
@@ -174,12 +175,6 @@ std::string mutated(std::string text, std::mt19937_64& random) {
   return text;
 }
 
-/// CLEARWAY_MUTATIONS=N: N damaged files of each kind, 50 where it is not set.
-std::size_t mutation_count() {
-  const char* count = std::getenv("CLEARWAY_MUTATIONS");
-  return count ? std::strtoul(count, nullptr, 10) : 50;
-}
-
 long largest_child_kilobytes() {
   rusage usage{};
   ::getrusage(RUSAGE_CHILDREN, &usage);
@@ -197,9 +192,9 @@ TEST_F(MeshFile, DamagedFilesOfEveryKindEndInAHullOrASentenceSoonAndInLittleMemo
   std::mt19937_64 random(7);
   for (const auto& [name, content] : all_mesh_files(sample_)) {
     std::size_t hulls = 0, crashes = 0, refused = 0;
-    for (std::size_t done = 0; done < mutation_count();) {
+    for (std::size_t done = 0; done < static_cast<std::size_t>(mutations(50));) {
       std::vector<ScaledMesh> meshes;
-      for (std::size_t i = 0; i < std::min(batch, mutation_count() - done); ++i)
+      for (std::size_t i = 0; i < std::min(batch, static_cast<std::size_t>(mutations(50)) - done); ++i)
         meshes.push_back({folder_.write(std::to_string(i) + name, mutated(content, random))});
       while (!meshes.empty()) {
         const auto begin = std::chrono::steady_clock::now();
