@@ -3,7 +3,8 @@
 #include "mapping/field/field_look_up.hpp"
 
 // The look-ups for any width of registers. Included by the one file for each width, below its instruction
-// set.
+// set. Not through Highway as other loops: its gathers take offsets as wide as what they read, and these read
+// 32 bits from addresses of 64.
 
 namespace clearway {
 namespace {

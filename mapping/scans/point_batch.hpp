@@ -11,6 +11,7 @@ namespace clearway {
 /// Sixteen points of a scan in the map frame, with their cells.
 struct PointBatch {
   static constexpr std::size_t size = 16;
+  static constexpr double lowest_cell = -32768.0, highest_cell = 32767.0;  ///< of the tree
   alignas(64) std::array<float, size> x, y, z;
   alignas(64) std::array<std::int32_t, size> cell_x, cell_y, cell_z;  ///< of those that have a cell
   unsigned finite = 0;    ///< bit i: point i is finite (no infinity, no NaN)

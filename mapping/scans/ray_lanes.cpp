@@ -104,7 +104,7 @@ HWY_INLINE void walk(RayPack& pack, std::size_t lane, std::uint8_t* cells) {
   Rays rays[registers];
 #pragma GCC unroll 2
   for (std::size_t i = 0; i < registers; ++i) rays[i] = load(pack, lane + i * width);
-  const auto mark_all = [&] {
+  const auto mark_all = [&]() HWY_ATTR {
 #pragma GCC unroll 2
     for (const Rays& r : rays) mark(Wholes(), r.at, cells);
   };

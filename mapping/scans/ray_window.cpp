@@ -4,10 +4,6 @@
 #include <cstring>
 #include <new>
 
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
-
 namespace clearway {
 namespace {
 
@@ -55,43 +51,6 @@ void arrange(const std::uint64_t (&masks)[16], std::uint64_t* words) {
   }
 }
 
-bool collect_portable(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z,
-                      std::uint64_t* words) {
-  std::uint64_t masks[16], any = 0;
-  for (unsigned row = 0; row < 16; ++row) {
-    std::uint8_t* const bytes = first + (row & 3U) * stride_y + (row >> 2U) * stride_z;
-    std::uint64_t mask = 0;
-    for (unsigned i = 0; i < 8; ++i) {
-      std::uint64_t eight;
-      std::memcpy(&eight, bytes + 8 * i, 8);
-      mask |= eight * 0x0102040810204080U >> 56U << 8 * i;  // one bit a byte, side by side
-    }
-    if (mask != 0) std::memset(bytes, 0, line);
-    masks[row] = mask;
-    any |= mask;
-  }
-  if (any != 0) arrange(masks, words);
-  return any != 0;
-}
-
-#ifdef __x86_64__
-__attribute__((target("avx512f,avx512bw"))) bool collect_avx512(std::uint8_t* first, std::int64_t stride_y,
-                                                                std::int64_t stride_z, std::uint64_t* words) {
-  std::uint64_t masks[16], any = 0;
-  for (unsigned row = 0; row < 16; ++row) {
-    std::uint8_t* const bytes = first + (row & 3U) * stride_y + (row >> 2U) * stride_z;
-    const __m512i cells = _mm512_load_si512(bytes);
-    masks[row] = _mm512_test_epi8_mask(cells, cells);
-    any |= masks[row];
-  }
-  if (any == 0) return false;
-  for (unsigned row = 0; row < 16; ++row)
-    _mm512_store_si512(first + (row & 3U) * stride_y + (row >> 2U) * stride_z, _mm512_setzero_si512());
-  arrange(masks, words);
-  return true;
-}
-#endif
-
 }  // namespace
 
 std::int64_t RayWindow::bytes_of(const Eigen::AlignedBox3i& box) {
@@ -119,11 +78,10 @@ void RayWindow::cover(const Eigen::AlignedBox3i& box) {
 
 bool collect_words(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z, InstructionSet set,
                    std::uint64_t* words) {
-#ifdef __x86_64__
-  if (set == InstructionSet::avx512) return collect_avx512(first, stride_y, stride_z, words);
-#endif
-  (void)set;
-  return collect_portable(first, stride_y, stride_z, words);
+  std::uint64_t masks[16];
+  if (!take_masks(first, stride_y, stride_z, set, masks)) return false;
+  arrange(masks, words);
+  return true;
 }
 
 }  // namespace clearway

@@ -52,9 +52,17 @@ class RayWindow {
 bool collect_words(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z, InstructionSet set,
                    std::uint64_t* words);
 
+/// Reads the bytes of 64 x 4 x 4 cells from `first` on, a multiple of 64, into a mask for each row (y, z), at
+/// y + 4 z, and clears them. False when all were 0.
+bool take_masks(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z, InstructionSet set,
+                std::uint64_t (&masks)[16]);
+
 /// Sixteen rays side by side, each a RayState; what the walkers of each instruction set take.
 struct RayPack {
   static constexpr std::size_t size = 16;
+  /// A ray is safe for as many steps as it has borders to cross within its reach, less 7: 3 for the fractions
+  /// that are counted in, 3 for rounding (one border an axis at most), and one more.
+  static constexpr double unsafe_steps = 7.0;
   alignas(64) double next[3][size];
   alignas(64) double delta[3][size];
   alignas(64) std::int64_t step[3][size];  ///< of the window's index

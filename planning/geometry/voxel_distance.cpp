@@ -2,36 +2,10 @@
 
 #include <algorithm>
 
-#include "planning/geometry/four_lanes.hpp"
-#include "planning/geometry/voxel_distance_kernel.hpp"
+#include "planning/geometry/voxel_distance_lanes.hpp"
 
 namespace clearway {
 namespace {
-
-/// Registers that any machine has.
-struct Portable {
-  using Numbers = lanes::Numbers;
-  static constexpr int width = lanes::width;
-
-  static Numbers all(double value) { return lanes::all(value); }
-  static Numbers load(const double* from) { return lanes::load(from); }
-  static void store(double* to, const Numbers& numbers) { lanes::store(to, numbers); }
-  static Numbers root(const Numbers& numbers) { return lanes::root(numbers); }
-  static Numbers select(const lanes::Places& truths, const Numbers& a, const Numbers& b) {
-    return lanes::select(truths, a, b);
-  }
-  static bool any(const lanes::Places& truths) { return lanes::any(truths); }
-};
-
-using Distances = void (*)(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
-
-Distances distances_with(InstructionSet vectors) {
-#ifdef __x86_64__
-  if (vectors == InstructionSet::avx512) return voxel_distances_avx512;
-  if (vectors == InstructionSet::avx2) return voxel_distances_avx2;
-#endif
-  return voxel_distances_portable;
-}
 
 DistanceBody body_of(const Shape& shape, const Eigen::Isometry3d& pose, double edge, double enough) {
   DistanceBody body{};
@@ -72,10 +46,6 @@ VoxelDistance distance_of(const DistanceLanes& lanes, std::size_t i) {
 
 }  // namespace
 
-void voxel_distances_portable(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes) {
-  DistanceKernel<Portable>(body).run(kind, lanes);
-}
-
 VoxelDistances::VoxelDistances(const Shape& shape, const Eigen::Isometry3d& map_from_shape, double edge)
     : shape_(shape), map_from_shape_(map_from_shape), edge_(edge) {}
 
@@ -90,13 +60,12 @@ void VoxelDistances::to(std::span<const NearVoxel> cubes, double enough, std::sp
     for (std::size_t i = 0; i < cubes.size(); ++i) out[i] = proved_distance(cubes[i].center, enough);
     return;
   }
-  const Distances distances = distances_with(vectors);
   const DistanceBody body = body_of(shape_, map_from_shape_, edge_, enough);
   DistanceLanes lanes;
   for (std::size_t first = 0; first < cubes.size(); first += distance_lanes) {
     const auto part = cubes.subspan(first, std::min<std::size_t>(distance_lanes, cubes.size() - first));
     load(part, lanes);
-    distances(kind_of(shape_), body, lanes);
+    voxel_distances(kind_of(shape_), body, lanes, vectors);
     for (std::size_t i = 0; i < part.size(); ++i) {
       out[first + i] = distance_of(lanes, i);
       if (lanes.is_open[i] == 0.0) continue;

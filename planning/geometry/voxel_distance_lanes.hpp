@@ -1,5 +1,7 @@
 #pragma once
 
+#include "mapping/system/instruction_set.hpp"
+
 // Private to VoxelDistances: what its loops for registers of each width take and give, in plain numbers.
 
 namespace clearway {
@@ -24,10 +26,9 @@ struct DistanceLanes {
   alignas(64) double is_open[distance_lanes];  ///< 1: not found within the looks that were allowed
 };
 
-// The same operations in the same order, and so the same bits, in four and in eight lanes. Call them only on
-// a machine that has those registers (see best_instruction_set).
-void voxel_distances_portable(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
-void voxel_distances_avx2(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
-void voxel_distances_avx512(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes);
+/// The same operations in the same order, and so the same bits, with each instruction set, which the machine
+/// must have (see best_instruction_set).
+void voxel_distances(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes,
+                     InstructionSet vectors);
 
 }  // namespace clearway

@@ -1,46 +1,65 @@
-#pragma once
+// Distances of cubes from bodies, as many cubes at once as a register holds.
 
 #include "planning/geometry/voxel_distance_lanes.hpp"
 
-// The distances for any width of registers. Included by the one file for each width, below its instruction
-// set: nothing here may come from a header that others compile, too.
+#include "mapping/system/highway_targets.hpp"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "planning/geometry/voxel_distance_lanes.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
 
-namespace clearway {
-namespace {
+HWY_BEFORE_NAMESPACE();
+namespace clearway::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<double, distance_lanes>;
+
+struct Truths {
+  hn::Mask<Tag> v;
+};
+struct Numbers {
+  hn::Vec<Tag> v;
+};
+
+HWY_INLINE Truths operator&(const Truths& a, const Truths& b) { return {hn::And(a.v, b.v)}; }
+HWY_INLINE Truths operator~(const Truths& a) { return {hn::Not(a.v)}; }
+HWY_INLINE Numbers operator+(const Numbers& a, const Numbers& b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE Numbers operator-(const Numbers& a, const Numbers& b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE Numbers operator*(const Numbers& a, const Numbers& b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Numbers operator*(double a, const Numbers& b) { return {hn::Mul(hn::Set(Tag(), a), b.v)}; }
+HWY_INLINE Numbers operator/(const Numbers& a, const Numbers& b) { return {hn::Div(a.v, b.v)}; }
+HWY_INLINE Numbers operator-(const Numbers& a) { return {hn::Neg(a.v)}; }
+HWY_INLINE Truths operator<(const Numbers& a, const Numbers& b) { return {hn::Lt(a.v, b.v)}; }
+HWY_INLINE Truths operator<=(const Numbers& a, const Numbers& b) { return {hn::Le(a.v, b.v)}; }
+HWY_INLINE Truths operator==(const Numbers& a, const Numbers& b) { return {hn::Eq(a.v, b.v)}; }
+HWY_INLINE Numbers load_numbers(const double* from) { return {hn::Load(Tag(), from)}; }
+HWY_INLINE void store_numbers(double* to, const Numbers& numbers) { hn::Store(numbers.v, Tag(), to); }
+HWY_INLINE Numbers root(const Numbers& numbers) { return {hn::Sqrt(numbers.v)}; }
+HWY_INLINE Numbers chosen(const Truths& truths, const Numbers& a, const Numbers& b) {
+  return {hn::IfThenElse(truths.v, a.v, b.v)};
+}
+HWY_INLINE bool any(const Truths& truths) { return !hn::AllFalse(Tag(), truths.v); }
 
 /// Points side by side.
-template <class Numbers>
-struct DistancePoints {
+struct Points {
   Numbers x, y, z;
 };
 
-template <class Numbers>
-DistancePoints<Numbers> operator+(const DistancePoints<Numbers>& a, const DistancePoints<Numbers>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class Numbers>
-DistancePoints<Numbers> operator-(const DistancePoints<Numbers>& a, const DistancePoints<Numbers>& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-template <class Numbers>
-DistancePoints<Numbers> operator*(const Numbers& a, const DistancePoints<Numbers>& b) {
-  return {a * b.x, a * b.y, a * b.z};
-}
+HWY_INLINE Points operator+(const Points& a, const Points& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+HWY_INLINE Points operator-(const Points& a, const Points& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE Points operator*(const Numbers& a, const Points& b) { return {a * b.x, a * b.y, a * b.z}; }
 
-/// `Registers` has `width`, Numbers (doubles) with the operators of GCC's vectors, and what these lack: all,
-/// load, store, root, select, any.
-template <class Registers>
+/// The distances of the cubes of a DistanceLanes from one body.
 class DistanceKernel {
  public:
-  using Numbers = typename Registers::Numbers;
-
   explicit DistanceKernel(const DistanceBody& body)
       : middle_(everywhere(body.middle)),
         half_edges_{number(body.half_edge), number(body.half_edge), number(body.half_edge)},
         body_(body) {}
 
   void run(DistanceKind kind, DistanceLanes& lanes) const {
-    for (int first = 0; first < distance_lanes; first += Registers::width) {
+    for (int first = 0; first < distance_lanes; first += static_cast<int>(hn::MaxLanes(Tag()))) {
       if (kind == DistanceKind::round) {
         round(lanes, first);
       } else if (kind == DistanceKind::cylinder) {
@@ -52,30 +71,26 @@ class DistanceKernel {
   }
 
  private:
-  using Points = DistancePoints<Numbers>;
   using Points3 = double[3][distance_lanes];
 
-  static Numbers number(double value) { return Registers::all(value); }
+  static Numbers number(double value) { return {hn::Set(Tag(), value)}; }
   static Points everywhere(const double* point) {
     return {number(point[0]), number(point[1]), number(point[2])};
   }
   static Points load(const Points3& from, int first) {
-    return {Registers::load(from[0] + first), Registers::load(from[1] + first),
-            Registers::load(from[2] + first)};
+    return {load_numbers(from[0] + first), load_numbers(from[1] + first), load_numbers(from[2] + first)};
   }
   static void store(Points3& to, int first, const Points& points) {
-    Registers::store(to[0] + first, points.x);
-    Registers::store(to[1] + first, points.y);
-    Registers::store(to[2] + first, points.z);
+    store_numbers(to[0] + first, points.x);
+    store_numbers(to[1] + first, points.y);
+    store_numbers(to[2] + first, points.z);
   }
-  template <class Truths>
   static Points select(const Truths& truths, const Points& a, const Points& b) {
-    return {Registers::select(truths, a.x, b.x), Registers::select(truths, a.y, b.y),
-            Registers::select(truths, a.z, b.z)};
+    return {chosen(truths, a.x, b.x), chosen(truths, a.y, b.y), chosen(truths, a.z, b.z)};
   }
   static Numbers dot(const Points& a, const Points& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  static Numbers larger(const Numbers& a, const Numbers& b) { return Registers::select(b < a, a, b); }
-  static Numbers smaller(const Numbers& a, const Numbers& b) { return Registers::select(a < b, a, b); }
+  static Numbers larger(const Numbers& a, const Numbers& b) { return {hn::Max(a.v, b.v)}; }
+  static Numbers smaller(const Numbers& a, const Numbers& b) { return {hn::Min(a.v, b.v)}; }
   static Numbers within(const Numbers& a, const Numbers& half) { return smaller(larger(a, -half), half); }
   static Points within(const Points& a, const Points& half) {
     return {within(a.x, half.x), within(a.y, half.y), within(a.z, half.z)};
@@ -96,8 +111,8 @@ class DistanceKernel {
       const Numbers along = dot(from_middle, axis);
       const Points aside = from_middle - along * axis;
       const Numbers squared = dot(aside, aside), beyond = along - within(along, half_length);
-      const Numbers outer = number(1.0) - radius / Registers::root(squared);
-      return beyond * axis + Registers::select(squared_radius < squared, outer, number(0.0)) * aside;
+      const Numbers outer = number(1.0) - radius / root(squared);
+      return beyond * axis + chosen(squared_radius < squared, outer, number(0.0)) * aside;
     }
   };
   /// The same of a box.
@@ -142,25 +157,25 @@ class DistanceKernel {
         const auto is_between = (low < crossing) & (crossing < high);
         const Numbers value = slope(crossing);
         const auto is_low = is_between & (value < zero), is_high = is_between & (zero <= value);
-        low = Registers::select(is_low, crossing, low);
-        slope_low = Registers::select(is_low, value, slope_low);
-        high = Registers::select(is_high, crossing, high);
-        slope_high = Registers::select(is_high, value, slope_high);
+        low = chosen(is_low, crossing, low);
+        slope_low = chosen(is_low, value, slope_low);
+        high = chosen(is_high, crossing, high);
+        slope_high = chosen(is_high, value, slope_high);
       }
     }
     Numbers t = low + (high - low) * (slope_low / (slope_low - slope_high));
-    t = Registers::select(is_at_low, zero, Registers::select(is_at_high, one, t));
+    t = chosen(is_at_low, zero, chosen(is_at_high, one, t));
     const Points on_axis = begin + t * whole, offset = within(on_axis, half_edges_) - on_axis;
-    const Numbers apart = Registers::root(dot(offset, offset));
+    const Numbers apart = root(dot(offset, offset));
     const Numbers rounding = 1e-13 * (number(body_.size) + sum(absolute(middle)));
     const auto is_apart = radius + rounding < apart;
     const Points normal = select(is_apart, (one / apart) * offset, Points{});
     const Numbers of_axis = dot(normal, middle) + absolute(dot(normal, along));
     const Numbers distance = -(body_.half_edge * sum(absolute(normal))) - of_axis - radius - rounding;
-    Registers::store(lanes.distance + first, Registers::select(is_apart, larger(distance, zero), zero));
+    store_numbers(lanes.distance + first, chosen(is_apart, larger(distance, zero), zero));
     store(lanes.point, first, select(is_apart, cube + on_axis + radius * normal, Points{}));
     store(lanes.normal, first, normal);
-    Registers::store(lanes.is_open + first, zero);
+    store_numbers(lanes.is_open + first, zero);
   }
 
   template <class Body>
@@ -173,9 +188,9 @@ class DistanceKernel {
     Numbers least = number(0.0);
     Points found{}, normal{};
     auto is_open = rounding == rounding;
-    for (int look = 0; look < most && Registers::any(is_open); ++look) {
+    for (int look = 0; look < most && any(is_open); ++look) {
       const Points offset = body.offset_to(on_cube);
-      const Numbers distance = Registers::root(dot(offset, offset));
+      const Numbers distance = root(dot(offset, offset));
       const auto touches = is_open & (distance <= rounding), overlaps = touches & (least <= rounding);
       found = select(overlaps, Points{}, found);
       normal = select(overlaps, Points{}, normal);
@@ -185,22 +200,40 @@ class DistanceKernel {
       const Numbers inverse = number(1.0) / distance;
       const Numbers planes = dot(offset, cube - on_body) - body_.half_edge * sum(absolute(offset));
       const Numbers best = larger(planes * inverse - rounding, least);
-      least = Registers::select(is_open, best, least);
+      least = chosen(is_open, best, least);
       found = select(is_open, on_body, found);
       normal = select(is_open, inverse * offset, normal);
       const Numbers gain = number((look < closely ? 1e-6 : 1e-2) * edge) + 2.0 * rounding;
       is_open = is_open & (gain < distance - best) & (best <= number(body_.enough));
       on_cube = cube + within(on_body - cube, half_edges_);
     }
-    Registers::store(lanes.distance + first, least);
+    store_numbers(lanes.distance + first, least);
     store(lanes.point, first, found);
     store(lanes.normal, first, normal);
-    Registers::store(lanes.is_open + first, Registers::select(is_open, number(1.0), number(0.0)));
+    store_numbers(lanes.is_open + first, chosen(is_open, number(1.0), number(0.0)));
   }
 
   const Points middle_, half_edges_;
   const DistanceBody& body_;
 };
 
-}  // namespace
+void distances(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes) {
+  DistanceKernel(body).run(kind, lanes);
+}
+
+}  // namespace clearway::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace clearway {
+
+void voxel_distances(DistanceKind kind, const DistanceBody& body, DistanceLanes& lanes, InstructionSet set) {
+#if HWY_ARCH_X86
+  if (set == InstructionSet::avx512) return N_AVX3::distances(kind, body, lanes);
+  if (set == InstructionSet::avx2) return N_AVX2::distances(kind, body, lanes);
+#endif
+  HWY_STATIC_DISPATCH(distances)(kind, body, lanes);
+}
+
 }  // namespace clearway
+#endif  // HWY_ONCE
