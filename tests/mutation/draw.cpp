@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "tests/mutation/code_text.hpp"
+#include "tests/mutation/entries.hpp"
 
 namespace clearway::mutation {
 namespace {
@@ -128,6 +129,23 @@ std::vector<Candidate> drawn(const std::filesystem::path& repository, const std:
       if (i < list.size()) order.push_back(std::move(list[i].second));
   }
   return order;
+}
+
+std::vector<Candidate> named(const std::filesystem::path& repository, const std::filesystem::path& list) {
+  std::vector<Candidate> candidates;
+  for (const auto& entry : read_entries(list, {"file", "line", "fault"})) {
+    const std::string &file = entry.at("file"), &text = entry.at("line"),
+                      source = read_whole(repository / file);
+    const std::size_t at = source.find(text);
+    if (at == std::string::npos || source.find(text, at + 1) != std::string::npos)
+      throw std::runtime_error(list.string() + ": expected once in " + file + ": " + text);
+    candidates.push_back({file,
+                          line_number(source, at),
+                          text,
+                          text + " -> " + entry.at("fault"),
+                          {"named", at, text.size(), entry.at("fault")}});
+  }
+  return candidates;
 }
 
 }  // namespace clearway::mutation

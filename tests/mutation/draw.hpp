@@ -30,6 +30,11 @@ std::vector<std::string> deciding_files(const std::filesystem::path& repository)
 std::vector<Candidate> drawn(const std::filesystem::path& repository, const std::vector<std::string>& files,
                              std::uint64_t seed);
 
+/// The faults of a list, in its order: blocks of "file:", "line:" (its text) and "fault:" (what stands there
+/// instead).
+/// @throws std::runtime_error naming an entry whose line the file does not have exactly once
+std::vector<Candidate> named(const std::filesystem::path& repository, const std::filesystem::path& list);
+
 std::uint64_t hash_of(const std::string& text, std::uint64_t seed = 0);
 std::string read_whole(const std::filesystem::path& file);
 

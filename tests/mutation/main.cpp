@@ -28,7 +28,7 @@ struct Options {
   std::uint64_t seed = 1;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
   std::string repository = CLEARWAY_SOURCE_DIR, build = CLEARWAY_BUILD_DIR, only;
-  bool trust_noticed = false, list = false;
+  bool trust_noticed = false, list = false, named = false;
 };
 
 /// Tries candidates in their order until `count` of them did compile.
@@ -38,10 +38,19 @@ class Check {
       : options_(options),
         accepted_(fs::path(options.repository) / "tests/mutation/accepted_survivors.txt"),
         records_(fs::path(options.build) / "mutation" / "records.txt", options.trust_noticed) {
-    std::vector<std::string> files = deciding_files(options.repository);
-    std::erase_if(files,
-                  [&](const std::string& file) { return file.find(options.only) == std::string::npos; });
-    candidates_ = drawn(options.repository, files, options.seed);
+    const auto is_left_out = [&](const std::string& file) {
+      return file.find(options.only) == std::string::npos;
+    };
+    if (options.named) {
+      candidates_ =
+          named(options.repository, fs::path(options.repository) / "tests/mutation/named_faults.txt");
+      std::erase_if(candidates_, [&](const Candidate& candidate) { return is_left_out(candidate.file); });
+      options_.count = candidates_.size();
+    } else {
+      std::vector<std::string> files = deciding_files(options.repository);
+      std::erase_if(files, is_left_out);
+      candidates_ = drawn(options.repository, files, options.seed);
+    }
     std::erase_if(candidates_, [&](const Candidate& candidate) {
       return accepted_.reason(candidate).starts_with("equivalent: ");
     });
@@ -89,9 +98,10 @@ class Check {
     const std::size_t faults = noticed + accepted + unexplained;
     const double share =
         faults == 0 ? 0.0 : 100.0 * static_cast<double>(noticed) / static_cast<double>(faults);
-    std::cout << faults << " faults, seed " << options_.seed << ": " << noticed << " noticed ("
-              << std::floor(10.0 * share) / 10.0 << " %), " << accepted << " survivors explained, "
-              << unexplained << " not explained; " << broken << " more did not compile\n";
+    std::cout << faults << " faults, " << (options_.named ? "named" : "seed " + std::to_string(options_.seed))
+              << ": " << noticed << " noticed (" << std::floor(10.0 * share) / 10.0 << " %), " << accepted
+              << " survivors explained, " << unexplained << " not explained; " << broken
+              << " more did not compile\n";
     return faults > 0 && share >= 95.0 && unexplained == 0 ? 0 : 1;
   }
 
@@ -170,6 +180,7 @@ int main_of(int argc, char** argv) {
   app.add_option("--only", options.only, "files whose path has this in it");
   app.add_flag("--trust-noticed", options.trust_noticed,
                "try survivors of earlier runs again, not what was noticed");
+  app.add_flag("--named", options.named, "the faults of named_faults.txt instead of drawn ones");
   app.add_flag("--list", options.list, "print the faults, try none");
   CLI11_PARSE(app, argc, argv);
   Check check(options);

@@ -98,5 +98,14 @@ TEST(MutationDraw, FindsEveryFileThatDecides) {
   EXPECT_GT(drawn(CLEARWAY_SOURCE_DIR, files, 1).size(), 2000U);
 }
 
+TEST(MutationDraw, FindsEveryNamedFault) {
+  const std::filesystem::path list =
+      std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/mutation/named_faults.txt";
+  const std::vector<Candidate> candidates = named(CLEARWAY_SOURCE_DIR, list);
+  EXPECT_GE(candidates.size(), 16U);
+  for (const Candidate& candidate : candidates)
+    EXPECT_NE(candidate.fault.is, candidate.text) << candidate.name();
+}
+
 }  // namespace operators_test
 }  // namespace clearway::mutation
