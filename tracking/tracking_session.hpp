@@ -37,10 +37,15 @@ class TrackingSession {
   /// refused as a sample with its reason; nothing is thrown.
   TrackedImage step(const cv::Mat& gray, double time);
 
+  /// The same for an image in which another detector of the same options has found `detections`.
+  TrackedImage step(const cv::Mat& gray, std::vector<TagDetection> detections, double time);
+
   const Probe& probe() const { return probe_; }              ///< counts by reason, r0
   const TagDetector& detector() const { return detector_; }  ///< counts of detections
 
  private:
+  bool takes(const cv::Mat& gray) const;
+
   Camera camera_;
   TagDetector detector_;
   Probe probe_;

@@ -36,7 +36,7 @@ Command add_replay(CLI::App& app, Console& console) {
       app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
   command
       ->add_option("recording", options->recording,
-                   "MRPT rawlog, gzipped or plain; or a .pcd or .ply file, or a folder of them")
+                   "MRPT rawlog; or .pcd or .ply, .png or .jpg: a file, or a folder of them")
       ->required()
       ->type_name("RECORDING");
   command
@@ -64,7 +64,7 @@ Command add_replay(CLI::App& app, Console& console) {
       ->type_name("MODE");
   command
       ->add_option("--threads", options->threads,
-                   "for inserting scans; the map does not depend on it; default: all, at most 8")
+                   "for images and scans; the map does not depend on it; default: all, at most 8")
       ->check(number("a whole number from 1 to 64", 1, 64))
       ->type_name("N");
   command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")

@@ -41,7 +41,7 @@ struct ReplayOptions {
   std::filesystem::path out;          ///< folder, created
   double resolution = 0.0;            ///< metres; 0: the setup's, else 0.02
   std::string integration;            ///< "safe" or "compatible"; empty: the setup's, else safe
-  int threads = 0;                    ///< for inserting scans; 0: as many as the machine has, at most 8
+  int threads = 0;                    ///< for images and scans; 0: as many as the machine has, at most 8
   std::vector<std::string> planners;  ///< replaces the queries' own lists
   std::optional<double> seen_within;  ///< seconds; replaces the queries' own
   bool plan = true;

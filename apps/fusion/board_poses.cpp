@@ -1,7 +1,6 @@
 #include "apps/fusion/board_poses.hpp"
 
 #include <algorithm>
-#include <opencv2/core.hpp>
 
 #include "apps/fusion/painter.hpp"
 
@@ -17,8 +16,7 @@ bool is_sure(const std::optional<BodyPose>& pose, const AcceptanceOptions& accep
 
 }  // namespace
 
-BoardPoses::BoardPoses(const Setup& setup)
-    : camera_(setup.camera), options_(tracking_options(setup.acceptance)) {
+BoardPoses::BoardPoses(const Setup& setup) : setup_(setup), options_(tracking_options(setup)) {
   const auto follow = [&](const std::string& name, double max_gap) {
     const auto found = boards_.find(name);
     if (found != boards_.end()) max_gap = std::max(max_gap, found->second.max_gap);
@@ -37,12 +35,13 @@ BoardPoses::BoardPoses(const Setup& setup)
   map_from_base_ = *base.map_from_board;
 }
 
-void BoardPoses::take(const Frame& frame, const ImageFrame& image, const TrackedImage* painted) {
+void BoardPoses::take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
+                      const TrackedImage* painted) {
   if (boards_.empty()) return;
   last_image_ = std::max(frame.time, last_image_.value_or(frame.time));
-  const std::vector<TagDetection> detections = painted != nullptr ? painted->detections : detect(image);
+  const std::vector<TagDetection>& detections = painted != nullptr ? painted->detections : tags;
   if (detections.empty()) return;
-  const Camera camera = tracking_camera(camera_ ? *camera_ : image.intrinsics);
+  const Camera camera = camera_of(setup_, image);
   const auto base = painted != nullptr ? painted->sample.base
                                        : estimate_body_pose(base_, detections, camera, options_.pose);
   if (!is_sure(base, options_.acceptance)) return;
@@ -54,14 +53,6 @@ void BoardPoses::take(const Frame& frame, const ImageFrame& image, const Tracked
     if (!is_sure(board, options_.acceptance)) continue;
     tracked.poses.add(frame.time, map_from_camera * board->camera_from_body.pose);
   }
-}
-
-std::vector<TagDetection> BoardPoses::detect(const ImageFrame& image) {
-  if (!detector_) detector_.emplace(options_.detector);
-  const cv::Mat gray(image.image.height, image.image.width, CV_8UC1,
-                     const_cast<std::uint8_t*>(image.image.pixels.data()));
-  if (!is_detectable(gray, detector_->options().decimate)) return {};
-  return detector_->detect(gray);
 }
 
 std::optional<Eigen::Isometry3d> BoardPoses::at(const std::string& board, double time) const {

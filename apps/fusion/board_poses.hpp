@@ -19,8 +19,13 @@ class BoardPoses {
   /// @throws std::invalid_argument when a sensor is on a board and no board is fixed in the map.
   explicit BoardPoses(const Setup& setup);
 
-  /// @param painted what the painter made of the image; null: this looks for the tags itself.
-  void take(const Frame& frame, const ImageFrame& image, const TrackedImage* painted);
+  /// Whether any board is followed: whether images have to be searched for tags.
+  bool are_needed() const { return !boards_.empty(); }
+
+  /// @param tags in the image
+  /// @param painted what the painter made of them; null without a painter
+  void take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
+            const TrackedImage* painted);
   /// No more images will come.
   void finish() { finished_ = true; }
 
@@ -38,15 +43,13 @@ class BoardPoses {
     double max_gap = 0.0;
     PoseStream poses;
   };
-  std::vector<TagDetection> detect(const ImageFrame& image);
 
   std::string probe_board_;  ///< empty without a probe
   TagBody base_;
   Eigen::Isometry3d map_from_base_ = Eigen::Isometry3d::Identity();
-  std::optional<CameraIntrinsics> camera_;
+  const Setup& setup_;
   TrackingOptions options_;
   std::map<std::string, Tracked> boards_;
-  std::optional<TagDetector> detector_;
   std::optional<double> last_image_;
   bool finished_ = false;
 };

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,10 @@ struct FusionCounts {
   std::size_t frames = 0, images = 0, scans = 0, odometry = 0;
   std::size_t detections = 0;  ///< tags seen, over all images
   std::size_t images_with_tags = 0;
-  std::map<std::string, std::int64_t> samples;  ///< by "accepted" or the reason of refusal
-  std::size_t accepted_outside_volumes = 0;     ///< accepted, but outside every volume's time span
+  std::set<int> ids_seen;                             ///< of tags
+  std::map<std::string, std::int64_t> samples;        ///< by "accepted" or the reason of refusal
+  std::map<std::string, std::string> first_refusals;  ///< by reason, the first sentence
+  std::size_t accepted_outside_volumes = 0;           ///< accepted, but outside every volume's time span
   std::size_t spheres = 0;
   ScanCounts points;  ///< summed over the scans
   Eigen::Vector3d scan_origin_sum =
@@ -41,7 +44,7 @@ struct FusionOptions {
       setup_file{};           ///< empty: the setup embedded in the recording (its first comment), if any
   double resolution = 0.0;    ///< metres; 0: the setup's, else 0.02
   std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
-  int threads = 0;            ///< for inserting scans, in [1, 64]; 0: the machine's, at most 8
+  int threads = 0;  ///< for images and scans, in [1, 64]; 0: the setup's, else the machine's, at most 8
 };
 
 /// A recording turned into a map.
@@ -56,10 +59,9 @@ struct Fusion {
 };
 
 /// Recording -> tag poses -> painted spheres and integrated scans -> one fused map.
-/// `recording`: a rawlog, or clouds (see frame_source.hpp).
-/// @throws std::invalid_argument: the recording or setup cannot be used (missing, a probe without boards, not
-/// one
-///         tag seen although a probe is set up, ...), in one sentence.
+/// `recording`: see open_frames.hpp.
+/// @throws std::invalid_argument: the recording or setup cannot be used (missing, a probe without boards, no
+///         tag seen although a probe is set up, nothing that gets into the map, ...), in one sentence.
 Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
             const std::function<void(double)>& progress);
 

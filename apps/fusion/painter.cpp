@@ -19,8 +19,22 @@ TagBody tag_body(const BoardSetup& board) {
   return body;
 }
 
-TrackingOptions tracking_options(const AcceptanceSetup& acceptance) {
+Camera camera_of(const Setup& setup, const ImageFrame& image) {
+  if (!setup.camera && image.intrinsics.width == 0)
+    throw std::invalid_argument(
+        "the recording does not tell the camera of its images: expected `camera` in the setup");
+  return tracking_camera(setup.camera ? *setup.camera : image.intrinsics);
+}
+
+TrackingOptions tracking_options(const Setup& setup) {
+  const AcceptanceSetup& acceptance = setup.acceptance;
+  const DetectorSetup& detector = setup.detector;
   TrackingOptions options;
+  if (detector.decimate) options.detector.decimate = *detector.decimate;
+  if (detector.sigma) options.detector.sigma = *detector.sigma;
+  if (detector.sharpening) options.detector.sharpening = *detector.sharpening;
+  if (detector.max_hamming) options.detector.max_hamming = *detector.max_hamming;
+  if (detector.min_margin) options.detector.min_margin = *detector.min_margin;
   if (acceptance.max_reprojection_px) options.acceptance.max_rms_px = *acceptance.max_reprojection_px;
   if (acceptance.min_ambiguity) options.acceptance.min_ambiguity_ratio = *acceptance.min_ambiguity;
   if (acceptance.max_speed) options.acceptance.max_speed = *acceptance.max_speed;
@@ -48,17 +62,18 @@ Painter::Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts)
   for (const VolumeSetup& volume : volumes_) map_.add_volume(volume.label, volume.critical_parts);
 }
 
-TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, double since_start) {
+TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
+                           double since_start) {
   if (!session_) start_session(image);
   const cv::Mat gray(image.image.height, image.image.width, CV_8UC1,
                      const_cast<std::uint8_t*>(image.image.pixels.data()));
   TrackedImage tracked;
   {
     const Stopwatch watch(counts_.track_s);
-    tracked = session_->step(gray, frame.time);
+    tracked = session_->step(gray, tags, frame.time);
   }
-  counts_.detections += tracked.detections.size();
-  counts_.images_with_tags += tracked.detections.empty() ? 0 : 1;
+  if (!tracked.sample.accepted)
+    counts_.first_refusals.try_emplace(to_string(tracked.sample.refusal), tracked.sample.reason);
   if (tracked.sample.accepted) paint(tracked.sample, frame.sensor, since_start);
   return tracked;
 }
@@ -77,11 +92,11 @@ void Painter::finish() {
 void Painter::start_session(const ImageFrame& image) {
   const ProbeSetup& probe = *setup_.probe;
   TrackingSetup tracking;
-  tracking.camera = tracking_camera(setup_.camera ? *setup_.camera : image.intrinsics);
+  tracking.camera = camera_of(setup_, image);
   tracking.base = tag_body(*base_);
   tracking.probe = {tag_body(*probe_board_), probe.ball_center, probe.ball_radius};
   tracking.budget = {probe.robot_error, probe.tracking_error, probe.modelling_error};
-  session_.emplace(tracking, tracking_options(setup_.acceptance));
+  session_.emplace(tracking, tracking_options(setup_));
 }
 
 /// A stroke ends when the hand pauses: when no sample was accepted for a second.

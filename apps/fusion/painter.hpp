@@ -12,8 +12,13 @@ namespace clearway {
 Camera tracking_camera(const CameraIntrinsics& intrinsics);
 TagBody tag_body(const BoardSetup& board);
 
-/// What a setup says of accepting a tracked pose; the tracking's own default where it says nothing.
-TrackingOptions tracking_options(const AcceptanceSetup& acceptance);
+/// What a setup says of detecting tags and of accepting a pose; the tracking's own default where it says
+/// nothing.
+TrackingOptions tracking_options(const Setup& setup);
+
+/// The camera of an image: the setup's, else the recording's.
+/// @throws std::invalid_argument when neither tells it.
+Camera camera_of(const Setup& setup, const ImageFrame& image);
 
 /// The board that anchors the map frame: the first with a place in it.
 /// @throws std::invalid_argument when there is none; `needed_by` is what needs it.
@@ -25,8 +30,9 @@ class Painter {
   /// @pre setup.probe
   Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts);
 
-  /// Tracks the probe, and paints when the sample is accepted.
-  TrackedImage take(const Frame& frame, const ImageFrame& image, double since_start);
+  /// Tracks the probe by the tags in its image, and paints when the sample is accepted.
+  TrackedImage take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
+                    double since_start);
   void finish();
 
  private:

@@ -161,6 +161,31 @@ AcceptanceSetup read_acceptance(const YamlFields& fields) {
   return acceptance;
 }
 
+DetectorSetup read_detector(const YamlFields& fields) {
+  DetectorSetup detector;
+  const auto whole = [&](const char* key, Bounds bounds, std::optional<int>& value) {
+    if (fields.has(key)) value = fields.integer(key, bounds);
+  };
+  whole("decimate", {1, 2}, detector.decimate);
+  whole("threads", {1, 64}, detector.threads);
+  whole("max_hamming", {0, 2}, detector.max_hamming);
+  detector.sigma = fields.optional_number("sigma", {0, 5});
+  detector.sharpening = fields.optional_number("sharpening", {0, 10});
+  detector.min_margin = fields.optional_number("min_margin", {0, 255});
+  const std::vector<std::string> families = fields.texts("families");
+  if (fields.has("families") && families != std::vector<std::string>{"tag36h11"})
+    fields.fail("families", "expected [tag36h11], the one family whose tags are read");
+  fields.finish();
+  return detector;
+}
+
+SourceOptions read_source(const YamlFields& fields) {
+  SourceOptions source;
+  source.rate = fields.optional_number("rate", {1e-3, 1e5});
+  fields.finish();
+  return source;
+}
+
 RobotSetup read_robot(const YamlFields& fields) {
   RobotSetup robot;
   robot.name = fields.file("name");
@@ -239,6 +264,9 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
+  if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));
+  if (fields.has("source")) setup.source = read_source(fields.map("source"));
+  setup.source.camera = setup.camera;
   if (fields.has("robot")) setup.robot = read_robot(fields.map("robot"));
   for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
   fields.finish();

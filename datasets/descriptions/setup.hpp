@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/sources/frame_source.hpp"
 #include "datasets/sources/recording.hpp"
 
 namespace clearway {
@@ -93,6 +94,16 @@ struct AcceptanceSetup {
   bool fixed_camera = false;          ///< camera and base board stand still: the board's pose is averaged
 };
 
+/// How images are searched for tags. What is left out is the detector's own default.
+struct DetectorSetup {
+  std::optional<int> decimate;       ///< 1, or 2: squares are looked for at half size, corners found at full
+  std::optional<int> threads;        ///< images searched at the same time; none: all cores, at most 8
+  std::optional<double> sigma;       ///< px, Gaussian blur of the image
+  std::optional<double> sharpening;  ///< of the bits
+  std::optional<int> max_hamming;    ///< bits that may be corrected
+  std::optional<double> min_margin;  ///< grey levels between bits and threshold
+};
+
 struct RobotSetup {
   std::string name;  ///< in datasets/robots, or a URDF path
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
@@ -127,6 +138,8 @@ struct Setup {
   std::optional<ProbeSetup> probe;
   std::vector<VolumeSetup> volumes;  ///< never empty: by default one, "free", over everything
   AcceptanceSetup acceptance;
+  DetectorSetup detector;
+  SourceOptions source;  ///< with the camera
   std::optional<RobotSetup> robot;
   std::vector<QuerySetup> queries;
 

@@ -2,9 +2,10 @@
 
 #include <sys/types.h>
 
-#include <filesystem>
-#include <optional>
+#include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace clearway {
 
@@ -23,14 +24,35 @@ struct ChildMessage {
   std::string text;
 };
 
-/// The child process that decodes a rawlog: its memory is limited to 128 MB + 20 times the file (beyond what
-/// this process already uses), its processor time to a minute and 10 s per MB, it prints nothing and touches
+/// The child's side of the pipe; leaves the process when nobody listens any more.
+class ChildReport {
+ public:
+  explicit ChildReport(int pipe) : pipe_(pipe) {}
+  void send(ChildMessage::Kind kind, uint64_t offset, std::string_view text) const;
+
+ private:
+  int pipe_;
+};
+
+/// What a decoding child may take.
+struct DecodingLimits {
+  uint64_t memory = 0;   ///< bytes beyond what this process already uses; of a message, too
+  uint64_t seconds = 0;  ///< of processor time
+
+  /// 128 MB and 20 times the bytes; a minute and 10 s per MB.
+  static DecodingLimits of_file(uint64_t bytes);
+};
+
+/// A child process that decodes recordings: its memory and time are limited, it prints nothing and changes
 /// nothing. It dies when this object does.
 class DecodingChild {
  public:
-  /// Decodes what `descriptor` (opened, at the start of the log) holds. @throws std::runtime_error when the
-  /// system gives no process or pipe.
-  DecodingChild(int descriptor, uint64_t file_size);
+  /// What the child does: the last message that it sends is `damage` or `end`.
+  using Work = std::function<void(const ChildReport&, int descriptor)>;
+
+  /// @param descriptor the open file that it reads, the only one it keeps; -1: none
+  /// @throws std::runtime_error when the system gives no process or pipe.
+  DecodingChild(const DecodingLimits& limits, int descriptor, const Work& work);
   ~DecodingChild();
   DecodingChild(const DecodingChild&) = delete;
   DecodingChild& operator=(const DecodingChild&) = delete;

@@ -62,6 +62,7 @@ struct Frame {
   double time = 0;
   std::string sensor;  ///< the sensor's label, may be empty; MRPT stores none with a comment
   std::variant<ImageFrame, CloudFrame, OdometryFrame, CommentFrame> content;
+  std::string file = {};  ///< name of the file that holds this frame alone; empty: one file holds them all
 };
 
 /// A range image as a depth camera makes it, for writing. The sensor frame is x forward, y left, z up.

@@ -8,6 +8,7 @@
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
 #include "datasets/sources/inflating_stream.hpp"
+#include "datasets/sources/rawlog_work.hpp"
 #include "datasets/sources/recording.hpp"
 #include "datasets/sources/robot_path.hpp"
 #include "datasets/sources/sealed_records.hpp"
@@ -57,7 +58,9 @@ class OpenRecording {
 
 struct RecordingReader::State {
   explicit State(const std::filesystem::path& name)
-      : file(name), open(name), child(open.descriptor(), open.size()) {}
+      : file(name),
+        open(name),
+        child(DecodingLimits::of_file(open.size()), open.descriptor(), rawlog_work(open.size())) {}
 
   std::filesystem::path file;
   OpenRecording open;

@@ -18,6 +18,8 @@
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/suite.hpp"
+#include "datasets/pictures/image_folder.hpp"
+#include "datasets/pictures/picture_times.hpp"
 #include "datasets/sources/pose_stream.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/files/cloud_file.hpp"
@@ -32,6 +34,7 @@
 #include "planning/robot_files/urdf_file.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
+#include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
@@ -213,6 +216,21 @@ TEST_F(MutatedReaders, recordings) {
     }
     if (reader.damage()) throw DamagedFile(*reader.damage());
   });
+}
+
+TEST_F(MutatedReaders, pictures_and_their_times) {
+  cv::Mat noise(60, 80, CV_8UC1);
+  cv::theRNG().state = 1;
+  cv::randu(noise, 0, 255);
+  const auto read = [](const auto& file) {
+    const auto source = open_pictures({file}, "eye", {});
+    source->next();
+    if (source->damage()) throw DamagedFile(*source->damage());
+  };
+  for (const char* end : {".png", ".jpg"})
+    expect_read_or_told("1" + std::string(end), picture_bytes(noise, end), read);
+  expect_read_or_told("times.csv", source("tests/fuzz/corpus/file_times/tum.csv"),
+                      [](const auto& file) { parse_file_times(read_file(file), "times"); });
 }
 
 TEST_F(MutatedReaders, streams_of_poses) {

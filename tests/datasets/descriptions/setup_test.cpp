@@ -224,5 +224,24 @@ TEST(Setup, NumbersMeanTheSameInACommaLocale) {
   EXPECT_EQ(setup.map.resolution, 0.0025);
 }
 
+TEST(SetupDetector, SaysHowImagesAreSearchedAndRefusesWhatTheDetectorDoesNotDo) {
+  const Setup setup = parse_setup(
+      "detector: {decimate: 2, threads: 3, sigma: 0.8, sharpening: 0.5, max_hamming: 0, min_margin: 20,\n"
+      "           families: [tag36h11]}\nsource: {rate: 15}\n",
+      "s");
+  EXPECT_EQ(setup.detector.decimate, 2);
+  EXPECT_EQ(setup.detector.threads, 3);
+  EXPECT_EQ(setup.detector.sigma, 0.8);
+  EXPECT_EQ(setup.detector.sharpening, 0.5);
+  EXPECT_EQ(setup.detector.max_hamming, 0);
+  EXPECT_EQ(setup.detector.min_margin, 20);
+  EXPECT_EQ(setup.source.rate, 15);
+  EXPECT_FALSE(parse_setup("{}", "s").detector.decimate);
+  for (const char* wrong :
+       {"detector: {decimate: 3}", "detector: {families: [tag16h5]}", "detector: {families: []}",
+        "detector: {threads: 0}", "detector: {decimat: 2}", "source: {rate: 0}", "source: {rates: 1}"})
+    EXPECT_NE(complaint([&] { parse_setup(wrong, "s"); }), "") << wrong;
+}
+
 }  // namespace setup_test
 }  // namespace clearway

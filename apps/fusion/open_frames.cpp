@@ -1,11 +1,14 @@
-#include "apps/fusion/frame_source.hpp"
+#include "apps/fusion/open_frames.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <stdexcept>
 
+#include "datasets/pictures/image_folder.hpp"
+#include "datasets/pictures/picture_file.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -57,7 +60,7 @@ class Clouds final : public FrameSource {
         const Eigen::Isometry3f sensor_from_file = cloud.file_from_viewpoint.inverse().cast<float>();
         frame.points.reserve(cloud.points.size());
         for (const Eigen::Vector3f& point : cloud.points) frame.points.push_back(sensor_from_file * point);
-        return Frame{time, sensor_, std::move(frame)};
+        return Frame{time, sensor_, std::move(frame), file.filename().string()};
       } catch (const DamagedFile& error) {  // the other files are whole
         if (!damage_) damage_ = error.what();
       }
@@ -76,25 +79,47 @@ class Clouds final : public FrameSource {
   std::optional<std::string> damage_;
 };
 
+/// The regular files of a folder that `is_wanted`; links are followed.
+std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::error_code error;
+    if (entry.is_regular_file(error) && is_wanted(entry.path())) files.push_back(entry.path());
+  }
+  return files;
+}
+
+std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
+  std::error_code error;
+  const std::string name = fs::weakly_canonical(folder, error).filename().string();
+  std::vector<fs::path> pictures, clouds;
+  try {
+    pictures = files_in(folder, is_picture_file);
+    clouds = files_in(folder, is_cloud_file);
+  } catch (const fs::filesystem_error& failure) {
+    throw std::invalid_argument("recording " + quote_path(folder.string()) +
+                                " cannot be read: " + failure.code().message());
+  }
+  if (!pictures.empty() && !clouds.empty())
+    throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
+                                std::to_string(pictures.size()) + " pictures and " +
+                                std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
+  if (!pictures.empty()) return open_pictures(pictures, name, options);
+  if (!clouds.empty()) return std::make_unique<Clouds>(std::move(clouds), name);
+  throw std::invalid_argument("recording " + quote_path(folder.string()) +
+                              " is a folder without pictures and clouds; expected " + kinds_of_recordings);
+}
+
 }  // namespace
 
-std::unique_ptr<FrameSource> open_frames(const fs::path& recording) {
+std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const SourceOptions& options) {
   std::error_code error;
-  if (fs::is_directory(recording, error)) {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(recording)) {
-      if (entry.is_regular_file() && is_cloud_file(entry.path())) files.push_back(entry.path());
-    }
-    if (files.empty()) {
-      throw std::invalid_argument("recording '" + recording.string() +
-                                  "' is a folder without .pcd and .ply files; expected those, or a rawlog");
-    }
-    const fs::path whole = recording.has_filename() ? recording : recording.parent_path();
-    return std::make_unique<Clouds>(std::move(files), whole.filename().string());
-  }
-  if (is_cloud_file(recording) && fs::is_regular_file(recording, error)) {
+  if (fs::is_directory(recording, error)) return open_folder(recording, options);
+  const bool is_file = fs::is_regular_file(recording, error);
+  if (is_file && is_cloud_file(recording))
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
-  }
+  if (is_file && is_picture_file(recording))
+    return open_pictures({recording}, recording.stem().string(), options);
   return std::make_unique<Rawlog>(recording);
 }
 

@@ -1,0 +1,96 @@
+#include "apps/fusion/emptiness.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "apps/console/parse.hpp"
+#include "apps/fusion/painter.hpp"
+
+namespace clearway {
+namespace {
+
+std::string list_of_ids(const std::set<int>& ids) {
+  constexpr std::size_t enough = 10;
+  std::string list;
+  std::size_t count = 0;
+  for (const int id : ids) {
+    if (++count > enough) return list + ", ...";
+    list += (list.empty() ? "" : ", ") + std::to_string(id);
+  }
+  return list;
+}
+
+/// Whether a tag was seen that some board of the setup has.
+bool saw_a_board(const Fusion& fusion) {
+  for (const BoardSetup& board : fusion.setup.boards) {
+    for (const TagSetup& tag : board.tags)
+      if (fusion.counts.ids_seen.contains(tag.id)) return true;
+  }
+  return false;
+}
+
+void require_tags(const Fusion& fusion, const std::string& name) {
+  if (!fusion.setup.probe || saw_a_board(fusion)) return;
+  const FusionCounts& counts = fusion.counts;
+  const std::string images = grouped(counts.images) + " images";
+  const std::string what = counts.images == 0 ? "there is no camera image"
+                           : counts.ids_seen.empty()
+                               ? "there is no tag in its " + images
+                               : "none of the tags in its " + images + " (ids " +
+                                     list_of_ids(counts.ids_seen) + ") is on a board of the setup";
+  throw std::invalid_argument(name + ": " + what + ", but the setup (" + fusion.setup_source +
+                              ") has a probe to paint with: expected tag36h11 tags of boards '" +
+                              fixed_board(fusion.setup, "a probe").name + "' and '" +
+                              fusion.setup.probe->board + "'");
+}
+
+/// What became of the scans, of which no point is in the map.
+std::string fate_of_scans(const FusionCounts& counts) {
+  std::string fate;
+  const auto add = [&](std::size_t count, const std::string& what) {
+    if (count > 0) fate += (fate.empty() ? "" : ", ") + grouped(count) + " " + what;
+  };
+  add(counts.scans_without_pose, "scans have no pose at their time");
+  add(counts.scans_refused, "scans start outside the map's range");
+  add(counts.points.dropped_invalid, "points are not finite or outside the map's range");
+  add(counts.points.dropped_filter,
+      "points were taken out by min_range, crop, thin_to, outliers, or as the robot or the probe");
+  const std::string scans = "nothing of its " + grouped(counts.scans) + " scans got into the map: ";
+  return scans + (fate.empty() ? "they hold no points" : fate);
+}
+
+std::string reason_for_nothing(const Fusion& fusion) {
+  const FusionCounts& counts = fusion.counts;
+  const std::string no_ball = fusion.setup.probe ? "no ball was painted (" + refusals_of(counts) + ")" : "";
+  if (counts.scans > 0) return fate_of_scans(counts) + (no_ball.empty() ? "" : "; " + no_ball);
+  if (!no_ball.empty()) return no_ball;
+  if (counts.images > 0)
+    return "its " + grouped(counts.images) + " images put nothing into a map without a probe in the setup (" +
+           fusion.setup_source + ")";
+  return "it holds no image and no scan";
+}
+
+}  // namespace
+
+std::string refusals_of(const FusionCounts& counts) {
+  std::vector<std::pair<std::int64_t, std::string>> sorted;
+  for (const auto& [reason, count] : counts.samples)
+    if (count > 0) sorted.emplace_back(-count, reason);
+  std::sort(sorted.begin(), sorted.end());
+  std::string text;
+  for (const auto& [count, reason] : sorted)
+    text += (text.empty() ? "" : ", ") + reason + " " + std::to_string(-count);
+  if (sorted.empty()) return "no image";
+  const auto first = counts.first_refusals.find(sorted.front().second);
+  return first == counts.first_refusals.end() ? text : text + "; the first: " + first->second;
+}
+
+void require_content(const Fusion& fusion, const std::filesystem::path& recording) {
+  const FusionCounts& counts = fusion.counts;
+  require_tags(fusion, recording.string());
+  if (counts.spheres > 0 || counts.points.inserted > 0 || counts.points.beyond_range > 0) return;
+  throw std::invalid_argument(recording.string() + ": " + reason_for_nothing(fusion));
+}
+
+}  // namespace clearway

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "apps/fusion/fusion.hpp"
+
+namespace clearway {
+
+/// Refuses, in one sentence with the reason, a fusion that was to paint and saw no tag of its boards, and one
+/// that put nothing at all into its map. @throws std::invalid_argument
+void require_content(const Fusion& fusion, const std::filesystem::path& recording);
+
+/// "too_fast 3, ambiguous_pose 1": why samples were refused, the most frequent first.
+std::string refusals_of(const FusionCounts& counts);
+
+}  // namespace clearway

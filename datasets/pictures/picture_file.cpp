@@ -1,0 +1,122 @@
+#include "datasets/pictures/picture_file.hpp"
+
+#include <libexif/exif-data.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <chrono>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+
+namespace clearway {
+namespace {
+
+constexpr int longest_side = 20000;
+constexpr std::int64_t most_pixels = 64'000'000;
+
+struct ExifDeleter {
+  void operator()(ExifData* data) const { exif_data_unref(data); }
+};
+
+std::string exif_text(ExifData& data, ExifTag tag) {
+  ExifEntry* entry = exif_content_get_entry(data.ifd[EXIF_IFD_EXIF], tag);
+  if (entry == nullptr) return "";
+  std::array<char, 64> text{};
+  exif_entry_get_value(entry, text.data(), text.size());
+  return text.data();
+}
+
+std::optional<int> digits(std::string_view text, std::size_t at, std::size_t count) {
+  int value = 0;
+  if (at + count > text.size()) return std::nullopt;
+  const auto end = std::from_chars(text.data() + at, text.data() + at + count, value);
+  if (end.ec != std::errc() || end.ptr != text.data() + at + count || value < 0) return std::nullopt;
+  return value;
+}
+
+/// "2026:11:23 07:15:30"
+std::optional<double> seconds_of_date(std::string_view text) {
+  const auto year = digits(text, 0, 4), month = digits(text, 5, 2), day = digits(text, 8, 2),
+             hour = digits(text, 11, 2), minute = digits(text, 14, 2), second = digits(text, 17, 2);
+  if (!year || !month || !day || !hour || !minute || !second) return std::nullopt;
+  const std::chrono::year_month_day date{std::chrono::year(*year), std::chrono::month(unsigned(*month)),
+                                         std::chrono::day(unsigned(*day))};
+  if (!date.ok()) return std::nullopt;
+  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
+  return static_cast<double>(days) * 86400.0 + *hour * 3600.0 + *minute * 60.0 + *second;
+}
+
+/// "25" is a quarter of a second.
+double fraction_of(std::string_view text) {
+  double value = 0.0, unit = 0.1;
+  for (const char c : text) {
+    if (std::isdigit(static_cast<unsigned char>(c)) == 0) break;
+    value += unit * (c - '0');
+    unit /= 10.0;
+  }
+  return value;
+}
+
+}  // namespace
+
+bool is_picture_file(const std::filesystem::path& file) {
+  std::string end = file.extension().string();
+  std::transform(end.begin(), end.end(), end.begin(), [](unsigned char c) { return std::tolower(c); });
+  return end == ".png" || end == ".jpg" || end == ".jpeg";
+}
+
+bool is_whole(const std::string& bytes) {
+  const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
+  if (bytes.size() < 4 || byte(0) != 0xff || byte(1) != 0xd8) return true;  // no JPEG
+  // Segments with their sizes, up to the pixels: a preview among them has an end of its own.
+  for (std::size_t at = 2; at + 4 <= bytes.size() && byte(at) == 0xff;) {
+    if (byte(at + 1) == 0xff) {
+      ++at;  // fill
+      continue;
+    }
+    const std::size_t next = at + 2 + 256U * byte(at + 2) + byte(at + 3);
+    if (byte(at + 1) == 0xda) return bytes.find("\xff\xd9", next) != std::string::npos;
+    at = next;
+  }
+  return false;
+}
+
+GrayImage decode_picture(const std::string& bytes) {
+  if (!is_whole(bytes)) throw std::runtime_error("it is cut off");
+  const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
+                                    reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data())));
+  cv::Mat grey;
+  try {
+    grey = cv::imdecode(raw, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    throw std::runtime_error(error.code == cv::Error::StsNoMem
+                                 ? "it asks for more memory than a picture may take"
+                                 : "it cannot be decoded");
+  }
+  if (grey.empty()) throw std::runtime_error("it cannot be decoded");
+  if (grey.cols > longest_side || grey.rows > longest_side ||
+      static_cast<std::int64_t>(grey.total()) > most_pixels)
+    throw std::runtime_error("it has " + std::to_string(grey.cols) + " x " + std::to_string(grey.rows) +
+                             " pixels, expected sides of at most 20,000 and 64 million pixels");
+  GrayImage image{grey.cols, grey.rows, {}};
+  image.pixels.reserve(grey.total());
+  for (int row = 0; row < grey.rows; ++row)
+    image.pixels.insert(image.pixels.end(), grey.ptr(row), grey.ptr(row) + grey.cols);
+  return image;
+}
+
+double exif_time(const std::string& bytes) {
+  const std::unique_ptr<ExifData, ExifDeleter> data(exif_data_new_from_data(
+      reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<unsigned>(bytes.size())));
+  if (!data) return -1.0;
+  const auto date = seconds_of_date(exif_text(*data, EXIF_TAG_DATE_TIME_ORIGINAL));
+  if (!date) return -1.0;
+  return *date + fraction_of(exif_text(*data, EXIF_TAG_SUB_SEC_TIME_ORIGINAL));
+}
+
+}  // namespace clearway

@@ -1,0 +1,260 @@
+#include "datasets/pictures/picture_times.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "datasets/pictures/picture_file.hpp"
+#include "mapping/system/child_process.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t largest_table = 64U << 20U;
+constexpr std::size_t exif_reach = 256U << 10U;  ///< bytes of a file within which its EXIF must lie
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0.0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+/// The first two fields of a line, apart by commas, semicolons or blanks.
+std::vector<std::string> two_fields(const std::string& line) {
+  std::vector<std::string> fields;
+  const std::string apart = line.find(',') != std::string::npos   ? ",\r"
+                            : line.find(';') != std::string::npos ? ";\r"
+                                                                  : " \t\r";
+  for (std::size_t at = 0; at < line.size() && fields.size() < 2;) {
+    const std::size_t end = std::min(line.find_first_of(apart, at), line.size());
+    std::string field = line.substr(at, end - at);
+    field.erase(0, field.find_first_not_of(" \t\""));
+    field.erase(field.find_last_not_of(" \t\"") + 1);
+    if (!field.empty()) fields.push_back(field);
+    at = end + 1;
+  }
+  return fields;
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// The digits at `at`, without leading zeros; `at` goes behind them.
+std::string digits_at(const std::string& text, std::size_t& at) {
+  while (at + 1 < text.size() && text[at] == '0' && is_digit(text[at + 1])) ++at;
+  const std::size_t begin = at;
+  while (at < text.size() && is_digit(text[at])) ++at;
+  return text.substr(begin, at - begin);
+}
+
+bool are_distinct(const std::vector<double>& times) {
+  return std::set<double>(times.begin(), times.end()).size() == times.size();
+}
+
+/// Numbers within names count by their value: a9 before a10.
+bool comes_before(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const std::string first = digits_at(a, i), second = digits_at(b, j);
+      if (first.size() != second.size()) return first.size() < second.size();
+      if (first != second) return first < second;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i, ++j;
+    }
+  }
+  if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
+  return a < b;
+}
+
+/// The table of times in the folder, if any.
+std::optional<fs::path> table_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error))
+    if (entry.path().extension() == ".csv") found.push_back(entry.path());
+  if (found.size() > 1)
+    throw std::invalid_argument("folder " + quote_path(folder.string()) + " has " +
+                                std::to_string(found.size()) +
+                                " .csv files, expected at most one, with the times of its pictures");
+  if (found.size() == 1) return found.front();
+  return std::nullopt;
+}
+
+TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& table) {
+  const std::string name = "times " + quote_path(table.string());
+  std::map<std::string, double> times;
+  for (const auto& [file, time] : parse_file_times(read_input(table, "times", largest_table), name))
+    times.emplace(file, time);
+  TimedFiles result;
+  for (const fs::path& file : files) {
+    const auto found = times.find(file.filename().string());
+    if (found != times.end()) result.files.push_back({file, found->second});
+  }
+  if (result.files.empty())
+    throw std::invalid_argument(name + ": it names none of the " + std::to_string(files.size()) +
+                                " pictures, expected lines 'time, file'");
+  const std::size_t untold = files.size() - result.files.size(), missing = times.size() - result.files.size();
+  if (untold > 0)
+    result.warnings.push_back(name + " has no time for " + std::to_string(untold) + " of " +
+                              std::to_string(files.size()) + " pictures, which are left out");
+  if (missing > 0)
+    result.warnings.push_back(name + " names " + std::to_string(missing) + " pictures that are not there");
+  return result;
+}
+
+/// What FOLDER.csv or FOLDER.txt beside the folder says, if it is about these files.
+std::optional<TimedFiles> times_by_neighbour(const std::vector<fs::path>& files, const fs::path& folder) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(folder.empty() ? "." : folder, error);
+  for (const char* end : {".csv", ".txt"}) {
+    const fs::path beside = whole.parent_path() / (whole.filename().string() + end);
+    if (!fs::is_regular_file(beside, error)) continue;
+    try {
+      return times_by_table(files, beside);
+    } catch (const std::invalid_argument&) {  // it is about something else
+    }
+  }
+  return std::nullopt;
+}
+
+std::string beginning_of(const fs::path& file) {
+  const InputFile input(file, "picture");
+  std::string bytes(std::min(input.size(), exif_reach), '\0');
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    const ssize_t part =
+        ::pread(input.descriptor(), bytes.data() + got, bytes.size() - got, static_cast<off_t>(got));
+    if (part <= 0) break;
+    got += static_cast<std::size_t>(part);
+  }
+  bytes.resize(got);
+  return bytes;
+}
+
+/// One number a file, below 0 where it has none; none at all when reading them takes the child down.
+std::optional<std::vector<double>> exif_times(const std::vector<fs::path>& files) {
+  const ChildLimits limits{.memory = 128U << 20U,
+                           .output = sizeof(double) * files.size(),
+                           .seconds = 10 + static_cast<int>(files.size() / 20)};
+  const ChildOutcome outcome = run_in_child(
+      [&]() {
+        std::string bytes;
+        for (const fs::path& file : files) {
+          const double time = exif_time(beginning_of(file));
+          bytes.append(reinterpret_cast<const char*>(&time), sizeof time);
+          if (time < 0.0) break;
+        }
+        return bytes;
+      },
+      limits);
+  if (!outcome.finished || outcome.parts.size() != 1) return std::nullopt;
+  std::vector<double> times(outcome.parts.front().size() / sizeof(double));
+  std::copy_n(outcome.parts.front().data(), times.size() * sizeof(double),
+              reinterpret_cast<char*>(times.data()));
+  const bool whole = times.size() == files.size() &&
+                     std::all_of(times.begin(), times.end(), [](double t) { return t >= 0.0; });
+  if (!whole) return std::nullopt;
+  return times;
+}
+
+std::optional<std::vector<double>> name_times(const std::vector<fs::path>& files) {
+  std::vector<double> times;
+  for (const fs::path& file : files) {
+    const auto number = number_in(file.stem().string());
+    if (!number) return std::nullopt;
+    times.push_back(*number);
+  }
+  return times;
+}
+
+TimedFiles together(const std::vector<fs::path>& files, const std::vector<double>& times) {
+  TimedFiles result;
+  for (std::size_t i = 0; i < files.size(); ++i) result.files.push_back({files[i], times[i]});
+  return result;
+}
+
+}  // namespace
+
+void make_seconds(std::vector<double>& times) {
+  const double largest = times.empty() ? 0.0 : *std::max_element(times.begin(), times.end());
+  const double unit = largest > 1e17 ? 1e-9 : largest > 1e14 ? 1e-6 : largest > 1e11 ? 1e-3 : 1.0;
+  for (double& time : times) time *= unit;
+}
+
+std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
+                                                             const std::string& name) {
+  std::istringstream lines(text);
+  std::vector<std::string> files;
+  std::vector<double> times;
+  int number = 0;
+  bool has_titles = false;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    line.resize(std::min(line.find('#'), line.size()));
+    const std::vector<std::string> fields = two_fields(line);
+    if (fields.empty()) continue;
+    const auto first = number_in(fields[0]);
+    const auto second = fields.size() == 2 ? number_in(fields[1]) : std::nullopt;
+    if (!first && !second && !has_titles && files.empty()) {
+      has_titles = true;
+      continue;
+    }
+    if (fields.size() != 2 || (!first && !second))
+      throw std::invalid_argument(name + ", line " + std::to_string(number) +
+                                  ": expected a time and a file's name, got " + quote(line));
+    files.push_back(fs::path(first ? fields[1] : fields[0]).filename().string());
+    times.push_back(first ? *first : *second);
+  }
+  make_seconds(times);
+  std::vector<std::pair<std::string, double>> pairs;
+  for (std::size_t i = 0; i < files.size(); ++i) pairs.emplace_back(files[i], times[i]);
+  return pairs;
+}
+
+TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<double> rate) {
+  std::vector<fs::path> files = given;
+  const bool are_numbers = name_times(files).has_value();
+  std::sort(files.begin(), files.end(), [are_numbers](const fs::path& a, const fs::path& b) {
+    if (!are_numbers) return comes_before(a.filename().string(), b.filename().string());
+    return std::pair(*number_in(a.stem().string()), a) < std::pair(*number_in(b.stem().string()), b);
+  });
+  std::vector<double> counted(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) counted[i] = static_cast<double>(i) / rate.value_or(1.0);
+  if (rate) return together(files, counted);
+
+  TimedFiles result;
+  const fs::path folder = files.front().parent_path();
+  auto names = name_times(files);
+  if (const auto table = table_in(folder)) {
+    result = times_by_table(files, *table);
+  } else if (auto neighbour = times_by_neighbour(files, folder)) {
+    result = std::move(*neighbour);
+  } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
+    result = together(files, *exif);
+  } else if (names && are_distinct(*names)) {
+    make_seconds(*names);
+    result = together(files, *names);
+  } else {
+    result = together(files, counted);
+  }
+  std::stable_sort(result.files.begin(), result.files.end(),
+                   [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });
+  return result;
+}
+
+}  // namespace clearway

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/sources/frame_source.hpp"
+
+namespace clearway {
+
+/// A picture of a folder and when it was taken.
+struct TimedFile {
+  std::filesystem::path file;
+  double time = 0;  ///< s
+};
+
+/// Pictures in the order of their times, with what was left out in sentences.
+struct TimedFiles {
+  std::vector<TimedFile> files;
+  std::vector<std::string> warnings;
+};
+
+/// Numbers of a clock as seconds: above 1e17 they are taken for nanoseconds, above 1e14 for microseconds,
+/// above 1e11 for milliseconds, as the largest of them says for all.
+void make_seconds(std::vector<double>& times);
+
+/// Lines "time, file" or "file, time" (also apart by spaces), `#` and a line of titles left out, as pairs of
+/// a file's name without its folder and its time in seconds. @throws std::invalid_argument naming `name`, the
+/// line and what was expected.
+std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
+                                                             const std::string& name);
+
+/// The first of these that tells every file a time, none of them twice: the table of times beside them; their
+/// EXIF; their names, where all are numbers; their place in the order of their names, one a second. A rate
+/// goes before all of them. The table is the one .csv file in the folder, or FOLDER.csv or FOLDER.txt beside
+/// it; files that it does not name are left out and told.
+/// @param files of one folder, at least one
+/// @throws std::invalid_argument for a table that cannot be read or names none of the files.
+TimedFiles times_of_files(const std::vector<std::filesystem::path>& files, std::optional<double> rate);
+
+}  // namespace clearway

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/sources/recording.hpp"
+
+namespace clearway {
+
+/// Frames in the order they were taken, from whatever holds them.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// The next frame, or nothing at the end. Never throws for what a file holds: see `damage`.
+  virtual std::optional<Frame> next() = 0;
+  /// One sentence about what is damaged and not used, once `next` has met it.
+  virtual std::optional<std::string> damage() const = 0;
+  /// One sentence for each kind of thing that was left out.
+  virtual std::vector<std::string> warnings() const = 0;
+  virtual double progress() const = 0;  ///< how much has been read, 0 to 1
+};
+
+/// What a setup says of the source it belongs to.
+struct SourceOptions {
+  std::optional<double> rate;  ///< pictures a second, in the order of their names: nothing else tells times
+  std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
+};
+
+}  // namespace clearway

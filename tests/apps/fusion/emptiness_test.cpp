@@ -1,0 +1,96 @@
+// A recording of which nothing gets into the map is refused with the reason, and nothing is written.
+#include "apps/fusion/emptiness.hpp"
+
+#include <gtest/gtest.h>
+
+#include "datasets/descriptions/scene.hpp"
+#include "datasets/simulation/simulate.hpp"
+#include "datasets/sources/recording.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/small_scene.hpp"
+
+namespace clearway {
+namespace emptiness_test {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+class Emptiness : public testing::Test {
+ protected:
+  /// The sentence with which replay refuses; "" when it does not.
+  std::string refusal(const std::string& recording, const std::string& setup) {
+    folder_.write("s.yaml", setup);
+    const CommandRun run = run_command({"replay", folder_.file(recording), "--setup", folder_.file("s.yaml"),
+                                        "--out", folder_.file("out"), "--no-plan"});
+    if (run.status == exit_done) return "";
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+    return run.log;
+  }
+  void write_scan(const std::string& name, const std::vector<Eigen::Vector3f>& points) {
+    RecordingWriter writer(folder_ / name);
+    CloudFrame cloud;
+    cloud.points = points;
+    writer.write(Frame{10.0, "laser", cloud});
+    writer.finish();
+  }
+  /// A stroke before tags, without scans.
+  void write_stroke() {
+    folder_.write("setup.yaml", small_setup);
+    Scene scene = parse_scene(small_scene, "small scene", folder_ / "");
+    scene.depth.reset();
+    simulate(scene, folder_ / "r.rawlog");
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Emptiness, ACropThatTakesEveryPointIsTold) {
+  write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}, {1.0F, 0.5F, 0.0F}});
+  EXPECT_NE(refusal("r.rawlog", "map: {crop: [5, 5, 5, 6, 6, 6]}\n")
+                .find("nothing of its 1 scans got into the map: 2 points were taken out by min_range, crop"),
+            std::string::npos);
+  EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
+}
+
+TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreTold) {
+  write_scan("bare.rawlog", {});
+  EXPECT_NE(refusal("bare.rawlog", "{}\n").find("1 scans got into the map: they hold no points"),
+            std::string::npos);
+  write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
+  folder_.write("walk.txt", "1000 0 0 0 0 0 0 1\n1001 0 0 0 0 0 0 1\n");
+  EXPECT_NE(refusal("r.rawlog", "sensors: [{name: laser, poses: walk.txt}]\n")
+                .find("1 scans have no pose at their time"),
+            std::string::npos);
+}
+
+TEST_F(Emptiness, ImagesWithoutAProbeAreTold) {
+  write_stroke();
+  const std::string without = small_setup.substr(0, small_setup.find("probe: {board"));
+  EXPECT_NE(refusal("r.rawlog", without).find("6 images put nothing into a map without a probe"),
+            std::string::npos);
+}
+
+TEST_F(Emptiness, TagsOfOtherBoardsAreToldByTheirIds) {
+  write_stroke();
+  std::string other = small_setup;
+  for (const char* id : {"id: 0,", "id: 1,", "id: 10,", "id: 11,", "id: 12,"})
+    other = replaced(other, id, "id: 5" + std::string(id).substr(4));
+  const std::string told = refusal("r.rawlog", other);
+  EXPECT_NE(told.find("none of the tags in its 6 images (ids 0, 1, 10"), std::string::npos) << told;
+}
+
+TEST_F(Emptiness, SamplesThatAreAllRefusedAreToldWithTheFirstReason) {
+  write_stroke();
+  const std::string wrong = replaced(small_setup, "width: 320, height: 240", "width: 640, height: 240");
+  const std::string told = refusal("r.rawlog", wrong);
+  EXPECT_NE(told.find("no ball was painted (image_refused 6; the first: the image has 320 x 240 pixels"),
+            std::string::npos)
+      << told;
+}
+
+}  // namespace emptiness_test
+}  // namespace clearway

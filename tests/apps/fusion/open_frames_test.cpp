@@ -1,0 +1,105 @@
+#include "apps/fusion/open_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "apps/fusion/fusion.hpp"
+#include "datasets/descriptions/scene.hpp"
+#include "datasets/simulation/simulate.hpp"
+#include "mapping/files/cloud_file.hpp"
+#include "mapping/files/map_file.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/small_scene.hpp"
+
+namespace clearway {
+namespace open_frames_test {
+
+std::string refusal(const std::filesystem::path& recording) {
+  try {
+    open_frames(recording, {});
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// A stroke before tags, as a rawlog and as pictures with a table of their times.
+class OpenFrames : public testing::Test {
+ protected:
+  void SetUp() override {
+    setup_ = small_setup;  // with room for the error of tags this small
+    setup_.replace(setup_.find("ball_radius: 0.02"), 17, "ball_radius: 0.02, tracking_error: 0.012");
+    folder_.write("setup.yaml", setup_);
+    Scene scene = parse_scene(small_scene, "small scene", folder_ / "");
+    scene.depth.reset();
+    simulate(scene, folder_ / "r.rawlog");
+    std::filesystem::create_directory(folder_ / "shots");
+    RecordingReader reader(folder_ / "r.rawlog");
+    std::string table = "file,time\n";
+    int number = 0;
+    while (const auto frame = reader.next()) {
+      const auto* image = std::get_if<ImageFrame>(&frame->content);
+      if (image == nullptr) continue;
+      const std::string name = "shot_" + std::to_string(100 - ++number) + ".png";  // not in the order of time
+      folder_.write("shots/" + name, png_bytes(image->image));
+      char line[100];
+      std::snprintf(line, sizeof line, "%s,%.7f\n", name.c_str(), frame->time);
+      table += line;
+    }
+    folder_.write("shots/times.csv", table);
+  }
+  Fusion fused(const std::string& recording, int threads = 0) {
+    return fuse(folder_ / recording, {.setup_file = folder_ / "setup.yaml", .threads = threads},
+                [](double) {});
+  }
+  TemporaryFolder folder_;
+  std::string setup_;
+};
+
+TEST_F(OpenFrames, PicturesPaintWhatTheSameImagesInARawlogPaintForAnyNumberOfThreads) {
+  const Fusion rawlog = fused("r.rawlog");
+  ASSERT_GT(rawlog.counts.spheres, 3U);
+  for (const int threads : {1, 3}) {
+    const Fusion pictures = fused("shots", threads);
+    EXPECT_EQ(pictures.counts.samples, rawlog.counts.samples);
+    EXPECT_EQ(pictures.counts.detections, rawlog.counts.detections);
+    const auto volumes = pictures.map.snapshot().volumes(), expected = rawlog.map.snapshot().volumes();
+    ASSERT_EQ(volumes[0].spheres.size(), expected[0].spheres.size());
+    for (std::size_t i = 0; i < expected[0].spheres.size(); ++i)
+      EXPECT_EQ(volumes[0].spheres[i].center, expected[0].spheres[i].center);
+  }
+}
+
+TEST_F(OpenFrames, OnePictureAloneIsARecordingAndADamagedOneAmongOthersEndsWithThree) {
+  EXPECT_EQ(fused("shots/shot_97.png").counts.images, 1U);
+  const std::string bytes = read_file(folder_ / "shots/shot_97.png");
+  folder_.write("shots/shot_97.png", bytes.substr(0, bytes.size() / 2));
+  const CommandRun run = run_command(
+      {"replay", folder_.file("shots"), "--setup", folder_.file("setup.yaml"), "--out", folder_.file("out")});
+  EXPECT_EQ(run.status, exit_damaged) << run.log;
+  EXPECT_NE(run.log.find("shot_97.png' is damaged"), std::string::npos) << run.log;
+}
+
+TEST_F(OpenFrames, PicturesWithoutACameraAreRefusedInOneSentence) {
+  const std::string without = setup_.substr(setup_.find("boards:"));
+  folder_.write("without.yaml", without);
+  const CommandRun run = run_command({"replay", folder_.file("shots"), "--setup",
+                                      folder_.file("without.yaml"), "--out", folder_.file("out")});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+  EXPECT_NE(run.log.find("expected `camera` in the setup"), std::string::npos) << run.log;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+}
+
+TEST_F(OpenFrames, AFolderOfNothingOrOfEverythingIsRefused) {
+  std::filesystem::create_directory(folder_ / "empty");
+  EXPECT_NE(refusal(folder_ / "empty").find("without pictures and clouds"), std::string::npos);
+  folder_.write("shots/1.pcd", format_pcd({{1.0F, 0.0F, 0.0F}}));
+  EXPECT_NE(refusal(folder_ / "shots").find("1 clouds; expected a folder of one kind"), std::string::npos);
+  EXPECT_NE(refusal(folder_ / "nowhere"), "");
+}
+
+}  // namespace open_frames_test
+}  // namespace clearway

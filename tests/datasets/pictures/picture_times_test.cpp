@@ -1,0 +1,91 @@
+#include "datasets/pictures/picture_times.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace picture_times_test {
+
+using Names = std::vector<std::pair<std::string, double>>;
+
+class PictureTimes : public testing::Test {
+ protected:
+  PictureTimes() { std::filesystem::create_directory(folder_ / "shots"); }
+  void add(const std::string& name, const std::string& bytes = "picture") {
+    folder_.write("shots/" + name, bytes);
+    files_.push_back(folder_ / ("shots/" + name));
+  }
+  Names times(std::optional<double> rate = {}) {
+    Names names;
+    const TimedFiles timed = times_of_files(files_, rate);
+    warnings_ = timed.warnings;
+    for (const TimedFile& file : timed.files) names.emplace_back(file.file.filename().string(), file.time);
+    return names;
+  }
+  TemporaryFolder folder_;
+  std::vector<std::filesystem::path> files_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(PictureTimes, WithoutAnyHintTheOrderOfTheNamesCountsWithNumbersByValue) {
+  for (const char* name : {"a10.png", "a9.png", "a09b.png", "b1.png"}) add(name);
+  EXPECT_EQ(times(), (Names{{"a9.png", 0}, {"a09b.png", 1}, {"a10.png", 2}, {"b1.png", 3}}));
+  EXPECT_EQ(times(10.0), (Names{{"a9.png", 0}, {"a09b.png", 0.1}, {"a10.png", 0.2}, {"b1.png", 0.3}}));
+}
+
+TEST_F(PictureTimes, NamesThatAreNumbersAreTimesInSecondsOrFinerUnits) {
+  for (const char* name : {"12.5.png", "3.png", "7.25.png"}) add(name);
+  EXPECT_EQ(times(), (Names{{"3.png", 3}, {"7.25.png", 7.25}, {"12.5.png", 12.5}}));
+  files_.clear();
+  for (const char* name : {"1403636579763555584.png", "1403636579813555456.png"}) add(name);
+  const Names fine = times();
+  EXPECT_NEAR(fine[0].second, 1403636579.763555584, 1e-6);
+  EXPECT_NEAR(fine[1].second - fine[0].second, 0.05, 1e-6);
+}
+
+TEST_F(PictureTimes, ExifCountsBeforeNamesWhenItTellsEveryPictureApart) {
+  add("1.jpg", jpeg_taken("2001:09:09 01:46:42", "500"));
+  add("2.jpg", jpeg_taken("2001:09:09 01:46:40", "250"));
+  EXPECT_EQ(times(), (Names{{"2.jpg", 1e9 + 0.25}, {"1.jpg", 1e9 + 2.5}}));
+  add("3.jpg", jpeg_taken("2001:09:09 01:46:40", "250"));  // a burst within the clock's step
+  EXPECT_EQ(times(), (Names{{"1.jpg", 1}, {"2.jpg", 2}, {"3.jpg", 3}}));
+}
+
+TEST_F(PictureTimes, ATableBesideThemCountsFirstAndWhatItDoesNotNameIsToldAndLeftOut) {
+  for (const char* name : {"1.png", "2.png", "3.png"}) add(name);
+  folder_.write("shots/times.csv",
+                "time,file\n# by hand\n20.5,1.png\n \"10.25\" , \"2.png\" \n30,gone.png\n");
+  EXPECT_EQ(times(), (Names{{"2.png", 10.25}, {"1.png", 20.5}}));
+  ASSERT_EQ(warnings_.size(), 2U);
+  EXPECT_NE(warnings_[0].find("no time for 1 of 3 pictures"), std::string::npos);
+  EXPECT_NE(warnings_[1].find("names 1 pictures that are not there"), std::string::npos);
+  folder_.write("shots/other.csv", "");
+  EXPECT_NE(complaint([&] { times(); }).find("has 2 .csv files, expected at most one"), std::string::npos);
+}
+
+TEST_F(PictureTimes, TheTableOfTheTumBenchmarkLiesBesideTheFolder) {
+  for (const char* name : {"a.png", "b.png"}) add(name);
+  folder_.write("shots.txt", "# color images\n# timestamp filename\n2.5 shots/a.png\n1.5 shots/b.png\n");
+  EXPECT_EQ(times(), (Names{{"b.png", 1.5}, {"a.png", 2.5}}));
+  folder_.write("shots.txt", "some notes on these\n");  // no table: nothing to complain of
+  EXPECT_EQ(times(), (Names{{"a.png", 0}, {"b.png", 1}}));
+}
+
+TEST(FileTimes, AreReadInEitherOrderAndRefusedWithTheLine) {
+  EXPECT_EQ(parse_file_times("1.5 x.png\n", "t"), (Names{{"x.png", 1.5}}));
+  EXPECT_EQ(parse_file_times("x.png;1.5\r\n\r\n", "t"), (Names{{"x.png", 1.5}}));
+  EXPECT_EQ(parse_file_times("#timestamp [ns],filename\n1403636579763555584,14.png\n", "t")[0].first,
+            "14.png");
+  EXPECT_EQ(complaint([] { parse_file_times("1,a.png\nsoon,b.png\n", "times 't'"); }),
+            "times 't', line 2: expected a time and a file's name, got 'soon,b.png'");
+  EXPECT_NE(complaint([] { parse_file_times("nan,b.png\n1,a.png\ninf,c.png\n", "t"); }), "");
+  EXPECT_NE(complaint([] { parse_file_times("1\n", "t"); }), "");
+}
+
+}  // namespace picture_times_test
+}  // namespace clearway
