@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "apps/console/commands.hpp"
+#include "apps/inspect/inspect_bag.hpp"
 #include "apps/inspect/slice_image.hpp"
 #include "mapping/files/cloud_parser.hpp"
 #include "mapping/scans/cloud_filters.hpp"
@@ -47,6 +48,7 @@ std::vector<std::string> own_arguments() {
 
 int run_replay(const ReplayOptions&, Console&) { hand_over(); }
 int run_simulate(const SimulateOptions&, Console&) { hand_over(); }
+int inspect_bag(const InspectOptions&, Console&) { hand_over(); }
 
 ParsedCloud parse_cloud(const std::filesystem::path&) { hand_over(); }
 std::vector<Eigen::Vector3f> one_point_per_cube(const std::vector<Eigen::Vector3f>&, double) { hand_over(); }

@@ -4,9 +4,11 @@
 
 #include "apps/console/commands.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/inspect/inspect_bag.hpp"
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/inspect/slice_image.hpp"
 #include "apps/pages/map_page.hpp"
+#include "datasets/ros/bag_source.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 
@@ -69,6 +71,7 @@ void print_text(const InspectOptions& options, const Json& json, Console& consol
 }  // namespace
 
 int run_inspect(const InspectOptions& options, Console& console) {
+  if (is_bag_file(options.map)) return inspect_bag(options, console);
   std::vector<std::pair<SlicePlane, std::filesystem::path>> slices;
   for (const auto& [plane, file] : options.slices) slices.emplace_back(parse_slice(plane), file);
   std::optional<Policy> lines;

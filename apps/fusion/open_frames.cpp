@@ -6,6 +6,7 @@
 
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/ros/bag_source.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -120,6 +121,7 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);
+  if (is_file && is_bag_file(recording)) return open_bag(recording, options);
   return std::make_unique<Rawlog>(recording);
 }
 

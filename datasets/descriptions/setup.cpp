@@ -182,6 +182,15 @@ DetectorSetup read_detector(const YamlFields& fields) {
 SourceOptions read_source(const YamlFields& fields) {
   SourceOptions source;
   source.rate = fields.optional_number("rate", {1e-3, 1e5});
+  const std::pair<const char*, std::string*> names[] = {{"images", &source.bag.images},
+                                                        {"camera_info", &source.bag.camera_info},
+                                                        {"depth", &source.bag.depth},
+                                                        {"depth_camera_info", &source.bag.depth_camera_info},
+                                                        {"fixed_frame", &source.bag.fixed_frame}};
+  for (const auto& [key, name] : names)
+    if (fields.has(key)) *name = fields.text(key);
+  source.bag.clouds = fields.texts("clouds");
+  source.bag.scans = fields.texts("scans");
   fields.finish();
   return source;
 }

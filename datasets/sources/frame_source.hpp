@@ -21,10 +21,21 @@ class FrameSource {
   virtual double progress() const = 0;  ///< how much has been read, 0 to 1
 };
 
+/// Which topics of a bag of ROS messages become frames. All may be empty, but not at once.
+struct BagTopics {
+  std::string images, camera_info;  ///< Image or CompressedImage; its CameraInfo, else the setup's camera
+  std::string depth, depth_camera_info;    ///< Image with depths; its CameraInfo
+  std::vector<std::string> clouds, scans;  ///< PointCloud2, LaserScan
+  std::string fixed_frame;                 ///< poses of sensors are in it, by tf; empty: sensors do not move
+
+  bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
+};
+
 /// What a setup says of the source it belongs to.
 struct SourceOptions {
   std::optional<double> rate;  ///< pictures a second, in the order of their names: nothing else tells times
   std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
+  BagTopics bag;
 };
 
 }  // namespace clearway

@@ -1,0 +1,141 @@
+#include "datasets/ros/bag_frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "datasets/ros/sensor_frames.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+bool is_transforms(const BagTopic& topic) {
+  return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// A message's own time, or that of its recording where it has none.
+double time_of(const RosHeader& header, double recorded) {
+  return std::isfinite(header.time) && header.time > 0.0 ? header.time : recorded;
+}
+
+}  // namespace
+
+BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag), options_(options) {
+  learn();
+  for (const std::string& name : {options.bag.camera_info, options.bag.depth_camera_info}) {
+    if (!name.empty() && !cameras_.contains(name))
+      throw std::runtime_error("topic " + quote(name) + " tells no camera that can be used" +
+                               (left_out_.contains(name) ? ": " + left_out_.at(name).first : ""));
+  }
+}
+
+void BagFrames::learn() {
+  std::vector<bool> wanted;
+  for (const BagTopic& topic : bag_.topics()) {
+    const bool is_camera =
+        topic.name == options_.bag.camera_info || topic.name == options_.bag.depth_camera_info;
+    wanted.push_back(topic.wire &&
+                     (is_camera || (is_transforms(topic) && !options_.bag.fixed_frame.empty())));
+  }
+  bag_.visit(wanted, [&](const BagMessage& message) {
+    const BagTopic& topic = bag_.topics()[message.topic];
+    try {
+      WireReader in(message.bytes, *topic.wire);
+      if (is_transforms(topic)) {
+        const bool is_fixed = topic.name.ends_with("tf_static");
+        for (const RosTransform& transform : read_transforms(in)) transforms_.add(transform, is_fixed);
+      } else if (!cameras_.contains(topic.name)) {
+        cameras_.emplace(topic.name, intrinsics_of(read_camera_info(in)));
+      }
+    } catch (const std::runtime_error& error) {
+      Missing& missing = left_out_[topic.name];
+      if (missing.count++ == 0) missing.first = error.what();
+    }
+    return true;
+  });
+}
+
+void BagFrames::visit(const std::function<void(const Frame&)>& take) {
+  const BagTopics& bag = options_.bag;
+  std::vector<bool> wanted;
+  for (const BagTopic& topic : bag_.topics()) {
+    wanted.push_back(topic.wire && (topic.name == bag.images || topic.name == bag.depth ||
+                                    holds(bag.clouds, topic.name) || holds(bag.scans, topic.name)));
+  }
+  bag_.visit(wanted, [&](const BagMessage& message) {
+    try {
+      if (const auto frame = frame_of(message)) take(*frame);
+    } catch (const std::runtime_error& error) {
+      Missing& missing = left_out_[bag_.topics()[message.topic].name];
+      if (missing.count++ == 0) missing.first = error.what();
+    }
+    return true;
+  });
+}
+
+std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
+  const BagTopics& bag = options_.bag;
+  const BagTopic& topic = bag_.topics()[message.topic];
+  WireReader in(message.bytes, *topic.wire);
+  Frame frame;
+  frame.sensor = topic.name;
+  RosHeader header;
+  Eigen::Isometry3d message_from_sensor = Eigen::Isometry3d::Identity();
+  if (topic.name == bag.depth) {
+    const RosImage image = read_image(in);
+    header = image.header;
+    frame.content = depth_cloud(image, cameras_.at(bag.depth_camera_info));
+    message_from_sensor = optical_from_sensor();
+  } else if (topic.name == bag.images) {
+    ImageFrame picture;
+    if (topic.type == "sensor_msgs/CompressedImage") {
+      const RosCompressedImage image = read_compressed_image(in);
+      header = image.header;
+      picture.image = gray_image(image);
+    } else {
+      const RosImage image = read_image(in);
+      header = image.header;
+      picture.image = gray_image(image);
+    }
+    picture.intrinsics = bag.camera_info.empty() ? *options_.camera : cameras_.at(bag.camera_info);
+    frame.content = std::move(picture);
+  } else if (topic.type == "sensor_msgs/PointCloud2") {
+    const RosPointCloud cloud = read_point_cloud(in);
+    header = cloud.header;
+    frame.content = points_cloud(cloud);
+  } else {
+    const RosLaserScan scan = read_laser_scan(in);
+    header = scan.header;
+    frame.content = laser_cloud(scan);
+  }
+  frame.time = time_of(header, message.time);
+  if (bag.fixed_frame.empty()) return frame;
+  const auto pose = transforms_.root_from_frame(bag.fixed_frame, header.frame, frame.time);
+  if (!pose)
+    throw std::runtime_error("frame " + quote(header.frame) + " is not known in " + quote(bag.fixed_frame) +
+                             " at its time");
+  const Eigen::Isometry3d world_from_sensor = *pose * message_from_sensor;
+  if (auto* picture = std::get_if<ImageFrame>(&frame.content)) picture->world_from_sensor = world_from_sensor;
+  if (auto* cloud = std::get_if<CloudFrame>(&frame.content)) cloud->world_from_sensor = world_from_sensor;
+  return frame;
+}
+
+std::vector<std::string> BagFrames::left_out() const {
+  std::vector<std::string> clauses;
+  for (const auto& [topic, missing] : left_out_) {
+    clauses.push_back("holds " + std::to_string(missing.count) + " message" +
+                      (missing.count == 1 ? "" : "s") + " in topic " + quote(topic) +
+                      " that cannot be used: " + missing.first);
+  }
+  if (transforms_.left_out() > 0)
+    clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
+                      " transforms that are no turns, or give a frame another parent");
+  return clauses;
+}
+
+}  // namespace clearway

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/ros/message_bag.hpp"
+#include "datasets/ros/transform_tree.hpp"
+#include "datasets/sources/frame_source.hpp"
+
+namespace clearway {
+
+/// Makes frames of a bag's messages: reads it once for transforms and cameras, and once for what sensors saw.
+class BagFrames {
+ public:
+  /// @throws std::runtime_error a clause: a camera_info topic has no message that can be used.
+  BagFrames(MessageBag& bag, const SourceOptions& options);
+
+  void visit(const std::function<void(const Frame&)>& take);
+
+  /// After visit: one clause for each kind of thing that was left out.
+  std::vector<std::string> left_out() const;
+
+ private:
+  struct Missing {
+    std::size_t count = 0;
+    std::string first;
+  };
+  void learn();
+  std::optional<Frame> frame_of(const BagMessage& message) const;
+
+  MessageBag& bag_;
+  const SourceOptions& options_;
+  TransformTree transforms_;
+  std::map<std::string, CameraIntrinsics> cameras_;  ///< of the camera_info topic
+  std::map<std::string, Missing> left_out_;          ///< of the topic
+};
+
+}  // namespace clearway

@@ -1,0 +1,198 @@
+#include "datasets/ros/bag_source.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "datasets/ros/bag_frames.hpp"
+#include "datasets/sources/decoding_child.hpp"
+#include "datasets/sources/frame_bytes.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+/// Libraries below take memory for a chunk (its messages unpacked) and a message's frame.
+constexpr std::uint64_t bag_memory = std::uint64_t{3} << 30U;
+
+DecodingLimits limits_of(std::uint64_t bytes) {
+  return {.memory = bag_memory, .seconds = DecodingLimits::of_file(bytes).seconds};
+}
+
+std::unique_ptr<MessageBag> open_messages(const std::filesystem::path& file, int descriptor,
+                                          std::uint64_t size) {
+  char magic[2] = {};
+  const bool is_ros1 = ::pread(descriptor, magic, 2, 0) == 2 && magic[0] == '#' && magic[1] == 'R';
+  return is_ros1 ? open_ros1_bag(file) : open_mcap(descriptor, size);
+}
+
+/// What is wrong with a bag, as one sentence.
+std::string sentence(const std::filesystem::path& file, const std::string& clause) {
+  return "bag " + quote_path(file.string()) + " " + clause;
+}
+
+std::string list_of(const std::vector<BagTopic>& topics) {
+  std::string list;
+  constexpr std::size_t enough = 12;
+  for (std::size_t i = 0; i < std::min(topics.size(), enough); ++i)
+    list += (i > 0 ? ", " : "") + quote(topics[i].name) + " (" + quote(topics[i].type) + ")";
+  if (topics.size() > enough) list += " and " + std::to_string(topics.size() - enough) + " more";
+  return list.empty() ? "no topic" : list;
+}
+
+class BagSource final : public FrameSource {
+ public:
+  BagSource(const std::filesystem::path& file, const SourceOptions& options)
+      : file_(file),
+        input_(file, "bag"),
+        child_(limits_of(input_.size()), input_.descriptor(),
+               [file, size = input_.size(), options](const ChildReport& report, int descriptor) {
+                 work(file, size, options, report, descriptor);
+               }) {}
+
+  std::optional<Frame> next() override {
+    while (!finished_) {
+      ChildMessage message = child_.receive();
+      offset_ = std::max(offset_, message.offset);
+      if (message.kind == ChildMessage::frame) {
+        try {
+          return frame_from_bytes(message.text).frame;
+        } catch (const std::runtime_error& error) {
+          end(error.what());
+        }
+      } else if (message.kind == ChildMessage::skipped) {
+        warnings_.push_back(sentence(file_, message.text) + ".");
+      } else {
+        end(message.kind == ChildMessage::end ? "" : message.text);
+      }
+    }
+    return std::nullopt;
+  }
+  std::optional<std::string> damage() const override { return damage_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
+  double progress() const override {
+    return finished_ ? 1.0 : static_cast<double>(offset_) / static_cast<double>(input_.size());
+  }
+
+ private:
+  static void work(const std::filesystem::path& file, std::uint64_t size, const SourceOptions& options,
+                   const ChildReport& report, int descriptor) {
+    std::unique_ptr<MessageBag> bag;
+    try {
+      bag = open_messages(file, descriptor, size);
+      BagFrames frames(*bag, options);
+      frames.visit([&](const Frame& frame) {
+        report.send(ChildMessage::frame, bag->offset(), frame_to_bytes({frame, true}));
+      });
+      for (const std::string& what : frames.left_out())
+        report.send(ChildMessage::skipped, bag->offset(), what);
+      if (bag->damage().empty()) return report.send(ChildMessage::end, size, "");
+      report.send(ChildMessage::damage, bag->offset(), bag->damage());
+    } catch (const std::bad_alloc&) {
+      report.send(ChildMessage::damage, 0, "it asks for more memory than it may take");
+    } catch (const std::exception& error) {
+      report.send(ChildMessage::damage, 0, error.what());
+    }
+  }
+
+  void end(const std::string& reason) {
+    finished_ = true;
+    if (!reason.empty()) damage_ = sentence(file_, "is damaged: " + reason) + ".";
+  }
+
+  std::filesystem::path file_;
+  InputFile input_;
+  DecodingChild child_;
+  std::vector<std::string> warnings_;
+  std::optional<std::string> damage_;
+  std::uint64_t offset_ = 0;
+  bool finished_ = false;
+};
+
+/// Refuses what the options name and the bag does not have.
+void require_topics(const std::filesystem::path& file, const std::vector<BagTopic>& topics,
+                    const SourceOptions& options) {
+  const auto require = [&](const std::string& name, const char* key, const std::vector<std::string>& types) {
+    if (name.empty()) return;
+    const auto found =
+        std::find_if(topics.begin(), topics.end(), [&](const BagTopic& topic) { return topic.name == name; });
+    if (found == topics.end())
+      throw std::invalid_argument(sentence(file, "has no topic " + quote(name) + ", which 'source: " + key +
+                                                     "' of the setup names; it has " + list_of(topics)));
+    if (std::find(types.begin(), types.end(), found->type) == types.end())
+      throw std::invalid_argument(sentence(file, "has " + quote(found->type) + " in topic " + quote(name) +
+                                                     ", which 'source: " + key +
+                                                     "' of the setup names; expected " + types.front()));
+    if (!found->wire)
+      throw std::invalid_argument(sentence(
+          file, "encodes topic " + quote(name) + " in another way than CDR and ROS 1, which are known here"));
+  };
+  const BagTopics& bag = options.bag;
+  if (bag.empty())
+    throw std::invalid_argument(
+        sentence(file,
+                 "has several topics and the setup names none: expected 'source:' with 'images', "
+                 "'depth', 'clouds' or 'scans'; it has " +
+                     list_of(topics)));
+  require(bag.images, "images", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
+  require(bag.camera_info, "camera_info", {"sensor_msgs/CameraInfo"});
+  require(bag.depth, "depth", {"sensor_msgs/Image"});
+  require(bag.depth_camera_info, "depth_camera_info", {"sensor_msgs/CameraInfo"});
+  for (const std::string& name : bag.clouds) require(name, "clouds", {"sensor_msgs/PointCloud2"});
+  for (const std::string& name : bag.scans) require(name, "scans", {"sensor_msgs/LaserScan"});
+  if (!bag.images.empty() && bag.camera_info.empty() && !options.camera)
+    throw std::invalid_argument(
+        sentence(file, "needs the camera of topic " + quote(bag.images) +
+                           ": expected 'camera_info' in 'source:' or 'camera:' in the setup"));
+  if (!bag.depth.empty() && bag.depth_camera_info.empty())
+    throw std::invalid_argument(
+        sentence(file, "needs the camera of topic " + quote(bag.depth) +
+                           ": expected 'depth_camera_info' in 'source:' of the setup"));
+}
+
+}  // namespace
+
+std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
+  const InputFile input(file, "bag");
+  DecodingChild child(
+      limits_of(input.size()), input.descriptor(), [&](const ChildReport& report, int descriptor) {
+        try {
+          const std::unique_ptr<MessageBag> bag = open_messages(file, descriptor, input.size());
+          for (const BagTopic& topic : bag->topics()) {
+            const char wire = topic.wire == RosWire::ros1 ? '1' : topic.wire == RosWire::cdr ? '2' : '0';
+            report.send(ChildMessage::skipped, topic.count, wire + topic.type + '\n' + topic.name);
+          }
+          report.send(ChildMessage::end, 0, "");
+        } catch (const std::bad_alloc&) {
+          report.send(ChildMessage::damage, 0, "asks for more memory than it may take");
+        } catch (const std::exception& error) {
+          report.send(ChildMessage::damage, 0, std::string("cannot be read: ") + error.what());
+        }
+      });
+  std::vector<BagTopic> topics;
+  for (;;) {
+    const ChildMessage message = child.receive();
+    const std::size_t line = message.text.find('\n');
+    if (message.kind == ChildMessage::end) break;
+    if (message.kind != ChildMessage::skipped || line == std::string::npos || line == 0)
+      throw std::invalid_argument(
+          sentence(file, message.kind == ChildMessage::damage ? message.text : "cannot be read"));
+    BagTopic topic{message.text.substr(line + 1), message.text.substr(1, line - 1), std::nullopt,
+                   message.offset};
+    if (message.text[0] == '1') topic.wire = RosWire::ros1;
+    if (message.text[0] == '2') topic.wire = RosWire::cdr;
+    topics.push_back(std::move(topic));
+  }
+  std::sort(topics.begin(), topics.end(),
+            [](const BagTopic& a, const BagTopic& b) { return a.name < b.name; });
+  return topics;
+}
+
+std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options) {
+  require_topics(file, list_bag(file), options);
+  return std::make_unique<BagSource>(file, options);
+}
+
+}  // namespace clearway

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "datasets/ros/message_bag.hpp"
+#include "datasets/sources/frame_source.hpp"
+
+namespace clearway {
+
+/// True for names that end in .mcap and .bag.
+inline bool is_bag_file(const std::filesystem::path& file) {
+  return file.extension() == ".mcap" || file.extension() == ".bag";
+}
+
+/// What a bag holds, in the order of names. A bag that is damaged has what could be read.
+/// @throws std::invalid_argument naming the file when it is no bag.
+std::vector<BagTopic> list_bag(const std::filesystem::path& file);
+
+/// The topics of a bag that the options name, as frames in the order of their recording, in the poses that tf
+/// tells; the time of a frame is that of its header, where it has one. Sensors are called like their topics.
+/// Frames whose pose is not known at their time, and messages that are damaged, are left out and told.
+/// Decoded in a child process with limits.
+/// @throws std::invalid_argument naming the file and what it has instead, when a topic is missing or of
+/// another type, or the camera of images is not known.
+std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options);
+
+}  // namespace clearway

@@ -1,0 +1,296 @@
+// MCAP, version 0: https://mcap.dev/spec. A file is a row of records; messages are in chunks, or between
+// them.
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <queue>
+#include <stdexcept>
+
+#include "datasets/ros/mcap_chunk.hpp"
+#include "datasets/ros/message_bag.hpp"
+#include "datasets/ros/ros_messages.hpp"
+
+namespace clearway {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', 0x30, '\r', '\n'};
+constexpr std::size_t record_head = 9;  ///< an opcode and a size of 8 bytes
+
+enum Opcode : std::uint8_t { footer = 2, schema = 3, channel = 4, message = 5, chunk = 6, data_end = 15 };
+
+/// Fields of a record: numbers little-endian and packed, as ROS 1 has them.
+class Fields {
+ public:
+  explicit Fields(Bytes bytes) : in_(bytes, RosWire::ros1), bytes_(bytes) {}
+  template <class Number>
+  Number number() {
+    at_ += sizeof(Number);
+    return in_.number<Number>();
+  }
+  std::string text() {
+    std::string result = in_.text();
+    at_ += 4 + result.size();
+    return result;
+  }
+  Bytes rest() const { return bytes_.subspan(at_); }
+
+ private:
+  WireReader in_;
+  Bytes bytes_;
+  std::size_t at_ = 0;
+};
+
+struct Record {
+  std::uint8_t opcode = 0;
+  Bytes content;
+};
+
+/// The records of a part of the file, or of a chunk.
+class Records {
+ public:
+  explicit Records(Bytes bytes, std::size_t at = 0) : bytes_(bytes), at_(at) {}
+  std::size_t at() const { return at_; }
+  bool is_at_end() const { return at_ == bytes_.size(); }
+  /// Nothing: what is left is not a whole record.
+  std::optional<Record> next() {
+    if (bytes_.size() - at_ < record_head) return std::nullopt;
+    std::uint64_t size = 0;
+    std::memcpy(&size, &bytes_[at_ + 1], sizeof size);
+    if (size > bytes_.size() - at_ - record_head) return std::nullopt;
+    const Record record{bytes_[at_], bytes_.subspan(at_ + record_head, size)};
+    at_ += record_head + size;
+    return record;
+  }
+
+ private:
+  Bytes bytes_;
+  std::size_t at_;
+};
+
+struct Message {
+  std::size_t topic = 0;
+  std::uint64_t time = 0;  ///< ns
+  Bytes bytes;
+};
+
+/// Where messages are: a chunk, or one message outside of any.
+struct Place {
+  std::uint64_t first_time = 0;  ///< ns, of its messages
+  std::size_t at = 0;            ///< of the record, bytes
+};
+
+class McapBag final : public MessageBag {
+ public:
+  McapBag(int file, std::uint64_t size) : map_(file, size), file_(map_.bytes) {
+    if (size < magic.size() || !std::equal(magic.begin(), magic.end(), file_.begin()))
+      throw std::runtime_error("it does not begin as an MCAP file");
+    list_places();
+    if (topics_.empty() || counts_.empty()) look_into_chunks();
+    for (const auto& [id, topic] : topic_of_) {
+      const auto count = counts_.find(id);
+      if (count != counts_.end()) topics_[topic].count += count->second;
+    }
+  }
+
+  std::uint64_t offset() const override { return offset_; }
+
+  void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
+    struct Open {
+      std::vector<std::uint8_t> bytes;
+      std::vector<Message> messages;
+      std::size_t next = 0;
+    };
+    std::map<std::size_t, Open> open;  // by the order of their places
+    // The next message of each open place, the earliest first; of one time that of the earlier place.
+    using Entry = std::pair<std::uint64_t, std::size_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    std::size_t next_place = 0;
+    while (next_place < places_.size() || !queue.empty()) {
+      if (next_place < places_.size() &&
+          (queue.empty() || places_[next_place].first_time <= queue.top().first)) {
+        offset_ = std::max<std::uint64_t>(offset_, places_[next_place].at);
+        Open& place = open[next_place];
+        place.messages = messages_at(places_[next_place], wanted, place.bytes);
+        if (place.messages.empty()) {
+          open.erase(next_place);
+        } else {
+          queue.emplace(place.messages.front().time, next_place);
+        }
+        ++next_place;
+        continue;
+      }
+      const std::size_t at = queue.top().second;
+      queue.pop();
+      Open& place = open.at(at);
+      const Message& message = place.messages[place.next];
+      if (!take({message.topic, 1e-9 * static_cast<double>(message.time), message.bytes})) return;
+      if (++place.next < place.messages.size()) {
+        queue.emplace(place.messages[place.next].time, at);
+      } else {
+        open.erase(at);
+      }
+    }
+    offset_ = file_.size();
+  }
+
+ private:
+  /// The file as memory; whoever cuts it off meanwhile ends the process, which is a child with limits.
+  struct Map {
+    Map(int file, std::uint64_t size) {
+      if (size == 0) return;
+      void* const at = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+      if (at == MAP_FAILED) throw std::runtime_error("it cannot be read");
+      bytes = {static_cast<const std::uint8_t*>(at), size};
+    }
+    ~Map() {
+      if (!bytes.empty()) ::munmap(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
+    }
+    Map(const Map&) = delete;
+    Map& operator=(const Map&) = delete;
+    Bytes bytes;
+  };
+
+  /// Walks over all records, but not into chunks; schemas, channels and counts stand again behind the data.
+  void list_places() {
+    Records records(file_, magic.size());
+    bool has_end = false;
+    while (const auto record = records.next()) {
+      const std::size_t at = records.at() - record->content.size() - record_head;
+      if (record->opcode == footer) {
+        has_end = true;
+        break;
+      }
+      try {
+        note(*record, at);
+      } catch (const std::runtime_error&) {
+        tell_damage("the record at byte " + std::to_string(at) + " is damaged");
+      }
+    }
+    if (!has_end) tell_damage("the file ends early, near byte " + std::to_string(records.at()));
+    std::stable_sort(places_.begin(), places_.end(),
+                     [](const Place& a, const Place& b) { return a.first_time < b.first_time; });
+  }
+
+  void note(const Record& record, std::size_t at) {
+    Fields in(record.content);
+    if (record.opcode == schema || record.opcode == channel) return learn(record);
+    if (record.opcode == chunk) places_.push_back({in.number<std::uint64_t>(), at});
+    if (record.opcode == message) {
+      in.number<std::uint16_t>();
+      in.number<std::uint32_t>();
+      places_.push_back({in.number<std::uint64_t>(), at});
+    }
+    constexpr std::uint8_t statistics = 11;
+    if (record.opcode != statistics) return;
+    in.number<std::uint64_t>(), in.number<std::uint16_t>();
+    for (int i = 0; i < 4; ++i) in.number<std::uint32_t>();
+    in.number<std::uint64_t>(), in.number<std::uint64_t>();
+    for (std::uint32_t bytes = in.number<std::uint32_t>(); bytes >= 10; bytes -= 10) {
+      const auto id = in.number<std::uint16_t>();
+      counts_[id] = in.number<std::uint64_t>();
+    }
+  }
+
+  /// A schema or a channel. Said again it is the same; the first one counts.
+  void learn(const Record& record) {
+    Fields in(record.content);
+    const auto id = in.number<std::uint16_t>();
+    if (record.opcode == schema) {
+      schemas_.emplace(id, short_type(in.text()));
+      return;
+    }
+    if (topic_of_.contains(id)) return;
+    const auto type = schemas_.find(in.number<std::uint16_t>());
+    BagTopic topic;
+    topic.name = in.text();
+    const std::string encoding = in.text();
+    if (encoding == "cdr") topic.wire = RosWire::cdr;
+    if (encoding == "ros1") topic.wire = RosWire::ros1;
+    if (type != schemas_.end()) topic.type = type->second;
+    const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
+      return other.name == topic.name && other.type == topic.type && other.wire == topic.wire;
+    });
+    topic_of_[id] = static_cast<std::size_t>(known - topics_.begin());
+    if (known == topics_.end()) topics_.push_back(std::move(topic));
+  }
+
+  /// Without a summary: topics and counts from the chunks themselves.
+  void look_into_chunks() {
+    counts_.clear();
+    for (const Place& place : places_) {
+      std::vector<std::uint8_t> bytes;
+      read_place(place, bytes, [&](const Record& record) {
+        if (record.opcode == schema || record.opcode == channel) learn(record);
+        if (record.opcode == message) ++counts_[Fields(record.content).number<std::uint16_t>()];
+      });
+    }
+  }
+
+  /// Calls `take` with the records of a chunk, or with the message itself.
+  /// @param bytes holds what is unpacked
+  void read_place(const Place& place, std::vector<std::uint8_t>& bytes,
+                  const std::function<void(const Record&)>& take) {
+    const std::string where = "the chunk at byte " + std::to_string(place.at);
+    try {
+      const std::optional<Record> record = Records(file_, place.at).next();
+      if (record->opcode == message) return take(*record);
+      Fields in(record->content);
+      in.number<std::uint64_t>(), in.number<std::uint64_t>();
+      const auto size = in.number<std::uint64_t>();
+      const auto crc = in.number<std::uint32_t>();
+      const std::string compression = in.text();
+      const auto packed = in.number<std::uint64_t>();
+      if (packed != in.rest().size()) throw std::runtime_error("it has another size than it says");
+      bytes = unpack_chunk(in.rest(), compression, size, crc);
+      Records records(bytes);
+      while (const auto inner = records.next()) take(*inner);
+      if (!records.is_at_end()) throw std::runtime_error("its last record is cut off");
+    } catch (const std::runtime_error& error) {
+      tell_damage(where + " is damaged: " + error.what());
+    }
+  }
+
+  std::vector<Message> messages_at(const Place& place, const std::vector<bool>& wanted,
+                                   std::vector<std::uint8_t>& bytes) {
+    std::vector<Message> messages;
+    read_place(place, bytes, [&](const Record& record) {
+      if (record.opcode != message) return;
+      Fields in(record.content);
+      const auto topic = topic_of_.find(in.number<std::uint16_t>());
+      in.number<std::uint32_t>();  // of the sequence
+      const auto time = in.number<std::uint64_t>();
+      in.number<std::uint64_t>();  // of publishing
+      if (topic != topic_of_.end() && wanted[topic->second])
+        messages.push_back({topic->second, time, in.rest()});
+    });
+    std::stable_sort(messages.begin(), messages.end(),
+                     [](const Message& a, const Message& b) { return a.time < b.time; });
+    return messages;
+  }
+
+  void tell_damage(const std::string& what) {
+    if (damage_.empty()) damage_ = what;
+  }
+
+  Map map_;
+  Bytes file_;
+  std::vector<Place> places_;
+  std::map<std::uint16_t, std::string> schemas_;
+  std::map<std::uint16_t, std::size_t> topic_of_;
+  std::map<std::uint16_t, std::uint64_t> counts_;
+  std::uint64_t offset_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageBag> open_mcap(int file, std::uint64_t size) {
+  return std::make_unique<McapBag>(file, size);
+}
+
+}  // namespace clearway

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/ros/wire_reader.hpp"
+
+namespace clearway {
+
+/// Messages of one name and type in a bag.
+struct BagTopic {
+  std::string name;
+  std::string type;             ///< as "sensor_msgs/Image", for both versions of ROS
+  std::optional<RosWire> wire;  ///< none: encoded in a way that is not known here
+  std::uint64_t count = 0;      ///< messages
+};
+
+struct BagMessage {
+  std::size_t topic = 0;                ///< index into topics
+  double time = 0;                      ///< s since 1970, when it was recorded
+  std::span<const std::uint8_t> bytes;  ///< until the next message is taken
+};
+
+/// A recording of ROS messages. Libraries below may crash on hostile files: to be opened in a child process
+/// with limits (DecodingChild).
+class MessageBag {
+ public:
+  virtual ~MessageBag() = default;
+
+  const std::vector<BagTopic>& topics() const { return topics_; }
+  /// One clause about what is damaged and not used; empty: nothing, up to what has been read.
+  const std::string& damage() const { return damage_; }
+
+  /// Calls `take` with the messages of these topics in the order of their times; those of one time as the
+  /// file has them. Returning false ends it.
+  virtual void visit(const std::vector<bool>& topics, const std::function<bool(const BagMessage&)>& take) = 0;
+  /// How much of the file `visit` has been through, bytes.
+  virtual std::uint64_t offset() const = 0;
+
+ protected:
+  std::vector<BagTopic> topics_;
+  std::string damage_;
+};
+
+/// MCAP (mcap.dev/spec) with messages in ROS 2's CDR or ROS 1's encoding; chunks plain, LZ4 or Zstandard,
+/// each under its checksum where it has one. A file without an end (its recorder was killed) is read up to
+/// there.
+/// @param file descriptor of a regular file, which stays open as long as this
+/// @throws std::runtime_error a clause that says why it is no MCAP file.
+std::unique_ptr<MessageBag> open_mcap(int file, std::uint64_t size);
+
+/// A ROS 1 bag, format 2.0, by rosbag_storage. @param path of a file that this process may open
+/// @throws std::runtime_error a clause that says why it is none.
+std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path);
+
+}  // namespace clearway

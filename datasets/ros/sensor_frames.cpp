@@ -1,0 +1,222 @@
+#include "datasets/ros/sensor_frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "datasets/pictures/picture_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::uint32_t most_side = 20'000;
+
+void require_rows(const RosImage& image, std::size_t pixel_bytes) {
+  if (image.width == 0 || image.height == 0 || image.width > most_side || image.height > most_side)
+    throw std::runtime_error("its sides are " + std::to_string(image.width) + " x " +
+                             std::to_string(image.height) + ", expected 1 to 20000 pixels each");
+  if (image.step < image.width * pixel_bytes || image.data.size() / image.step < image.height)
+    throw std::runtime_error("its data is shorter than its size says");
+}
+
+/// How OpenCV sees an encoding: the pixel type, and how to make it grey (-1: it is).
+struct Encoding {
+  int type, to_gray;
+};
+
+const std::map<std::string, Encoding>& encodings() {
+  static const std::map<std::string, Encoding> known{{"mono8", {CV_8UC1, -1}},
+                                                     {"8UC1", {CV_8UC1, -1}},
+                                                     {"rgb8", {CV_8UC3, cv::COLOR_RGB2GRAY}},
+                                                     {"bgr8", {CV_8UC3, cv::COLOR_BGR2GRAY}},
+                                                     {"8UC3", {CV_8UC3, cv::COLOR_BGR2GRAY}},
+                                                     {"rgba8", {CV_8UC4, cv::COLOR_RGBA2GRAY}},
+                                                     {"bgra8", {CV_8UC4, cv::COLOR_BGRA2GRAY}},
+                                                     {"yuv422", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
+                                                     {"uyvy", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
+                                                     {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
+                                                     {"yuyv", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
+                                                     {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2GRAY}},
+                                                     {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2GRAY}},
+                                                     {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2GRAY}},
+                                                     {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2GRAY}}};
+  return known;
+}
+
+GrayImage copied(const cv::Mat& gray) {
+  GrayImage out{gray.cols, gray.rows, {}};
+  out.pixels.reserve(gray.total());
+  for (int row = 0; row < gray.rows; ++row) {
+    const auto* const first = gray.ptr<std::uint8_t>(row);
+    out.pixels.insert(out.pixels.end(), first, first + gray.cols);
+  }
+  return out;
+}
+
+/// Two bytes a pixel: the upper ones.
+GrayImage upper_bytes(const RosImage& image) {
+  require_rows(image, 2);
+  GrayImage out{static_cast<int>(image.width), static_cast<int>(image.height), {}};
+  for (std::size_t row = 0; row < image.height; ++row)
+    for (std::size_t column = 0; column < image.width; ++column)
+      out.pixels.push_back(image.data[row * image.step + 2 * column + (image.is_bigendian ? 0 : 1)]);
+  return out;
+}
+
+/// A number of the message, whatever its byte order.
+template <class Number>
+Number number_at(std::span<const std::uint8_t> data, std::size_t at, bool is_bigendian) {
+  std::uint8_t bytes[sizeof(Number)];
+  std::copy_n(&data[at], sizeof(Number), bytes);
+  if (is_bigendian) std::reverse(std::begin(bytes), std::end(bytes));
+  Number value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+/// Metres at a pixel of a depth image; 0: no return.
+double depth_at(const RosImage& image, std::size_t at, bool is_float) {
+  const double depth = is_float ? double{number_at<float>(image.data, at, image.is_bigendian)}
+                                : 1e-3 * number_at<std::uint16_t>(image.data, at, image.is_bigendian);
+  return std::isfinite(depth) && depth > 0.0 ? depth : 0.0;
+}
+
+const RosPointField& field_of(const RosPointCloud& cloud, const std::string& name) {
+  const auto found = std::find_if(cloud.fields.begin(), cloud.fields.end(),
+                                  [&](const RosPointField& field) { return field.name == name; });
+  constexpr std::uint8_t float32 = 7, float64 = 8;
+  if (found == cloud.fields.end() || (found->datatype != float32 && found->datatype != float64))
+    throw std::runtime_error("it has no field " + quote(name) + " of floats");
+  if (found->offset > cloud.point_step ||
+      cloud.point_step - found->offset < (found->datatype == float32 ? 4U : 8U))
+    throw std::runtime_error("its field " + quote(name) + " lies beyond its points");
+  return *found;
+}
+
+}  // namespace
+
+CameraIntrinsics intrinsics_of(const RosCameraInfo& info) {
+  if (info.width == 0 || info.height == 0 || info.width > most_side || info.height > most_side)
+    throw std::runtime_error("its sides are not 1 to 20000 pixels each");
+  const bool is_sound =
+      std::all_of(info.k.begin(), info.k.end(), [](double x) { return std::isfinite(x); }) &&
+      std::all_of(info.d.begin(), info.d.end(), [](double x) { return std::isfinite(x); });
+  if (!is_sound || info.k[0] <= 0.0 || info.k[4] <= 0.0) throw std::runtime_error("it is not calibrated");
+  CameraIntrinsics camera{static_cast<int>(info.width),
+                          static_cast<int>(info.height),
+                          info.k[0],
+                          info.k[4],
+                          info.k[2],
+                          info.k[5]};
+  const bool is_zero = std::all_of(info.d.begin(), info.d.end(), [](double x) { return x == 0.0; });
+  if (is_zero) return camera;
+  const bool is_plumb_bob = info.distortion_model == "plumb_bob" && info.d.size() <= 5;
+  const bool is_rational = info.distortion_model == "rational_polynomial" && info.d.size() == 8 &&
+                           info.d[5] == 0.0 && info.d[6] == 0.0 && info.d[7] == 0.0;
+  if (!is_plumb_bob && !is_rational)
+    throw std::runtime_error("its distortion " + quote(info.distortion_model) +
+                             " is not known here, expected plumb_bob with up to 5 numbers");
+  std::copy_n(info.d.begin(), std::min<std::size_t>(info.d.size(), 5), camera.distortion.begin());
+  return camera;
+}
+
+GrayImage gray_image(const RosImage& image) {
+  if (image.encoding == "mono16") return upper_bytes(image);
+  const auto encoding = encodings().find(image.encoding);
+  if (encoding == encodings().end())
+    throw std::runtime_error("its encoding " + quote(image.encoding) + " is not known here");
+  require_rows(image, CV_ELEM_SIZE(encoding->second.type));
+  const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), encoding->second.type,
+                       const_cast<std::uint8_t*>(image.data.data()), image.step);
+  if (encoding->second.to_gray < 0) return copied(pixels);
+  cv::Mat gray;
+  try {
+    cv::cvtColor(pixels, gray, encoding->second.to_gray);
+  } catch (const cv::Exception&) {
+    throw std::runtime_error("its size does not fit its encoding " + quote(image.encoding));
+  }
+  return copied(gray);
+}
+
+GrayImage gray_image(const RosCompressedImage& image) {
+  return decode_picture(std::string(reinterpret_cast<const char*>(image.data.data()), image.data.size()));
+}
+
+Eigen::Isometry3d optical_from_sensor() {
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return result;
+}
+
+CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera) {
+  const bool is_float = image.encoding == "32FC1";
+  if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")
+    throw std::runtime_error("its encoding " + quote(image.encoding) +
+                             " is no depth, expected 16UC1 or 32FC1");
+  const std::size_t size = is_float ? 4 : 2;
+  require_rows(image, size);
+  if (static_cast<int>(image.width) != camera.width || static_cast<int>(image.height) != camera.height)
+    throw std::runtime_error("it has another size than its camera");
+  CloudFrame cloud;
+  cloud.kind = "depth";
+  for (std::size_t row = 0; row < image.height; ++row) {
+    for (std::size_t column = 0; column < image.width; ++column) {
+      const double depth = depth_at(image, row * image.step + column * size, is_float);
+      if (depth == 0.0) continue;
+      const double right = (static_cast<double>(column) - camera.cx) / camera.fx,
+                   down = (static_cast<double>(row) - camera.cy) / camera.fy;
+      cloud.points.emplace_back(static_cast<float>(depth), static_cast<float>(-depth * right),
+                                static_cast<float>(-depth * down));
+    }
+  }
+  return cloud;
+}
+
+CloudFrame points_cloud(const RosPointCloud& cloud) {
+  const RosPointField* const fields[3] = {&field_of(cloud, "x"), &field_of(cloud, "y"),
+                                          &field_of(cloud, "z")};
+  if (cloud.width > 0 && (cloud.row_step / cloud.width < cloud.point_step ||
+                          (cloud.row_step > 0 && cloud.data.size() / cloud.row_step < cloud.height)))
+    throw std::runtime_error("its data is shorter than its size says");
+  CloudFrame out;
+  out.kind = "points";
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    for (std::size_t column = 0; column < cloud.width; ++column) {
+      const std::size_t at = row * cloud.row_step + column * cloud.point_step;
+      Eigen::Vector3f point;
+      for (int axis = 0; axis < 3; ++axis) {
+        const RosPointField& field = *fields[axis];
+        point[axis] =
+            field.datatype == 7
+                ? number_at<float>(cloud.data, at + field.offset, cloud.is_bigendian)
+                : static_cast<float>(number_at<double>(cloud.data, at + field.offset, cloud.is_bigendian));
+      }
+      if (point.allFinite() && !point.isZero(0.0F)) out.points.push_back(point);
+    }
+  }
+  return out;
+}
+
+CloudFrame laser_cloud(const RosLaserScan& scan) {
+  if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
+    throw std::runtime_error("its angles are not finite");
+  CloudFrame cloud;
+  cloud.kind = "laser2d";
+  if (std::isfinite(scan.range_max) && scan.range_max > 0.0F) cloud.max_range = double{scan.range_max};
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double range = double{scan.ranges[i]};
+    const double angle = double{scan.angle_min} + static_cast<double>(i) * double{scan.angle_increment};
+    const bool is_return = std::isfinite(range) && range > 0.0 && range >= double{scan.range_min} &&
+                           range <= double{scan.range_max};
+    if (is_return)
+      cloud.points.emplace_back(static_cast<float>(range * std::cos(angle)),
+                                static_cast<float>(range * std::sin(angle)), 0.0F);
+  }
+  return cloud;
+}
+
+}  // namespace clearway

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "datasets/ros/ros_messages.hpp"
+#include "datasets/sources/recording.hpp"
+
+// Messages of sensors as frames, in the sensor's own frame. Each function throws std::runtime_error with a
+// clause where the message contradicts itself or is of a kind that is not known here.
+
+namespace clearway {
+
+/// Of camera_info with the distortion models plumb_bob, none, and rational_polynomial whose last three are 0.
+CameraIntrinsics intrinsics_of(const RosCameraInfo& info);
+
+/// mono8, mono16, rgb8, bgr8, rgba8, bgra8, 8UC1, 8UC3, yuv422 (UYVY), yuv422_yuy2, and bayer_*8 as grey.
+GrayImage gray_image(const RosImage& image);
+/// PNG and JPEG.
+GrayImage gray_image(const RosCompressedImage& image);
+
+/// A depth image: 16UC1 (mono16) in millimetres or 32FC1 in metres, along the optical axis; 0 and NaN are no
+/// returns. The points are in the sensor's own axes (x forward), which the optical frame's pose turns into.
+CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera);
+/// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.
+Eigen::Isometry3d optical_from_sensor();
+
+/// Its finite points but those at the origin, which drivers put where nothing came back.
+CloudFrame points_cloud(const RosPointCloud& cloud);
+/// The returns between its least and its largest range.
+CloudFrame laser_cloud(const RosLaserScan& scan);
+
+}  // namespace clearway

@@ -1,0 +1,76 @@
+#include "datasets/ros/transform_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+
+namespace clearway {
+
+void TransformTree::add(const RosTransform& transform, bool is_fixed) {
+  const double length = transform.rotation.norm(), time = transform.header.time;
+  const bool is_sound =
+      std::abs(length - 1.0) <= 0.01 && transform.translation.allFinite() && std::isfinite(time);
+  const auto [edge, is_new] = edges_.try_emplace(transform.child);
+  if (is_new && is_sound) edge->second = {transform.header.frame, is_fixed, {}};
+  if (!is_sound || edge->second.parent != transform.header.frame ||
+      transform.child == transform.header.frame) {
+    ++left_out_;
+    if (edge->second.poses.empty()) edges_.erase(edge);
+    return;
+  }
+  edge->second.poses.insert_or_assign(time, Pose{transform.translation, transform.rotation.normalized()});
+}
+
+std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double time) {
+  const auto isometry = [](const Pose& pose) {
+    return Eigen::Isometry3d(Eigen::Translation3d(pose.translation) * pose.rotation);
+  };
+  if (edge.is_fixed) return isometry(edge.poses.rbegin()->second);
+  const auto after = edge.poses.lower_bound(time);
+  if (after == edge.poses.end()) return std::nullopt;
+  if (after->first == time) return isometry(after->second);
+  if (after == edge.poses.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  const double gap = after->first - before->first;
+  if (gap > max_gap) return std::nullopt;
+  const double part = (time - before->first) / gap;
+  return isometry({(1.0 - part) * before->second.translation + part * after->second.translation,
+                   before->second.rotation.slerp(part, after->second.rotation)});
+}
+
+std::vector<std::string> TransformTree::chain_of(const std::string& frame) const {
+  std::vector<std::string> chain{frame};
+  for (auto edge = edges_.find(frame); edge != edges_.end() && chain.size() <= edges_.size();
+       edge = edges_.find(chain.back()))
+    chain.push_back(edge->second.parent);
+  return chain;
+}
+
+std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::string& root,
+                                                                const std::string& frame, double time) const {
+  const std::vector<std::string> of_frame = chain_of(frame), of_root = chain_of(root);
+  const auto common = std::find_first_of(of_frame.begin(), of_frame.end(), of_root.begin(), of_root.end());
+  if (common == of_frame.end()) return std::nullopt;
+  const auto common_from = [&](const std::vector<std::string>& chain) -> std::optional<Eigen::Isometry3d> {
+    Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+    for (const std::string& link : chain) {
+      if (link == *common) return result;
+      const auto pose = pose_at(edges_.at(link), time);
+      if (!pose) return std::nullopt;
+      result = *pose * result;
+    }
+    return result;
+  };
+  const auto from_root = common_from(of_root), from_frame = common_from(of_frame);
+  if (!from_root || !from_frame) return std::nullopt;
+  return from_root->inverse() * *from_frame;
+}
+
+std::vector<std::string> TransformTree::frames() const {
+  std::set<std::string> names;
+  for (const auto& [child, edge] : edges_) names.insert({child, edge.parent});
+  return {names.begin(), names.end()};
+}
+
+}  // namespace clearway

@@ -1,0 +1,226 @@
+// Bags that others' code wrote (bags/README.md), and ROS 1 bags that rosbag_storage writes here.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "datasets/ros/bag_source.hpp"
+#include "datasets/ros/transform_tree.hpp"
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/ros1_bag_writer.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace bag_test {
+
+namespace fs = std::filesystem;
+
+fs::path bag(const std::string& name) {
+  return fs::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags" / name;
+}
+
+SourceOptions all_topics() {
+  SourceOptions options;
+  options.bag.images = "/camera/image";
+  options.bag.depth = "/camera/depth";
+  options.bag.camera_info = options.bag.depth_camera_info = "/camera/camera_info";
+  options.bag.clouds = {"/points"};
+  options.bag.scans = {"/scan"};
+  options.bag.fixed_frame = "map";
+  return options;
+}
+
+struct Reading {
+  std::vector<Frame> frames;
+  std::optional<std::string> damage;
+  std::vector<std::string> warnings;
+
+  std::vector<Frame> of(const std::string& sensor) const {
+    std::vector<Frame> found;
+    for (const Frame& frame : frames)
+      if (frame.sensor == sensor) found.push_back(frame);
+    return found;
+  }
+};
+
+Reading read(const fs::path& file, const SourceOptions& options) {
+  const auto source = open_bag(file, options);
+  Reading reading;
+  while (auto frame = source->next()) reading.frames.push_back(std::move(*frame));
+  reading.damage = source->damage();
+  reading.warnings = source->warnings();
+  return reading;
+}
+
+Eigen::Isometry3d pose(double x, double y, double z) {
+  return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+/// What write_bag.mjs puts in.
+void expect_the_written(const Reading& reading) {
+  EXPECT_FALSE(reading.damage) << *reading.damage;
+  EXPECT_TRUE(reading.warnings.empty()) << reading.warnings.front();
+  ASSERT_EQ(reading.frames.size(), 16U);
+  for (int i = 0; i < 4; ++i) {
+    const double time = 100.25 + i;
+    const Frame image = reading.of("/camera/image").at(static_cast<std::size_t>(i));
+    EXPECT_DOUBLE_EQ(image.time, time);
+    const auto& picture = std::get<ImageFrame>(image.content);
+    EXPECT_EQ(picture.image.width, 4);
+    EXPECT_EQ(picture.image.height, 3);
+    for (int k = 0; k < 12; ++k)
+      EXPECT_EQ(picture.image.pixels[static_cast<std::size_t>(k)], 10 * i + k / 4 * 6 + k % 4);
+    EXPECT_EQ(picture.intrinsics,
+              (CameraIntrinsics{4, 3, 100, 110, 1.5, 1, {0.1, -0.2, 0.001, 0.002, 0.03}}));
+    const Eigen::Isometry3d& camera = picture.world_from_sensor;
+    EXPECT_TRUE(camera.translation().isApprox(Eigen::Vector3d(0.25 + i + 0.1, 0.2, 0.5), 1e-9));
+    EXPECT_TRUE(camera.linear().col(2).isApprox(Eigen::Vector3d::UnitX(), 1e-9)) << "it looks along x";
+    EXPECT_TRUE(camera.linear().col(0).isApprox(-Eigen::Vector3d::UnitY(), 1e-9));
+
+    const auto depth =
+        std::get<CloudFrame>(reading.of("/camera/depth").at(static_cast<std::size_t>(i)).content);
+    EXPECT_EQ(depth.kind, "depth");
+    ASSERT_EQ(depth.points.size(), 11U) << "a pixel of 0 is no return";
+    const double z = 1.0 + 0.001 * i;  // of the first pixel
+    const Eigen::Vector3d first = depth.world_from_sensor * depth.points[0].cast<double>();
+    const Eigen::Vector3d seen = camera * Eigen::Vector3d(z * (0 - 1.5) / 100, z * (0 - 1) / 110, z);
+    EXPECT_TRUE(first.isApprox(seen, 1e-6)) << first.transpose();
+
+    const auto cloud = std::get<CloudFrame>(reading.of("/points").at(static_cast<std::size_t>(i)).content);
+    ASSERT_EQ(cloud.points.size(), 3U) << "neither NaN nor the origin";
+    EXPECT_EQ(cloud.points[2], Eigen::Vector3f(-1, -2, static_cast<float>(i)));
+    EXPECT_TRUE(cloud.world_from_sensor.isApprox(pose(0.25 + i, 0, 0.3), 1e-9));
+
+    const auto scan = std::get<CloudFrame>(reading.of("/scan").at(static_cast<std::size_t>(i)).content);
+    EXPECT_EQ(scan.kind, "laser2d");
+    EXPECT_NEAR(scan.max_range, 30, 1e-6);
+    ASSERT_EQ(scan.points.size(), 2U) << "an infinite range is no return";
+    EXPECT_TRUE(scan.points[0].isApprox(Eigen::Vector3f(2 * std::cos(-0.5F), 2 * std::sin(-0.5F), 0), 1e-6F));
+    EXPECT_TRUE(scan.points[1].isApprox(Eigen::Vector3f(4 * std::cos(0.5F), 4 * std::sin(0.5F), 0), 1e-6F));
+  }
+  // In the order of their recording: a scan was recorded before the image of its time, a cloud after it.
+  EXPECT_EQ(reading.frames[0].sensor, "/scan");
+  EXPECT_EQ(reading.frames[3].sensor, "/points");
+}
+
+TEST(Bag, ReadsMcapFilesOfBothWiresAndEveryCompression) {
+  for (const char* name : {"cdr_none.mcap", "cdr_lz4.mcap", "cdr_zstd.mcap", "ros1_none.mcap"}) {
+    SCOPED_TRACE(name);
+    expect_the_written(read(bag(name), all_topics()));
+  }
+}
+
+TEST(Bag, ReadsARos1BagThatRosbagWrote) {
+  const TemporaryFolder folder;
+  for (const bool packed : {false, true}) {
+    worlds::write_ros1_bag(folder / "a.bag", bag("ros1_none.mcap"), packed);
+    expect_the_written(read(folder / "a.bag", all_topics()));
+    EXPECT_EQ(list_bag(folder / "a.bag").size(), 8U);
+  }
+}
+
+TEST(Bag, ListsTopicsTypesAndMessages) {
+  for (const char* name : {"cdr_zstd.mcap", "ros1_none.mcap", "cdr_zstd_unended.mcap"}) {
+    SCOPED_TRACE(name);
+    const std::vector<BagTopic> topics = list_bag(bag(name));
+    ASSERT_EQ(topics.size(), 8U);
+    EXPECT_EQ(topics[0].name, "/camera/camera_info");
+    EXPECT_EQ(topics[0].type, "sensor_msgs/CameraInfo");
+    EXPECT_EQ(topics[0].count, 1U);
+    EXPECT_EQ(topics[6].name, "/tf");
+    EXPECT_EQ(topics[6].count, 9U);
+  }
+}
+
+TEST(Bag, AFileWithoutAnEndIsReadUpToThere) {
+  const Reading reading = read(bag("cdr_zstd_unended.mcap"), all_topics());
+  EXPECT_EQ(reading.frames.size(), 16U);
+  ASSERT_TRUE(reading.damage);
+  EXPECT_NE(reading.damage->find("ends early"), std::string::npos) << *reading.damage;
+}
+
+TEST(Bag, AFlippedByteOfAChunkCostsThatChunkAndIsTold) {
+  const TemporaryFolder folder;
+  std::ifstream in(bag("cdr_zstd.mcap"), std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  int damaged = 0;
+  for (std::size_t at = 100; at < whole.size(); at += 61) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+    folder.write("a.mcap", bytes);
+    Reading reading;
+    if (!complaint([&] { reading = read(folder / "a.mcap", all_topics()); }).empty()) continue;
+    EXPECT_LE(reading.frames.size(), 16U);
+    EXPECT_TRUE(reading.damage || !reading.warnings.empty() || reading.frames.size() == 16U) << at;
+    damaged += reading.damage.has_value();
+  }
+  EXPECT_GT(damaged, 10);
+}
+
+TEST(Bag, SaysWhatItHasWhereATopicIsMissingOrOfAnotherType) {
+  const auto refused = [](auto change) {
+    SourceOptions options = all_topics();
+    change(options);
+    return complaint([&] { open_bag(bag("cdr_none.mcap"), options); });
+  };
+  const std::string missing = refused([](SourceOptions& o) { o.bag.images = "/kamera"; });
+  EXPECT_NE(missing.find("has no topic '/kamera'"), std::string::npos) << missing;
+  EXPECT_NE(missing.find("'/camera/image' ('sensor_msgs/Image')"), std::string::npos) << missing;
+  const std::string other = refused([](SourceOptions& o) { o.bag.scans = {"/points"}; });
+  EXPECT_NE(other.find("expected sensor_msgs/LaserScan"), std::string::npos) << other;
+  const std::string none = refused([](SourceOptions& o) { o.bag = {}; });
+  EXPECT_NE(none.find("the setup names none"), std::string::npos) << none;
+  const std::string camera = refused([](SourceOptions& o) { o.bag.camera_info.clear(); });
+  EXPECT_NE(camera.find("expected 'camera_info'"), std::string::npos) << camera;
+  EXPECT_NE(complaint([&] { list_bag(fs::path(CLEARWAY_SOURCE_DIR) / "README.md"); }).find("MCAP"),
+            std::string::npos);
+}
+
+TEST(Bag, FramesWithoutAPoseAreLeftOutAndTold) {
+  SourceOptions options = all_topics();
+  options.bag.fixed_frame = "moon";
+  const Reading reading = read(bag("cdr_none.mcap"), options);
+  EXPECT_TRUE(reading.frames.empty());
+  ASSERT_EQ(reading.warnings.size(), 4U);
+  EXPECT_NE(reading.warnings[0].find("frame 'camera' is not known in 'moon'"), std::string::npos)
+      << reading.warnings[0];
+}
+
+RosTransform transform(double time, const std::string& parent, const std::string& child,
+                       const Eigen::Isometry3d& pose) {
+  return {{time, parent}, child, pose.translation(), Eigen::Quaterniond(pose.linear())};
+}
+
+TEST(TransformTree, GoesUpAndDownAndBetweenTimes) {
+  TransformTree tree;
+  const Eigen::Isometry3d turn = pose(1, 0, 0) * Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ());
+  tree.add(transform(0, "a", "b", pose(0, 0, 0)), false);
+  tree.add(transform(1, "a", "b", turn), false);
+  tree.add(transform(5, "a", "b", turn), false);
+  tree.add(transform(0, "a", "c", pose(0, 0, 7)), true);
+  const auto half = tree.root_from_frame("c", "b", 0.5);
+  ASSERT_TRUE(half);
+  EXPECT_TRUE(half->isApprox(pose(0.5, 0, -7) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()), 1e-12));
+  EXPECT_FALSE(tree.root_from_frame("c", "b", -0.1)) << "before the first";
+  EXPECT_FALSE(tree.root_from_frame("c", "b", 3.0)) << "4 s apart";
+  EXPECT_TRUE(tree.root_from_frame("c", "b", 5.0)) << "at a pose itself";
+  EXPECT_FALSE(tree.root_from_frame("x", "b", 0.5));
+  EXPECT_TRUE(tree.root_from_frame("x", "x", 0.5)->isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST(TransformTree, LeavesOutWhatIsNoTransform) {
+  TransformTree tree;
+  RosTransform wrong = transform(0, "a", "b", pose(0, 0, 0));
+  wrong.rotation.coeffs() *= 1.1;
+  tree.add(wrong, false);
+  tree.add(transform(0, "b", "b", pose(0, 0, 0)), false);
+  EXPECT_EQ(tree.left_out(), 2U);
+  EXPECT_TRUE(tree.frames().empty());
+  tree.add(transform(0, "a", "b", pose(0, 0, 1)), true);
+  tree.add(transform(0, "b", "a", pose(0, 0, 1)), true);  // a circle: no chain ends, none is found twice
+  EXPECT_TRUE(tree.root_from_frame("a", "b", 0.0));
+}
+
+}  // namespace bag_test
+}  // namespace clearway

@@ -1,0 +1,65 @@
+#include "tests/worlds/ros1_bag_writer.hpp"
+
+#include <fcntl.h>
+#include <ros/serialization.h>
+#include <rosbag/bag.h>
+#include <unistd.h>
+
+#include "datasets/ros/message_bag.hpp"
+
+namespace {
+
+/// A message that is bytes already.
+struct RawMessage {
+  std::string type;
+  std::span<const std::uint8_t> bytes;
+};
+
+}  // namespace
+
+namespace ros {
+namespace message_traits {
+template <>
+struct MD5Sum<RawMessage> {
+  static const char* value(const RawMessage&) { return "00000000000000000000000000000000"; }
+};
+template <>
+struct DataType<RawMessage> {
+  static const char* value(const RawMessage& message) { return message.type.c_str(); }
+};
+template <>
+struct Definition<RawMessage> {
+  static const char* value(const RawMessage&) { return ""; }
+};
+}  // namespace message_traits
+namespace serialization {
+template <>
+struct Serializer<RawMessage> {
+  template <class Stream>
+  static void write(Stream& stream, const RawMessage& message) {
+    std::copy(message.bytes.begin(), message.bytes.end(), stream.advance(serializedLength(message)));
+  }
+  static std::uint32_t serializedLength(const RawMessage& message) {
+    return static_cast<std::uint32_t>(message.bytes.size());
+  }
+};
+}  // namespace serialization
+}  // namespace ros
+
+namespace clearway::worlds {
+
+void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::path& mcap, bool packed) {
+  const int file = ::open(mcap.c_str(), O_RDONLY | O_CLOEXEC);
+  const auto source = open_mcap(file, std::filesystem::file_size(mcap));
+  rosbag::Bag out(bag.string(), rosbag::bagmode::Write);
+  if (packed) out.setCompression(rosbag::compression::LZ4);
+  source->visit(std::vector<bool>(source->topics().size(), true), [&](const BagMessage& message) {
+    const BagTopic& topic = source->topics()[message.topic];
+    out.write(topic.name, ros::Time(message.time), RawMessage{topic.type, message.bytes});
+    return true;
+  });
+  out.close();
+  ::close(file);
+}
+
+}  // namespace clearway::worlds
