@@ -18,7 +18,8 @@ namespace {
 constexpr std::uint64_t bag_memory = std::uint64_t{3} << 30U;
 
 DecodingLimits limits_of(std::uint64_t bytes) {
-  return {.memory = bag_memory, .seconds = DecodingLimits::of_file(bytes).seconds};
+  const DecodingLimits limits = DecodingLimits::of_file(bytes);
+  return {.memory = std::min(bag_memory, limits.memory), .seconds = limits.seconds};
 }
 
 std::unique_ptr<MessageBag> open_messages(const std::filesystem::path& file, int descriptor,

@@ -1,7 +1,7 @@
 // MCAP, version 0: https://mcap.dev/spec. A file is a row of records; messages are in chunks, or between
 // them.
 
-#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', 0x30, '\r', '\n'};
 constexpr std::size_t record_head = 9;  ///< an opcode and a size of 8 bytes
 
-enum Opcode : std::uint8_t { footer = 2, schema = 3, channel = 4, message = 5, chunk = 6, data_end = 15 };
+enum Opcode : std::uint8_t { footer = 2, schema = 3, channel = 4, message = 5, chunk = 6 };
 
 /// Fields of a record: numbers little-endian and packed, as ROS 1 has them.
 class Fields {
@@ -51,11 +51,10 @@ struct Record {
   Bytes content;
 };
 
-/// The records of a part of the file, or of a chunk.
+/// The records of a chunk.
 class Records {
  public:
-  explicit Records(Bytes bytes, std::size_t at = 0) : bytes_(bytes), at_(at) {}
-  std::size_t at() const { return at_; }
+  explicit Records(Bytes bytes) : bytes_(bytes) {}
   bool is_at_end() const { return at_ == bytes_.size(); }
   /// Nothing: what is left is not a whole record.
   std::optional<Record> next() {
@@ -70,7 +69,36 @@ class Records {
 
  private:
   Bytes bytes_;
-  std::size_t at_;
+  std::size_t at_ = 0;
+};
+
+/// The file, a part at a time.
+class File {
+ public:
+  File(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+  std::uint64_t size() const { return size_; }
+
+  /// Valid until the next call. @throws std::runtime_error when the file does not have them.
+  Bytes read(std::uint64_t at, std::uint64_t count) {
+    if (at > size_ || count > size_ - at) throw std::runtime_error("the file ends early");
+    if (at < begin_ || at + count > begin_ + part_.size()) {
+      constexpr std::uint64_t ahead = 1U << 16U;
+      part_.resize(std::min(std::max(count, ahead), size_ - at));
+      begin_ = at;
+      for (std::size_t done = 0; done < part_.size();) {
+        const ssize_t got =
+            ::pread(descriptor_, part_.data() + done, part_.size() - done, static_cast<off_t>(at + done));
+        if (got <= 0) throw std::runtime_error("the file cannot be read");
+        done += static_cast<std::size_t>(got);
+      }
+    }
+    return Bytes(part_).subspan(at - begin_, count);
+  }
+
+ private:
+  int descriptor_;
+  std::uint64_t size_, begin_ = 0;
+  std::vector<std::uint8_t> part_;
 };
 
 struct Message {
@@ -82,13 +110,13 @@ struct Message {
 /// Where messages are: a chunk, or one message outside of any.
 struct Place {
   std::uint64_t first_time = 0;  ///< ns, of its messages
-  std::size_t at = 0;            ///< of the record, bytes
+  std::uint64_t at = 0;          ///< of the record, bytes
 };
 
 class McapBag final : public MessageBag {
  public:
-  McapBag(int file, std::uint64_t size) : map_(file, size), file_(map_.bytes) {
-    if (size < magic.size() || !std::equal(magic.begin(), magic.end(), file_.begin()))
+  McapBag(int file, std::uint64_t size) : file_(file, size) {
+    if (size < magic.size() || !std::equal(magic.begin(), magic.end(), file_.read(0, magic.size()).begin()))
       throw std::runtime_error("it does not begin as an MCAP file");
     list_places();
     if (topics_.empty() || counts_.empty()) look_into_chunks();
@@ -140,54 +168,53 @@ class McapBag final : public MessageBag {
   }
 
  private:
-  /// The file as memory; whoever cuts it off meanwhile ends the process, which is a child with limits.
-  struct Map {
-    Map(int file, std::uint64_t size) {
-      if (size == 0) return;
-      void* const at = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
-      if (at == MAP_FAILED) throw std::runtime_error("it cannot be read");
-      bytes = {static_cast<const std::uint8_t*>(at), size};
-    }
-    ~Map() {
-      if (!bytes.empty()) ::munmap(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
-    }
-    Map(const Map&) = delete;
-    Map& operator=(const Map&) = delete;
-    Bytes bytes;
-  };
+  /// The opcode and size of the record at a place.
+  std::pair<std::uint8_t, std::uint64_t> head_at(std::uint64_t at) {
+    const Bytes head = file_.read(at, record_head);
+    std::uint64_t size = 0;
+    std::memcpy(&size, &head[1], sizeof size);
+    if (size > file_.size() - at - record_head) throw std::runtime_error("the file ends early");
+    return {head[0], size};
+  }
 
   /// Walks over all records, but not into chunks; schemas, channels and counts stand again behind the data.
   void list_places() {
-    Records records(file_, magic.size());
-    bool has_end = false;
-    while (const auto record = records.next()) {
-      const std::size_t at = records.at() - record->content.size() - record_head;
-      if (record->opcode == footer) {
-        has_end = true;
-        break;
+    std::uint64_t at = magic.size();
+    try {
+      for (std::uint8_t opcode = 0; opcode != footer;) {
+        const auto [found, size] = head_at(at);
+        opcode = found;
+        try {
+          note(opcode, at, size);
+        } catch (const std::runtime_error&) {
+          tell_damage("the record at byte " + std::to_string(at) + " is damaged");
+        }
+        at += record_head + size;
       }
-      try {
-        note(*record, at);
-      } catch (const std::runtime_error&) {
-        tell_damage("the record at byte " + std::to_string(at) + " is damaged");
-      }
+    } catch (const std::runtime_error& error) {
+      tell_damage(error.what() + (", near byte " + std::to_string(at)));
     }
-    if (!has_end) tell_damage("the file ends early, near byte " + std::to_string(records.at()));
     std::stable_sort(places_.begin(), places_.end(),
                      [](const Place& a, const Place& b) { return a.first_time < b.first_time; });
   }
 
-  void note(const Record& record, std::size_t at) {
-    Fields in(record.content);
-    if (record.opcode == schema || record.opcode == channel) return learn(record);
-    if (record.opcode == chunk) places_.push_back({in.number<std::uint64_t>(), at});
-    if (record.opcode == message) {
-      in.number<std::uint16_t>();
-      in.number<std::uint32_t>();
-      places_.push_back({in.number<std::uint64_t>(), at});
-    }
+  void note(std::uint8_t opcode, std::uint64_t at, std::uint64_t size) {
     constexpr std::uint8_t statistics = 11;
-    if (record.opcode != statistics) return;
+    constexpr std::uint64_t message_head = 22, most = 64U << 20U;
+    if (opcode == message || opcode == chunk) {
+      Fields in(file_.read(at + record_head, std::min(size, message_head)));
+      if (opcode == message) in.number<std::uint16_t>(), in.number<std::uint32_t>();
+      places_.push_back({in.number<std::uint64_t>(), at});
+    } else if (opcode == schema || opcode == channel || opcode == statistics) {
+      if (size > most) throw std::runtime_error("it is too large");
+      const Record record{opcode, file_.read(at + record_head, size)};
+      if (opcode != statistics) return learn(record);
+      note_counts(record);
+    }
+  }
+
+  void note_counts(const Record& record) {
+    Fields in(record.content);
     in.number<std::uint64_t>(), in.number<std::uint16_t>();
     for (int i = 0; i < 4; ++i) in.number<std::uint32_t>();
     in.number<std::uint64_t>(), in.number<std::uint64_t>();
@@ -238,9 +265,14 @@ class McapBag final : public MessageBag {
                   const std::function<void(const Record&)>& take) {
     const std::string where = "the chunk at byte " + std::to_string(place.at);
     try {
-      const std::optional<Record> record = Records(file_, place.at).next();
-      if (record->opcode == message) return take(*record);
-      Fields in(record->content);
+      const auto [opcode, whole] = head_at(place.at);
+      if (whole > most_chunk_bytes) throw std::runtime_error("it is larger than 1 GiB");
+      const Bytes content = file_.read(place.at + record_head, whole);
+      if (opcode == message) {
+        bytes.assign(content.begin(), content.end());
+        return take({message, bytes});
+      }
+      Fields in(content);
       in.number<std::uint64_t>(), in.number<std::uint64_t>();
       const auto size = in.number<std::uint64_t>();
       const auto crc = in.number<std::uint32_t>();
@@ -278,8 +310,7 @@ class McapBag final : public MessageBag {
     if (damage_.empty()) damage_ = what;
   }
 
-  Map map_;
-  Bytes file_;
+  File file_;
   std::vector<Place> places_;
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> topic_of_;

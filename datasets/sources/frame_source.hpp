@@ -35,7 +35,7 @@ struct BagTopics {
 struct SourceOptions {
   std::optional<double> rate;  ///< pictures a second, in the order of their names: nothing else tells times
   std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
-  BagTopics bag;
+  BagTopics bag = {};
 };
 
 }  // namespace clearway

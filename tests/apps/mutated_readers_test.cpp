@@ -20,6 +20,7 @@
 #include "datasets/descriptions/suite.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/ros/bag_source.hpp"
 #include "datasets/sources/pose_stream.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/files/cloud_file.hpp"
@@ -35,6 +36,7 @@
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/ros1_bag_writer.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
@@ -231,6 +233,28 @@ TEST_F(MutatedReaders, pictures_and_their_times) {
     expect_read_or_told("1" + std::string(end), picture_bytes(noise, end), read);
   expect_read_or_told("times.csv", source("tests/fuzz/corpus/file_times/tum.csv"),
                       [](const auto& file) { parse_file_times(read_file(file), "times"); });
+}
+
+TEST_F(MutatedReaders, bags) {
+  SourceOptions options;
+  options.bag.images = "/camera/image";
+  options.bag.depth = "/camera/depth";
+  options.bag.camera_info = options.bag.depth_camera_info = "/camera/camera_info";
+  options.bag.clouds = {"/points"};
+  options.bag.scans = {"/scan"};
+  options.bag.fixed_frame = "map";
+  const auto read = [&](const auto& file) {
+    const auto source = open_bag(file, options);
+    while (source->next()) {
+    }
+    if (source->damage()) throw DamagedFile(*source->damage());
+  };
+  for (const char* name : {"cdr_none.mcap", "cdr_zstd.mcap", "ros1_none.mcap"})
+    expect_read_or_told(name, source(std::string("tests/datasets/ros/bags/") + name), read);
+  worlds::write_ros1_bag(
+      folder_ / "a.bag",
+      std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/ros1_none.mcap", false);
+  expect_read_or_told("a.bag", read_file(folder_ / "a.bag"), read);
 }
 
 TEST_F(MutatedReaders, streams_of_poses) {
