@@ -35,8 +35,9 @@ Command add_replay(CLI::App& app, Console& console) {
   CLI::App* command = add_command(
       app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
   command
-      ->add_option("recording", options->recording,
-                   "MRPT rawlog; or .pcd or .ply, .png or .jpg: a file, or a folder of them")
+      ->add_option(
+          "recording", options->recording,
+          "MRPT rawlog; ROS bag (.bag, .mcap); or .pcd or .ply, .png or .jpg: a file, or a folder of them")
       ->required()
       ->type_name("RECORDING");
   command
@@ -71,6 +72,11 @@ Command add_replay(CLI::App& app, Console& console) {
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->take_all();
+  command
+      ->add_option("--record", options->record,
+                   "poses, scans, spheres, voxels and plans as ROS 2 messages, for Foxglove and rosbag2")
+      ->check(file_name)
+      ->type_name("FILE.mcap");
   add_seen_within(*command, options->seen_within, "; default: the queries' own");
   command->add_flag_callback(
       "--no-plan", [options] { options->plan = false; }, "stop after the map");

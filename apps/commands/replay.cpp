@@ -9,12 +9,14 @@
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
+#include "apps/fusion/replay_record.hpp"
 #include "apps/inspect/map_folder.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/files/query_record.hpp"
+#include "planning/path/trajectory.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/space/part_policies.hpp"
@@ -189,6 +191,18 @@ class QueryRunner {
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
 };
 
+/// The map, the robot and the plans behind what the fusion saw.
+void finish_record(const ReplayReport& report, ReplayRecord& record) {
+  record.add_map(report.map);
+  for (const ReplayPlan& entry : report.plans) {
+    if (entry.plan.status() != PlanStatus::solved) continue;
+    const Robot& robot = entry.space->robot();
+    record.add_plan(entry.query + "-" + entry.plan.planner, robot,
+                    time_parameterize(robot, entry.plan.waypoints()));
+  }
+  record.finish();
+}
+
 void print_report(const ReplayOptions& options, const ReplayReport& report, const std::string& json,
                   Console& console) {
   for (const std::string& warning : report.fusion->warnings) console.warn("warning: " + warning);
@@ -220,12 +234,15 @@ int run_replay(const ReplayOptions& options, Console& console) {
   std::filesystem::create_directory(folder.path() / "plans");
   ReplayReport report;
   report.recording = options.recording;
+  std::optional<ReplayRecord> record;
+  if (!options.record.empty()) record.emplace(options.record);
 
   auto begin = Clock::now();
-  Fusion fusion = fuse(options.recording,
-                       {options.setup.empty() ? options.setup : shipped_file("setups", options.setup),
-                        options.resolution, options.integration, options.threads},
-                       console.bar("fusing"));
+  Fusion fusion =
+      fuse(options.recording,
+           {options.setup.empty() ? options.setup : shipped_file("setups", options.setup), options.resolution,
+            options.integration, options.threads, record ? &*record : nullptr},
+           console.bar("fusing"));
   report.fusion = &fusion;
   report.timings = {{"read", fusion.counts.read_s},
                     {"track", fusion.counts.track_s},
@@ -253,6 +270,7 @@ int run_replay(const ReplayOptions& options, Console& console) {
   const std::string json = report_json(report);
   save_file(folder.path() / "report.json", json);
   save_file(folder.path() / "report.html", report_html(report, json));
+  if (record) finish_record(report, *record);
   publish_map_folder(folder, report.map);
   print_report(options, report, json, console);
 

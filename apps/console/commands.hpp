@@ -46,7 +46,8 @@ struct ReplayOptions {
   std::optional<double> seen_within;  ///< seconds; replaces the queries' own
   bool plan = true;
   std::uint64_t seed = 1;
-  double time_limit = 60.0;  ///< seconds for each leg
+  double time_limit = 60.0;      ///< seconds for each leg
+  std::filesystem::path record;  ///< .mcap file of what was seen and made; empty: none
 };
 int run_replay(const ReplayOptions& options, Console& console);
 

@@ -88,7 +88,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   std::optional<Painter> painter;
   if (fusion.setup.probe) painter.emplace(fusion.setup, fusion.map, fusion.counts);
   BoardPoses boards(fusion.setup);
-  ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards);
+  ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, options.observer);
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));
   std::optional<double> start;
   FusionCounts& counts = fusion.counts;
@@ -109,6 +109,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
       std::optional<TrackedImage> tracked;
       count_tags(searched->tags, counts);
       if (painter) tracked = painter->take(*frame, *image, searched->tags, since_start);
+      if (tracked && options.observer != nullptr)
+        options.observer->see(tracked->sample, *fixed_board(fusion.setup, "a probe").map_from_board);
       boards.take(*frame, *image, searched->tags, tracked ? &*tracked : nullptr);
       scans.release();
     } else if (const auto* cloud = std::get_if<CloudFrame>(&frame->content)) {

@@ -11,6 +11,7 @@
 
 #include "datasets/descriptions/setup.hpp"
 #include "mapping/free_space_map.hpp"
+#include "tracking/probe.hpp"
 
 namespace clearway {
 
@@ -38,6 +39,16 @@ struct FusionCounts {
   double read_s = 0.0, track_s = 0.0, paint_s = 0.0, insert_s = 0.0;  ///< time spent
 };
 
+/// Is told what a fusion sees, in the order of its work.
+class FusionObserver {
+ public:
+  virtual ~FusionObserver() = default;
+  /// @param map_from_base where the setup fixes the base board
+  virtual void see(const PaintingSample& sample, const Eigen::Isometry3d& map_from_base) = 0;
+  /// A scan in its place, before anything is taken out of it.
+  virtual void see(const Scan& scan) = 0;
+};
+
 /// What the caller decides about a fusion; what is left out is the setup's, else the default that is named.
 struct FusionOptions {
   std::filesystem::path
@@ -45,6 +56,7 @@ struct FusionOptions {
   double resolution = 0.0;    ///< metres; 0: the setup's, else 0.02
   std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
   int threads = 0;  ///< for images and scans, in [1, 64]; 0: the setup's, else the machine's, at most 8
+  FusionObserver* observer = nullptr;  ///< may be null
 };
 
 /// A recording turned into a map.

@@ -54,8 +54,8 @@ ScanFilter filter_of(const MapSetup& map) {
 }  // namespace
 
 ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts,
-                           const BoardPoses& boards)
-    : setup_(setup), map_(map), counts_(counts), boards_(boards) {
+                           const BoardPoses& boards, FusionObserver* observer)
+    : setup_(setup), map_(map), counts_(counts), boards_(boards), observer_(observer) {
   for (const SensorSetup& sensor : setup.sensors) {
     if (!sensor.poses.empty()) streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap));
   }
@@ -131,6 +131,7 @@ void ScanInserter::insert(Waiting& waiting) {
   }
   Scan& scan = waiting.scan;
   scan.map_from_sensor = *map_from_sensor;
+  if (observer_ != nullptr) observer_->see(scan);
   ScanFilter filter = filter_of(setup_.map);
   filter.bodies = robot_;
   if (setup_.probe) add_probe(scan.time, filter);

@@ -17,7 +17,9 @@ namespace clearway {
 class ScanInserter {
  public:
   /// @throws std::invalid_argument: a file of poses that cannot be read, joints that are not the robot's.
-  ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts, const BoardPoses& boards);
+  /// @param observer is told of scans that have a place; may be null
+  ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts, const BoardPoses& boards,
+               FusionObserver* observer = nullptr);
 
   void take(const Frame& frame, const CloudFrame& cloud);
   /// Inserts the scans for which the images so far tell enough.
@@ -39,6 +41,7 @@ class ScanInserter {
   FreeSpaceMap& map_;
   FusionCounts& counts_;
   const BoardPoses& boards_;
+  FusionObserver* observer_;
   std::map<std::string, PoseStream> streams_;  ///< by sensor
   std::vector<Capsule> robot_;                 ///< map frame
   std::deque<Waiting> waiting_;

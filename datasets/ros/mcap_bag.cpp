@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "datasets/ros/mcap_chunk.hpp"
+#include "datasets/ros/mcap_format.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_messages.hpp"
 
@@ -19,10 +20,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', 0x30, '\r', '\n'};
 constexpr std::size_t record_head = 9;  ///< an opcode and a size of 8 bytes
-
-enum Opcode : std::uint8_t { footer = 2, schema = 3, channel = 4, message = 5, chunk = 6 };
 
 /// Fields of a record: numbers little-endian and packed, as ROS 1 has them.
 class Fields {
@@ -116,7 +114,8 @@ struct Place {
 class McapBag final : public MessageBag {
  public:
   McapBag(int file, std::uint64_t size) : file_(file, size) {
-    if (size < magic.size() || !std::equal(magic.begin(), magic.end(), file_.read(0, magic.size()).begin()))
+    if (size < mcap::magic.size() ||
+        std::memcmp(file_.read(0, mcap::magic.size()).data(), mcap::magic.data(), mcap::magic.size()) != 0)
       throw std::runtime_error("it does not begin as an MCAP file");
     list_places();
     if (topics_.empty() || counts_.empty()) look_into_chunks();
@@ -179,9 +178,9 @@ class McapBag final : public MessageBag {
 
   /// Walks over all records, but not into chunks; schemas, channels and counts stand again behind the data.
   void list_places() {
-    std::uint64_t at = magic.size();
+    std::uint64_t at = mcap::magic.size();
     try {
-      for (std::uint8_t opcode = 0; opcode != footer;) {
+      for (std::uint8_t opcode = 0; opcode != mcap::footer;) {
         const auto [found, size] = head_at(at);
         opcode = found;
         try {
@@ -199,16 +198,15 @@ class McapBag final : public MessageBag {
   }
 
   void note(std::uint8_t opcode, std::uint64_t at, std::uint64_t size) {
-    constexpr std::uint8_t statistics = 11;
     constexpr std::uint64_t message_head = 22, most = 64U << 20U;
-    if (opcode == message || opcode == chunk) {
+    if (opcode == mcap::message || opcode == mcap::chunk) {
       Fields in(file_.read(at + record_head, std::min(size, message_head)));
-      if (opcode == message) in.number<std::uint16_t>(), in.number<std::uint32_t>();
+      if (opcode == mcap::message) in.number<std::uint16_t>(), in.number<std::uint32_t>();
       places_.push_back({in.number<std::uint64_t>(), at});
-    } else if (opcode == schema || opcode == channel || opcode == statistics) {
+    } else if (opcode == mcap::schema || opcode == mcap::channel || opcode == mcap::statistics) {
       if (size > most) throw std::runtime_error("it is too large");
       const Record record{opcode, file_.read(at + record_head, size)};
-      if (opcode != statistics) return learn(record);
+      if (opcode != mcap::statistics) return learn(record);
       note_counts(record);
     }
   }
@@ -228,7 +226,7 @@ class McapBag final : public MessageBag {
   void learn(const Record& record) {
     Fields in(record.content);
     const auto id = in.number<std::uint16_t>();
-    if (record.opcode == schema) {
+    if (record.opcode == mcap::schema) {
       schemas_.emplace(id, short_type(in.text()));
       return;
     }
@@ -253,8 +251,8 @@ class McapBag final : public MessageBag {
     for (const Place& place : places_) {
       std::vector<std::uint8_t> bytes;
       read_place(place, bytes, [&](const Record& record) {
-        if (record.opcode == schema || record.opcode == channel) learn(record);
-        if (record.opcode == message) ++counts_[Fields(record.content).number<std::uint16_t>()];
+        if (record.opcode == mcap::schema || record.opcode == mcap::channel) learn(record);
+        if (record.opcode == mcap::message) ++counts_[Fields(record.content).number<std::uint16_t>()];
       });
     }
   }
@@ -268,9 +266,9 @@ class McapBag final : public MessageBag {
       const auto [opcode, whole] = head_at(place.at);
       if (whole > most_chunk_bytes) throw std::runtime_error("it is larger than 1 GiB");
       const Bytes content = file_.read(place.at + record_head, whole);
-      if (opcode == message) {
+      if (opcode == mcap::message) {
         bytes.assign(content.begin(), content.end());
-        return take({message, bytes});
+        return take({mcap::message, bytes});
       }
       Fields in(content);
       in.number<std::uint64_t>(), in.number<std::uint64_t>();
@@ -292,7 +290,7 @@ class McapBag final : public MessageBag {
                                    std::vector<std::uint8_t>& bytes) {
     std::vector<Message> messages;
     read_place(place, bytes, [&](const Record& record) {
-      if (record.opcode != message) return;
+      if (record.opcode != mcap::message) return;
       Fields in(record.content);
       const auto topic = topic_of_.find(in.number<std::uint16_t>());
       in.number<std::uint32_t>();  // of the sequence

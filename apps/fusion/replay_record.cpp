@@ -1,0 +1,92 @@
+#include "apps/fusion/replay_record.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "datasets/ros/ros_encoders.hpp"
+#include "planning/robot/kinematics.hpp"
+
+namespace clearway {
+namespace {
+
+const std::string map_frame = "map";
+
+std::uint16_t added(McapWriter& mcap, const std::string& name, const RosType& type) {
+  return mcap.add_topic(name, type.name, type.definition);
+}
+
+struct Marks {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> numbers;
+};
+
+}  // namespace
+
+ReplayRecord::ReplayRecord(const std::filesystem::path& file)
+    : mcap_(file),
+      transforms_(added(mcap_, "/tf", transforms_type())),
+      scans_(added(mcap_, "/scans", point_cloud_type())),
+      spheres_(added(mcap_, "/spheres", point_cloud_type())),
+      joints_(added(mcap_, "/joint_states", joint_state_type())) {}
+
+void ReplayRecord::see(const PaintingSample& sample, const Eigen::Isometry3d& map_from_base) {
+  time_ = std::max(time_, sample.time);
+  if (!sample.base) return;
+  std::vector<PlacedFrame> frames{{"camera", map_from_base * sample.base->camera_from_body.pose.inverse()}};
+  if (sample.probe) frames.push_back({"probe", map_from_base * sample.base_from_probe.pose});
+  mcap_.write(transforms_, sample.time, encode_transforms(sample.time, map_frame, frames));
+}
+
+void ReplayRecord::see(const Scan& scan) {
+  time_ = std::max(time_, scan.time);
+  const Eigen::Isometry3f map_from_sensor = scan.map_from_sensor.cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(scan.points.size());
+  for (const Eigen::Vector3f& point : scan.points) points.push_back(map_from_sensor * point);
+  mcap_.write(scans_, scan.time, encode_points(scan.time, map_frame, points));
+}
+
+void ReplayRecord::add_map(const Snapshot& map) {
+  Marks painted;
+  for (const PaintedVolume& volume : map.volumes()) {
+    for (const Sphere& sphere : volume.spheres) {
+      painted.points.push_back(sphere.center.cast<float>());
+      painted.numbers.push_back(static_cast<float>(sphere.radius));
+    }
+  }
+  mcap_.write(spheres_, time_, encode_points(time_, map_frame, painted.points, "radius", painted.numbers));
+  std::map<VoxelState, Marks> voxels;
+  map.visit_leaves([&](const Voxel& leaf) {
+    Marks& marks = voxels[leaf.state];
+    marks.points.push_back(leaf.center.cast<float>());
+    marks.numbers.push_back(static_cast<float>(leaf.size));
+  });
+  for (const auto& [state, marks] : voxels) {
+    const auto topic = added(mcap_, "/voxels/" + std::string(to_string(state)), point_cloud_type());
+    mcap_.write(topic, time_, encode_points(time_, map_frame, marks.points, "size", marks.numbers));
+  }
+}
+
+void ReplayRecord::add_plan(const std::string& name, const Robot& robot, const Trajectory& trajectory) {
+  std::vector<std::string> joints;
+  for (const Joint& joint : robot.joints) joints.push_back(joint.name);
+  std::vector<TimedPosition> points;
+  for (const TrajectoryPoint& point : trajectory.points)
+    points.push_back({point.time, point.position, point.velocity});
+  const auto topic = added(mcap_, "/plans/" + name, joint_trajectory_type());
+  mcap_.write(topic, time_, encode_trajectory(time_, joints, points));
+  const double begin = time_;
+  constexpr std::size_t drawn = 4;  // one of so many samples
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    time_ = begin + points[i].time;
+    mcap_.write(joints_, time_, encode_joints(time_, joints, points[i].position));
+    if (i % drawn != 0 && i + 1 != points.size()) continue;
+    const LinkPoses map_from_link = forward_kinematics(robot, points[i].position);
+    std::vector<PlacedFrame> frames;
+    for (std::size_t link = 0; link < robot.links.size(); ++link)
+      frames.push_back({robot.links[link].name, map_from_link[link]});
+    mcap_.write(transforms_, time_, encode_transforms(time_, map_frame, frames));
+  }
+}
+
+}  // namespace clearway

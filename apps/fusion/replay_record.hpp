@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "apps/fusion/fusion.hpp"
+#include "datasets/ros/mcap_writer.hpp"
+#include "planning/path/trajectory.hpp"
+
+namespace clearway {
+
+/// What a replay saw and made, as an MCAP file of ROS 2 messages, in the frame "map":
+/// - /tf: "camera" (optical) and "probe", where the base board was seen with them;
+/// - /scans: each scan in its place, PointCloud2; /spheres: what was painted, with the field "radius";
+/// - /voxels/STATE: the middles of voxels, with the field "size";
+/// - /plans/NAME: JointTrajectory; then all plans one after the other, after the recording: /joint_states, and
+///   in /tf the robot's links, as large as the robot is.
+class ReplayRecord final : public FusionObserver {
+ public:
+  /// @throws std::runtime_error naming the file and why it cannot be written, as do the others.
+  explicit ReplayRecord(const std::filesystem::path& file);
+
+  void see(const PaintingSample& sample, const Eigen::Isometry3d& map_from_base) override;
+  void see(const Scan& scan) override;
+
+  void add_map(const Snapshot& map);
+  void add_plan(const std::string& name, const Robot& robot, const Trajectory& trajectory);
+  void finish() { mcap_.finish(); }
+
+ private:
+  McapWriter mcap_;
+  std::uint16_t transforms_, scans_, spheres_, joints_;
+  double time_ = 0;  ///< s, the last that was seen
+};
+
+}  // namespace clearway

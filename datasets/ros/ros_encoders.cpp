@@ -1,0 +1,158 @@
+#include "datasets/ros/ros_encoders.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "datasets/ros/wire_writer.hpp"
+
+namespace clearway {
+namespace {
+
+/// A part's definition behind the others.
+std::string part(const std::string& name, const std::string& fields) {
+  return std::string(80, '=') + "\nMSG: " + name + "\n" + fields;
+}
+
+const std::string time_fields = "int32 sec\nuint32 nanosec\n";
+
+std::string header_parts() {
+  return part("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n") +
+         part("builtin_interfaces/Time", time_fields);
+}
+
+void put_duration(double seconds, WireWriter& out) {
+  const double whole = std::floor(seconds);
+  auto nanoseconds = static_cast<std::uint32_t>(std::llround((seconds - whole) * 1e9));
+  const bool carries = nanoseconds >= 1'000'000'000U;
+  out.number(static_cast<std::int32_t>(whole) + (carries ? 1 : 0));
+  out.number(carries ? 0U : nanoseconds);
+}
+
+WireWriter with_header(double time, const std::string& frame) {
+  WireWriter out;
+  put_duration(time, out);
+  out.text(frame);
+  return out;
+}
+
+void put_texts(const std::vector<std::string>& texts, WireWriter& out) {
+  out.length(texts.size());
+  for (const std::string& text : texts) out.text(text);
+}
+
+}  // namespace
+
+const RosType& point_cloud_type() {
+  static const RosType type{
+      "sensor_msgs/msg/PointCloud2",
+      "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool "
+      "is_bigendian\n"
+      "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n" +
+          header_parts() +
+          part("sensor_msgs/PointField", "string name\nuint32 offset\nuint8 datatype\nuint32 count\n")};
+  return type;
+}
+
+const RosType& transforms_type() {
+  static const RosType type{
+      "tf2_msgs/msg/TFMessage",
+      "geometry_msgs/TransformStamped[] transforms\n" +
+          part("geometry_msgs/TransformStamped",
+               "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n") +
+          header_parts() +
+          part("geometry_msgs/Transform",
+               "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n") +
+          part("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n") +
+          part("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n")};
+  return type;
+}
+
+const RosType& joint_state_type() {
+  static const RosType type{"sensor_msgs/msg/JointState",
+                            "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
+                            "float64[] effort\n" +
+                                header_parts()};
+  return type;
+}
+
+const RosType& joint_trajectory_type() {
+  static const RosType type{
+      "trajectory_msgs/msg/JointTrajectory",
+      "std_msgs/Header header\nstring[] joint_names\ntrajectory_msgs/JointTrajectoryPoint[] points\n" +
+          header_parts() +
+          part("trajectory_msgs/JointTrajectoryPoint",
+               "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\n"
+               "builtin_interfaces/Duration time_from_start\n") +
+          part("builtin_interfaces/Duration", time_fields)};
+  return type;
+}
+
+std::string encode_points(double time, const std::string& frame, std::span<const Eigen::Vector3f> points,
+                          const std::string& extra, std::span<const float> numbers) {
+  WireWriter out = with_header(time, frame);
+  std::vector<std::string> fields{"x", "y", "z"};
+  if (!extra.empty()) fields.push_back(extra);
+  const std::size_t step = 4 * fields.size();
+  out.number(std::uint32_t{1});
+  out.length(points.size());
+  out.length(fields.size());
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    constexpr std::uint8_t float32 = 7;
+    out.text(fields[i]);
+    out.length(4 * i);
+    out.number(float32);
+    out.number(std::uint32_t{1});
+  }
+  out.number(std::uint8_t{0});
+  out.length(step);
+  out.length(step * points.size());
+  std::vector<std::uint8_t> data(step * points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::memcpy(&data[step * i], points[i].data(), 12);
+    if (!extra.empty()) std::memcpy(&data[step * i + 12], &numbers[i], 4);
+  }
+  out.bytes(data);
+  out.number(std::uint8_t{1});
+  return out.message();
+}
+
+std::string encode_transforms(double time, const std::string& parent, std::span<const PlacedFrame> frames) {
+  WireWriter out;
+  out.length(frames.size());
+  for (const PlacedFrame& frame : frames) {
+    put_duration(time, out);
+    out.text(parent);
+    out.text(frame.name);
+    for (int axis = 0; axis < 3; ++axis) out.number(frame.parent_from_frame.translation()[axis]);
+    const Eigen::Quaterniond rotation(frame.parent_from_frame.linear());
+    for (int i = 0; i < 4; ++i) out.number(rotation.coeffs()[i]);
+  }
+  return out.message();
+}
+
+std::string encode_joints(double time, const std::vector<std::string>& names,
+                          const Eigen::VectorXd& positions) {
+  WireWriter out = with_header(time, "");
+  put_texts(names, out);
+  out.numbers(positions);
+  out.length(0);
+  out.length(0);
+  return out.message();
+}
+
+std::string encode_trajectory(double time, const std::vector<std::string>& names,
+                              std::span<const TimedPosition> points) {
+  WireWriter out = with_header(time, "");
+  put_texts(names, out);
+  out.length(points.size());
+  for (const TimedPosition& point : points) {
+    out.numbers(point.position);
+    out.numbers(point.velocity);
+    out.length(0);
+    out.length(0);
+    put_duration(point.time, out);
+  }
+  return out.message();
+}
+
+}  // namespace clearway
