@@ -6,11 +6,14 @@
 #include "apps/console/stopwatch.hpp"
 #include "apps/fusion/board_poses.hpp"
 #include "apps/fusion/emptiness.hpp"
+#include "apps/fusion/moving_robot.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "apps/fusion/painter.hpp"
 #include "apps/fusion/scan_inserter.hpp"
 #include "apps/fusion/tag_search.hpp"
+#include "datasets/ros/bag_source.hpp"
 #include "mapping/system/parallel.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
@@ -40,6 +43,10 @@ void warn_of_leftovers(Fusion& fusion) {
     fusion.warnings.push_back(std::to_string(counts.scans_without_pose) +
                               " scans have no pose at their time and were left out");
   }
+  if (counts.scans_without_joints > 0) {
+    fusion.warnings.push_back(std::to_string(counts.scans_without_joints) +
+                              " scans were left out: at their time the robot's joints are not known");
+  }
   if (counts.scans_refused > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_refused) +
                               " scans start outside the map's range and were left out");
@@ -68,6 +75,19 @@ MapOptions map_options(const FusionOptions& options, const MapSetup& setup) {
   return map;
 }
 
+/// The robot that moved while the recording was made; none when the setup has no stream of its joints.
+std::optional<MovingRobot> moving_robot(const Setup& setup, const std::filesystem::path& recording) {
+  if (!setup.robot) return std::nullopt;
+  constexpr double max_gap = 0.5;  // s
+  if (!setup.robot->joint_file.empty())
+    return MovingRobot(*setup.robot, load_joint_states(setup.robot->joint_file, max_gap));
+  if (setup.robot->joint_topic.empty()) return std::nullopt;
+  if (!is_bag_file(recording))
+    throw std::invalid_argument("setup, robot, field 'joint_topic': expected a bag as recording, got " +
+                                quote_path(recording.string()));
+  return MovingRobot(*setup.robot, read_joints(recording, setup.robot->joint_topic, max_gap));
+}
+
 }  // namespace
 
 Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
@@ -88,7 +108,9 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   std::optional<Painter> painter;
   if (fusion.setup.probe) painter.emplace(fusion.setup, fusion.map, fusion.counts);
   BoardPoses boards(fusion.setup);
-  ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, options.observer);
+  const std::optional<MovingRobot> robot = moving_robot(fusion.setup, recording);
+  ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, robot ? &*robot : nullptr,
+                     options.observer);
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));
   std::optional<double> start;
   FusionCounts& counts = fusion.counts;

@@ -13,7 +13,8 @@ namespace clearway {
 /// - /tf: "camera" (optical) and "probe", where the base board was seen with them;
 /// - /scans: each scan in its place, PointCloud2; /spheres: what was painted, with the field "radius";
 /// - /voxels/STATE: the middles of voxels, with the field "size";
-/// - /plans/NAME: JointTrajectory; then all plans one after the other, after the recording: /joint_states, and
+/// - /plans/NAME: JointTrajectory; then all plans one after the other, after the recording: /joint_states,
+/// and
 ///   in /tf the robot's links, as large as the robot is.
 class ReplayRecord final : public FusionObserver {
  public:

@@ -54,8 +54,8 @@ ScanFilter filter_of(const MapSetup& map) {
 }  // namespace
 
 ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts,
-                           const BoardPoses& boards, FusionObserver* observer)
-    : setup_(setup), map_(map), counts_(counts), boards_(boards), observer_(observer) {
+                           const BoardPoses& boards, const MovingRobot* robot, FusionObserver* observer)
+    : setup_(setup), map_(map), counts_(counts), boards_(boards), moving_robot_(robot), observer_(observer) {
   for (const SensorSetup& sensor : setup.sensors) {
     if (!sensor.poses.empty()) streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap));
   }
@@ -132,6 +132,14 @@ void ScanInserter::insert(Waiting& waiting) {
   Scan& scan = waiting.scan;
   scan.map_from_sensor = *map_from_sensor;
   if (observer_ != nullptr) observer_->see(scan);
+  if (moving_robot_ != nullptr) {
+    const auto own = moving_robot_->take_out(scan);
+    if (!own) {
+      ++counts_.scans_without_joints;
+      return;
+    }
+    counts_.points.dropped_filter += *own;
+  }
   ScanFilter filter = filter_of(setup_.map);
   filter.bodies = robot_;
   if (setup_.probe) add_probe(scan.time, filter);

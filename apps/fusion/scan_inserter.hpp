@@ -8,6 +8,7 @@
 
 #include "apps/fusion/board_poses.hpp"
 #include "apps/fusion/fusion.hpp"
+#include "apps/fusion/moving_robot.hpp"
 
 namespace clearway {
 
@@ -17,9 +18,10 @@ namespace clearway {
 class ScanInserter {
  public:
   /// @throws std::invalid_argument: a file of poses that cannot be read, joints that are not the robot's.
+  /// @param robot that moves, and is taken out of each scan; may be null
   /// @param observer is told of scans that have a place; may be null
   ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts, const BoardPoses& boards,
-               FusionObserver* observer = nullptr);
+               const MovingRobot* robot = nullptr, FusionObserver* observer = nullptr);
 
   void take(const Frame& frame, const CloudFrame& cloud);
   /// Inserts the scans for which the images so far tell enough.
@@ -41,6 +43,7 @@ class ScanInserter {
   FreeSpaceMap& map_;
   FusionCounts& counts_;
   const BoardPoses& boards_;
+  const MovingRobot* moving_robot_;
   FusionObserver* observer_;
   std::map<std::string, PoseStream> streams_;  ///< by sensor
   std::vector<Capsule> robot_;                 ///< map frame

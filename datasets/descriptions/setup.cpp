@@ -195,7 +195,7 @@ SourceOptions read_source(const YamlFields& fields) {
   return source;
 }
 
-RobotSetup read_robot(const YamlFields& fields) {
+RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& folder) {
   RobotSetup robot;
   robot.name = fields.file("name");
   robot.map_from_base = fields.pose("base", robot.map_from_base);
@@ -204,6 +204,13 @@ RobotSetup read_robot(const YamlFields& fields) {
   robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has("gravity")) robot.gravity = fields.vector("gravity");
   robot.self_margin = fields.number("self_margin", not_negative, robot.self_margin);
+  if (fields.has("joint_file")) robot.joint_file = folder / fields.file("joint_file");
+  if (fields.has("joint_topic")) robot.joint_topic = fields.text("joint_topic");
+  if (fields.has("joint_file") + fields.has("joint_topic") + !robot.joints.empty() > 1)
+    fields.fail("", "expected one of 'joints', 'joint_file' and 'joint_topic'");
+  robot.latency = fields.number("latency", not_negative, robot.latency);
+  robot.joint_error = fields.number("joint_error", not_negative, robot.joint_error);
+  robot.place_error = fields.number("place_error", not_negative, robot.place_error);
   fields.finish();
   return robot;
 }
@@ -276,7 +283,8 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));
   if (fields.has("source")) setup.source = read_source(fields.map("source"));
   setup.source.camera = setup.camera;
-  if (fields.has("robot")) setup.robot = read_robot(fields.map("robot"));
+  if (fields.has("robot"))
+    setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());
   for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
   fields.finish();
   return setup;

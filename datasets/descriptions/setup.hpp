@@ -112,6 +112,11 @@ struct RobotSetup {
   double payload = 0;          ///< kg at the tip, full size, for the path cost
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
   double self_margin = 0.02;                 ///< m, points this near to its bodies are its own
+  std::filesystem::path joint_file;  ///< where it was while it moved: a table (joint_stream.hpp); empty: none
+  std::string joint_topic;           ///< the same, JointState of the recording, a bag; empty: none
+  double latency = 0.02;             ///< s, by which times of joints and of scans may differ
+  double joint_error = 0.01;         ///< rad or m, of each joint's position
+  double place_error = 0.005;        ///< m, of the sensor's place against the robot's
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.

@@ -138,4 +138,19 @@ std::vector<std::string> BagFrames::left_out() const {
   return clauses;
 }
 
+void visit_joints(MessageBag& bag, const std::string& topic,
+                  const std::function<void(double time, const RosJointState& state)>& take) {
+  std::vector<bool> wanted;
+  for (const BagTopic& candidate : bag.topics()) wanted.push_back(candidate.name == topic && candidate.wire);
+  bag.visit(wanted, [&](const BagMessage& message) {
+    try {
+      WireReader in(message.bytes, *bag.topics()[message.topic].wire);
+      const RosJointState state = read_joint_state(in);
+      take(time_of(state.header, message.time), state);
+    } catch (const std::runtime_error&) {
+    }
+    return true;
+  });
+}
+
 }  // namespace clearway

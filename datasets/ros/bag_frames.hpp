@@ -38,4 +38,9 @@ class BagFrames {
   std::map<std::string, Missing> left_out_;          ///< of the topic
 };
 
+/// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out
+/// damaged ones.
+void visit_joints(MessageBag& bag, const std::string& topic,
+                  const std::function<void(double time, const RosJointState& state)>& take);
+
 }  // namespace clearway

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "datasets/ros/bag_frames.hpp"
+#include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
 #include "mapping/system/input_file.hpp"
@@ -112,23 +113,27 @@ class BagSource final : public FrameSource {
   bool finished_ = false;
 };
 
+/// Refuses a topic that the bag does not have, or not of one of these types. @param by the key of the setup
+void require_topic(const std::filesystem::path& file, const std::vector<BagTopic>& topics,
+                   const std::string& name, const std::string& by, const std::vector<std::string>& types) {
+  const auto found =
+      std::find_if(topics.begin(), topics.end(), [&](const BagTopic& topic) { return topic.name == name; });
+  const std::string named = " topic " + quote(name) + ", which '" + by + "' of the setup names";
+  if (found == topics.end())
+    throw std::invalid_argument(sentence(file, "has no" + named + "; it has " + list_of(topics)));
+  if (std::find(types.begin(), types.end(), found->type) == types.end())
+    throw std::invalid_argument(
+        sentence(file, "has " + quote(found->type) + " in" + named + "; expected " + types.front()));
+  if (!found->wire)
+    throw std::invalid_argument(
+        sentence(file, "encodes" + named + ", in another way than CDR and ROS 1, which are known here"));
+}
+
 /// Refuses what the options name and the bag does not have.
 void require_topics(const std::filesystem::path& file, const std::vector<BagTopic>& topics,
                     const SourceOptions& options) {
   const auto require = [&](const std::string& name, const char* key, const std::vector<std::string>& types) {
-    if (name.empty()) return;
-    const auto found =
-        std::find_if(topics.begin(), topics.end(), [&](const BagTopic& topic) { return topic.name == name; });
-    if (found == topics.end())
-      throw std::invalid_argument(sentence(file, "has no topic " + quote(name) + ", which 'source: " + key +
-                                                     "' of the setup names; it has " + list_of(topics)));
-    if (std::find(types.begin(), types.end(), found->type) == types.end())
-      throw std::invalid_argument(sentence(file, "has " + quote(found->type) + " in topic " + quote(name) +
-                                                     ", which 'source: " + key +
-                                                     "' of the setup names; expected " + types.front()));
-    if (!found->wire)
-      throw std::invalid_argument(sentence(
-          file, "encodes topic " + quote(name) + " in another way than CDR and ROS 1, which are known here"));
+    if (!name.empty()) require_topic(file, topics, name, std::string("source: ") + key, types);
   };
   const BagTopics& bag = options.bag;
   if (bag.empty())
@@ -194,6 +199,46 @@ std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options) {
   require_topics(file, list_bag(file), options);
   return std::make_unique<BagSource>(file, options);
+}
+
+JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap) {
+  require_topic(file, list_bag(file), topic, "robot: joint_topic", {"sensor_msgs/JointState"});
+  const InputFile input(file, "bag");
+  DecodingChild child(
+      limits_of(input.size()), input.descriptor(), [&](const ChildReport& report, int descriptor) {
+        try {
+          const std::unique_ptr<MessageBag> bag = open_messages(file, descriptor, input.size());
+          visit_joints(*bag, topic, [&](double time, const RosJointState& state) {
+            WireWriter out;
+            out.number(time);
+            out.length(state.names.size());
+            for (const std::string& name : state.names) out.text(name);
+            out.numbers(state.positions);
+            report.send(ChildMessage::skipped, 0, out.message());
+          });
+          report.send(ChildMessage::end, 0, "");
+        } catch (const std::exception&) {
+          report.send(ChildMessage::damage, 0, "");
+        }
+      });
+  JointStream stream(max_gap);
+  for (;;) {
+    const ChildMessage message = child.receive();
+    if (message.kind != ChildMessage::skipped) break;  // what came before damage is used
+    try {
+      WireReader in({reinterpret_cast<const std::uint8_t*>(message.text.data()), message.text.size()},
+                    RosWire::cdr);
+      const auto time = in.number<double>();
+      std::vector<std::string> names(in.length(4));
+      for (std::string& name : names) name = in.text();
+      stream.add(time, names, in.numbers<double>());
+    } catch (const std::exception&) {  // not finite, or of another number than names
+    }
+  }
+  if (stream.empty())
+    throw std::invalid_argument(
+        sentence(file, "has no joint positions that can be used in topic " + quote(topic)));
+  return stream;
 }
 
 }  // namespace clearway

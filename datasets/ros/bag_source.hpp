@@ -6,6 +6,7 @@
 
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/sources/frame_source.hpp"
+#include "datasets/sources/joint_stream.hpp"
 
 namespace clearway {
 
@@ -25,5 +26,10 @@ std::vector<BagTopic> list_bag(const std::filesystem::path& file);
 /// @throws std::invalid_argument naming the file and what it has instead, when a topic is missing or of
 /// another type, or the camera of images is not known.
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options);
+
+/// The joint positions of a JointState topic, as the stream takes them: the header's times, where there are
+/// some. Readings that are damaged or not finite are left out. @throws std::invalid_argument as open_bag, and
+/// when none is left.
+JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap = 0.5);
 
 }  // namespace clearway

@@ -1,0 +1,99 @@
+#include "apps/fusion/moving_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/query/query.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/reach.hpp"
+
+namespace clearway {
+namespace {
+
+Robot robot_of(const RobotSetup& setup) {
+  RobotChoice choice;
+  choice.robot = setup.name;
+  choice.scale = setup.scale;
+  Robot robot = choose_robot(choice);
+  robot.map_from_base = setup.map_from_base;
+  return robot;
+}
+
+/// Of each joint: how far a radian of it moves the body's farthest point.
+std::vector<double> levers_of(const Robot& robot, const Body& body) {
+  std::vector<double> levers(robot.dof(), 0.0);
+  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
+    const Link& link = robot.links[static_cast<std::size_t>(i)];
+    if (link.joint >= 0)
+      levers[static_cast<std::size_t>(link.joint)] += std::abs(link.multiplier) * lever(robot, i, body);
+  }
+  return levers;
+}
+
+/// Whether a point is no farther than `within` from a body.
+struct Grown {
+  const Body& body;
+  Eigen::Isometry3d shape_from_map;
+  double within;
+
+  bool holds(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d local = shape_from_map * point;
+    if (local.norm() > body.shape.bounding_radius() + within) return false;
+    if (body.shape.has_exact_distance()) return body.shape.signed_distance(local) <= within;
+    const Shape dot = Shape::sphere(1e-9);
+    return distance(body.shape, Eigen::Isometry3d::Identity(), dot,
+                    Eigen::Isometry3d(Eigen::Translation3d(local)), within)
+               .lower <= within;
+  }
+};
+
+}  // namespace
+
+MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)
+    : setup_(setup), joints_(std::move(joints)), robot_(robot_of(setup)) {
+  const std::vector<std::string> known = joints_.names();
+  for (const Joint& joint : robot_.joints) {
+    names_.push_back(joint.name);
+    if (std::binary_search(known.begin(), known.end(), joint.name)) continue;
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + quote(name);
+    throw std::invalid_argument("the recorded joint positions have no joint " + quote(joint.name) +
+                                " of robot '" + robot_.name + "', but " + shortened(list));
+  }
+  for (const Body& body : robot_.bodies) levers_.push_back(levers_of(robot_, body));
+}
+
+std::vector<double> MovingRobot::growths(double time) const {
+  const std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
+  std::vector<double> result;
+  for (const std::vector<double>& levers : levers_) {
+    double growth = setup_.self_margin + setup_.place_error;
+    for (std::size_t j = 0; j < levers.size(); ++j) growth += levers[j] * (moved[j] + setup_.joint_error);
+    result.push_back(growth);
+  }
+  return result;
+}
+
+std::optional<std::size_t> MovingRobot::take_out(Scan& scan) const {
+  const auto positions = joints_.at(names_, scan.time);
+  if (!positions) return std::nullopt;
+  const Configuration q =
+      Eigen::Map<const Configuration>(positions->data(), static_cast<Eigen::Index>(positions->size()));
+  const LinkPoses poses = forward_kinematics(robot_, q);
+  const std::vector<double> growth = growths(scan.time);
+  std::vector<Grown> bodies;
+  for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {
+    const Body& body = robot_.bodies[i];
+    const Eigen::Isometry3d map_from_shape =
+        poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+    bodies.push_back({body, map_from_shape.inverse(), growth[i]});
+  }
+  return std::erase_if(scan.points, [&](const Eigen::Vector3f& point) {
+    const Eigen::Vector3d placed = scan.map_from_sensor * point.cast<double>();
+    return std::any_of(bodies.begin(), bodies.end(), [&](const Grown& body) { return body.holds(placed); });
+  });
+}
+
+}  // namespace clearway

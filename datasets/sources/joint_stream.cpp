@@ -1,0 +1,141 @@
+#include "datasets/sources/joint_stream.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) {
+    const std::size_t begin = cell.find_first_not_of(" \t\r"), end = cell.find_last_not_of(" \t\r");
+    cells.push_back(begin == std::string::npos ? "" : cell.substr(begin, end + 1 - begin));
+  }
+  return cells;
+}
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0.0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+void JointStream::add(double time, const std::vector<std::string>& names,
+                      const std::vector<double>& positions) {
+  const bool is_finite =
+      std::isfinite(time) && std::all_of(positions.begin(), positions.end(),
+                                         [](double position) { return std::isfinite(position); });
+  if (!is_finite || names.size() != positions.size())
+    throw std::invalid_argument("a stream of joints takes one finite position for each name");
+  for (std::size_t i = 0; i < names.size(); ++i) readings_[names[i]][time] = positions[i];
+}
+
+std::optional<double> JointStream::position_at(const Readings& readings, double time) const {
+  const auto after = readings.lower_bound(time);
+  if (after == readings.end()) return std::nullopt;
+  if (after->first == time) return after->second;
+  if (after == readings.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  const double gap = after->first - before->first;
+  if (gap > max_gap_) return std::nullopt;
+  return before->second + (time - before->first) / gap * (after->second - before->second);
+}
+
+std::optional<std::vector<double>> JointStream::at(const std::vector<std::string>& names, double time) const {
+  std::vector<double> positions;
+  for (const std::string& name : names) {
+    const auto joint = readings_.find(name);
+    const auto position = joint == readings_.end() ? std::nullopt : position_at(joint->second, time);
+    if (!position) return std::nullopt;
+    positions.push_back(*position);
+  }
+  return positions;
+}
+
+std::vector<double> JointStream::deviations(const std::vector<std::string>& names, double time,
+                                            double span) const {
+  std::vector<double> result;
+  for (const std::string& name : names) {
+    const Readings& readings = readings_.at(name);
+    const double here = *position_at(readings, time);
+    double most = 0.0;
+    const auto take = [&](double position) { most = std::max(most, std::abs(position - here)); };
+    // Between readings it goes in straight lines: it is farthest at a reading or at an end of the span.
+    for (auto it = readings.lower_bound(time - span); it != readings.end() && it->first <= time + span; ++it)
+      take(it->second);
+    for (const double end : {time - span, time + span})
+      if (const auto position = position_at(readings, end)) take(*position);
+    result.push_back(most);
+  }
+  return result;
+}
+
+std::vector<std::string> JointStream::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, readings] : readings_) names.push_back(name);
+  return names;
+}
+
+std::optional<double> JointStream::last_time() const {
+  std::optional<double> last;
+  for (const auto& [name, readings] : readings_)
+    last = std::max(last.value_or(readings.rbegin()->first), readings.rbegin()->first);
+  return last;
+}
+
+JointStream parse_joint_states(const std::string& text, const std::string& name, double max_gap) {
+  JointStream stream(max_gap);
+  std::istringstream in(text);
+  std::vector<std::string> names;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line.starts_with('#')) continue;
+    const auto fail = [&](const std::string& expected) {
+      throw std::invalid_argument(quote_path(name) + ", line " + std::to_string(number) + ": expected " +
+                                  expected);
+    };
+    std::vector<std::string> cells = cells_of(line);
+    if (names.empty()) {
+      if (cells.size() < 2 || cells[0] != "time") fail("'time' and the names of joints, apart by commas");
+      names.assign(cells.begin() + 1, cells.end());
+      std::vector<std::string> sorted = names;
+      std::sort(sorted.begin(), sorted.end());
+      if (sorted.front().empty() || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+        fail("a name of its own for each joint");
+      continue;
+    }
+    std::vector<double> numbers;
+    for (const std::string& cell : cells) {
+      const auto value = number_in(cell);
+      if (!value) fail("finite numbers apart by commas, got " + quote(cell));
+      numbers.push_back(*value);
+    }
+    if (numbers.size() != names.size() + 1)
+      fail(std::to_string(names.size() + 1) + " numbers, got " + std::to_string(numbers.size()));
+    stream.add(numbers[0], names, {numbers.begin() + 1, numbers.end()});
+  }
+  if (stream.empty())
+    throw std::invalid_argument(
+        quote_path(name) + " holds no joint positions: expected a line 'time, NAME, …' and lines of numbers");
+  return stream;
+}
+
+JointStream load_joint_states(const std::filesystem::path& file, double max_gap) {
+  return parse_joint_states(read_input(file, "joint positions", 256U << 20U), file.string(), max_gap);
+}
+
+}  // namespace clearway

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// Positions of joints over time, radians or metres, and in between: straight lines. Nothing is guessed
+/// beyond the first and last reading, nor across a gap.
+class JointStream {
+ public:
+  /// @param max_gap longest time between the two readings around an answer, seconds, > 0
+  explicit JointStream(double max_gap = 0.5) : max_gap_(max_gap) {}
+
+  /// A reading of some joints, in any order; a second one at the same time replaces the first.
+  /// @throws std::invalid_argument for a number that is not finite, or not one position for each name.
+  void add(double time, const std::vector<std::string>& names, const std::vector<double>& positions);
+
+  /// The positions of these joints at `time`; empty when one of them is not known then.
+  std::optional<std::vector<double>> at(const std::vector<std::string>& names, double time) const;
+
+  /// How far each joint was from its place at `time`, at most, within `span` seconds before and after it, as
+  /// far as readings go on without a gap. @pre at(names, time) tells them
+  std::vector<double> deviations(const std::vector<std::string>& names, double time, double span) const;
+
+  std::vector<std::string> names() const;  ///< sorted
+  bool empty() const { return readings_.empty(); }
+  std::optional<double> last_time() const;
+
+ private:
+  using Readings = std::map<double, double>;  ///< of one joint
+  std::optional<double> position_at(const Readings& readings, double time) const;
+
+  double max_gap_;
+  std::map<std::string, Readings> readings_;
+};
+
+/// A table: a first line "time, NAME, NAME, …", then numbers (seconds; radians or metres), apart by commas;
+/// `#` starts a comment. @throws std::invalid_argument naming `name`, the line and what was expected.
+JointStream parse_joint_states(const std::string& text, const std::string& name, double max_gap);
+
+/// The same from a file of at most 256 MB. @throws std::invalid_argument also when it cannot be read.
+JointStream load_joint_states(const std::filesystem::path& file, double max_gap);
+
+}  // namespace clearway

@@ -1,0 +1,168 @@
+// An arm that moves at 1 m/s and more, seen by a sensor whose clock, place and joints are off by what the
+// setup states.
+
+#include "apps/fusion/moving_robot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/datasets/complaint.hpp"
+
+namespace clearway {
+namespace moving_robot_test {
+
+std::vector<std::string> names_of(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+/// A smooth motion of all joints, some rad/s.
+Configuration place_at(const Robot& robot, double time) {
+  Configuration q(static_cast<Eigen::Index>(robot.dof()));
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
+    const double low = std::max(joint.lower, -2.0), high = std::min(joint.upper, 2.0);
+    q[j] =
+        0.5 * (low + high) +
+        0.4 * (high - low) * std::sin((1.1 + 0.3 * static_cast<double>(j)) * time + static_cast<double>(j));
+  }
+  return q;
+}
+
+JointStream stream_of(const Robot& robot) {
+  JointStream stream;
+  for (double time = 0.0; time < 6.0; time += 0.01) {
+    const Configuration q = place_at(robot, time);
+    stream.add(time, names_of(robot), {q.begin(), q.end()});
+  }
+  return stream;
+}
+
+/// The distance of a point from a body that is a sphere, capsule, cylinder or box; of hulls an upper bound,
+/// to their corners.
+double distance_to(const Body& body, const LinkPoses& poses, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d local =
+      (poses[static_cast<std::size_t>(body.link)] * body.link_from_shape).inverse() * point;
+  return body.shape.signed_distance(local);
+}
+
+/// Points on and in the covers of the bodies, which lie in them or just beside: those within the bodies are
+/// kept.
+std::vector<Eigen::Vector3d> points_of(const Robot& robot, const LinkPoses& poses, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  std::vector<Eigen::Vector3d> points;
+  for (const Body& body : robot.bodies) {
+    for (const Sphere& sphere : body.cover) {
+      for (int i = 0; i < 30; ++i) {
+        const Eigen::Vector3d way =
+            Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+        const Eigen::Vector3d point =
+            poses[static_cast<std::size_t>(body.link)] * (sphere.center + sphere.radius * way);
+        if (distance_to(body, poses, point) <= 0.0) points.push_back(point);
+      }
+    }
+  }
+  return points;
+}
+
+class MovingRobots : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhateverTheStatedErrors) {
+  const Robot robot = load_robot(GetParam());
+  RobotSetup setup;
+  setup.name = GetParam();
+  setup.self_margin = 0.0;
+  setup.latency = 0.02;
+  setup.joint_error = 0.5 * M_PI / 180.0;
+  setup.place_error = 0.005;
+  const MovingRobot moving(setup, stream_of(robot));
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::size_t all = 0, taken = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const double time = 0.2 + 0.14 * trial;
+    Configuration q = place_at(robot, time + 0.019 * unit(random));
+    for (double& joint : q) joint += setup.joint_error * unit(random);
+    Eigen::Vector3d off(unit(random), unit(random), unit(random));
+    off *= 0.0049 / off.norm();
+    Scan scan;
+    scan.time = time;
+    scan.map_from_sensor = Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX());
+    for (const Eigen::Vector3d& point : points_of(robot, forward_kinematics(robot, q), random))
+      scan.points.push_back((scan.map_from_sensor.inverse() * (point + off)).cast<float>());
+    all += scan.points.size();
+    taken += *moving.take_out(scan);
+  }
+  ASSERT_GT(all, 1000U);
+  EXPECT_GE(taken, all - all / 1000);
+}
+
+TEST_P(MovingRobots, TakeOutNothingBeyondTheStatedGrowth) {
+  const Robot robot = load_robot(GetParam());
+  RobotSetup setup;
+  setup.name = GetParam();
+  const MovingRobot moving(setup, stream_of(robot));
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal(0.0, 0.4);
+  std::size_t taken = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    Scan scan;
+    scan.time = 0.2 + 0.25 * trial;
+    const LinkPoses poses = forward_kinematics(robot, place_at(robot, scan.time));
+    for (int i = 0; i < 2000; ++i) {
+      const Body& body = robot.bodies[static_cast<std::size_t>(i) % robot.bodies.size()];
+      const Eigen::Vector3d middle =
+          (poses[static_cast<std::size_t>(body.link)] * body.link_from_shape).translation();
+      scan.points.push_back(
+          (middle + Eigen::Vector3d(normal(random), normal(random), normal(random))).cast<float>());
+    }
+    const std::vector<Eigen::Vector3f> before = scan.points;
+    const std::vector<double> growths = moving.growths(scan.time);
+    taken += *moving.take_out(scan);
+    std::size_t next = 0;
+    for (const Eigen::Vector3f& point : before) {
+      bool is_near = false;
+      for (std::size_t b = 0; b < robot.bodies.size(); ++b)
+        is_near |= distance_to(robot.bodies[b], poses, point.cast<double>()) <= growths[b] + 1e-3;
+      if (next < scan.points.size() && scan.points[next] == point) {
+        ++next;
+        continue;
+      }
+      EXPECT_TRUE(is_near) << point.transpose();
+    }
+    EXPECT_EQ(next, scan.points.size());
+  }
+  EXPECT_GT(taken, 100U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, MovingRobots, ::testing::Values("puma560", "panda", "arm5"));
+
+TEST(MovingRobot, LeavesAScanAloneAtATimeThatItsJointsDoNotTell) {
+  const Robot robot = load_robot("arm5");
+  RobotSetup setup;
+  setup.name = "arm5";
+  const MovingRobot moving(setup, stream_of(robot));
+  Scan scan;
+  scan.time = 7.0;
+  scan.points = {{0, 0, 0.1F}};
+  EXPECT_FALSE(moving.take_out(scan));
+  EXPECT_EQ(scan.points.size(), 1U);
+}
+
+TEST(MovingRobot, NamesAJointThatTheStreamDoesNotHave) {
+  RobotSetup setup;
+  setup.name = "arm5";
+  JointStream stream;
+  stream.add(0.0, {"elbow"}, {0.0});
+  const std::string told = complaint([&] { const MovingRobot robot(setup, stream); });
+  EXPECT_NE(told.find("have no joint 'yaw'"), std::string::npos) << told;
+  EXPECT_NE(told.find("'elbow'"), std::string::npos) << told;
+}
+
+}  // namespace moving_robot_test
+}  // namespace clearway
