@@ -73,9 +73,48 @@ Eigen::Vector2d distort(const std::array<double, 5>& d, const Eigen::Vector2d& p
           y * radial + d[2] * (s + 2.0 * y * y) + 2.0 * d[3] * x * y};
 }
 
+// Half the diagonal, taken from the principal point to the farthest corner of the image.
+double corner_distance(const Camera& camera) {
+  return std::hypot(std::max(camera.cx, camera.width - 1.0 - camera.cx),
+                    std::max(camera.cy, camera.height - 1.0 - camera.cy));
+}
+
+constexpr double kKnownDistortion = 0.5;     // pixels
+constexpr double kUnknownDistortion = 0.01;  // of half the diagonal
+
 }  // namespace
 
+void CameraErrors::validate() const {
+  const auto check = [](const std::string& field, double value) {
+    if (!(std::isfinite(value) && value >= 0.0)) refuse("errors: " + field, value, "0 or more");
+  };
+  check("focal", focal);
+  check("aspect", aspect);
+  check("center", center);
+  check("distortion", distortion.value_or(0.0));
+}
+
+Eigen::Matrix<double, 2, kCameraModes> Camera::shift_by_errors(const Eigen::Vector2d& pixel) const {
+  const double reach = corner_distance(*this);
+  const double distorted = errors.distortion.value_or(
+      is_free_of_distortion(distortion) ? kUnknownDistortion * reach : kKnownDistortion);
+  const Eigen::Vector2d off = pixel - Eigen::Vector2d(cx, cy);
+  const Eigen::Vector2d p = off / reach;  // at most 1 long
+  const double s = p.squaredNorm();
+  Eigen::Matrix<double, 2, kCameraModes> shift;
+  shift.col(0) = errors.focal * off;
+  shift.col(1) = errors.aspect * Eigen::Vector2d(0.5 * off.x(), -0.5 * off.y());
+  shift.col(2) = errors.center * Eigen::Vector2d::UnitX();
+  shift.col(3) = errors.center * Eigen::Vector2d::UnitY();
+  shift.col(4) = distorted * s * p;
+  shift.col(5) = distorted * s * s * p;
+  shift.col(6) = distorted / 3.0 * Eigen::Vector2d(2.0 * p.x() * p.y(), s + 2.0 * p.y() * p.y());
+  shift.col(7) = distorted / 3.0 * Eigen::Vector2d(s + 2.0 * p.x() * p.x(), 2.0 * p.x() * p.y());
+  return shift;
+}
+
 void Camera::validate() const {
+  errors.validate();
   if (width < 32 || width > 20000) refuse("width", width, "32 to 20000 pixels");
   if (height < 32 || height > 20000) refuse("height", height, "32 to 20000 pixels");
   if (!(std::isfinite(fx) && fx > 0.0)) refuse("fx", fx, "a focal length > 0 pixels");

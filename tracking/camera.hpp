@@ -6,6 +6,21 @@
 
 namespace clearway {
 
+/// What a calibration does not know of its camera: one standard deviation each.
+struct CameraErrors {
+  double focal = 0.003;              ///< relative, of fx and fy together
+  double aspect = 0.0005;            ///< relative, of fx / fy
+  double center = 2.0;               ///< pixels, of cx and of cy
+  std::optional<double> distortion;  ///< pixels in the image's corner, of each mode of distortion; empty: 0.5
+                                     ///< where a distortion is given, 1 % of half the diagonal where none is
+
+  /// Throws std::invalid_argument naming the error that is negative or not finite.
+  void validate() const;
+};
+
+/// Focal length, aspect, cx, cy, k1, k2, p1, p2.
+constexpr int kCameraModes = 8;
+
 /// A pinhole camera with Brown-Conrady ("plumb bob") lens distortion, as OpenCV and MRPT calibrate it.
 ///
 /// Camera frame: x right, y down, z forward, metres. Pixels: the centre of the upper left pixel is
@@ -16,9 +31,10 @@ struct Camera {
   int height = 0;
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< pixels
   std::array<double, 5> distortion{};             ///< k1, k2, p1, p2, k3 (OpenCV's order)
+  CameraErrors errors{};                          ///< of all of these
 
-  /// Throws std::invalid_argument naming the field and what was expected: sizes in [32, 20000], focal
-  /// lengths finite and > 0, principal point inside the image, finite distortion that maps the whole
+  /// Throws std::invalid_argument naming the field and what was expected: `errors`, sizes in [32, 20000],
+  /// focal lengths finite and > 0, principal point inside the image, finite distortion that maps the whole
   /// image one to one (a polynomial that folds back inside the image is a wrong calibration).
   void validate() const;
 
@@ -33,6 +49,11 @@ struct Camera {
 
   /// The normalised point seen at `pixel`, to 1e-12 (Newton). Empty where no ray of the lens ends there.
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
+
+  /// How far one standard deviation of each calibration error shifts the image at `pixel`, pixels. Distortion
+  /// shifts by its size at the corner farthest from the middle, with the cube (k1, radial), the fifth power
+  /// (k2) and the square (p1, p2, Brown 1966) of the distance from (cx, cy).
+  Eigen::Matrix<double, 2, kCameraModes> shift_by_errors(const Eigen::Vector2d& pixel) const;
 
   /// True when the pixel lies on the image and at least `margin` pixels inside its border.
   bool sees(const Eigen::Vector2d& pixel, double margin = 0.0) const;

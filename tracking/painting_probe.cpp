@@ -1,5 +1,6 @@
 #include "tracking/painting_probe.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -24,19 +25,20 @@ void PaintingProbe::validate() const {
     throw std::invalid_argument("probe '" + body.name + "': ball_radius must be > 0 metres");
 }
 
-double painted_radius(double ball_radius, const ErrorBudget& budget) {
+double painted_radius(double ball_radius, const ErrorBudget& budget, double bound) {
   check_error(budget.robot, "robot");
   check_error(budget.tracking, "tracking");
   check_error(budget.modelling, "modelling");
-  const double r0 = ball_radius - budget.sum();
-  if (!(std::isfinite(r0) && r0 > 0.0)) {
+  const double least = budget.sum(0.0);
+  if (!(std::isfinite(least) && std::isfinite(ball_radius) && ball_radius > least)) {
     std::ostringstream text;
     text.imbue(std::locale::classic());
-    text << "error budget: robot + tracking + modelling = " << budget.sum()
-         << " m leaves nothing of a ball of " << ball_radius << " m (eq. 3), expected less than its radius";
+    text << "error budget: robot + " << (budget.constant_tracking ? "tracking + " : "")
+         << "modelling = " << least << " m leaves nothing of a ball of " << ball_radius
+         << " m (eq. 3), expected less than its radius";
     throw std::invalid_argument(text.str());
   }
-  return r0;
+  return std::max(0.0, ball_radius - budget.sum(std::isfinite(bound) ? bound : ball_radius));
 }
 
 }  // namespace clearway

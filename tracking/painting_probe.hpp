@@ -18,15 +18,20 @@ struct PaintingProbe {
 /// What Chong 2008, eq. 3 takes off the ball's radius, metres each.
 struct ErrorBudget {
   double robot = 0.001;      ///< the robot's position error while it moves along a path
-  double tracking = 0.005;   ///< the error of a painted centre; samples less sure than this are refused
+  double tracking = 0.005;   ///< the error of a painted centre, when it is constant
   double modelling = 0.001;  ///< of the probe (ball, tag mounting) and of the robot's bodies
+  /// As in the paper: every sample pays `tracking`, and one whose own bound is larger is refused. Otherwise
+  /// each sample pays its own bound (CenterBound::total).
+  bool constant_tracking = false;
 
-  double sum() const { return robot + tracking + modelling; }
+  /// What a sample of that bound pays, metres.
+  double sum(double bound) const { return robot + (constant_tracking ? tracking : bound) + modelling; }
 };
 
-/// Eq. 3 of Chong et al. 2008: r0 = r - (robot + tracking + modelling), metres. Throws std::invalid_argument
-/// when an error is negative or not finite, or when nothing is left of the ball.
-double painted_radius(double ball_radius, const ErrorBudget& budget);
+/// Eq. 3 of Chong et al. 2008: r0 = r - (robot + tracking + modelling), metres, where `bound` is how far the
+/// sample's centre may be off; 0 when nothing is left of the ball. Throws std::invalid_argument when an error
+/// is negative or not finite, or when the budget leaves nothing of the ball whatever the bound.
+double painted_radius(double ball_radius, const ErrorBudget& budget, double bound);
 
 /// A sphere of free space in the base frame, metres: S_i(c_i, r0) of Chong 2008, eq. 2.
 struct PaintedSphere {

@@ -1,6 +1,9 @@
 #include "tracking/pose_refinement.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 
 namespace clearway {
 namespace {
@@ -27,6 +30,33 @@ std::optional<NormalEquations> linearise(const Camera& camera, const std::vector
     sum.gradient += by_motion.transpose() * error;
   }
   return sum;
+}
+
+struct Tilted {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  double squared_error = 0.0;
+};
+
+// The best pose near `start` that is turned about `axis` (of the body) as `start` is: Gauss-Newton steps that
+// a stiff spring keeps from turning about it.
+std::optional<Tilted> fit_but_turn(const Camera& camera, const std::vector<CornerMatch>& corners,
+                                   const Eigen::Isometry3d& start, const Eigen::Vector3d& axis) {
+  constexpr int steps = 3;
+  constexpr double stiffness = 1e6;
+  Tilted best{start, 0.0};
+  auto here = linearise(camera, corners, start);
+  if (!here) return std::nullopt;
+  best.squared_error = here->squared_error;
+  for (int i = 0; i < steps; ++i) {
+    Matrix6d information = here->information;
+    const double most = information.bottomRightCorner<3, 3>().trace();
+    information.bottomRightCorner<3, 3>() += stiffness * most * axis * axis.transpose();
+    const Eigen::Isometry3d next = moved(best.pose, information.ldlt().solve(-here->gradient));
+    here = linearise(camera, corners, next);
+    if (!here || !(here->squared_error < best.squared_error)) break;
+    best = {next, here->squared_error};
+  }
+  return best;
 }
 
 }  // namespace
@@ -57,6 +87,40 @@ std::optional<RefinedPose> refine_pose(const Camera& camera, const std::vector<C
   const Eigen::Quaterniond unit = Eigen::Quaterniond(pose.linear()).normalized();
   pose.linear() = unit.toRotationMatrix();
   return RefinedPose{pose, here->squared_error, here->information};
+}
+
+std::vector<Eigen::Isometry3d> tilt_limits(const Camera& camera, const std::vector<CornerMatch>& corners,
+                                           const Eigen::Isometry3d& best, double noise_px, double sigmas,
+                                           double widest) {
+  const auto here = linearise(camera, corners, best);
+  if (!here) return {};
+  const Eigen::LLT<Matrix6d> information(here->information);
+  if (information.info() != Eigen::Success) return {};
+  const Matrix6d covariance = information.solve(Matrix6d::Identity());
+  const Eigen::Matrix3d turns = covariance.bottomRightCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(turns);  // rising
+  const double allowed = here->squared_error + sigmas * sigmas * noise_px * noise_px;
+  constexpr double growth = 1.25;
+  constexpr int most_steps = 40;
+  std::vector<Eigen::Isometry3d> limits;
+  for (int i : {2, 1}) {
+    const Eigen::Vector3d axis = axes.eigenvectors().col(i);
+    const double linear = sigmas * noise_px * std::sqrt(std::max(0.0, axes.eigenvalues()[i]));
+    for (double side : {1.0, -1.0}) {
+      // Per radian about the axis, the motion that leaves the corners most nearly where they are.
+      const Vector6d motion = covariance.rightCols<3>() * turns.ldlt().solve(side * axis);
+      std::optional<Tilted> limit;
+      double turn = linear;
+      for (int step = 0; step < most_steps; ++step, turn = std::min(turn * growth, linear + widest)) {
+        const auto tilted = fit_but_turn(camera, corners, moved(best, turn * motion), axis);
+        if (!tilted) break;
+        limit = tilted;
+        if (tilted->squared_error >= allowed || turn >= linear + widest) break;
+      }
+      if (limit) limits.push_back(limit->pose);
+    }
+  }
+  return limits;
 }
 
 }  // namespace clearway

@@ -29,14 +29,24 @@ std::string sentence(const Parts&... parts) {
 void validate(const AcceptanceOptions& o) {
   require(o.min_base_tags >= 1, "acceptance: min_base_tags", "1 or more");
   require(o.min_probe_tags >= 1, "acceptance: min_probe_tags", "1 or more");
+  require(o.max_noise >= 1.0, "acceptance: max_noise", "1 or more");
   require(o.max_rms_px > 0.0, "acceptance: max_rms_px", "> 0 pixels");
   require(o.min_ambiguity_ratio >= 1.0, "acceptance: min_ambiguity_ratio", "1 or more");
   require(o.min_separation >= 0.0, "acceptance: min_separation", "0 or more");
-  require(o.confidence_sigmas > 0.0, "acceptance: confidence_sigmas", "> 0");
+  require(o.least_noise > 0.0, "acceptance: least_noise", "> 0 pixels");
   require(o.max_speed > 0.0, "acceptance: max_speed", "> 0 metres per second");
+  require(o.max_turn_speed > 0.0, "acceptance: max_turn_speed", "> 0 radians per second");
+}
+
+double chi_square_allowed(const BodyPose& pose, const AcceptanceOptions& acceptance) {
+  return acceptance.max_noise * acceptance.max_noise * chi_square_limit(pose.freedom);
 }
 
 }  // namespace
+
+bool is_explained(const BodyPose& pose, const AcceptanceOptions& acceptance) {
+  return pose.rms_px <= acceptance.max_rms_px && pose.chi_square <= chi_square_allowed(pose, acceptance);
+}
 
 std::string to_string(Refusal refusal) { return kNames[static_cast<std::size_t>(refusal)]; }
 
@@ -48,8 +58,8 @@ Probe::Probe(const Camera& camera, const TagBody& base, const PaintingProbe& pro
       budget_(budget),
       acceptance_(acceptance),
       pose_(pose),
-      radius_(clearway::painted_radius(probe.ball_radius, budget)),
       board_(acceptance.static_board) {
+  painted_radius(probe.ball_radius, budget, 0.0);  // throws when eq. 3 leaves nothing
   camera.validate();
   base.validate();
   probe.validate();
@@ -67,12 +77,27 @@ PaintingSample Probe::sample(const std::vector<TagDetection>& detections, double
   if (const Verdict verdict = judge_time(time); verdict.refusal != Refusal::none)
     return finish(std::move(sample), verdict);
   last_time_ = time;
-  sample.base = estimate_body_pose(base_, detections, camera_, pose_);
-  sample.probe = estimate_body_pose(probe_.body, detections, camera_, pose_);
+  sample.base = pose_of(base_, detections, base_record_);
+  sample.probe = pose_of(probe_.body, detections, probe_record_);
   Verdict verdict = judge_poses(sample);
   if (verdict.refusal == Refusal::none) verdict = judge_center(sample);
+  if (verdict.refusal == Refusal::none) verdict = judge_speed(sample);
   remember(sample, verdict.refusal);
   return finish(std::move(sample), verdict);
+}
+
+std::optional<BodyPose> Probe::pose_of(const TagBody& body, const std::vector<TagDetection>& detections,
+                                       Record& record) const {
+  BodyPoseOptions options = pose_;
+  options.pixel_noise = record.noise.noise(pose_.pixel_noise, acceptance_.least_noise);
+  auto pose = estimate_body_pose(body, detections, camera_, options);
+  if (!pose) return std::nullopt;
+  record.tags.note(*pose);
+  const bool is_doubtful =
+      std::any_of(pose->tags.begin(), pose->tags.end(), [&](int id) { return !record.tags.is_trusted(id); });
+  if (is_doubtful) pose = estimate_body_pose(body, record.tags.trusted(detections), camera_, options);
+  if (pose) record.noise.note(*pose);
+  return pose;
 }
 
 PaintingSample Probe::refuse_image(const std::string& reason, double time) {
@@ -102,6 +127,9 @@ Probe::Verdict Probe::judge_body(const BodyPose& pose, const TagBody& body, int 
   if (!(pose.rms_px <= acceptance_.max_rms_px))
     return {Refusal::reprojection_error, sentence(who, "reprojects with an rms error of ", pose.rms_px,
                                                   " px, at most ", acceptance_.max_rms_px)};
+  if (!is_explained(pose, acceptance_))
+    return {Refusal::reprojection_error, sentence(who, "reprojects with a chi-square of ", pose.chi_square,
+                                                  ", at most ", chi_square_allowed(pose, acceptance_))};
   if (!(pose.ambiguity_ratio >= acceptance_.min_ambiguity_ratio))
     return {Refusal::ambiguous_pose,
             sentence(who, "has another pose with only ", pose.ambiguity_ratio, " times the error, at least ",
@@ -117,17 +145,20 @@ Probe::Verdict Probe::judge_poses(PaintingSample& sample) {
   if (!sample.base) return {Refusal::base_not_seen, "base '" + base_.name + "' is not seen"};
   const Verdict base = judge_body(*sample.base, base_, acceptance_.min_base_tags);
   UncertainPose camera_from_base = sample.base->camera_from_body;
-  bool base_moved = false;
+  bool base_moved = false, is_mean = false;
   if (acceptance_.fixed_camera && base.refusal == Refusal::none) {
     const auto mean = board_.add(camera_from_base);
     base_moved = !mean;
+    is_mean = mean.has_value();
     if (mean) camera_from_base = *mean;
   }
   if (!sample.probe) return {Refusal::probe_not_seen, "probe '" + probe_.body.name + "' is not seen"};
   sample.base_from_probe = clearway::base_from_probe(camera_from_base, sample.probe->camera_from_body);
   const UncertainPoint center = transform(sample.base_from_probe, probe_.ball_in_probe);
-  sample.sphere = {center.point, radius_};
   sample.center_sigma = center.largest_sigma();
+  sample.bound = bound_center(*sample.base, camera_from_base, is_mean, *sample.probe, probe_.ball_in_probe,
+                              pose_.noise_freedom);
+  sample.sphere = {center.point, painted_radius(probe_.ball_radius, budget_, sample.bound.total)};
   if (base.refusal != Refusal::none) return base;
   const Verdict probe = judge_body(*sample.probe, probe_.body, acceptance_.min_probe_tags);
   if (probe.refusal != Refusal::none) return probe;
@@ -135,25 +166,39 @@ Probe::Verdict Probe::judge_poses(PaintingSample& sample) {
   return {};
 }
 
-Probe::Verdict Probe::judge_center(PaintingSample& sample) const {
-  const double error = acceptance_.confidence_sigmas * sample.center_sigma;
-  if (!(error <= budget_.tracking))
+Probe::Verdict Probe::judge_center(const PaintingSample& sample) const {
+  const double bound = sample.bound.total;
+  if (budget_.constant_tracking && !(bound <= budget_.tracking))
+    return {Refusal::uncertain_center, sentence("the ball's centre may be off by ", 1e3 * bound,
+                                                " mm, at most ", 1e3 * budget_.tracking)};
+  if (!(sample.sphere.radius > 0.0))
     return {Refusal::uncertain_center,
-            sentence("the ball's centre is known to ", 1e3 * error, " mm (", acceptance_.confidence_sigmas,
-                     " sigma), at most ", 1e3 * budget_.tracking)};
-  double fastest = 0.0;
-  for (const std::optional<Place>& last : {last_measured_, last_accepted_})
-    if (last)
-      fastest = std::max(fastest, (sample.sphere.center - last->center).norm() / (sample.time - last->time));
-  sample.speed = fastest;
-  if (!(fastest <= acceptance_.max_speed))
+            sentence("the ball's centre may be off by ", 1e3 * bound,
+                     " mm, which leaves nothing of a ball of ", 1e3 * probe_.ball_radius, " mm")};
+  return {};
+}
+
+Probe::Verdict Probe::judge_speed(PaintingSample& sample) const {
+  double turning = 0.0;
+  sample.speed = 0.0;
+  for (const std::optional<Place>& last : {last_measured_, last_accepted_}) {
+    if (!last) continue;
+    const double passed = sample.time - last->time;
+    const Eigen::AngleAxisd turn(last->turn.transpose() * sample.base_from_probe.pose.linear());
+    sample.speed = std::max(sample.speed, (sample.sphere.center - last->center).norm() / passed);
+    turning = std::max(turning, std::abs(turn.angle()) / passed);
+  }
+  if (!(sample.speed <= acceptance_.max_speed))
     return {Refusal::too_fast,
-            sentence("the ball moved at ", fastest, " m/s, at most ", acceptance_.max_speed)};
+            sentence("the ball moved at ", sample.speed, " m/s, at most ", acceptance_.max_speed)};
+  if (!(turning <= acceptance_.max_turn_speed))
+    return {Refusal::too_fast,
+            sentence("the probe turned at ", turning, " rad/s, at most ", acceptance_.max_turn_speed)};
   return {};
 }
 
 void Probe::remember(const PaintingSample& sample, Refusal refusal) {
-  const Place place{sample.time, sample.sphere.center};
+  const Place place{sample.time, sample.sphere.center, sample.base_from_probe.pose.linear()};
   if (refusal == Refusal::none || refusal == Refusal::too_fast) last_measured_ = place;
   if (refusal == Refusal::none) last_accepted_ = place;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -14,6 +15,7 @@ namespace clearway {
 namespace {
 
 constexpr int kLastId = 586;  // of tag36h11
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct SeenTag {
   int id = 0;
@@ -106,11 +108,100 @@ double corner_variance(double squared_error, std::size_t corners, double stated_
   return excess > 1.0 + 3.0 * std::sqrt(2.0 / freedom) ? stated * excess : stated;
 }
 
+// All views, or none when a corner cannot be projected.
+std::vector<TagView> view_all(const std::vector<SeenTag>& seen, const TagBody& body, const Camera& camera,
+                              double edge_bias, const Eigen::Isometry3d& camera_from_body) {
+  std::vector<TagView> views;
+  for (const SeenTag& tag : seen) {
+    const auto view = view_tag(camera, tag.mounted->size, tag.mounted->body_from_tag, body.errors, edge_bias,
+                               tag.detection->corners, camera_from_body);
+    if (!view) return {};
+    views.push_back(*view);
+  }
+  return views;
+}
+
+// The best other answer, and how much worse the best explained of the few best others is.
+void find_alternative(const std::vector<SeenTag>& seen, const TagBody& body, const Camera& camera,
+                      const BodyPoseOptions& options, const Answers& answers, BodyPose& pose) {
+  constexpr int compared = 4;
+  const RefinedPose& best = answers.minima.front();
+  const double noise = options.pixel_noise * pose.noise_factor;
+  const double own =
+      unexplained(view_all(seen, body, camera, options.edge_bias, best.camera_from_body), noise);
+  int count = 0;
+  for (const auto& [squared_error, other] : answers.any) {
+    if (count == compared) break;
+    if (angle_between(other, best.camera_from_body) <= options.distinct_angle) continue;
+    const std::vector<TagView> views = view_all(seen, body, camera, options.edge_bias, other);
+    if (views.empty()) continue;
+    ++count;
+    pose.separation = std::min(pose.separation, unexplained(views, noise) - own);
+    if (pose.alternative) continue;
+    pose.alternative = other;
+    if (best.squared_error > 0.0) pose.ambiguity_ratio = std::sqrt(squared_error / best.squared_error);
+  }
+}
+
+std::optional<BodyPose> fit(const std::vector<SeenTag>& seen, const TagBody& body, const Camera& camera,
+                            const BodyPoseOptions& options) {
+  const std::vector<CornerMatch> corners = all_corners(seen);
+  const Answers answers = find_answers(seen, corners, camera);
+  if (answers.minima.empty()) return std::nullopt;
+  const RefinedPose& best = answers.minima.front();
+  const Eigen::LLT<Matrix6d> information(best.information);
+  const std::vector<TagView> views = view_all(seen, body, camera, options.edge_bias, best.camera_from_body);
+  if (information.info() != Eigen::Success || views.empty()) return std::nullopt;
+
+  BodyPose pose;
+  const double variance = corner_variance(best.squared_error, corners.size(), options.pixel_noise);
+  pose.camera_from_body = {best.camera_from_body, variance * information.solve(Matrix6d::Identity())};
+  if (!pose.camera_from_body.covariance.allFinite()) return std::nullopt;
+  pose.rms_px = std::sqrt(best.squared_error / static_cast<double>(corners.size()));
+  for (const SeenTag& tag : seen) pose.tags.push_back(tag.id);
+  pose.freedom = static_cast<int>(2 * corners.size()) - 6;
+  pose.chi_square = unexplained(views, options.pixel_noise);
+  pose.noise_factor = std::sqrt(
+      std::max(1.0, (options.noise_freedom + pose.chi_square) / (options.noise_freedom + pose.freedom)));
+  const auto errors = carry_errors(views, options.pixel_noise * pose.noise_factor);
+  if (!errors) return std::nullopt;
+  pose.errors = *errors;
+  find_alternative(seen, body, camera, options, answers, pose);
+  return pose;
+}
+
+// Leaves out of `seen` the one tag that the others contradict most, and returns their pose; nothing when they
+// contradict none. `all` is the pose of all of them, if they have one.
+std::optional<BodyPose> without_worst(std::vector<SeenTag>& seen, const std::optional<BodyPose>& all,
+                                      const TagBody& body, const Camera& camera,
+                                      const BodyPoseOptions& options) {
+  constexpr double limit = 9.2;  // F(8, 10) exceeds it once in 1,000 times
+  std::optional<BodyPose> best;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    std::vector<SeenTag> others = seen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto pose = fit(others, body, camera, options);
+    if (!pose || (best && pose->chi_square >= best->chi_square)) continue;
+    best = pose;
+    worst = i;
+  }
+  if (!best) return std::nullopt;
+  const double of_others = std::max(1.0, best->chi_square / best->freedom);
+  const double of_tag = all ? (all->chi_square - best->chi_square) / 8.0 : kInfinity;
+  if (!(of_tag > limit * of_others)) return std::nullopt;
+  if (all) best->rejected = all->rejected;
+  best->rejected.push_back(seen[worst].id);
+  seen.erase(seen.begin() + static_cast<std::ptrdiff_t>(worst));
+  return best;
+}
+
 }  // namespace
 
 void TagBody::validate() const {
   const std::string where = "tag body '" + name + "': ";
   require(!tags.empty(), where + "tags", "at least one");
+  errors.validate(name);
   for (const auto& [id, tag] : tags) {
     const std::string which = where + "tag " + std::to_string(id);
     const Eigen::Matrix3d r = tag.body_from_tag.linear();
@@ -127,33 +218,27 @@ void BodyPoseOptions::validate() const {
   require(min_facing >= 0.0 && min_facing < 1.0, "body pose: min_facing", "at least 0 and below 1");
   require(distinct_angle > 0.0 && distinct_angle < 1.0, "body pose: distinct_angle",
           "between 0 and 1 radian");
+  require(std::isfinite(edge_bias) && edge_bias >= 0.0, "body pose: edge_bias", "0 pixels or more");
+  require(noise_freedom >= 6, "body pose: noise_freedom", "6 or more");
 }
 
 std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,
                                            const Camera& camera, const BodyPoseOptions& options) {
   options.validate();
-  const std::vector<SeenTag> seen = seen_tags(body, detections, options.min_facing);
-  const std::vector<CornerMatch> corners = all_corners(seen);
-  const Answers answers = find_answers(seen, corners, camera);
-  if (answers.minima.empty()) return std::nullopt;
-  const RefinedPose& best = answers.minima.front();
-  const Eigen::LLT<Matrix6d> information(best.information);
-  if (information.info() != Eigen::Success) return std::nullopt;
-
-  BodyPose pose;
-  const double variance = corner_variance(best.squared_error, corners.size(), options.pixel_noise);
-  pose.camera_from_body = {best.camera_from_body, variance * information.solve(Matrix6d::Identity())};
-  if (!pose.camera_from_body.covariance.allFinite()) return std::nullopt;
-  pose.rms_px = std::sqrt(best.squared_error / static_cast<double>(corners.size()));
-  for (const SeenTag& tag : seen) pose.tags.push_back(tag.id);
-  const auto other = std::find_if(answers.any.begin(), answers.any.end(), [&](const auto& answer) {
-    return angle_between(answer.second, best.camera_from_body) > options.distinct_angle;
-  });
-  if (other != answers.any.end()) {
-    pose.alternative = other->second;
-    pose.separation = (other->first - best.squared_error) / variance;
-    if (best.squared_error > 0.0) pose.ambiguity_ratio = std::sqrt(other->first / best.squared_error);
+  std::vector<SeenTag> seen = seen_tags(body, detections, options.min_facing);
+  std::optional<BodyPose> pose = fit(seen, body, camera, options);
+  const std::size_t least = std::max<std::size_t>(2, seen.size() - seen.size() / 3);
+  while (options.reject_tags && seen.size() > least &&
+         !(pose && pose->chi_square <= chi_square_limit(pose->freedom))) {
+    const auto better = without_worst(seen, pose, body, camera, options);
+    if (!better) break;
+    pose = better;
   }
+  if (!pose) return std::nullopt;
+  std::sort(pose->rejected.begin(), pose->rejected.end());
+  const double noise = std::hypot(options.pixel_noise * pose->noise_factor, options.edge_bias);
+  pose->limits = tilt_limits(camera, all_corners(seen), pose->camera_from_body.pose, noise,
+                             confidence_factor(options.noise_freedom + pose->freedom));
   return pose;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tracking/camera.hpp"
+#include "tracking/pose_errors.hpp"
 #include "tracking/tag_detector.hpp"
 #include "tracking/uncertain_pose.hpp"
 
@@ -23,9 +24,10 @@ struct MountedTag {
 struct TagBody {
   std::string name;
   std::map<int, MountedTag> tags;  ///< by tag36h11 id
+  TagErrors errors{};
 
   /// Throws std::invalid_argument naming the body, the tag and what was expected: at least one tag, ids 0 to
-  /// 586, finite sizes > 0, rigid transforms.
+  /// 586, finite sizes > 0, rigid transforms, errors of 0 or more.
   void validate() const;
 };
 
@@ -35,6 +37,11 @@ struct BodyPoseOptions {
   /// A tag seen under a smaller cosine than this (0.34: 70 degrees) is left out while another tag of the body
   /// is seen better: the detector's edge fit is biased there by many times the pixel noise.
   double min_facing = 0.34;
+  double edge_bias = 0.1;  ///< standard deviation by which the detector shifts an edge of a tag, pixels, >= 0
+  /// How firmly `pixel_noise` is believed: as if estimated with so many degrees of freedom, at least 6. The
+  /// residuals of the image add theirs.
+  int noise_freedom = 8;
+  bool reject_tags = true;  ///< leave out a tag that two or more others contradict
 
   void validate() const;  ///< throws std::invalid_argument naming the option and its range
 };
@@ -42,16 +49,27 @@ struct BodyPoseOptions {
 /// Where a body is, how well that is known, and how sure it is that no other answer fits.
 struct BodyPose {
   UncertainPose camera_from_body;
-  double rms_px = 0.0;    ///< root mean square reprojection error over all corners used
-  std::vector<int> tags;  ///< ids used, rising
+  double rms_px = 0.0;        ///< root mean square reprojection error over all corners used
+  std::vector<int> tags;      ///< ids used, rising
+  std::vector<int> rejected;  ///< ids left out because the others contradict them, rising
+
+  double chi_square = 0.0;    ///< the squared residuals that no stated error explains, over the stated noise
+  int freedom = 0;            ///< its degrees of freedom: 2 for each corner used, less 6
+  double noise_factor = 1.0;  ///< how much more noise than stated the residuals show, at least 1
+  PoseErrors errors;          ///< by source, the noise with its factor
+  /// The farthest poses to each side along the two weakest turns that the noise may still hide (see
+  /// confidence_factor), all else fitted anew: where a small tilt hardly changes the picture they lie much
+  /// farther off than the covariance says.
+  std::vector<Eigen::Isometry3d> limits;
 
   /// The best answer that is another one (see distinct_angle), when there is one.
   std::optional<Eigen::Isometry3d> alternative;
   /// rms of that answer over rms_px; infinity without one.
   double ambiguity_ratio = std::numeric_limits<double>::infinity();
-  /// How much worse that answer explains the image: difference of the summed squared errors over the variance
-  /// of a corner, that is twice the log likelihood ratio; infinity without one. If the noise is what was
-  /// stated, the wrong answer wins by s or more with a probability below Q(sqrt(s)): 3e-7 for s = 25.
+  /// How much worse that answer explains the image: difference of what stays `unexplained`, that is twice the
+  /// log likelihood ratio when the stated errors may take any value; infinity without one. If the errors are
+  /// what was stated, the wrong answer wins by s or more with a probability below Q(sqrt(s)): 3e-7 for s
+  /// = 25.
   double separation = std::numeric_limits<double>::infinity();
 };
 
@@ -64,7 +82,11 @@ struct BodyPose {
 /// (near a frontal view both slide into one minimum, on either side). No prediction from earlier frames takes
 /// part: it would decide silently what the image leaves open. Covariance = s^2 (J^T J)^-1 with s the stated
 /// pixel noise, or the noise seen in the residuals where that is larger beyond chance (3 sigma of its
-/// chi-square).
+/// chi-square); it knows of noise alone, `errors` of the rest.
+///
+/// With three tags or more, one whose corners the others contradict is left out: when the residuals exceed
+/// chance, and those without it are smaller by a ratio that F(8, 10) exceeds once in 1,000 times. At most a
+/// third of the tags is left out so.
 std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vector<TagDetection>& detections,
                                            const Camera& camera, const BodyPoseOptions& options = {});
 

@@ -166,6 +166,34 @@ Command add_simulate(CLI::App& app, Console& console) {
   return [options](Console& c) { return run_simulate(*options, c); };
 }
 
+Command add_tags(CLI::App& app, Console& console) {
+  auto options = std::make_shared<TagsPrintOptions>();
+  CLI::App* command = add_command(
+      app, "tags", "boards, probes and a calibration board to print, with the setup that matches them",
+      console);
+  command->add_option("what", "print: sheets as SVG and PDF, and setup.yaml")
+      ->required()
+      ->check(CLI::IsMember({"print"}))
+      ->type_name("print");
+  command->add_option("--out", options->out, "folder for the sheets and setup.yaml")
+      ->required()
+      ->check(file_name)
+      ->type_name("DIR");
+  const auto add = [&](const char* flag, double& value, const char* what) {
+    command->add_option(flag, value, what)
+        ->capture_default_str()
+        ->check(number("a length from 1 to 1000 (mm)", 1.0, 1000.0))
+        ->type_name("MM");
+  };
+  add("--base-tag", options->base_tag, "side of a black square of the base board, 2 x 3 of them");
+  add("--probe-tag", options->probe_tag, "of the probe's cube");
+  add("--ball-radius", options->ball_radius, "of the probe's ball");
+  add("--stem", options->stem, "from the cube's lower face to the middle of the ball");
+  add("--gripper-tag", options->gripper_tag, "of the gripper probe");
+  add("--square", options->square, "of the calibration board, 5 x 7 of them");
+  return [options](Console& c) { return run_tags_print(*options, c); };
+}
+
 /// CLI11's errors as one sentence of ours.
 int tell_usage_error(const CLI::App& app, const std::vector<std::string>& arguments,
                      const CLI::ParseError& error, Console& console) {
@@ -232,7 +260,7 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       {"replay", add_replay(app, console)},     {"plan", add_plan(app, console)},
       {"check", add_check(app, console)},       {"gate", add_gate(app, console)},
       {"inspect", add_inspect(app, console)},   {"compare", add_compare(app, console)},
-      {"simulate", add_simulate(app, console)},
+      {"simulate", add_simulate(app, console)}, {"tags", add_tags(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);

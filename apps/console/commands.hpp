@@ -125,6 +125,14 @@ struct SimulateOptions {
 };
 int run_simulate(const SimulateOptions& options, Console& console);
 
+/// Tag boards to print and the setup that matches them; millimetres, see apps/print/tag_boards.hpp.
+struct TagsPrintOptions {
+  std::filesystem::path out;  ///< folder, created
+  double base_tag = 60.0, probe_tag = 28.0, ball_radius = 20.0, stem = 80.0, gripper_tag = 28.0,
+         square = 34.0;
+};
+int run_tags_print(const TagsPrintOptions& options, Console& console);
+
 struct CompareOptions {
   std::filesystem::path suite;
   std::filesystem::path out;             ///< folder, created

@@ -10,8 +10,7 @@ namespace {
 constexpr double probe_gap = 0.5;  ///< s: where the probe was longer ago says nothing of where it is
 
 bool is_sure(const std::optional<BodyPose>& pose, const AcceptanceOptions& acceptance) {
-  return pose && pose->rms_px <= acceptance.max_rms_px &&
-         pose->ambiguity_ratio >= acceptance.min_ambiguity_ratio;
+  return pose && is_explained(*pose, acceptance) && pose->ambiguity_ratio >= acceptance.min_ambiguity_ratio;
 }
 
 }  // namespace

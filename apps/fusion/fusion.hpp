@@ -32,8 +32,11 @@ struct FusionCounts {
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_without_joints = 0;  ///< at their time nothing tells where the robot was: left out
   std::size_t scans_refused = 0;         ///< whose origin was outside the map's key range
-  double painted_radius = 0.0;           ///< r0 of Chong 2008, eq. 3, metres
-  double largest_center_sigma = 0.0;     ///< of the accepted samples, worst direction, metres
+  double painted_radius = 0.0;           ///< r0 of Chong 2008, eq. 3, metres; mean over the accepted samples
+  double smallest_radius = 0.0;          ///< of these, metres
+  double largest_bound = 0.0;            ///< how far an accepted centre may be off, metres
+  double mean_bound = 0.0;
+  double largest_center_sigma = 0.0;  ///< of the accepted samples, worst direction, metres
   double mean_center_sigma = 0.0;
   double mean_reprojection_px = 0.0;  ///< of the probe, accepted samples
   double duration = 0.0;              ///< seconds between first and last frame

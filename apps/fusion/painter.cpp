@@ -8,13 +8,30 @@
 
 namespace clearway {
 
-Camera tracking_camera(const CameraIntrinsics& intrinsics) {
-  return {intrinsics.width, intrinsics.height, intrinsics.fx,        intrinsics.fy,
-          intrinsics.cx,    intrinsics.cy,     intrinsics.distortion};
+namespace {
+
+void override(double& value, const std::optional<double>& by) {
+  if (by) value = *by;
+}
+
+}  // namespace
+
+Camera tracking_camera(const CameraIntrinsics& intrinsics, const CameraErrorsSetup& errors) {
+  Camera camera{intrinsics.width, intrinsics.height, intrinsics.fx,        intrinsics.fy,
+                intrinsics.cx,    intrinsics.cy,     intrinsics.distortion};
+  override(camera.errors.focal, errors.focal);
+  override(camera.errors.aspect, errors.aspect);
+  override(camera.errors.center, errors.center);
+  camera.errors.distortion = errors.distortion;
+  return camera;
 }
 
 TagBody tag_body(const BoardSetup& board) {
   TagBody body{board.name, {}};
+  override(body.errors.scale, board.errors.scale);
+  override(body.errors.size, board.errors.size);
+  override(body.errors.place, board.errors.place);
+  override(body.errors.turn, board.errors.turn);
   for (const TagSetup& tag : board.tags) body.tags[tag.id] = {tag.size, tag.board_from_tag};
   return body;
 }
@@ -23,7 +40,7 @@ Camera camera_of(const Setup& setup, const ImageFrame& image) {
   if (!setup.camera && image.intrinsics.width == 0)
     throw std::invalid_argument(
         "the recording does not tell the camera of its images: expected `camera` in the setup");
-  return tracking_camera(setup.camera ? *setup.camera : image.intrinsics);
+  return tracking_camera(setup.camera ? *setup.camera : image.intrinsics, setup.errors.camera);
 }
 
 TrackingOptions tracking_options(const Setup& setup) {
@@ -31,16 +48,19 @@ TrackingOptions tracking_options(const Setup& setup) {
   const DetectorSetup& detector = setup.detector;
   TrackingOptions options;
   if (detector.decimate) options.detector.decimate = *detector.decimate;
-  if (detector.sigma) options.detector.sigma = *detector.sigma;
-  if (detector.sharpening) options.detector.sharpening = *detector.sharpening;
+  override(options.detector.sigma, detector.sigma);
+  override(options.detector.sharpening, detector.sharpening);
   if (detector.max_hamming) options.detector.max_hamming = *detector.max_hamming;
-  if (detector.min_margin) options.detector.min_margin = *detector.min_margin;
-  if (acceptance.max_reprojection_px) options.acceptance.max_rms_px = *acceptance.max_reprojection_px;
-  if (acceptance.min_ambiguity) options.acceptance.min_ambiguity_ratio = *acceptance.min_ambiguity;
-  if (acceptance.max_speed) options.acceptance.max_speed = *acceptance.max_speed;
+  override(options.detector.min_margin, detector.min_margin);
+  override(options.acceptance.max_rms_px, acceptance.max_reprojection_px);
+  override(options.acceptance.min_ambiguity_ratio, acceptance.min_ambiguity);
+  override(options.acceptance.max_noise, acceptance.max_noise);
+  override(options.acceptance.max_speed, acceptance.max_speed);
+  override(options.acceptance.max_turn_speed, acceptance.max_turn_speed);
+  override(options.pose.pixel_noise, acceptance.pixel_noise);
+  override(options.pose.edge_bias, setup.errors.edge);
   if (acceptance.min_tags)
     options.acceptance.min_base_tags = options.acceptance.min_probe_tags = *acceptance.min_tags;
-  if (acceptance.pixel_noise) options.pose.pixel_noise = *acceptance.pixel_noise;
   options.acceptance.fixed_camera = acceptance.fixed_camera;
   return options;
 }
@@ -79,14 +99,11 @@ TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, const st
 }
 
 void Painter::finish() {
-  if (session_) {
-    counts_.samples = session_->probe().counts();
-    counts_.painted_radius = session_->probe().painted_radius();
-  }
-  if (counts_.spheres > 0) {
-    counts_.mean_center_sigma /= static_cast<double>(counts_.spheres);
-    counts_.mean_reprojection_px /= static_cast<double>(counts_.spheres);
-  }
+  if (session_) counts_.samples = session_->probe().counts();
+  if (counts_.spheres == 0) return;
+  for (double* sum : {&counts_.mean_center_sigma, &counts_.mean_reprojection_px, &counts_.mean_bound,
+                      &counts_.painted_radius})
+    *sum /= static_cast<double>(counts_.spheres);
 }
 
 void Painter::start_session(const ImageFrame& image) {
@@ -95,7 +112,7 @@ void Painter::start_session(const ImageFrame& image) {
   tracking.camera = camera_of(setup_, image);
   tracking.base = tag_body(*base_);
   tracking.probe = {tag_body(*probe_board_), probe.ball_center, probe.ball_radius};
-  tracking.budget = {probe.robot_error, probe.tracking_error, probe.modelling_error};
+  tracking.budget = {probe.robot_error, probe.tracking_error, probe.modelling_error, probe.constant_tracking};
   session_.emplace(tracking, tracking_options(setup_));
 }
 
@@ -123,7 +140,12 @@ void Painter::paint(const PaintingSample& sample, const std::string& sensor, dou
     ++counts_.accepted_outside_volumes;
     return;
   }
+  counts_.smallest_radius =
+      counts_.spheres == 0 ? sphere.radius : std::min(counts_.smallest_radius, sphere.radius);
   ++counts_.spheres;
+  counts_.painted_radius += sphere.radius;
+  counts_.largest_bound = std::max(counts_.largest_bound, sample.bound.total);
+  counts_.mean_bound += sample.bound.total;
   counts_.largest_center_sigma = std::max(counts_.largest_center_sigma, sample.center_sigma);
   counts_.mean_center_sigma += sample.center_sigma;
   counts_.mean_reprojection_px += sample.probe ? sample.probe->rms_px : 0.0;

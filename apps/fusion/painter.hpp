@@ -9,7 +9,8 @@
 
 namespace clearway {
 
-Camera tracking_camera(const CameraIntrinsics& intrinsics);
+/// With the calibration's errors that a setup states; the tracking's own defaults where it says nothing.
+Camera tracking_camera(const CameraIntrinsics& intrinsics, const CameraErrorsSetup& errors = {});
 TagBody tag_body(const BoardSetup& board);
 
 /// What a setup says of detecting tags and of accepting a pose; the tracking's own default where it says

@@ -53,7 +53,11 @@ Json tracking_json(const FusionCounts& counts, const Setup& setup) {
                             {"robot_error_m", setup.probe->robot_error},
                             {"tracking_error_m", setup.probe->tracking_error},
                             {"modelling_error_m", setup.probe->modelling_error},
+                            {"tracking", setup.probe->constant_tracking ? "constant" : "bound"},
                             {"painted_radius_m", counts.painted_radius},
+                            {"smallest_painted_radius_m", counts.smallest_radius},
+                            {"largest_bound_m", counts.largest_bound},
+                            {"mean_bound_m", counts.mean_bound},
                             {"largest_center_sigma_m", counts.largest_center_sigma},
                             {"mean_center_sigma_m", counts.mean_center_sigma},
                             {"mean_reprojection_px", counts.mean_reprojection_px}};
@@ -141,12 +145,13 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
     for (const auto& [reason, count] : counts.samples) {
       if (reason != "accepted" && count > 0) refused += ", " + reason + " " + std::to_string(count);
     }
-    rows.emplace_back("balls painted",
-                      grouped(counts.spheres) + " of r0 = " + significant(counts.painted_radius * 1000.0, 3) +
-                          " mm" + (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
-    rows.emplace_back("centre error",
-                      "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) + " mm, budget " +
-                          significant(report.fusion->setup.probe->tracking_error * 1000.0, 2) + " mm");
+    rows.emplace_back("balls painted", grouped(counts.spheres) + " of mean r0 = " +
+                                           significant(counts.painted_radius * 1000.0, 3) + " mm" +
+                                           (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
+    rows.emplace_back("centre error", "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) +
+                                          " mm; bound " + significant(counts.mean_bound * 1000.0, 2) +
+                                          " mm, at most " + significant(counts.largest_bound * 1000.0, 2) +
+                                          " mm");
   }
   rows.emplace_back("points", grouped(counts.points.inserted) + " inserted, " +
                                   grouped(counts.points.beyond_range) + " beyond range, " +

@@ -49,7 +49,42 @@ MapSetup read_map(const YamlFields& fields) {
   return map;
 }
 
-BoardSetup read_board(const YamlFields& fields) {
+constexpr Bounds share{0, 0.5};
+
+/// `otherwise` is what holds for all boards.
+BoardErrorsSetup read_board_errors(const YamlFields& fields, const BoardErrorsSetup& otherwise) {
+  BoardErrorsSetup errors = otherwise;
+  const auto read = [&](const char* key, Bounds bounds, std::optional<double>& value) {
+    if (const auto given = fields.optional_number(key, bounds)) value = given;
+  };
+  read("scale", share, errors.scale);
+  read("size", share, errors.size);
+  read("place", not_negative, errors.place);
+  if (fields.has_angles("turn")) {
+    errors.turn = fields.angle("turn", 0.0);
+    if (!(*errors.turn >= 0.0)) fields.fail("turn", "expected an angle of 0 or more");
+  }
+  fields.finish();
+  return errors;
+}
+
+ErrorsSetup read_errors(const YamlFields& fields) {
+  ErrorsSetup errors;
+  if (fields.has("camera")) {
+    const YamlFields camera = fields.map("camera");
+    errors.camera.focal = camera.optional_number("focal", share);
+    errors.camera.aspect = camera.optional_number("aspect", share);
+    errors.camera.center = camera.optional_number("center_px", not_negative);
+    errors.camera.distortion = camera.optional_number("distortion_px", not_negative);
+    camera.finish();
+  }
+  if (fields.has("boards")) errors.boards = read_board_errors(fields.map("boards"), {});
+  errors.edge = fields.optional_number("edge_px", not_negative);
+  fields.finish();
+  return errors;
+}
+
+BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors) {
   BoardSetup board;
   board.name = fields.text("name");
   for (const auto& entry : fields.list_of_maps("tags")) {
@@ -61,17 +96,18 @@ BoardSetup read_board(const YamlFields& fields) {
     board.tags.push_back(tag);
   }
   if (board.tags.empty()) fields.fail("tags", "expected at least one tag");
+  board.errors = fields.has("errors") ? read_board_errors(fields.map("errors"), errors) : errors;
   if (fields.has_angles("map_from_board")) board.map_from_board = fields.pose("map_from_board");
   fields.finish();
   return board;
 }
 
-std::vector<BoardSetup> read_boards(const YamlFields& fields) {
+std::vector<BoardSetup> read_boards(const YamlFields& fields, const BoardErrorsSetup& errors) {
   std::vector<BoardSetup> boards;
   std::set<std::string> names;
   std::set<int> ids;
   for (const auto& entry : fields.list_of_maps("boards")) {
-    boards.push_back(read_board(entry));
+    boards.push_back(read_board(entry, errors));
     if (!names.insert(boards.back().name).second) entry.fail("name", "this board is given twice");
     for (const auto& tag : boards.back().tags)
       if (!ids.insert(tag.id).second)
@@ -119,13 +155,20 @@ ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   probe.robot_error = fields.number("robot_error", not_negative, 0);
   probe.tracking_error = fields.number("tracking_error", not_negative, 0);
   probe.modelling_error = fields.number("modelling_error", not_negative, 0);
+  const std::string tracking = fields.text("tracking", "bound");
+  if (tracking != "bound" && tracking != "constant")
+    fields.fail("tracking", "expected bound (each sample pays how far it may be off) or constant");
+  probe.constant_tracking = tracking == "constant";
   for (const auto& entry : fields.list_of_maps("hand")) {
     probe.hand.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", positive)});
     entry.finish();
   }
-  if (probe.painted_radius() <= 0)
+  const double tracking_error = probe.constant_tracking ? probe.tracking_error : 0.0;
+  if (probe.ball_radius - probe.robot_error - tracking_error - probe.modelling_error <= 0)
     fields.fail("ball_radius",
-                "expected more than the sum of robot_error, tracking_error and modelling_error");
+                probe.constant_tracking
+                    ? "expected more than the sum of robot_error, tracking_error and modelling_error"
+                    : "expected more than the sum of robot_error and modelling_error");
   fields.finish();
   return probe;
 }
@@ -154,7 +197,9 @@ AcceptanceSetup read_acceptance(const YamlFields& fields) {
   acceptance.max_reprojection_px = fields.optional_number("max_reprojection_px", positive);
   acceptance.min_ambiguity = fields.optional_number("min_ambiguity", not_negative);
   if (fields.has("min_tags")) acceptance.min_tags = fields.integer("min_tags", {1, 100});
+  acceptance.max_noise = fields.optional_number("max_noise", {1, 1e6});
   acceptance.max_speed = fields.optional_number("max_speed", positive);
+  acceptance.max_turn_speed = fields.optional_number("max_turn_speed", positive);
   acceptance.pixel_noise = fields.optional_number("pixel_noise", positive);
   if (fields.has("fixed_camera")) acceptance.fixed_camera = fields.boolean("fixed_camera");
   fields.finish();
@@ -275,7 +320,8 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   setup.title = fields.prose("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
   if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
-  setup.boards = read_boards(fields);
+  if (fields.has("errors")) setup.errors = read_errors(fields.map("errors"));
+  setup.boards = read_boards(fields, setup.errors.boards);
   setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());
   if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
   setup.volumes = read_volumes(fields);

@@ -40,11 +40,36 @@ struct TagSetup {
   Eigen::Isometry3d board_from_tag = Eigen::Isometry3d::Identity();
 };
 
+/// How far the tags of a board may be from what the setup says: one standard deviation each. What is left out
+/// is what `errors` says of all boards, else the tracking's own default.
+struct BoardErrorsSetup {
+  std::optional<double> scale;  ///< relative, of all sizes and places of the board together
+  std::optional<double> size;   ///< relative, of each tag
+  std::optional<double> place;  ///< m along each axis, of each tag
+  std::optional<double> turn;   ///< rad about each axis, of each tag
+};
+
+/// The same for what a camera's calibration says.
+struct CameraErrorsSetup {
+  std::optional<double> focal;       ///< relative, fx and fy together
+  std::optional<double> aspect;      ///< relative, fx / fy
+  std::optional<double> center;      ///< px, cx and cy
+  std::optional<double> distortion;  ///< px in the image's corner
+};
+
+/// What the setup does not know exactly.
+struct ErrorsSetup {
+  CameraErrorsSetup camera;
+  BoardErrorsSetup boards;
+  std::optional<double> edge;  ///< px, by which the detector may shift an edge of a tag
+};
+
 /// Tags that move as one rigid body. A board with `map_from_board` is fixed and anchors the map frame.
 struct BoardSetup {
   std::string name;
   std::vector<TagSetup> tags;
   std::optional<Eigen::Isometry3d> map_from_board;
+  BoardErrorsSetup errors{};
 };
 
 /// A capsule on a board: radius around the segment from `from` to `to`, metres, in the board's frame.
@@ -70,9 +95,12 @@ struct ProbeSetup {
   Eigen::Vector3d ball_center = Eigen::Vector3d::Zero();            ///< m, in the board's frame
   double ball_radius = 0;                                           ///< m
   double robot_error = 0, tracking_error = 0, modelling_error = 0;  ///< m
+  bool constant_tracking = false;  ///< each sample pays tracking_error; else how far it may itself be off
   std::vector<CapsuleSetup> hand;  ///< what holds it; scans must not see it, nor the ball and its stick
 
-  /// Radius that is painted, Chong 2008, eq. 3: r0 = r - (robot + tracking + modelling error).
+  /// Radius that is painted when the tracking error is constant, Chong 2008, eq. 3: r0 = r - (robot +
+  /// tracking
+  /// + modelling error).
   double painted_radius() const { return ball_radius - robot_error - tracking_error - modelling_error; }
 };
 
@@ -89,9 +117,11 @@ struct AcceptanceSetup {
   std::optional<double> max_reprojection_px;
   std::optional<double> min_ambiguity;  ///< error of the second pose over that of the first
   std::optional<int> min_tags;
-  std::optional<double> max_speed;    ///< m/s of the ball
-  std::optional<double> pixel_noise;  ///< standard deviation of a tag corner, px
-  bool fixed_camera = false;          ///< camera and base board stand still: the board's pose is averaged
+  std::optional<double> max_noise;       ///< how many times the stated noise the residuals may show
+  std::optional<double> max_speed;       ///< m/s of the ball
+  std::optional<double> max_turn_speed;  ///< rad/s of the probe
+  std::optional<double> pixel_noise;     ///< standard deviation of a tag corner, px
+  bool fixed_camera = false;             ///< camera and base board stand still: the board's pose is averaged
 };
 
 /// How images are searched for tags. What is left out is the detector's own default.
@@ -138,6 +168,7 @@ struct Setup {
   std::string title;  ///< shown on the report page
   MapSetup map;
   std::optional<CameraIntrinsics> camera;  ///< overrides the recording's
+  ErrorsSetup errors;
   std::vector<BoardSetup> boards;
   std::vector<SensorSetup> sensors;  ///< those that are not where the recording says
   std::optional<ProbeSetup> probe;

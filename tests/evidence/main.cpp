@@ -1,7 +1,9 @@
-// What no single test can show: many drawn problems, altered paths and chunks, put to the independent check.
+// What no single test can show: many drawn problems, altered paths and chunks, put to the independent check,
+// and painting sessions whose truth the tracker is not told.
 //   clearway_evidence problems --count 10000 --seed 1 --jobs 2
 //   clearway_evidence altered --count 2000 --seed 1 --jobs 2
 //   clearway_evidence gate --count 1000000 --seed 1 --jobs 2
+//   clearway_evidence poses --count 1000 --seed 1 --jobs 2
 // Prints one JSON object; exit status 1 when a promise is broken. The same seed draws the same problems.
 
 #include <CLI/CLI.hpp>
@@ -15,11 +17,13 @@
 
 #include "tests/evidence/gate_evidence.hpp"
 #include "tests/evidence/path_evidence.hpp"
+#include "tests/evidence/pose_evidence.hpp"
 
 namespace {
 
 using clearway::evidence::Evidence;
 using clearway::evidence::GateEvidence;
+using clearway::evidence::PoseEvidence;
 
 /// Parts of the work, shared by threads; added up in order, so that the result does not depend on them.
 template <class Sum>
@@ -80,6 +84,45 @@ int run_gate(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   return evidence.broken.empty() ? 0 : 1;
 }
 
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
+  return values[at];
+}
+
+/// Exit status 1 when more than 0.3 % of the accepted samples are outside their bound, or a painted voxel is
+/// where the ball never was.
+int run_poses(std::uint64_t count, std::uint64_t seed, double severity, unsigned jobs) {
+  constexpr int frames = 60;
+  PoseEvidence evidence = in_parts<PoseEvidence>(count, jobs, [&](std::uint64_t i) {
+    return clearway::evidence::track_session(seed * 1000003 + i, frames, severity);
+  });
+  const double outside = static_cast<double>(evidence.outside) /
+                         static_cast<double>(std::max<std::uint64_t>(1, evidence.accepted));
+  const nlohmann::ordered_json json{
+      {"name", "poses"},
+      {"seed", seed},
+      {"severity", severity},
+      {"sessions", evidence.sessions},
+      {"samples", evidence.samples},
+      {"accepted", evidence.accepted},
+      {"outside_bound", evidence.outside},
+      {"outside_share", outside},
+      {"refused", evidence.refused},
+      {"accepted_by_tags", evidence.accepted_by_tags},
+      {"outside_by_tags", evidence.outside_by_tags},
+      {"error_over_bound",
+       {{"median", quantile(evidence.ratio, 0.5)}, {"p99", quantile(evidence.ratio, 0.99)}}},
+      {"painted_over_ball",
+       {{"p10", quantile(evidence.share, 0.1)}, {"median", quantile(evidence.share, 0.5)}}},
+      {"painted_voxels", evidence.painted_voxels},
+      {"voxels_beyond_free", evidence.voxels_beyond},
+      {"broken", evidence.broken}};
+  std::cout << json.dump(2) << std::endl;
+  return outside <= 0.003 && evidence.voxels_beyond == 0 && evidence.accepted > 0 ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -87,14 +130,17 @@ int main(int argc, char** argv) {
   std::string what;
   std::uint64_t count = 240, seed = 1;
   unsigned jobs = 1;
-  app.add_option("WHAT", what, "problems, altered or gate")
+  double severity = 1.0;
+  app.add_option("WHAT", what, "problems, altered, gate or poses")
       ->required()
-      ->check(CLI::IsMember({"problems", "altered", "gate"}));
-  app.add_option("--count", count, "Problems, altered paths that are violated, or chunks");
+      ->check(CLI::IsMember({"problems", "altered", "gate", "poses"}));
+  app.add_option("--count", count, "Problems, altered paths that are violated, chunks, or sessions");
+  app.add_option("--severity", severity, "poses: multiplies all errors that the tracker is not told");
   app.add_option("--seed", seed, "The same seed draws the same");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1U, 64U));
   CLI11_PARSE(app, argc, argv);
   if (what == "gate") return run_gate(count, seed, jobs);
+  if (what == "poses") return run_poses(count, seed, severity, jobs);
   const std::uint64_t chunk = what == "problems" ? 24 : 25;
   const Evidence evidence = in_parts<Evidence>((count + chunk - 1) / chunk, jobs, [&](std::uint64_t i) {
     if (what == "problems")

@@ -10,25 +10,36 @@
 namespace clearway {
 namespace painting_probe_test {
 
+const double kNan = std::numeric_limits<double>::quiet_NaN(),
+             kInfinity = std::numeric_limits<double>::infinity();
+
 TEST(PaintedRadius, is_the_ball_less_the_three_errors_of_equation_3) {
-  EXPECT_NEAR(painted_radius(0.05, {0.002, 0.005, 0.003}), 0.04, 1e-15);
-  EXPECT_EQ(painted_radius(0.05, {0.0, 0.0, 0.0}), 0.05);
+  EXPECT_NEAR(painted_radius(0.05, {0.002, 0.005, 0.003, true}, 0.001), 0.04, 1e-15);
+  EXPECT_NEAR(painted_radius(0.05, {0.002, 0.005, 0.003}, 0.001), 0.044, 1e-15);
+  EXPECT_EQ(painted_radius(0.05, {0.0, 0.0, 0.0}, 0.0), 0.05);
+}
+
+TEST(PaintedRadius, is_nothing_when_the_bound_leaves_nothing) {
+  EXPECT_EQ(painted_radius(0.05, {0.002, 0.005, 0.003}, 0.045), 0.0);
+  EXPECT_EQ(painted_radius(0.05, {0.002, 0.005, 0.003}, 1.0), 0.0);
+  EXPECT_EQ(painted_radius(0.05, {0.0, 0.0, 0.0}, kNan), 0.0);
+  EXPECT_EQ(painted_radius(0.05, {0.0, 0.0, 0.0}, kInfinity), 0.0);
 }
 
 TEST(PaintedRadius, refuses_budgets_that_leave_no_ball_or_are_no_errors) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(painted_radius(0.01, {0.002, 0.005, 0.003}), std::invalid_argument);
-  EXPECT_THROW(painted_radius(0.005, {0.002, 0.005, 0.003}), std::invalid_argument);
-  EXPECT_THROW(painted_radius(0.05, {-0.001, 0.005, 0.003}), std::invalid_argument);
-  EXPECT_THROW(painted_radius(0.05, {0.001, -1e-9, 0.003}), std::invalid_argument);
-  EXPECT_THROW(painted_radius(0.05, {0.001, 0.005, nan}), std::invalid_argument);
-  EXPECT_THROW(painted_radius(nan, {0.001, 0.005, 0.003}), std::invalid_argument);
-  EXPECT_THROW(painted_radius(std::numeric_limits<double>::infinity(), {}), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.01, {0.002, 0.005, 0.003, true}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.005, {0.002, 0.005, 0.003, true}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.005, {0.002, 0.005, 0.003}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.05, {-0.001, 0.005, 0.003}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.05, {0.001, -1e-9, 0.003}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(0.05, {0.001, 0.005, kNan}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(kNan, {0.001, 0.005, 0.003}, 0.0), std::invalid_argument);
+  EXPECT_THROW(painted_radius(kInfinity, {}, 0.0), std::invalid_argument);
 }
 
 TEST(PaintedRadius, says_in_its_refusal_what_was_subtracted_from_what) {
   try {
-    painted_radius(0.006, {0.001, 0.005, 0.001});
+    painted_radius(0.006, {0.001, 0.005, 0.001, true}, 0.0);
     FAIL();
   } catch (const std::invalid_argument& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("0.007 m"), std::string::npos) << refusal.what();

@@ -195,16 +195,64 @@ TEST(BodyPose, uses_only_its_own_tags_and_is_empty_without_any) {
   EXPECT_FALSE(estimate_body_pose(board, {seen.back()}, scene::plain_camera()));
 }
 
-TEST(BodyPose, a_tag_that_has_come_loose_shows_in_the_reprojection_error) {
+TEST(BodyPose, leaves_out_a_tag_that_the_others_contradict) {
   std::mt19937 random(36);
   const TagBody board = scene::board("board", 0, 2, 2, 0.06, 0.1);
   TagBody bent = board;
-  bent.tags[3].body_from_tag.translation().x() += 0.005;
-  const auto seen = scene::noisy_detections(scene::plain_camera(),
-                                            scene::placed(bent, tag_before_camera(0.6, 0.5)), 0.1, random);
+  bent.tags[3].body_from_tag.translation().x() += 0.01;
+  const Eigen::Isometry3d truth = tag_before_camera(0.6, 0.5);
+  const auto seen = scene::noisy_detections(scene::plain_camera(), scene::placed(bent, truth), 0.1, random);
   const auto pose = estimate_body_pose(board, seen, scene::plain_camera());
   ASSERT_TRUE(pose);
-  EXPECT_GT(pose->rms_px, 1.0);
+  EXPECT_EQ(pose->tags, (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(pose->rejected, std::vector<int>{3});
+  EXPECT_LT(error_of(*pose, truth).metres, 0.001);
+  BodyPoseOptions all;
+  all.reject_tags = false;
+  const auto with_it = estimate_body_pose(board, seen, scene::plain_camera(), all);
+  EXPECT_GT(with_it->rms_px, 1.0);
+  EXPECT_GT(with_it->chi_square, chi_square_limit(with_it->freedom));
+}
+
+TEST(BodyPose, rejects_no_tag_for_noise_or_for_errors_as_stated) {
+  std::mt19937 random(38);
+  const TagBody board = scene::board("board", 0, 3, 2, 0.06, 0.1);
+  int rejected = 0;
+  for (int i = 0; i < 200; ++i) {
+    TagBody glued = board;
+    std::normal_distribution<double> place(0.0, board.errors.place);
+    for (auto& [id, tag] : glued.tags)
+      for (int k = 0; k < 3; ++k) tag.body_from_tag.translation()[k] += place(random);
+    const auto seen = scene::noisy_detections(
+        scene::plain_camera(), scene::placed(glued, tag_before_camera(0.6, 0.5, i)), 0.3, random);
+    rejected += static_cast<int>(estimate_body_pose(board, seen, scene::plain_camera())->rejected.size());
+  }
+  EXPECT_LE(rejected, 1);
+}
+
+TEST(BodyPose, its_limits_hold_the_truth_of_a_frontal_tag_whose_covariance_does_not) {
+  std::mt19937 random(39);
+  const TagBody body = scene::board("one", 0, 1, 1, 0.06, 0.1);
+  const Camera camera = scene::plain_camera();
+  int beyond_covariance = 0, beyond_limits = 0;
+  const int trials = 300;
+  for (int i = 0; i < trials; ++i) {
+    const Eigen::Isometry3d truth = tag_before_camera(0.6, 0.12, 0.37 * i);
+    const auto seen = scene::noisy_detections(camera, scene::placed(body, truth), 0.3, random);
+    const auto pose = estimate_body_pose(body, seen, camera);
+    ASSERT_TRUE(pose);
+    const auto tilt_from = [&](const Eigen::Isometry3d& other) {
+      return std::acos(std::min(1.0, pose->camera_from_body.pose.linear().col(2).dot(other.linear().col(2))));
+    };
+    double widest = 0.0;
+    for (const Eigen::Isometry3d& limit : pose->limits) widest = std::max(widest, tilt_from(limit));
+    beyond_limits += tilt_from(truth) > widest;
+    const Vector6d error = difference(pose->camera_from_body.pose, truth);
+    beyond_covariance +=
+        error.dot(pose->camera_from_body.covariance.llt().solve(error)) > 22.5;  // 1 in 1,000
+  }
+  EXPECT_EQ(beyond_limits, 0);
+  EXPECT_GT(beyond_covariance, trials / 50);
 }
 
 TEST(TagBody, refuses_empty_bodies_and_tags_that_cannot_be) {
@@ -226,6 +274,9 @@ TEST(TagBody, refuses_empty_bodies_and_tags_that_cannot_be) {
   refuses(2, {0.0, Eigen::Isometry3d::Identity()});
   refuses(2, {NAN, Eigen::Isometry3d::Identity()});
   refuses(-1, {0.06, Eigen::Isometry3d::Identity()});
+  TagBody doubtful = board;
+  doubtful.errors.turn = -0.1;
+  EXPECT_THROW(doubtful.validate(), std::invalid_argument);
   refuses(587, {0.06, Eigen::Isometry3d::Identity()});
 }
 
@@ -237,6 +288,12 @@ TEST(BodyPoseOptions, out_of_range_are_refused) {
   options.distinct_angle = 0.0;
   EXPECT_THROW(options.validate(), std::invalid_argument);
   options.distinct_angle = 0.1;
+  options.edge_bias = -0.1;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+  options.edge_bias = 0.1;
+  options.noise_freedom = 5;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+  options.noise_freedom = 8;
   for (double facing : {-0.1, 1.0, std::nan("")}) {
     options.min_facing = facing;
     EXPECT_THROW(options.validate(), std::invalid_argument);

@@ -59,6 +59,59 @@ TEST(Setup, EveryKeyIsRead) {
   EXPECT_EQ(setup.queries[1].goals, (std::vector<std::vector<double>>{{3, 4}}));
 }
 
+const std::string doubtful = R"(
+errors:
+  camera: {focal: 0.001, aspect: 0.0002, center_px: 1.5, distortion_px: 0.25}
+  boards: {scale: 0.004, size: 0.006, place: 0.0003, turn_deg: 90}
+  edge_px: 0.2
+boards:
+  - {name: base, map_from_board: [0, 0, 0, 0, 0, 0], tags: [{id: 0, size: 0.03}]}
+  - {name: probe, errors: {place: 0.002, turn: 0.01}, tags: [{id: 5, size: 0.05}]}
+probe: {board: probe, ball_center: [0, 0, -0.1], ball_radius: 0.02, tracking_error: 0.03}
+acceptance: {max_noise: 2.5, max_turn_speed: 4}
+)";
+
+TEST(Setup, ErrorsAreReadAndABoardsOwnComeFirst) {
+  const auto setup = parse_setup(doubtful, "d.yaml");
+  EXPECT_EQ(setup.errors.camera.focal, 0.001);
+  EXPECT_EQ(setup.errors.camera.aspect, 0.0002);
+  EXPECT_EQ(setup.errors.camera.center, 1.5);
+  EXPECT_EQ(setup.errors.camera.distortion, 0.25);
+  EXPECT_EQ(setup.errors.edge, 0.2);
+  EXPECT_EQ(setup.board("base")->errors.place, 0.0003);
+  EXPECT_NEAR(*setup.board("base")->errors.turn, M_PI / 2, 1e-15);
+  EXPECT_EQ(setup.board("probe")->errors.place, 0.002);
+  EXPECT_EQ(setup.board("probe")->errors.turn, 0.01);
+  EXPECT_EQ(setup.board("probe")->errors.scale, 0.004);
+  EXPECT_EQ(setup.board("probe")->errors.size, 0.006);
+  EXPECT_FALSE(setup.probe->constant_tracking);
+  EXPECT_EQ(setup.acceptance.max_noise, 2.5);
+  EXPECT_EQ(setup.acceptance.max_turn_speed, 4);
+  const auto plain = parse_setup(full, "full.yaml");
+  EXPECT_FALSE(plain.errors.camera.focal || plain.errors.edge || plain.boards[0].errors.place);
+}
+
+TEST(Setup, ErrorsWithMistakesAreRefused) {
+  const auto refusal = [](const std::string& from, const std::string& to) -> std::string {
+    std::string text = doubtful;
+    text.replace(text.find(from), from.size(), to);
+    try {
+      parse_setup(text, "d.yaml");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal("focal: 0.001", "focal: -0.001").find("focal"), std::string::npos);
+  EXPECT_NE(refusal("center_px", "centre_px").find("center_px"), std::string::npos);
+  EXPECT_NE(refusal("turn: 0.01", "turn: -0.01").find("turn"), std::string::npos);
+  EXPECT_NE(refusal("place: 0.002", "place: wide").find("place"), std::string::npos);
+  EXPECT_NE(refusal("max_noise: 2.5", "max_noise: 0.5").find("max_noise"), std::string::npos);
+  EXPECT_NE(refusal("tracking_error: 0.03", "tracking: ours").find("expected bound"), std::string::npos);
+  EXPECT_NE(refusal("tracking_error: 0.03", "tracking_error: 0.03, tracking: constant").find("ball_radius"),
+            std::string::npos);
+}
+
 const std::string mounted = R"(
 map: {outliers: {neighbours: 12, deviations: 1.5}}
 boards:

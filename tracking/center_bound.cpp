@@ -1,0 +1,76 @@
+#include "tracking/center_bound.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace clearway {
+namespace {
+
+using Matrix36 = Eigen::Matrix<double, 3, 6>;
+
+double largest_sigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
+}
+
+Matrix36 point_by_motion(const Eigen::Vector3d& point) {
+  Matrix36 by_motion;
+  by_motion << Eigen::Matrix3d::Identity(), -cross_matrix(point);
+  return by_motion;
+}
+
+// How far the ball is off when one of the two poses is one of its limits.
+double farthest(const std::vector<Eigen::Isometry3d>& base_from_probe, const Eigen::Vector3d& ball,
+                const Eigen::Vector3d& center) {
+  double most = 0.0;
+  for (const Eigen::Isometry3d& pose : base_from_probe) most = std::max(most, (pose * ball - center).norm());
+  return most;
+}
+
+}  // namespace
+
+CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_base, bool is_mean,
+                         const BodyPose& probe, const Eigen::Vector3d& ball, int noise_freedom) {
+  const Eigen::Isometry3d base_from_camera = camera_from_base.pose.inverse();
+  const Eigen::Isometry3d camera_from_probe = probe.camera_from_body.pose;
+  const Eigen::Isometry3d base_from_probe = base_from_camera * camera_from_probe;
+  const Eigen::Vector3d center = base_from_probe * ball;
+  const Matrix36 by_base = -point_by_motion(center);
+  const Matrix36 by_probe = base_from_probe.linear() * point_by_motion(ball);
+  const auto carried = [&](const Matrix6d& of_base, const Matrix6d& of_probe) -> Eigen::Matrix3d {
+    return by_base * of_base * by_base.transpose() + by_probe * of_probe * by_probe.transpose();
+  };
+
+  const Matrix6d base_noise =
+      is_mean ? Matrix6d(base.noise_factor * base.noise_factor * camera_from_base.covariance)
+              : base.errors.noise;
+  const Eigen::Matrix3d noise = carried(base_noise, probe.errors.noise);
+  const auto by_camera = (by_base * base.errors.by_camera + by_probe * probe.errors.by_camera).eval();
+  const Eigen::Matrix3d camera = by_camera * by_camera.transpose();
+  const Eigen::Matrix3d tags = carried(base.errors.tags, probe.errors.tags);
+  const Eigen::Matrix3d edges = carried(base.errors.edges, probe.errors.edges);
+
+  const double of_noise = confidence_factor(noise_freedom + std::min(base.freedom, probe.freedom));
+  const double of_model = confidence_factor(1000000);
+  CenterBound bound;
+  bound.noise = of_noise * largest_sigma(noise);
+  bound.camera = of_model * largest_sigma(camera);
+  bound.tags = of_model * largest_sigma(tags);
+  bound.edges = of_model * largest_sigma(edges);
+  const double linear =
+      largest_sigma(of_noise * of_noise * noise + of_model * of_model * (camera + tags + edges));
+
+  std::vector<Eigen::Isometry3d> turned;
+  for (const Eigen::Isometry3d& limit : probe.limits) turned.push_back(base_from_camera * limit);
+  const double by_probe_turned = farthest(turned, ball, center);
+  turned.clear();
+  if (!is_mean)
+    for (const Eigen::Isometry3d& limit : base.limits) turned.push_back(limit.inverse() * camera_from_probe);
+  const double widest = std::hypot(by_probe_turned, farthest(turned, ball, center));
+  bound.tilt = std::sqrt(std::max(0.0, widest * widest - bound.noise * bound.noise));
+  bound.total = std::hypot(linear, bound.tilt);
+  return bound;
+}
+
+}  // namespace clearway

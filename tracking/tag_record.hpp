@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "tracking/tag_body.hpp"
+
+namespace clearway {
+
+/// Which tags of a body the others have contradicted lately: a tag that has come loose, or is not the size
+/// that it should be. One image with two tags cannot tell which of them is wrong; the images before it, that
+/// showed three, can.
+class TagRecord {
+ public:
+  /// Counts the tags that this pose kept and rejected; one of fewer than three tags says nothing.
+  void note(const BodyPose& pose);
+
+  /// False for a tag that was rejected in most of the last images that could tell, and at least three times.
+  bool is_trusted(int id) const;
+
+  /// Without those of tags that are not trusted.
+  std::vector<TagDetection> trusted(const std::vector<TagDetection>& detections) const;
+
+ private:
+  struct Votes {
+    double kept = 0.0, rejected = 0.0;
+  };
+  std::map<int, Votes> votes_;
+};
+
+}  // namespace clearway
