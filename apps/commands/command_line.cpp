@@ -36,7 +36,8 @@ Command add_replay(CLI::App& app, Console& console) {
       app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
   command
       ->add_option("recording", options->recording,
-                   "MRPT rawlog; or .pcd or .ply, .png or .jpg: a file, or a folder of them")
+                   "MRPT rawlog; video; .pcd, .ply, .png or .jpg: a file, or a folder of them; folder of "
+                   "depth pictures")
       ->required()
       ->type_name("RECORDING");
   command
@@ -226,7 +227,7 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       {"replay", add_replay(app, console)},     {"plan", add_plan(app, console)},
       {"check", add_check(app, console)},       {"gate", add_gate(app, console)},
       {"inspect", add_inspect(app, console)},   {"compare", add_compare(app, console)},
-      {"simulate", add_simulate(app, console)},
+      {"simulate", add_simulate(app, console)}, {"track", add_track(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);

@@ -16,15 +16,6 @@ namespace clearway {
 
 namespace {
 
-/// The setup embedded by `clearway simulate`: the first comment of the recording.
-std::optional<Setup> embedded_setup(const std::filesystem::path& recording) {
-  const std::optional<Frame> first = open_frames(recording, {})->next();
-  if (!first) return std::nullopt;
-  const auto* comment = std::get_if<CommentFrame>(&first->content);
-  if (comment == nullptr) return std::nullopt;
-  return parse_setup(comment->text, recording.string() + " (embedded setup)");
-}
-
 void count_tags(const std::vector<TagDetection>& tags, FusionCounts& counts) {
   counts.detections += tags.size();
   counts.images_with_tags += tags.empty() ? 0 : 1;
@@ -73,14 +64,9 @@ MapOptions map_options(const FusionOptions& options, const MapSetup& setup) {
 Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
             const std::function<void(double)>& progress) {
   Fusion fusion;
-  fusion.setup_source = "none";
-  if (!options.setup_file.empty()) {
-    fusion.setup = load_setup(options.setup_file);
-    fusion.setup_source = options.setup_file.string();
-  } else if (auto embedded = embedded_setup(recording)) {
-    fusion.setup = *embedded;
-    fusion.setup_source = "embedded in the recording";
-  }
+  ChosenSetup chosen = choose_setup(recording, options.setup_file);
+  fusion.setup = std::move(chosen.setup);
+  fusion.setup_source = std::move(chosen.source);
   const std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
   fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
   fusion.map.keep_scans();

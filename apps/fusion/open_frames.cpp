@@ -4,8 +4,10 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/video.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -100,6 +102,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
+  if (const auto depth = depth_layout(folder)) return open_depth_folder(folder, *depth, options);
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
                                 std::to_string(pictures.size()) + " pictures and " +
@@ -120,7 +123,17 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);
+  if (is_file && is_video_file(recording)) return open_video(recording, options);
   return std::make_unique<Rawlog>(recording);
+}
+
+ChosenSetup choose_setup(const fs::path& recording, const fs::path& setup_file) {
+  if (!setup_file.empty()) return {load_setup(setup_file), setup_file.string()};
+  const std::optional<Frame> first = open_frames(recording, {})->next();
+  if (!first) return {};
+  const auto* comment = std::get_if<CommentFrame>(&first->content);
+  if (comment == nullptr) return {};
+  return {parse_setup(comment->text, recording.string() + " (embedded setup)"), "embedded in the recording"};
 }
 
 }  // namespace clearway

@@ -225,7 +225,7 @@ TEST(Setup, NumbersMeanTheSameInACommaLocale) {
 }
 
 TEST(SetupDetector, SaysHowImagesAreSearchedAndRefusesWhatTheDetectorDoesNotDo) {
-  const Setup setup = parse_setup(
+  const auto setup = parse_setup(
       "detector: {decimate: 2, threads: 3, sigma: 0.8, sharpening: 0.5, max_hamming: 0, min_margin: 20,\n"
       "           families: [tag36h11]}\nsource: {rate: 15}\n",
       "s");
