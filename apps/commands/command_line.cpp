@@ -37,7 +37,8 @@ Command add_replay(CLI::App& app, Console& console) {
   command
       ->add_option(
           "recording", options->recording,
-          "MRPT rawlog; ROS bag (.bag, .mcap); or .pcd or .ply, .png or .jpg: a file, or a folder of them")
+          "MRPT rawlog; ROS bag (.bag, .mcap); video; .pcd, .ply, .png or .jpg: a file, or a folder of "
+          "them; folder of depth pictures")
       ->required()
       ->type_name("RECORDING");
   command
@@ -260,7 +261,8 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       {"replay", add_replay(app, console)},     {"plan", add_plan(app, console)},
       {"check", add_check(app, console)},       {"gate", add_gate(app, console)},
       {"inspect", add_inspect(app, console)},   {"compare", add_compare(app, console)},
-      {"simulate", add_simulate(app, console)}, {"tags", add_tags(app, console)},
+      {"simulate", add_simulate(app, console)}, {"track", add_track(app, console)},
+      {"tags", add_tags(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);

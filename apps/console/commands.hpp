@@ -51,6 +51,17 @@ struct ReplayOptions {
 };
 int run_replay(const ReplayOptions& options, Console& console);
 
+struct TrackOptions {
+  std::filesystem::path source;
+  std::filesystem::path setup;  ///< empty: the one embedded in the recording, if any
+  std::filesystem::path csv;    ///< empty: none, as the others
+  std::filesystem::path json;
+  std::filesystem::path tum_probe, tum_camera;
+  std::filesystem::path draw;  ///< folder, created
+  int threads = 0;             ///< for searching images; 0: the setup's, else as many as the machine has
+};
+int run_track(const TrackOptions& options, Console& console);
+
 struct PlanOptions {
   std::filesystem::path map;
   RobotChoice robot;

@@ -19,31 +19,6 @@ namespace clearway {
 
 namespace {
 
-/// Rendered pictures are what their setup says: errors that it does not state are none, but for what the
-/// detector makes of sharp edges.
-void take_as_rendered(Setup& setup) {
-  CameraErrorsSetup& camera = setup.errors.camera;
-  for (std::optional<double>* error : {&camera.focal, &camera.aspect, &camera.center, &camera.distortion})
-    *error = error->value_or(0.0);
-  for (BoardSetup& board : setup.boards)
-    for (std::optional<double>* error :
-         {&board.errors.scale, &board.errors.size, &board.errors.place, &board.errors.turn})
-      *error = error->value_or(0.0);
-  constexpr double edge_px = 0.05;
-  setup.errors.edge = setup.errors.edge.value_or(edge_px);
-}
-
-/// The setup embedded by `clearway simulate`: the first comment of the recording.
-std::optional<Setup> embedded_setup(const std::filesystem::path& recording) {
-  const std::optional<Frame> first = open_frames(recording, {})->next();
-  if (!first) return std::nullopt;
-  const auto* comment = std::get_if<CommentFrame>(&first->content);
-  if (comment == nullptr) return std::nullopt;
-  Setup setup = parse_setup(comment->text, recording.string() + " (embedded setup)");
-  take_as_rendered(setup);
-  return setup;
-}
-
 void count_tags(const std::vector<TagDetection>& tags, FusionCounts& counts) {
   counts.detections += tags.size();
   counts.images_with_tags += tags.empty() ? 0 : 1;
@@ -109,14 +84,9 @@ std::optional<MovingRobot> moving_robot(const Setup& setup, const std::filesyste
 Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
             const std::function<void(double)>& progress) {
   Fusion fusion;
-  fusion.setup_source = "none";
-  if (!options.setup_file.empty()) {
-    fusion.setup = load_setup(options.setup_file);
-    fusion.setup_source = options.setup_file.string();
-  } else if (auto embedded = embedded_setup(recording)) {
-    fusion.setup = *embedded;
-    fusion.setup_source = "embedded in the recording";
-  }
+  ChosenSetup chosen = choose_setup(recording, options.setup_file);
+  fusion.setup = std::move(chosen.setup);
+  fusion.setup_source = std::move(chosen.source);
   const std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
   fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
   fusion.map.keep_scans();

@@ -4,8 +4,10 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/video.hpp"
 #include "datasets/ros/bag_source.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
@@ -101,6 +103,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
+  if (const auto depth = depth_layout(folder)) return open_depth_folder(folder, *depth, options);
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
                                 std::to_string(pictures.size()) + " pictures and " +
@@ -109,6 +112,20 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
   if (!clouds.empty()) return std::make_unique<Clouds>(std::move(clouds), name);
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
+}
+
+/// Rendered pictures are what their setup says: errors that it does not state are none, but for what the
+/// detector makes of sharp edges.
+void take_as_rendered(Setup& setup) {
+  CameraErrorsSetup& camera = setup.errors.camera;
+  for (std::optional<double>* error : {&camera.focal, &camera.aspect, &camera.center, &camera.distortion})
+    *error = error->value_or(0.0);
+  for (BoardSetup& board : setup.boards)
+    for (std::optional<double>* error :
+         {&board.errors.scale, &board.errors.size, &board.errors.place, &board.errors.turn})
+      *error = error->value_or(0.0);
+  constexpr double edge_px = 0.05;
+  setup.errors.edge = setup.errors.edge.value_or(edge_px);
 }
 
 }  // namespace
@@ -122,7 +139,19 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);
   if (is_file && is_bag_file(recording)) return open_bag(recording, options);
+  if (is_file && is_video_file(recording)) return open_video(recording, options);
   return std::make_unique<Rawlog>(recording);
+}
+
+ChosenSetup choose_setup(const fs::path& recording, const fs::path& setup_file) {
+  if (!setup_file.empty()) return {load_setup(setup_file), setup_file.string()};
+  const std::optional<Frame> first = open_frames(recording, {})->next();
+  if (!first) return {};
+  const auto* comment = std::get_if<CommentFrame>(&first->content);
+  if (comment == nullptr) return {};
+  Setup setup = parse_setup(comment->text, recording.string() + " (embedded setup)");
+  take_as_rendered(setup);
+  return {std::move(setup), "embedded in the recording"};
 }
 
 }  // namespace clearway

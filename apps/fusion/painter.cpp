@@ -74,17 +74,26 @@ const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by) 
                               "to have `map_from_board`");
 }
 
+TrackingSetup tracking_setup(const Setup& setup, const ImageFrame& image) {
+  const ProbeSetup& probe = *setup.probe;
+  TrackingSetup tracking;
+  tracking.camera = camera_of(setup, image);
+  tracking.base = tag_body(fixed_board(setup, "a probe"));
+  tracking.probe = {tag_body(*setup.board(probe.board)), probe.ball_center, probe.ball_radius};
+  tracking.budget = {probe.robot_error, probe.tracking_error, probe.modelling_error, probe.constant_tracking};
+  return tracking;
+}
+
 Painter::Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts)
     : setup_(setup), map_(map), counts_(counts) {
   base_ = &fixed_board(setup, "a probe");
-  probe_board_ = setup.board(setup.probe->board);
   volumes_ = setup.volumes;
   for (const VolumeSetup& volume : volumes_) map_.add_volume(volume.label, volume.critical_parts);
 }
 
 TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
                            double since_start) {
-  if (!session_) start_session(image);
+  if (!session_) session_.emplace(tracking_setup(setup_, image), tracking_options(setup_));
   const cv::Mat gray(image.image.height, image.image.width, CV_8UC1,
                      const_cast<std::uint8_t*>(image.image.pixels.data()));
   TrackedImage tracked;
@@ -104,16 +113,6 @@ void Painter::finish() {
   for (double* sum : {&counts_.mean_center_sigma, &counts_.mean_reprojection_px, &counts_.mean_bound,
                       &counts_.painted_radius})
     *sum /= static_cast<double>(counts_.spheres);
-}
-
-void Painter::start_session(const ImageFrame& image) {
-  const ProbeSetup& probe = *setup_.probe;
-  TrackingSetup tracking;
-  tracking.camera = camera_of(setup_, image);
-  tracking.base = tag_body(*base_);
-  tracking.probe = {tag_body(*probe_board_), probe.ball_center, probe.ball_radius};
-  tracking.budget = {probe.robot_error, probe.tracking_error, probe.modelling_error, probe.constant_tracking};
-  session_.emplace(tracking, tracking_options(setup_));
 }
 
 /// A stroke ends when the hand pauses: when no sample was accepted for a second.

@@ -21,6 +21,10 @@ TrackingOptions tracking_options(const Setup& setup);
 /// @throws std::invalid_argument when neither tells it.
 Camera camera_of(const Setup& setup, const ImageFrame& image);
 
+/// Camera, boards, probe and errors for tracking the probe in images like this one. @pre setup.probe
+/// @throws std::invalid_argument as camera_of and fixed_board do.
+TrackingSetup tracking_setup(const Setup& setup, const ImageFrame& image);
+
 /// The board that anchors the map frame: the first with a place in it.
 /// @throws std::invalid_argument when there is none; `needed_by` is what needs it.
 const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by);
@@ -37,7 +41,6 @@ class Painter {
   void finish();
 
  private:
-  void start_session(const ImageFrame& image);
   void continue_stroke(const std::string& sensor, double since_start);
   void paint(const PaintingSample& sample, const std::string& sensor, double since_start);
 
@@ -45,7 +48,6 @@ class Painter {
   FreeSpaceMap& map_;
   FusionCounts& counts_;
   const BoardSetup* base_ = nullptr;
-  const BoardSetup* probe_board_ = nullptr;
   std::vector<VolumeSetup> volumes_;
   std::optional<TrackingSession> session_;
   std::optional<double> last_painted_;  ///< seconds since the start

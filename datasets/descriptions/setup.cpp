@@ -224,18 +224,37 @@ DetectorSetup read_detector(const YamlFields& fields) {
   return detector;
 }
 
-SourceOptions read_source(const YamlFields& fields) {
-  SourceOptions source;
-  source.rate = fields.optional_number("rate", {1e-3, 1e5});
-  const std::pair<const char*, std::string*> names[] = {{"images", &source.bag.images},
-                                                        {"camera_info", &source.bag.camera_info},
-                                                        {"depth", &source.bag.depth},
-                                                        {"depth_camera_info", &source.bag.depth_camera_info},
-                                                        {"fixed_frame", &source.bag.fixed_frame}};
+DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder) {
+  DepthOptions depth;
+  depth.scale = fields.number("scale", {1e-7, 10}, depth.scale);
+  depth.max_range = fields.number("max_range", not_negative, depth.max_range);
+  if (fields.has("camera")) depth.camera = read_camera(fields.map("camera"));
+  if (fields.has("poses")) depth.poses = folder / fields.file("poses");
+  depth.tolerance = fields.number("tolerance", {1e-6, 1e3}, depth.tolerance);
+  fields.finish();
+  return depth;
+}
+
+BagTopics read_bag(const YamlFields& fields) {
+  BagTopics bag;
+  const std::pair<const char*, std::string*> names[] = {{"images", &bag.images},
+                                                        {"camera_info", &bag.camera_info},
+                                                        {"depth", &bag.depth},
+                                                        {"depth_camera_info", &bag.depth_camera_info},
+                                                        {"fixed_frame", &bag.fixed_frame}};
   for (const auto& [key, name] : names)
     if (fields.has(key)) *name = fields.text(key);
-  source.bag.clouds = fields.texts("clouds");
-  source.bag.scans = fields.texts("scans");
+  bag.clouds = fields.texts("clouds");
+  bag.scans = fields.texts("scans");
+  fields.finish();
+  return bag;
+}
+
+SourceOptions read_source(const YamlFields& fields, const std::filesystem::path& folder) {
+  SourceOptions source;
+  source.rate = fields.optional_number("rate", {1e-3, 1e5});
+  if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder);
+  if (fields.has("bag")) source.bag = read_bag(fields.map("bag"));
   fields.finish();
   return source;
 }
@@ -327,8 +346,10 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
   if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));
-  if (fields.has("source")) setup.source = read_source(fields.map("source"));
+  if (fields.has("source"))
+    setup.source = read_source(fields.map("source"), std::filesystem::path(name).parent_path());
   setup.source.camera = setup.camera;
+  setup.source.places_depth = setup.sensor("depth", "depth") != nullptr;
   if (fields.has("robot"))
     setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());
   for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));

@@ -133,13 +133,13 @@ void require_topic(const std::filesystem::path& file, const std::vector<BagTopic
 void require_topics(const std::filesystem::path& file, const std::vector<BagTopic>& topics,
                     const SourceOptions& options) {
   const auto require = [&](const std::string& name, const char* key, const std::vector<std::string>& types) {
-    if (!name.empty()) require_topic(file, topics, name, std::string("source: ") + key, types);
+    if (!name.empty()) require_topic(file, topics, name, std::string("source: bag: ") + key, types);
   };
   const BagTopics& bag = options.bag;
   if (bag.empty())
     throw std::invalid_argument(
         sentence(file,
-                 "has several topics and the setup names none: expected 'source:' with 'images', "
+                 "has several topics and the setup names none: expected 'source: bag:' with 'images', "
                  "'depth', 'clouds' or 'scans'; it has " +
                      list_of(topics)));
   require(bag.images, "images", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
@@ -151,11 +151,11 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
   if (!bag.images.empty() && bag.camera_info.empty() && !options.camera)
     throw std::invalid_argument(
         sentence(file, "needs the camera of topic " + quote(bag.images) +
-                           ": expected 'camera_info' in 'source:' or 'camera:' in the setup"));
+                           ": expected 'camera_info' in 'source: bag:' or 'camera:' in the setup"));
   if (!bag.depth.empty() && bag.depth_camera_info.empty())
     throw std::invalid_argument(
         sentence(file, "needs the camera of topic " + quote(bag.depth) +
-                           ": expected 'depth_camera_info' in 'source:' of the setup"));
+                           ": expected 'depth_camera_info' in 'source: bag:' of the setup"));
 }
 
 }  // namespace

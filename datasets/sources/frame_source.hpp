@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,11 +32,22 @@ struct BagTopics {
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };
 
+/// How depth pictures become points, and where they were taken from.
+struct DepthOptions {
+  double scale = 0.001;                    ///< m per step of the stored 16 bit number
+  double max_range = 0;                    ///< m, of the sensor; 0: not known
+  std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
+  std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder
+  double tolerance = 0.02;                 ///< s between a picture and a pose
+};
+
 /// What a setup says of the source it belongs to.
 struct SourceOptions {
   std::optional<double> rate;  ///< pictures a second, in the order of their names: nothing else tells times
   std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
   BagTopics bag = {};
+  DepthOptions depth;
+  bool places_depth = false;  ///< the setup's sensors say where the sensor "depth" is
 };
 
 }  // namespace clearway

@@ -18,6 +18,7 @@
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/suite.hpp"
+#include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_source.hpp"
@@ -255,6 +256,24 @@ TEST_F(MutatedReaders, bags) {
       folder_ / "a.bag",
       std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/ros1_none.mcap", false);
   expect_read_or_told("a.bag", read_file(folder_ / "a.bag"), read);
+}
+
+TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
+  std::filesystem::create_directory(folder_ / "depth");
+  std::filesystem::create_directory(folder_ / "pose");
+  folder_.write("pose/1.txt", "1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n");
+  const std::string depth = picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(900)), ".png");
+  folder_.write("depth/1.png", depth);
+  const auto read = [](const auto& file) {
+    SourceOptions options;
+    options.camera = CameraIntrinsics{48, 36, 50, 52, 24, 18, {}};
+    const auto folder = file.parent_path().parent_path();
+    const auto source = open_depth_folder(folder, *depth_layout(folder), options);
+    source->next();
+    if (source->damage()) throw DamagedFile(*source->damage());
+  };
+  expect_read_or_told("depth/1.png", depth, read);
+  expect_read_or_told("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
 }
 
 TEST_F(MutatedReaders, streams_of_poses) {

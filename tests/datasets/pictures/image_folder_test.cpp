@@ -20,7 +20,9 @@ TEST(ImageFolder, GivesEachPictureWithItsTimeItsNameAndTheSetupsCamera) {
     files.push_back(folder / name);
   }
   const CameraIntrinsics camera{40, 32, 50, 51, 20, 16, {}};
-  const auto source = open_pictures(files, "eye", {.rate = {}, .camera = camera});
+  SourceOptions options;
+  options.camera = camera;
+  const auto source = open_pictures(files, "eye", options);
   for (const char* name : {"1.png", "2.png"}) {
     const auto frame = source->next();
     ASSERT_TRUE(frame);

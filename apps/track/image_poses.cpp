@@ -1,0 +1,179 @@
+#include "apps/track/image_poses.hpp"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+
+#include "apps/console/parse.hpp"
+#include "apps/fusion/painter.hpp"
+
+namespace clearway {
+namespace {
+
+/// The side of a tag, metres; empty when no board of the setup has it.
+std::optional<double> size_of_tag(const Setup& setup, int id) {
+  for (const BoardSetup& board : setup.boards) {
+    for (const TagSetup& tag : board.tags)
+      if (tag.id == id) return tag.size;
+  }
+  return std::nullopt;
+}
+
+/// Those of an id that is seen once: of others, nobody knows which is the body's. @param tags sorted by id
+std::vector<TagDetection> single_tags(const std::vector<TagDetection>& tags) {
+  std::vector<TagDetection> single;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const bool as_before = i > 0 && tags[i - 1].id == tags[i].id;
+    const bool as_next = i + 1 < tags.size() && tags[i + 1].id == tags[i].id;
+    if (!as_before && !as_next) single.push_back(tags[i]);
+  }
+  return single;
+}
+
+ImagePose refused(ImagePose pose, const std::string& word, const std::string& reason) {
+  pose.refusal = word;
+  pose.reason = reason;
+  return pose;
+}
+
+/// What becomes of a pose in the camera when it is seen from the map.
+ImagePose in_map(const ImagePose& in_camera, const UncertainPose& map_from_it) {
+  ImagePose pose = in_camera;
+  pose.frame = "map";
+  pose.pose = map_from_it;
+  return pose;
+}
+
+}  // namespace
+
+const ImagePose* ImagePoses::find(const std::string& kind, const std::string& name,
+                                  const std::string& frame) const {
+  const auto found = std::find_if(poses.begin(), poses.end(), [&](const ImagePose& pose) {
+    return pose.kind == kind && pose.name == name && pose.frame == frame;
+  });
+  return found == poses.end() ? nullptr : &*found;
+}
+
+ImagePoseFinder::ImagePoseFinder(const Setup& setup) : setup_(setup), options_(tracking_options(setup)) {
+  for (const BoardSetup& board : setup.boards) {
+    bodies_.push_back(tag_body(board));
+    if (base_ == nullptr && board.map_from_board) base_ = &board;
+  }
+  if (setup.probe) base_ = &fixed_board(setup, "a probe");
+}
+
+ImagePoses ImagePoseFinder::find(const Frame& frame, const ImageFrame& image,
+                                 const std::vector<TagDetection>& tags) {
+  const Camera camera = camera_of(setup_, image);
+  camera.validate();
+  ImagePoses poses{frame.time, frame.file, image.image.width, image.image.height, "", tags, {}};
+  if (camera.width != poses.width || camera.height != poses.height) {
+    poses.refusal = "the image has " + std::to_string(poses.width) + " x " + std::to_string(poses.height) +
+                    " pixels, expected the camera's " + std::to_string(camera.width) + " x " +
+                    std::to_string(camera.height);
+    return poses;
+  }
+  add_tags(poses, camera);
+  const std::vector<TagDetection> single = single_tags(tags);
+  add_bodies(poses, single, camera);
+  if (base_ != nullptr) add_map_poses(poses);
+  if (setup_.probe) {
+    if (!session_) session_.emplace(tracking_setup(setup_, image), options_);
+    const cv::Mat gray(poses.height, poses.width, CV_8UC1,
+                       const_cast<std::uint8_t*>(image.image.pixels.data()));
+    add_ball(poses, session_->step(gray, single, frame.time).sample);
+  }
+  return poses;
+}
+
+/// The setup's acceptance of one body's pose.
+ImagePose ImagePoseFinder::judged(const BodyPose& found, const std::string& kind,
+                                  const std::string& name) const {
+  const AcceptanceOptions& acceptance = options_.acceptance;
+  ImagePose pose{
+      kind, name, "camera", "", "", found.camera_from_body, found.rms_px, found.ambiguity_ratio, found.tags};
+  if (!(found.rms_px <= acceptance.max_rms_px))
+    return refused(std::move(pose), "reprojection_error",
+                   "it reprojects with an rms error of " + significant(found.rms_px) + " px, at most " +
+                       significant(acceptance.max_rms_px));
+  if (!(found.ambiguity_ratio >= acceptance.min_ambiguity_ratio))
+    return refused(std::move(pose), "ambiguous_pose",
+                   "another pose has only " + significant(found.ambiguity_ratio) +
+                       " times the error, at least " + significant(acceptance.min_ambiguity_ratio));
+  if (!(found.separation >= acceptance.min_separation))
+    return refused(std::move(pose), "ambiguous_pose",
+                   "another pose is worse by " + significant(found.separation) +
+                       " only (chi-square), at least " + significant(acceptance.min_separation));
+  return pose;
+}
+
+void ImagePoseFinder::add_tags(ImagePoses& poses, const Camera& camera) const {
+  for (const TagDetection& tag : poses.tags) {
+    const std::string name = std::to_string(tag.id);
+    const ImagePose none{"tag", name, "camera", "", "", {}, {}, 0.0, {}};
+    const auto size = size_of_tag(setup_, tag.id);
+    if (!size) {
+      poses.poses.push_back(refused(none, "unknown_tag", "no board of the setup has this tag"));
+      continue;
+    }
+    const TagBody alone{name, {{tag.id, {*size, Eigen::Isometry3d::Identity()}}}};
+    const auto found = estimate_body_pose(alone, {tag}, camera, options_.pose);
+    poses.poses.push_back(found ? judged(*found, "tag", name)
+                                : refused(none, "no_pose", "no pose explains its corners"));
+  }
+}
+
+void ImagePoseFinder::add_bodies(ImagePoses& poses, const std::vector<TagDetection>& single,
+                                 const Camera& camera) const {
+  for (const TagBody& body : bodies_) {
+    const ImagePose none{"body", body.name, "camera", "", "", {}, {}, 0.0, {}};
+    const auto found = estimate_body_pose(body, single, camera, options_.pose);
+    const auto has = [&](const TagDetection& tag) { return body.tags.contains(tag.id); };
+    const bool is_seen = std::any_of(single.begin(), single.end(), has);
+    if (found) {
+      poses.poses.push_back(judged(*found, "body", body.name));
+    } else if (is_seen) {
+      poses.poses.push_back(refused(none, "no_pose", "no pose explains the corners of its tags"));
+    } else if (std::any_of(poses.tags.begin(), poses.tags.end(), has)) {
+      poses.poses.push_back(refused(none, "seen_twice", "its tags are seen more than once each"));
+    } else {
+      poses.poses.push_back(refused(none, "not_seen", "none of its tags is seen"));
+    }
+  }
+}
+
+/// The camera by the board that is fixed, and all other boards by the camera. Chong 2008, eq. 1.
+void ImagePoseFinder::add_map_poses(ImagePoses& poses) const {
+  const ImagePose* base = poses.find("body", base_->name, "camera");
+  if (base == nullptr || !base->pose) return;
+  const ImagePose seen_base = *base;  // the list grows below
+  const UncertainPose map_from_base{*base_->map_from_board, Matrix6d::Zero()};
+  ImagePose camera = in_map(seen_base, compose(map_from_base, inverse(*seen_base.pose)));
+  camera.kind = camera.name = "camera";
+  std::vector<ImagePose> found{camera};
+  for (const ImagePose& body : poses.poses) {
+    if (body.kind != "body" || body.name == base_->name || !body.pose) continue;
+    const UncertainPose base_from_body = base_from_probe(*seen_base.pose, *body.pose);
+    found.push_back(in_map(body, compose(map_from_base, base_from_body)));
+    if (!seen_base.is_accepted() && body.is_accepted())
+      found.back() = refused(found.back(), "base_refused",
+                             "the board '" + base_->name + "' is refused: " + seen_base.reason);
+  }
+  poses.poses.insert(poses.poses.end(), found.begin(), found.end());
+}
+
+void ImagePoseFinder::add_ball(ImagePoses& poses, const PaintingSample& sample) const {
+  ImagePose ball{"ball", "ball", "map", "", sample.reason, {}, {}, 0.0, {}};
+  if (!sample.accepted) ball.refusal = to_string(sample.refusal);
+  if (sample.base && sample.probe) {
+    Eigen::Isometry3d probe_from_ball = Eigen::Isometry3d::Identity();
+    probe_from_ball.translation() = setup_.probe->ball_center;
+    const UncertainPose map_from_base{*base_->map_from_board, Matrix6d::Zero()};
+    ball.pose = compose(compose(map_from_base, sample.base_from_probe), {probe_from_ball, Matrix6d::Zero()});
+    ball.rms_px = sample.probe->rms_px;
+    ball.ambiguity = sample.probe->ambiguity_ratio;
+    ball.tags = sample.probe->tags;
+  }
+  poses.poses.push_back(std::move(ball));
+}
+
+}  // namespace clearway

@@ -1,0 +1,141 @@
+#include "datasets/pictures/depth_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace depth_folder_test {
+
+const CameraIntrinsics camera{48, 36, 50, 52, 24, 18, {}};
+
+/// A wall straight ahead, with one pixel that stands out and two that tell nothing.
+std::string depth_png(std::uint16_t units) {
+  cv::Mat depth(36, 48, CV_16UC1, cv::Scalar(units));
+  depth.at<std::uint16_t>(10, 34) = static_cast<std::uint16_t>(units / 2);
+  depth.at<std::uint16_t>(0, 0) = 0;
+  depth.at<std::uint16_t>(0, 1) = 65535;
+  return picture_bytes(depth, ".png");
+}
+
+SourceOptions options(double scale = 0.0002) {
+  SourceOptions options;
+  options.camera = camera;
+  options.depth.scale = scale;
+  return options;
+}
+
+class DepthFolders : public testing::Test {
+ protected:
+  std::unique_ptr<FrameSource> open(const SourceOptions& with) {
+    const auto layout = depth_layout(folder_.path());
+    EXPECT_TRUE(layout);
+    return open_depth_folder(folder_.path(), *layout, with);
+  }
+  void make(const std::string& name) { std::filesystem::create_directory(folder_ / name); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(DepthFolders, PixelsBecomePointsByThePinholeAndPosesOfTumPlaceThem) {
+  make("depth");
+  folder_.write("depth/10.00.png", depth_png(10000));  // 2 m
+  folder_.write("depth/10.50.png", depth_png(10000));
+  folder_.write("depth/11.00.png", depth_png(10000));
+  // The camera looks along the world's x: z of the optical frame is x, x is -y, y is -z.
+  folder_.write("groundtruth.txt",
+                "# time x y z qx qy qz qw\n9.99 1 2 3 -0.5 0.5 -0.5 0.5\n10.01 1.2 2 3 -0.5 0.5 -0.5 0.5\n"
+                "10.515 5 2 3 -0.5 0.5 -0.5 0.5\n");
+  const auto source = open(options());
+  auto frame = source->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->sensor, "depth");
+  EXPECT_EQ(frame->file, "10.00.png");
+  auto cloud = std::get<CloudFrame>(frame->content);
+  EXPECT_EQ(cloud.kind, "depth");
+  ASSERT_EQ(cloud.points.size(), 48U * 36U - 2U);
+  // the pixel (34, 10) at half the depth: optical ((34 - 24) / 50, (10 - 18) / 52, 1) m
+  const std::size_t at = 10 * 48 + 34 - 2;
+  const Eigen::Vector3d expected(1.1 + 1.0, 2.0 - 0.2, 3.0 + 8.0 / 52.0);
+  EXPECT_LT((cloud.world_from_sensor * cloud.points[at].cast<double>() - expected).norm(), 1e-6);
+  frame = source->next();  // 15 ms before its only pose
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(std::get<CloudFrame>(frame->content).world_from_sensor.translation().x(), 5.0, 1e-9);
+  EXPECT_FALSE(source->next());  // 0.5 s from any
+  ASSERT_EQ(source->warnings().size(), 1U);
+  EXPECT_NE(source->warnings()[0].find("1 of 3 depth pictures have no pose"), std::string::npos);
+  EXPECT_FALSE(source->damage());
+  SourceOptions patient = options();
+  patient.depth.tolerance = 0.6;
+  const auto all = open(patient);
+  int frames = 0;
+  while (all->next()) ++frames;
+  EXPECT_EQ(frames, 3);
+}
+
+TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
+  for (const char* number : {"000000", "000001"}) {
+    const std::string name = std::string("frame-") + number;
+    folder_.write(name + ".depth.png", depth_png(1000));
+    folder_.write(name + ".color.png", picture_bytes(cv::Mat(36, 48, CV_8UC3, cv::Scalar(9, 9, 9)), ".png"));
+  }
+  folder_.write("frame-000000.pose.txt", "1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n");
+  folder_.write("frame-000001.pose.txt", "-inf -inf -inf -inf\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  const auto source = open(options(0.001));
+  std::vector<std::string> sensors;
+  while (const auto frame = source->next()) {
+    sensors.push_back(frame->sensor);
+    if (const auto* cloud = std::get_if<CloudFrame>(&frame->content)) {
+      EXPECT_LT((cloud->world_from_sensor.translation() - Eigen::Vector3d(0.5, 0.25, -1)).norm(), 1e-12);
+      // straight ahead in the image is the world's z
+      EXPECT_LT(
+          (cloud->world_from_sensor.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitZ()).norm(),
+          1e-12);
+    }
+  }
+  EXPECT_EQ(sensors, (std::vector<std::string>{"colour", "depth", "colour"}));
+  EXPECT_NE(source->warnings().at(0).find("1 of 2 depth pictures"), std::string::npos);
+}
+
+TEST_F(DepthFolders, RefusesWhatTellsNoCameraOrNoPoses) {
+  make("depth");
+  folder_.write("depth/1.png", depth_png(1000));
+  EXPECT_NE(complaint([&] { open({}); }).find("expected `camera`"), std::string::npos);
+  EXPECT_NE(complaint([&] { open(options()); }).find("tells no poses"), std::string::npos);
+  SourceOptions placed = options();
+  placed.places_depth = true;
+  EXPECT_TRUE(open(placed)->next());
+  make("other");
+  EXPECT_FALSE(depth_layout(folder_ / "other"));
+}
+
+TEST_F(DepthFolders, PicturesOfAnotherKindOrSizeAreDamaged) {
+  make("depth");
+  make("pose");
+  folder_.write("depth/1.png", picture_bytes(cv::Mat(36, 48, CV_8UC1, cv::Scalar(9)), ".png"));
+  folder_.write("depth/2.png", picture_bytes(cv::Mat(36, 40, CV_16UC1, cv::Scalar(9)), ".png"));
+  folder_.write("depth/3.png", depth_png(9));
+  folder_.write("depth/4.png", depth_png(9));
+  folder_.write("pose/3.txt", "2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  folder_.write("pose/4.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  const auto source = open(options());
+  EXPECT_EQ(source->next()->file, "4.png");
+  EXPECT_FALSE(source->next());
+  EXPECT_NE(source->damage()->find("1.png' is damaged: it is not a grey picture of 16 bits"),
+            std::string::npos);
+}
+
+TEST(PoseMatrix, IsRigidOrRefusedOrUnknown) {
+  EXPECT_FALSE(parse_pose_matrix("nan nan nan nan 0 1 0 0 0 0 1 0 0 0 0 1", "m"));
+  const auto turned = parse_pose_matrix("0 -1 0 1  1 0 0 2  0 0 1 3  0 0 0 1\n", "m");
+  EXPECT_LT((*turned * Eigen::Vector3d::UnitX() - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
+  for (const char* wrong : {"", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 7", "1 0 0 0 0 1 0 0 0 0 1 0", "x",
+                            "1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1"})
+    EXPECT_NE(complaint([&] { parse_pose_matrix(wrong, "pose 'm'"); }).find("pose 'm': expected four rows"),
+              std::string::npos)
+        << wrong;
+}
+
+}  // namespace depth_folder_test
+}  // namespace clearway

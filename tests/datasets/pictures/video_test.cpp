@@ -1,0 +1,84 @@
+#include "datasets/pictures/video.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace video_test {
+
+/// Ten pictures a second, each of another grey, with a bright square whose place tells its number.
+void write_video(const std::filesystem::path& file, int count) {
+  cv::VideoWriter writer(file.string(), cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                         10.0, {160, 96});
+  ASSERT_TRUE(writer.isOpened());
+  for (int i = 0; i < count; ++i) {
+    cv::Mat picture(96, 160, CV_8UC3, cv::Scalar::all(20 + 8 * i));
+    picture(cv::Rect(16 * i, 32, 16, 16)).setTo(cv::Scalar::all(250));
+    writer.write(picture);
+  }
+}
+
+TEST(Video, GivesItsPicturesInOrderWithItsOwnTimesAndTheSetupsCamera) {
+  const TemporaryFolder folder;
+  write_video(folder / "v.avi", 8);
+  ASSERT_TRUE(is_video_file(folder / "v.avi"));
+  const CameraIntrinsics camera{160, 96, 100, 100, 80, 48, {}};
+  SourceOptions options;
+  options.camera = camera;
+  const auto source = open_video(folder / "v.avi", options);
+  for (int i = 0; i < 8; ++i) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame) << i;
+    EXPECT_NEAR(frame->time, 0.1 * i, 1e-6);
+    EXPECT_EQ(frame->sensor, "v");
+    const auto& image = std::get<ImageFrame>(frame->content);
+    EXPECT_EQ(image.intrinsics, camera);
+    ASSERT_EQ(image.image.width, 160);
+    const auto at = [&](int x, int y) { return image.image.pixels[static_cast<std::size_t>(160 * y + x)]; };
+    EXPECT_NEAR(at(80, 90), 20 + 8 * i, 4);
+    EXPECT_NEAR(at(16 * i + 8, 40), 250, 8);
+  }
+  EXPECT_FALSE(source->next());
+  EXPECT_FALSE(source->damage());
+}
+
+TEST(Video, ARateCountsBeforeItsOwnTimes) {
+  const TemporaryFolder folder;
+  write_video(folder / "v.avi", 3);
+  SourceOptions options;
+  options.rate = 4.0;
+  const auto source = open_video(folder / "v.avi", options);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(source->next()->time, 0.25 * i);
+}
+
+TEST(Video, WhatIsCutIsDamageOrAWarningAndNeverACrash) {
+  const TemporaryFolder folder;
+  write_video(folder / "v.avi", 8);
+  const std::string whole = read_file(folder / "v.avi");
+  for (const std::size_t size : {20U, 400U, 6000U}) {
+    ASSERT_LT(size, whole.size());
+    folder.write("cut.avi", whole.substr(0, size));
+    const auto source = open_video(folder / "cut.avi", {});
+    int frames = 0;
+    while (source->next()) ++frames;
+    EXPECT_LT(frames, 8);
+    EXPECT_TRUE(source->damage() || !source->warnings().empty()) << size;
+  }
+}
+
+TEST(Video, APlaylistIsNone) {
+  const TemporaryFolder folder;
+  folder.write("v.mp4", "#EXTM3U\n#EXTINF:1,\nfile:///etc/passwd\n");
+  EXPECT_FALSE(is_video_file(folder / "v.mp4"));
+  EXPECT_FALSE(is_video_file(folder / ""));
+  EXPECT_NE(complaint([&] { open_video(folder / "nowhere.mp4", {}); }), "");
+}
+
+}  // namespace video_test
+}  // namespace clearway
