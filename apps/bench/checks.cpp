@@ -1,12 +1,17 @@
 // Configuration checks: ConfigurationSpace::is_free against FCL's shapes on an fcl::OcTree of the same map.
-// In `detail`: how often ours is wrong against brute force, and what its first stage alone would refuse.
+// Many in one call: uniform, near contact, and along slow motions; beside what spheres side by side alone
+// decide. In `detail`: how often ours is wrong against brute force, and what its first stage alone would
+// refuse.
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/peers/brute_force.hpp"
+#include "apps/bench/worlds/panda_variants.hpp"
+#include "planning/batch/configuration_block.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
 #include "planning/space/body_collision.hpp"
+#include "planning/space/collision_model.hpp"
 
 namespace clearway::bench {
 namespace {
@@ -71,7 +76,6 @@ double refused_by_spheres(const Robot& robot, const Snapshot& map, const std::ve
 /// One arm: both on the same configurations.
 struct ArmRates {
   Pair per_second;
-  double together = 0.0;  ///< ours, many in one call
   double free_percent = 0.0;
 };
 
@@ -89,16 +93,118 @@ ArmRates measure_arm(const ConfigurationSpace& space, const std::vector<Configur
   ArmRates rates;
   rates.per_second = interleave(
       options, [&] { return rate(space); }, [&] { return rate(fcl); });
-  std::vector<double> together;
-  for (int run = 0; run < options.runs; ++run) {
-    std::vector<bool> answers;
-    const double seconds = cpu_seconds([&] { answers = space.is_free(list); });
-    together.push_back(static_cast<double>(answers.size()) / seconds);
-  }
-  rates.together = median(together);
   rate(space);
   rates.free_percent = 100.0 * static_cast<double>(free) / static_cast<double>(list.size());
   return rates;
+}
+
+constexpr std::size_t drawn = 2'000;
+
+std::vector<Configuration> uniform(const ConfigurationSpace& space) {
+  Dice dice(1);
+  std::vector<Configuration> list(drawn);
+  for (Configuration& q : list) q = dice.configuration(space.robot());
+  return list;
+}
+
+/// Both ends of what is left of ways from free to blocked configurations, halved eight times: a few
+/// millimetres from touching.
+std::vector<Configuration> near_contact(const ConfigurationSpace& space) {
+  Dice dice(2);
+  std::vector<Configuration> list;
+  while (list.size() < drawn) {
+    Configuration free = dice.configuration(space.robot()), blocked = dice.configuration(space.robot());
+    if (!space.is_free(free) || space.is_free(blocked)) continue;
+    for (int k = 0; k < 8; ++k) {
+      const Configuration middle = (free + blocked) / 2;
+      (space.is_free(middle) ? free : blocked) = middle;
+    }
+    list.push_back(free);
+    list.push_back(blocked);
+  }
+  return list;
+}
+
+/// A hundred on each of some straight ways between uniform ones.
+std::vector<Configuration> along_ways(const ConfigurationSpace& space) {
+  Dice dice(4);
+  std::vector<Configuration> list;
+  while (list.size() < drawn) {
+    const Configuration from = dice.configuration(space.robot()), to = dice.configuration(space.robot());
+    for (int k = 0; k < 100; ++k) list.push_back(from + k / 100.0 * (to - from));
+  }
+  return list;
+}
+
+/// Many in one call.
+struct SpanRates {
+  double exact = 0.0, conservative = 0.0;  ///< per s; what is not decided counts as not free for the latter
+  double free = 0.0, undecided = 0.0;      ///< percent; by the former, by the latter
+};
+
+SpanRates measure_spans(const ConfigurationSpace& space, const std::vector<Configuration>& list, int runs) {
+  const SphereRobot& spheres = *space.collision_model().spheres;
+  ConfigurationBlock block(spheres);
+  const auto count = static_cast<double>(list.size());
+  SpanRates rates;
+  std::vector<double> exact, conservative;
+  for (int run = 0; run < runs; ++run) {
+    std::vector<bool> answers;
+    exact.push_back(count / cpu_seconds([&] { answers = space.is_free(list); }));
+    rates.free = 100.0 * static_cast<double>(std::count(answers.begin(), answers.end(), true)) / count;
+    std::size_t undecided = 0;
+    conservative.push_back(
+        count / cpu_seconds([&] {
+          for (std::size_t first = 0; first < list.size(); first += ConfigurationBlock::most) {
+            block.clear();
+            for (std::size_t i = first; i < std::min(list.size(), first + ConfigurationBlock::most); ++i)
+              block.add(list[i]);
+            look(spheres, block);
+            undecided += block.undecided();
+          }
+        }));
+    rates.undecided = 100.0 * static_cast<double>(undecided) / count;
+  }
+  rates.exact = median(exact);
+  rates.conservative = median(conservative);
+  return rates;
+}
+
+/// Rows of the table of spans, for one robot.
+void add_spans(const std::string& name, const ConfigurationSpace& space, int runs, Table& table,
+               nlohmann::ordered_json& detail) {
+  const auto balls = static_cast<double>(space.collision_model().spheres->tree.leaves.size());
+  const std::pair<const char*, std::vector<Configuration>> draws[] = {
+      {"uniform", uniform(space)}, {"near contact", near_contact(space)}, {"along ways", along_ways(space)}};
+  for (const auto& [draw, list] : draws) {
+    const SpanRates rates = measure_spans(space, list, runs);
+    const double each = 1e9 / rates.conservative / balls;
+    detail[draw] = {{"exact_per_s", rates.exact},
+                    {"conservative_per_s", rates.conservative},
+                    {"undecided_percent", rates.undecided},
+                    {"free_percent", rates.free},
+                    {"balls", balls},
+                    {"ns_a_ball", each}};
+    table.rows.push_back({name, draw, figure(rates.exact), figure(rates.conservative),
+                          figure(rates.undecided) + " %", figure(rates.free) + " %", figure(balls),
+                          figure(each)});
+  }
+}
+
+/// Robots to measure; the less is judged of those that brute force is slow for.
+struct NamedRobot {
+  std::string name;
+  Robot robot;
+  int judged_runs;
+};
+
+std::vector<NamedRobot> robots(int runs) {
+  std::vector<NamedRobot> list;
+  for (const char* name : {"puma560", "panda", "arm6"}) list.push_back({name, load_robot(name), runs});
+  const int fewer = std::max(1, runs / 5);
+  list.push_back({"panda of 59 spheres", panda_of_spheres(59), fewer});
+  list.push_back({"panda of meshes", panda_of_meshes(), fewer});
+  return list;
 }
 
 std::vector<std::string> agreement_row(const std::string& name, const nlohmann::ordered_json& told) {
@@ -113,18 +219,22 @@ BenchResult bench_checks(const BenchOptions& options) {
   const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
   BenchResult result{0.0, 0.0, "FCL shapes on fcl::OcTree", "configurations/s", false, options.runs, {}};
   result.detail = {{"resolution", resolution}};
-  Table speed{"",
-              {"robot", "ours, per s", "many in one call, per s", "FCL, per s", "ratio", "free",
-               "free, but refused by balls alone"},
-              {}};
+  Table speed{
+      "", {"robot", "ours, per s", "FCL, per s", "ratio", "free", "free, but refused by balls alone"}, {}};
+  Table spans{
+      "Many in one call; beside it what spheres side by side decide alone, all else refused. A ball: of "
+      "those that cover the robot, most of which are never looked up:",
+      {"robot", "configurations", "exact, per s", "by spheres alone, per s", "undecided", "free", "balls",
+       "ns a ball"},
+      {}};
   Table errors{
       "Against brute force, every body against every blocked cube near it, three choices of policies:",
       {"configurations", "checked", "touching but accepted", "free but refused",
        "these at most from touching, um"},
       {}};
   double occupied = 0.0;
-  for (const char* name : {"puma560", "panda", "arm6"}) {
-    const Robot robot = load_robot(name);
+  for (const auto& [name, robot, judged_runs] : robots(options.runs)) {
+    options.say("measuring " + name);
     const Snapshot map = ArmWorld{.resolution = resolution,
                                   .half = 1.2,
                                   .gap = resolution,
@@ -132,32 +242,30 @@ BenchResult bench_checks(const BenchOptions& options) {
                                   .critical = robot.critical_parts}
                              .snapshot(robot);
     const ConfigurationSpace space(robot, map, {.critical_by_default = false});
-    Dice dice(1);
-    std::vector<Configuration> list(2'000);
-    for (Configuration& q : list) q = dice.configuration(robot);
+    const std::vector<Configuration> list = uniform(space);
     const ArmRates rates = measure_arm(space, list, options);
-    options.say(std::string("judging ") + name);
+    options.say("judging " + name);
     const double by_spheres = refused_by_spheres(robot, map, list);
-    const auto judged = count_errors(robot, map, options.runs);
+    const auto judged = count_errors(robot, map, judged_runs);
     occupied = static_cast<double>(map.counts().occupied);
-    result.detail[name] = {
-        {"ours_per_s", rates.per_second.ours}, {"ours_together_per_s", rates.together},
-        {"peer_per_s", rates.per_second.peer}, {"occupied_voxels", occupied},
-        {"free_percent", rates.free_percent},  {"free_but_refused_by_balls_alone_percent", by_spheres},
-        {"against_brute_force", judged}};
+    result.detail[name] = {{"ours_per_s", rates.per_second.ours},
+                           {"peer_per_s", rates.per_second.peer},
+                           {"occupied_voxels", occupied},
+                           {"free_percent", rates.free_percent},
+                           {"free_but_refused_by_balls_alone_percent", by_spheres},
+                           {"against_brute_force", judged}};
+    add_spans(name, space, options.runs, spans, result.detail[name]["together"]);
     const double ratio = rates.per_second.ours / rates.per_second.peer;
-    speed.rows.push_back({name, figure(rates.per_second.ours), figure(rates.together),
-                          figure(rates.per_second.peer), figure(ratio), figure(rates.free_percent) + " %",
-                          figure(by_spheres) + " %"});
-    errors.rows.push_back(agreement_row(std::string(name) + ", uniform", judged["uniform"]));
-    errors.rows.push_back(
-        agreement_row(std::string(name) + ", some 10 um from touching", judged["borderline"]));
+    speed.rows.push_back({name, figure(rates.per_second.ours), figure(rates.per_second.peer), figure(ratio),
+                          figure(rates.free_percent) + " %", figure(by_spheres) + " %"});
+    errors.rows.push_back(agreement_row(name + ", uniform", judged["uniform"]));
+    errors.rows.push_back(agreement_row(name + ", some 10 um from touching", judged["borderline"]));
     if (result.ours == 0.0 || ratio < result.ratio()) {
       result.ours = rates.per_second.ours;
       result.peer = rates.per_second.peer;
     }
   }
-  result.tables = {speed, errors};
+  result.tables = {speed, spans, errors};
   result.compared =
       "2,000 random configurations in a furnished room of " + count_text(occupied) + " occupied voxels at " +
       length_text(resolution) +

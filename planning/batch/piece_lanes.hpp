@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapping/system/instruction_set.hpp"
+#include "planning/batch/lanes.hpp"
 #include "planning/batch/sphere_robot.hpp"
 
 namespace clearway {
@@ -13,14 +14,10 @@ namespace clearway {
 /// Pieces of edges that are looked at side by side: lanes. On each piece the joints move at constant speed
 /// from `q - step` to `q + step`; a piece without a step is one configuration.
 struct PieceLanes {
-  static constexpr int count = 16;
-  struct alignas(64) Floats {
-    float at[count];
-  };
-  struct alignas(64) Doubles {
-    double at[count];
-  };
-  using Lanes = std::uint16_t;  ///< a bit a lane
+  static constexpr int count = lane_count;
+  using Floats = LaneFloats;
+  using Doubles = LaneDoubles;
+  using Lanes = LaneBits;
 
   explicit PieceLanes(const SphereRobot& robot);
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "mapping/field/byte_field.hpp"
+#include "planning/geometry/convex_hull.hpp"
 
 namespace clearway {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 constexpr double largest_length = 100.0;  ///< metres; there rounding takes some mm from what can be proved
 constexpr double rounding_of_float = 6e-8;
 constexpr int balls_a_cluster = 8;
+constexpr double most_excess = 0.25;  ///< voxels that spheres may stand out of a small box
 
 using Ball = SphereRobot::Ball;
 
@@ -29,19 +31,20 @@ void store(const Eigen::Matrix3d& rotation, float* rows) {
 
 Eigen::Vector3d center(const Ball& ball) { return {ball.x, ball.y, ball.z}; }
 
-/// A sphere around spheres.
-Ball around(std::span<const Ball> balls) {
-  Eigen::AlignedBox3d box;
-  for (const Ball& ball : balls) box.extend(center(ball));
-  Ball bound{0, 0, 0, -1};
-  if (balls.empty()) return bound;
-  const Eigen::Vector3f middle = box.center().cast<float>();
-  bound = {middle.x(), middle.y(), middle.z(), 0};
-  double radius = 0.0;
-  for (const Ball& ball : balls)
-    radius = std::max(radius, (center(ball) - middle.cast<double>()).norm() + ball.radius);
-  bound.radius = static_cast<float>(radius * (1.0 + 2.0 * rounding_of_float));
-  return bound;
+/// A sphere about each cell of the box, cut so often along its axes; link frame.
+std::vector<Sphere> cells_of(const Body& box, const Eigen::Vector3i& counts) {
+  const Eigen::Vector3d cell = box.shape.edges().cwiseQuotient(counts.cast<double>());
+  std::vector<Sphere> spheres;
+  for (int x = 0; x < counts.x(); ++x) {
+    for (int y = 0; y < counts.y(); ++y) {
+      for (int z = 0; z < counts.z(); ++z) {
+        const Eigen::Vector3d at = cell.cwiseProduct(Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5));
+        spheres.push_back(
+            {box.link_from_shape * (at - box.shape.edges() / 2), cell.norm() / 2 * (1.0 + 1e-9)});
+      }
+    }
+  }
+  return spheres;
 }
 
 /// Makes a SphereRobot step by step.
@@ -62,8 +65,9 @@ class Maker {
     place_fields();
     place_balls();
     bound_levers();
-    if (!is_small_) return nullptr;
+    if (!is_small_ || !is_covered_) return nullptr;
     pair_up();
+    grow_trees();
     // Each frame's rotation and translation is rounded a dozen times, and so are values, sums and velocities.
     out_.slack = static_cast<float>(64.0 * rounding_of_float * static_cast<double>(out_.frames.size() + 2) *
                                     std::max(size_, 1e-3));
@@ -150,33 +154,39 @@ class Maker {
     for (std::size_t i = 0; i < out_.frames.size(); ++i) {
       const auto first = std::lower_bound(out_.frame_of.begin(), out_.frame_of.end(), static_cast<int>(i));
       const auto last = std::upper_bound(first, out_.frame_of.end(), static_cast<int>(i));
-      out_.bounds.push_back(around(std::span(out_.balls)
-                                       .subspan(static_cast<std::size_t>(first - out_.frame_of.begin()),
-                                                static_cast<std::size_t>(last - first))));
+      out_.bounds.push_back(
+          sphere_around(std::span(out_.balls)
+                            .subspan(static_cast<std::size_t>(first - out_.frame_of.begin()),
+                                     static_cast<std::size_t>(last - first))));
     }
   }
 
   void add(std::size_t index, int frame, int member) {
     const Body& body = robot_.bodies[index];
+    const double resolution = bodies_.empty() ? 0.0 : bodies_.front().space->resolution();
+    const std::vector<Sphere> cover = lane_cover(body, resolution);
+    is_covered_ = is_covered_ && !cover.empty();
     const Eigen::Isometry3d& frame_from_link = frame_from_link_[static_cast<std::size_t>(body.link)];
     const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
     const int first = static_cast<int>(out_.balls.size());
-    for (const Sphere& sphere : body.cover) {
+    std::optional<HullPlanes> planes;
+    if (!body.shape.has_exact_distance()) planes.emplace(body.shape.vertices());
+    for (const Sphere& sphere : cover) {
       const Eigen::Vector3f at = (frame_from_link * sphere.center).cast<float>();
       out_.balls.push_back(
           {at.x(), at.y(), at.z(), static_cast<float>(sphere.radius * (1.0 + 2.0 * rounding_of_float))});
       out_.member.push_back(member);
       out_.frame_of.push_back(frame);
-      const bool is_exact = body.shape.kind() != Shape::Kind::convex;  // else the box around it is measured
-      const double inner = is_exact ? -body.shape.signed_distance(shape_from_link * sphere.center) : 0.0;
+      const Eigen::Vector3d point = shape_from_link * sphere.center;
+      const double inner = planes ? planes->inner_radius(point) : -body.shape.signed_distance(point);
       out_.inner.push_back(static_cast<float>(inner * (1.0 - 2.0 * rounding_of_float)));
     }
     const int last = static_cast<int>(out_.balls.size());
-    out_.body_bounds[index] = around(balls_of({first, last}));
+    out_.body_bounds[index] = sphere_around(balls_of({first, last}));
     out_.bodies[index].first = static_cast<int>(out_.clusters.size());
     for (int ball = first; ball < last; ball += balls_a_cluster) {
       const int end = std::min(ball + balls_a_cluster, last);
-      out_.clusters.push_back({ball, end, around(balls_of({ball, end}))});
+      out_.clusters.push_back({ball, end, sphere_around(balls_of({ball, end}))});
     }
     out_.bodies[index].last = static_cast<int>(out_.clusters.size());
   }
@@ -199,7 +209,7 @@ class Maker {
       while (last < count && frame(ball(last)) == frame(of) && field(ball(last)) == field(of)) ++last;
       if (field(of) < 0) continue;
       const int end = out_.clusters[static_cast<std::size_t>(last - 1)].last;
-      out_.groups.push_back({frame(of), field(of), first, last, around(balls_of({of, end}))});
+      out_.groups.push_back({frame(of), field(of), first, last, sphere_around(balls_of({of, end}))});
     }
     std::reverse(out_.groups.begin(), out_.groups.end());
   }
@@ -281,10 +291,89 @@ class Maker {
       const int index = static_cast<int>(out_.body_pairs.size());
       if (out_.frame_pairs.empty() || out_.frame_pairs.back().a != told.a ||
           out_.frame_pairs.back().b != told.b)
-        out_.frame_pairs.push_back({told.a, told.b, meeting(told.a, told.b), index, index});
+        out_.frame_pairs.push_back({told.a, told.b, meeting(told.a, told.b), index, index, nullptr});
       ++out_.frame_pairs.back().last;
       out_.body_pairs.push_back(told.pair);
     }
+  }
+
+  /// The balls in trees: one for each frame and field, the last frames first.
+  void grow_trees() {
+    std::vector<int> body_of(out_.clusters.size());
+    for (std::size_t body = 0; body < out_.bodies.size(); ++body) {
+      for (int i = out_.bodies[body].first; i < out_.bodies[body].last; ++i)
+        body_of[static_cast<std::size_t>(i)] = static_cast<int>(body);
+    }
+    std::vector<std::vector<BallTree::Leaf>> leaves;  // of each branch
+    for (std::size_t i = out_.clusters.size(); i-- > 0;) {
+      const SphereRobot::Cluster& cluster = out_.clusters[i];
+      for (int k = cluster.first; k < cluster.last; ++k) {
+        const auto ball = static_cast<std::size_t>(k);
+        const std::size_t branch = branch_of(ball);
+        if (branch == leaves.size()) leaves.emplace_back();
+        leaves[branch].push_back({out_.balls[ball], out_.inner[ball], body_of[i], out_.member[ball]});
+      }
+    }
+    for (std::size_t i = 0; i < leaves.size(); ++i) out_.branches[i].root = out_.tree.add(leaves[i]);
+    pair_branches();
+  }
+
+  /// Of each two branches that hold bodies of a pair, and which pair two bodies are.
+  void pair_branches() {
+    const std::size_t count = out_.bodies.size();
+    out_.pair_member.assign(count * count, -1);
+    std::vector<std::size_t> branches(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto cluster = static_cast<std::size_t>(out_.bodies[i].first);
+      branches[i] = branch_of(static_cast<std::size_t>(out_.clusters[cluster].first));
+    }
+    std::vector<std::vector<BodyPair>> bodies;  // of each pair of branches
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const auto a = static_cast<std::size_t>(pairs_[i].first),
+                 b = static_cast<std::size_t>(pairs_[i].second);
+      out_.pair_member[a * count + b] = out_.pair_member[b * count + a] =
+          static_cast<int>(bodies_.size() + i);
+      const int first = static_cast<int>(std::max(branches[a], branches[b]));
+      const int second = static_cast<int>(std::min(branches[a], branches[b]));
+      std::size_t known = 0;
+      while (known < bodies.size() &&
+             (out_.branch_pairs[known].a != first || out_.branch_pairs[known].b != second))
+        ++known;
+      if (known == bodies.size()) {
+        bodies.emplace_back();
+        out_.branch_pairs.push_back({first, second, nullptr});
+      }
+      bodies[known].push_back(pairs_[i]);
+    }
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      out_.branch_pairs[i].table = PairTable::of(robot_, std::move(bodies[i]));
+    share_tables();
+  }
+
+  /// Two frames that are one branch each have the table of these.
+  void share_tables() {
+    const auto branches_at = [&](int frame) {
+      return std::count_if(out_.branches.begin(), out_.branches.end(),
+                           [&](const SphereRobot::Branch& branch) { return branch.frame == frame; });
+    };
+    for (const SphereRobot::BranchPair& pair : out_.branch_pairs) {
+      const int a = out_.branches[static_cast<std::size_t>(pair.a)].frame;
+      const int b = out_.branches[static_cast<std::size_t>(pair.b)].frame;
+      if (branches_at(a) != 1 || branches_at(b) != 1) continue;
+      for (SphereRobot::FramePair& frames : out_.frame_pairs) {
+        if (std::minmax({frames.a, frames.b}) == std::minmax({a, b})) frames.table = pair.table;
+      }
+    }
+  }
+
+  std::size_t branch_of(std::size_t ball) {
+    const int frame = out_.frame_of[ball], member = out_.member[ball];
+    const int field = member < 0 ? -1 : field_of_[static_cast<std::size_t>(member)];
+    std::size_t i = 0;
+    while (i < out_.branches.size() && (out_.branches[i].frame != frame || out_.branches[i].field != field))
+      ++i;
+    if (i == out_.branches.size()) out_.branches.push_back({frame, field, 0});
+    return i;
   }
 
   const Robot& robot_;
@@ -296,9 +385,24 @@ class Maker {
   std::vector<int> field_of_;  ///< of each body that was given
   double size_ = 0.0;          ///< no coordinate is larger, metres
   bool is_small_ = true;       ///< nor larger than is of use
+  bool is_covered_ = true;     ///< all bodies, by spheres
 };
 
 }  // namespace
+
+std::vector<Sphere> lane_cover(const Body& body, double resolution) {
+  if (body.shape.kind() != Shape::Kind::box) return body.cover;
+  Eigen::Vector3i counts = Eigen::Vector3i::Ones();
+  while (counts.prod() < static_cast<int>(body.cover.size())) {
+    const Eigen::Vector3d cell = body.shape.edges().cwiseQuotient(counts.cast<double>());
+    const double stands_out = (cell.norm() - cell.minCoeff()) / 2;
+    if (stands_out < most_excess * resolution) return cells_of(body, counts);
+    int longest = 0;
+    cell.maxCoeff(&longest);
+    ++counts[longest];
+  }
+  return body.cover;
+}
 
 std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
                                                 std::span<const BodyPair> pairs, double padding) {

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,6 +13,8 @@
 #include <vector>
 
 #include "mapping/field/blocked_space.hpp"
+#include "planning/batch/ball_tree.hpp"
+#include "planning/batch/pair_table.hpp"
 #include "planning/robot/robot.hpp"
 #include "planning/robot/self_collision.hpp"
 
@@ -38,9 +42,7 @@ struct SphereRobot {
     float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
     float translation[3] = {};
   };
-  struct Ball {
-    float x = 0, y = 0, z = 0, radius = 0;
-  };
+  using Ball = BallTree::Ball;
   /// A field of blocked voxels and where its first cell's corner is, seen from the robot's base.
   struct Field {
     const ByteField* bytes = nullptr;
@@ -56,10 +58,20 @@ struct SphereRobot {
     int frame = 0, field = 0, first = 0, last = 0;
     Ball bound;
   };
+  /// The tree of all balls of one frame that are looked up in one field, -1: in none.
+  struct Branch {
+    int frame = 0, field = 0, root = 0;
+  };
+  /// Branches that hold bodies which must not touch.
+  struct BranchPair {
+    int a = 0, b = 0;
+    std::shared_ptr<const PairTable> table;  ///< of all these bodies; may be null
+  };
   /// Pairs of bodies, first to last - 1 of `body_pairs`, of two frames. `meet` is the last frame that moves
   /// both: what happens between them is seen from there.
   struct FramePair {
     int a = 0, b = 0, meet = 0, first = 0, last = 0;
+    std::shared_ptr<const PairTable> table;  ///< of all these bodies; may be null
   };
   struct Pair {
     int a = 0, b = 0, member = 0;  ///< bodies of the robot, and what CollisionModel calls the pair
@@ -82,9 +94,13 @@ struct SphereRobot {
   std::vector<Ball> body_bounds;
   std::vector<FramePair> frame_pairs;
   std::vector<Pair> body_pairs;
-  float base[9] = {};        ///< rotation of the robot's base in the map, row by row
-  float padding = 0;         ///< metres
-  float slack = 0;           ///< no rounding at single precision puts a sphere farther off, metres
+  BallTree tree;                 ///< the balls once more
+  std::vector<Branch> branches;  ///< those of the last frames first
+  std::vector<BranchPair> branch_pairs;
+  std::vector<int> pair_member;  ///< [a * bodies + b] of two bodies of the robot; -1: they may touch
+  float base[9] = {};            ///< rotation of the robot's base in the map, row by row
+  float padding = 0;             ///< metres
+  float slack = 0;               ///< no rounding at single precision puts a sphere farther off, metres
   std::vector<float> lever;  ///< [frame * frames + mover]: no sphere's middle gets farther from the mover's
                              ///< axis, metres; of one that slides 1
   double steepest = 0, farthest_offset = 0;  ///< largest |multiplier| and |offset| of the frames
@@ -96,21 +112,39 @@ struct SphereRobot {
     return q.size() == 0 || steepest * q.cwiseAbs().maxCoeff() + farthest_offset < 1e6;
   }
 
+  int member_of_pair(int a, int b) const {
+    return pair_member[static_cast<std::size_t>(a) * bodies.size() + static_cast<std::size_t>(b)];
+  }
+
   float lever_of(std::size_t frame, std::size_t mover) const { return lever[frame * frames.size() + mover]; }
 };
 
-/// What this thread keeps for the robot that it asked for last: an object made of it.
+/// What this thread keeps for the robot: an object made of it. It keeps those of the last few robots that it
+/// asked for; what it gave for another one may go.
 template <class Kept>
 Kept& of_this_thread(const SphereRobot& robot) {
-  thread_local std::optional<Kept> kept;
-  thread_local std::uint64_t id = 0;
-  if (!kept || id != robot.id) kept.emplace(robot);
-  id = robot.id;
-  return *kept;
+  struct Place {
+    std::uint64_t id = 0;
+    std::unique_ptr<Kept> kept;
+  };
+  thread_local std::array<Place, 6> places;
+  const auto known =
+      std::find_if(places.begin(), places.end(), [&](const Place& place) { return place.id == robot.id; });
+  if (known == places.begin()) return *known->kept;
+  const bool is_new = known == places.end();
+  const auto last = is_new ? places.end() - 1 : known;
+  if (is_new) *last = {robot.id, std::make_unique<Kept>(robot)};
+  std::rotate(places.begin(), last, last + 1);
+  return *places.front().kept;
 }
 
+/// Spheres in the link's frame that cover the body: its own, or fewer for a box that is small beside a voxel
+/// of that edge (metres), of which these would say more than a look at voxels can tell.
+std::vector<Sphere> lane_cover(const Body& body, double resolution);
+
 /// Null when the robot or the map is too large or too far away for single precision to be of use.
-/// @param bodies those that some joint moves. @param pairs of bodies of the robot, members after the bodies
+/// @param robot must outlive the result. @param bodies those that some joint moves. @param pairs of bodies of
+/// the robot, members after the bodies
 std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
                                                 std::span<const BodyPair> pairs, double padding);
 

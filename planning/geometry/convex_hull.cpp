@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -99,6 +100,55 @@ std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d
     }
   });
   return triangles;
+}
+
+namespace {
+
+/// Whether each side of a triangle is a side of exactly one other, the other way round.
+bool is_closed(const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<std::pair<int, int>> sides, back;
+  for (const std::array<int, 3>& corners : triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      sides.emplace_back(corners[i], corners[(i + 1) % 3]);
+      back.emplace_back(corners[(i + 1) % 3], corners[i]);
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  std::sort(back.begin(), back.end());
+  return std::adjacent_find(sides.begin(), sides.end()) == sides.end() && sides == back;
+}
+
+}  // namespace
+
+HullPlanes::HullPlanes(const std::vector<Eigen::Vector3d>& points) {
+  const std::vector<std::array<int, 3>> triangles = hull_triangles(points);
+  if (triangles.size() < 4 || !is_closed(triangles)) return;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : points) box.extend(point);
+  const double margin = 1e-6 * box.sizes().maxCoeff();
+  for (const auto& [a, b, c] : triangles) {
+    const auto at = [&](int i) -> const Eigen::Vector3d& { return points[static_cast<std::size_t>(i)]; };
+    const Eigen::Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
+    const double offset = std::min({normal.dot(at(a)), normal.dot(at(b)), normal.dot(at(c))});
+    const bool is_outer = std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
+      return normal.dot(point) <= offset + margin;  // false for a triangle of no size
+    });
+    if (!is_outer) {
+      normals_.clear();
+      offsets_.clear();
+      return;
+    }
+    normals_.push_back(normal);
+    offsets_.push_back(offset - margin);
+  }
+}
+
+double HullPlanes::inner_radius(const Eigen::Vector3d& point) const {
+  if (normals_.empty()) return 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < normals_.size(); ++i)
+    least = std::min(least, offsets_[i] - normals_[i].dot(point));
+  return least;
 }
 
 }  // namespace clearway

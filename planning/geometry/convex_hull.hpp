@@ -14,4 +14,19 @@ std::vector<Eigen::Vector3d> hull_corners(std::vector<Eigen::Vector3d> points);
 /// points that span no volume. For drawing; collision queries need the corners only.
 std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d>& points);
 
+/// The planes of the hull's faces, for spheres inside it.
+class HullPlanes {
+ public:
+  /// Knows nothing where the points span no volume or qhull's faces do not close.
+  explicit HullPlanes(const std::vector<Eigen::Vector3d>& points);
+
+  /// A sphere of this radius about the point lies in the hull; <= 0: none is known. It falls short of the
+  /// largest by a millionth of the hull's size.
+  double inner_radius(const Eigen::Vector3d& point) const;
+
+ private:
+  std::vector<Eigen::Vector3d> normals_;  ///< outwards
+  std::vector<double> offsets_;           ///< normal * x <= offset inside
+};
+
 }  // namespace clearway

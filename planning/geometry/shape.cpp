@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/geometry/farthest_vertex.hpp"
 
 namespace clearway {
 namespace {
@@ -95,16 +96,7 @@ Eigen::Vector3d Shape::support(const Eigen::Vector3d& direction) const {
     case Kind::convex:
       break;
   }
-  std::size_t best = 0;
-  double best_dot = direction.dot(vertices_.front());
-  for (std::size_t i = 1; i < vertices_.size(); ++i) {
-    const double dot = direction.dot(vertices_[i]);
-    if (dot > best_dot) {
-      best = i;
-      best_dot = dot;
-    }
-  }
-  return vertices_[best];
+  return vertices_[farthest_vertex(vertices_, direction)];
 }
 
 Eigen::AlignedBox3d Shape::bounds(const Eigen::Isometry3d& pose) const {
@@ -147,9 +139,7 @@ double Shape::bounding_radius() const {
     case Kind::convex:
       break;
   }
-  double squared = 0.0;
-  for (const Eigen::Vector3d& vertex : vertices_) squared = std::max(squared, vertex.squaredNorm());
-  return std::sqrt(squared);
+  return std::sqrt(largest_squared_norm(vertices_));
 }
 
 Sphere Shape::bounding_sphere() const {

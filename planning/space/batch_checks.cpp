@@ -1,68 +1,75 @@
-// Many configurations or edges at once: ConfigurationSpace::is_free and is_edge_free of spans.
+// Configurations, one or many, and many edges: ConfigurationSpace::is_free, and is_edge_free of spans.
 
 #include <algorithm>
 #include <cstddef>
 
-#include "planning/batch/piece_lanes.hpp"
+#include "planning/batch/configuration_block.hpp"
 #include "planning/space/collision_model.hpp"
 
 namespace clearway {
 namespace {
 
-/// The configurations at some places of a list, one lane each; idle lanes repeat the first.
-void put(std::span<const Configuration> qs, std::span<const std::size_t> places, PieceLanes& lanes) {
-  for (std::size_t lane = 0; lane < PieceLanes::count; ++lane) {
-    const Configuration& q = qs[places[lane < places.size() ? lane : 0]];
-    for (std::size_t j = 0; j < lanes.q.size(); ++j) lanes.q[j].at[lane] = q[static_cast<Eigen::Index>(j)];
-  }
-  lanes.want_all(static_cast<int>(places.size()));
-}
-
-/// What spheres could not tell of a lane, by shapes.
-bool is_free_by_shapes(const CollisionModel& model, const Configuration& q, const PieceLanes& lanes,
-                       std::size_t lane) {
+/// What spheres could not tell of a configuration of the block, by shapes.
+bool is_rest_free(const CollisionModel& model, const Configuration& q, const ConfigurationBlock& block,
+                  std::size_t place) {
   thread_local LinkPoses poses;
   forward_kinematics(model.robot, q, poses);
   const std::size_t bodies = model.bodies.size();
-  return std::all_of(lanes.members.begin(), lanes.members.end(), [&](int member) {
+  return std::all_of(block.members.begin(), block.members.end(), [&](int member) {
     const auto i = static_cast<std::size_t>(member);
-    if ((lanes.failed[i] >> lane & 1U) == 0) return true;
+    if (!ConfigurationBlock::holds(block.failed[i], place)) return true;
     return i < bodies ? model.bodies[i].is_clear(model.pose(poses, i), model.options.padding)
                       : is_apart(model.robot, model.pairs[i - bodies], poses, 0.0);
   });
 }
 
+/// What a look at the block found of a configuration in it, and what shapes say where that does not tell.
+bool is_found_free(const CollisionModel& model, const Configuration& q, const ConfigurationBlock& block,
+                   const ConfigurationBlock::Places& failing, std::size_t place) {
+  if (ConfigurationBlock::holds(block.blocked, place)) return false;
+  return !ConfigurationBlock::holds(failing, place) || is_rest_free(model, q, block, place);
+}
+
 }  // namespace
+
+bool ConfigurationSpace::is_free(const Configuration& q) const {
+  const CollisionModel& model = *model_;
+  if (!model.is_within_limits(q)) return false;
+  if (!model.spheres || !model.spheres->suits(q)) return model.is_free_by_shapes(q);
+  ConfigurationBlock& block = of_this_thread<ConfigurationBlock>(*model.spheres);
+  block.clear();
+  block.add(q);
+  look(*model.spheres, block);
+  return is_found_free(model, q, block, block.failing(), 0);
+}
 
 std::vector<bool> ConfigurationSpace::is_free(std::span<const Configuration> qs) const {
   const CollisionModel& model = *model_;
   std::vector<bool> free(qs.size(), false);
   if (!model.spheres) {
-    for (std::size_t i = 0; i < qs.size(); ++i) free[i] = is_free(qs[i]);
+    for (std::size_t i = 0; i < qs.size(); ++i) free[i] = model.is_free_by_shapes(qs[i]);
     return free;
   }
-  PieceLanes& lanes = of_this_thread<PieceLanes>(*model.spheres);
-  lanes.moving = false;
+  ConfigurationBlock& block = of_this_thread<ConfigurationBlock>(*model.spheres);
+  block.clear();
   std::vector<std::size_t> places;  // of the configurations that are looked at together
   const auto judge = [&] {
-    put(qs, places, lanes);
-    look(*model.spheres, lanes);
-    const unsigned failing = lanes.failing();
-    for (std::size_t lane = 0; lane < places.size(); ++lane) {
-      const bool is_open = (failing >> lane & 1U) != 0, is_blocked = (lanes.blocked >> lane & 1U) != 0;
-      const Configuration& q = qs[places[lane]];
-      free[places[lane]] = !is_open || (!is_blocked && is_free_by_shapes(model, q, lanes, lane));
-    }
+    look(*model.spheres, block);
+    const ConfigurationBlock::Places failing = block.failing();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      free[places[i]] = is_found_free(model, qs[places[i]], block, failing, i);
     places.clear();
+    block.clear();
   };
   for (std::size_t i = 0; i < qs.size(); ++i) {
     if (!model.is_within_limits(qs[i])) continue;
     if (!model.spheres->suits(qs[i])) {
-      free[i] = is_free(qs[i]);
+      free[i] = model.is_free_by_shapes(qs[i]);
       continue;
     }
     places.push_back(i);
-    if (places.size() == PieceLanes::count) judge();
+    block.add(qs[i]);
+    if (places.size() == ConfigurationBlock::most) judge();
   }
   if (!places.empty()) judge();
   return free;

@@ -50,6 +50,9 @@ struct CollisionModel {
   /// Right size, finite and within the joint limits.
   bool is_within_limits(const Configuration& q) const;
 
+  /// ConfigurationSpace::is_free by exact shapes from the start, without `spheres`.
+  bool is_free_by_shapes(const Configuration& q) const;
+
   /// Bodies i as i, pairs k as (number of bodies + k).
   std::size_t members() const { return bodies.size() + pairs.size(); }
   /// How far any point of a body moves, or how much a pair approaches, at most per unit of each joint.

@@ -179,16 +179,15 @@ bool CollisionModel::is_within_limits(const Configuration& q) const {
   return true;
 }
 
-bool ConfigurationSpace::is_free(const Configuration& q) const {
-  const CollisionModel& model = *model_;
-  if (!model.is_within_limits(q)) return false;
+bool CollisionModel::is_free_by_shapes(const Configuration& q) const {
+  if (!is_within_limits(q)) return false;
   LinkPoses& poses = scratch_poses();
-  forward_kinematics(model.robot, q, poses);
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    if (!model.bodies[i].is_clear(model.pose(poses, i), model.options.padding)) return false;
+  forward_kinematics(robot, q, poses);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!bodies[i].is_clear(pose(poses, i), options.padding)) return false;
   }
-  return std::all_of(model.pairs.begin(), model.pairs.end(),
-                     [&](const BodyPair& pair) { return is_apart(model.robot, pair, poses, 0.0); });
+  return std::all_of(pairs.begin(), pairs.end(),
+                     [&](const BodyPair& pair) { return is_apart(robot, pair, poses, 0.0); });
 }
 
 double ConfigurationSpace::clearance(const Configuration& q) const {

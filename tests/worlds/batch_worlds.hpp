@@ -2,6 +2,7 @@
 
 // Robots among blocked voxels, for what looks at many configurations at once.
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,10 +15,28 @@
 
 namespace clearway::worlds {
 
-/// Those that come with the program, and small ones with mimic joints, slides and two arms.
+/// The same robot with the hull of some sixty points of its surface for each body.
+inline Robot of_hulls(Robot robot) {
+  for (Body& body : robot.bodies) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 60; ++i) {
+      const double z = 1.0 - (2.0 * i + 1.0) / 60.0, around = std::sqrt(1.0 - z * z), angle = 2.4 * i;
+      points.push_back(body.shape.support({around * std::cos(angle), around * std::sin(angle), z}));
+    }
+    body.shape = Shape::convex(points);
+    body.cover = body.shape.sphere_cover();
+    for (Sphere& sphere : body.cover) sphere.center = body.link_from_shape * sphere.center;
+  }
+  robot.name += " of hulls";
+  return robot;
+}
+
+/// Those that come with the program, one of them with hulls, and small ones with mimic joints, slides and two
+/// arms.
 inline std::vector<Robot> robots_of_all_kinds() {
   std::vector<Robot> robots;
   for (const char* name : {"puma560", "panda", "arm5", "planar2"}) robots.push_back(load_robot(name));
+  robots.push_back(of_hulls(robots.front()));
   robots.push_back(whip().robot());
   robots.push_back(telescope().robot());
   robots.push_back(scissors().robot());

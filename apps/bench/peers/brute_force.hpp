@@ -156,18 +156,20 @@ class BruteForce {
     for (std::size_t i = shapes_.size(); i-- > 0;) {  // the hand first: it touches most
       if (!is_moved(i)) continue;
       const Eigen::Isometry3d pose = place(i, poses);
-      const Eigen::Vector3d half = (shapes_[i]->aabb_local.max_ - shapes_[i]->aabb_local.min_) / 2;
+      const fcl::AABBd& box = shapes_[i]->aabb_local;
+      const Eigen::Vector3d half = (box.max_ - box.min_) / 2, middle = (box.max_ + box.min_) / 2;
+      const Eigen::Vector3d center = pose * middle;  // a hull's is not at its origin
       const Eigen::Isometry3d body_from_map = pose.inverse();
       const Eigen::Vector3d reach = (pose.linear().cwiseAbs() * half).array() + (margin + 1e-6);
-      const VoxelGrid::Cell low = grid_.cell(pose.translation() - reach);
-      const VoxelGrid::Cell high = grid_.cell(pose.translation() + reach);
+      const VoxelGrid::Cell low = grid_.cell(center - reach);
+      const VoxelGrid::Cell high = grid_.cell(center + reach);
       const double near = std::sqrt(0.75) * grid_.edge() + margin + 1e-6;
       for (int z = low.z(); z <= high.z(); ++z) {
         for (int y = low.y(); y <= high.y(); ++y) {
           for (int x = low.x(); x <= high.x(); ++x) {
             if (!grid_.is_blocked({x, y, z}, requirements_[i])) continue;
             const Eigen::Isometry3d cube(Eigen::Translation3d(grid_.center({x, y, z})));
-            const Eigen::Vector3d local = body_from_map * cube.translation();
+            const Eigen::Vector3d local = body_from_map * cube.translation() - middle;
             if ((local.cwiseAbs() - half).cwiseMax(0.0).norm() > near) continue;
             if (test(i, pose, cube)) return true;
           }

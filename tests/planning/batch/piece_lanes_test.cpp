@@ -63,7 +63,7 @@ TEST(PieceLanes, SpheresAreWhereKinematicsHaveThemButForATenthOfTheSlack) {
         const LinkPoses poses = forward_kinematics(model.robot, middle(pieces, lane));
         std::vector<Eigen::Vector3d> expected;  // by frame, field and body: compared as sets, sorted
         for (const Body& body : model.robot.bodies) {
-          for (const Sphere& sphere : body.cover)
+          for (const Sphere& sphere : lane_cover(body, space.map().resolution()))
             expected.push_back(poses[static_cast<std::size_t>(body.link)] * sphere.center -
                                robot.map_from_base.translation());
         }

@@ -54,5 +54,44 @@ TEST(HullTriangles, flat_points_have_no_surface) {
   EXPECT_TRUE(hull_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.5, 0}}).empty());
 }
 
+TEST(HullPlanes, inside_a_box_the_nearest_face_bounds_the_sphere) {
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1.0 : 0.0, i & 2 ? 2.0 : 0.0, i & 4 ? 3.0 : 0.0);
+  const HullPlanes planes(corners);
+  for (const Eigen::Vector3d& point : {Eigen::Vector3d(0.5, 1, 1.5), {0.1, 1, 1}, {0.9, 0.3, 2.8}}) {
+    const double expected = std::min(point.minCoeff(), (Eigen::Vector3d(1, 2, 3) - point).minCoeff());
+    EXPECT_NEAR(planes.inner_radius(point), expected, 4e-6);
+    EXPECT_LT(planes.inner_radius(point), expected);
+  }
+  EXPECT_LT(planes.inner_radius({-0.1, 1, 1}), 0.0);
+}
+
+TEST(HullPlanes, spheres_lie_inside_and_could_not_be_much_larger) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> side(0.0, 1.0);
+  const auto draw = [&] { return Eigen::Vector3d(side(random), side(random), side(random)); };
+  for (int round = 0; round < 30; ++round) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 30; ++i) points.push_back(draw());
+    const HullPlanes planes(points);
+    const Eigen::Vector3d middle = 0.3 * draw();
+    const double radius = planes.inner_radius(middle);
+    double room = 1e9;  // between the middle and the hull's farthest plane in each of many directions
+    for (int i = 0; i < 20'000; ++i) {
+      const Eigen::Vector3d way = draw().normalized();
+      double farthest = -1e9;
+      for (const Eigen::Vector3d& point : points) farthest = std::max(farthest, way.dot(point - middle));
+      room = std::min(room, farthest);
+    }
+    EXPECT_LE(radius, room);
+    EXPECT_NEAR(radius, room, 0.1);
+  }
+}
+
+TEST(HullPlanes, of_flat_points_hold_no_sphere) {
+  const HullPlanes planes({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.5, 0}});
+  EXPECT_LE(planes.inner_radius({0.5, 0.4, 0}), 0.0);
+}
+
 }  // namespace convex_hull_test
 }  // namespace clearway

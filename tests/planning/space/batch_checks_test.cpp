@@ -1,4 +1,4 @@
-// Many configurations at once against one at a time.
+// Many configurations at once against one at a time, and against exact shapes alone.
 
 #include <gtest/gtest.h>
 
@@ -23,6 +23,7 @@ TEST(BatchChecks, ManyConfigurationsAreJudgedAsEachAlone) {
       const std::vector<bool> together = space.is_free(qs);
       ASSERT_EQ(together.size(), qs.size());
       for (std::size_t i = 0; i < qs.size(); ++i) {
+        ASSERT_EQ(together[i], space.collision_model().is_free_by_shapes(qs[i])) << robot.name << " " << i;
         ASSERT_EQ(together[i], space.is_free(qs[i])) << robot.name << " " << i;
         free += together[i];
         ++all;
@@ -34,6 +35,38 @@ TEST(BatchChecks, ManyConfigurationsAreJudgedAsEachAlone) {
   }
   EXPECT_GT(free, all / 10);
   EXPECT_LT(free, all * 9 / 10);
+}
+
+/// Ends of ways from free to blocked configurations, halved until they all but touch.
+std::vector<Configuration> near_contact(const CollisionModel& model, int ways) {
+  Random random(19);
+  std::vector<Configuration> ends;
+  for (int i = 0; i < 100 * ways && ends.size() < static_cast<std::size_t>(2 * ways); ++i) {
+    Configuration free = random.configuration(model.robot), blocked = random.configuration(model.robot);
+    if (!model.is_free_by_shapes(free) || model.is_free_by_shapes(blocked)) continue;
+    for (int k = 0; k < 4 + i % 24; ++k) {
+      const Configuration middle = (free + blocked) / 2;
+      (model.is_free_by_shapes(middle) ? free : blocked) = middle;
+    }
+    ends.push_back(free);
+    ends.push_back(blocked);
+  }
+  return ends;
+}
+
+TEST(BatchChecks, NextToContactTheAnswersAreThoseOfExactShapes) {
+  std::size_t judged = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), {.critical_by_default = false});
+    const std::vector<Configuration> qs = near_contact(space.collision_model(), 60);
+    const std::vector<bool> together = space.is_free(qs);
+    for (std::size_t i = 0; i < qs.size(); ++i) {
+      EXPECT_EQ(together[i], i % 2 == 0) << robot.name << " " << i;
+      EXPECT_EQ(space.is_free(qs[i]), i % 2 == 0) << robot.name << " " << i;
+    }
+    judged += qs.size();
+  }
+  EXPECT_GT(judged, 800U);
 }
 
 TEST(BatchChecks, ManyEdgesAreJudgedAsEachAlone) {

@@ -1,0 +1,62 @@
+#pragma once
+
+// Not part of the installed library.
+
+#include <Eigen/Core>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "planning/robot/self_collision.hpp"
+
+namespace clearway {
+
+/// Bodies of two links that one or two joints alone move against each other, and for each small cell of the
+/// values of these joints whether the bodies are proved apart everywhere in it. Links next but one are near
+/// each other at all times: spheres around them cannot tell what this can. Filled in as it is asked, from
+/// coarse to fine; what a cell says never depends on who asked before. Safe from many threads.
+class PairTable {
+ public:
+  /// Null when more than two joints, none, or one without limits move the bodies against each other.
+  /// @param robot must outlive the table. @param pairs of its bodies, all of the same two links
+  static std::shared_ptr<const PairTable> of(const Robot& robot, std::vector<BodyPair> pairs);
+
+  /// True when all pairs are proved to be apart, by some tenth of a millimetre, in the cell that holds the
+  /// values of the joints; false for values outside the limits.
+  bool is_apart(const std::array<double, 2>& values) const;
+
+  /// The same everywhere between these values, which are the lower and upper ones of each joint; false where
+  /// that is too many cells to look at.
+  bool is_apart(const std::array<double, 2>& lower, const std::array<double, 2>& upper) const;
+
+  /// The joints; the second is -1 when there is only one.
+  const std::array<int, 2>& joints() const { return joints_; }
+
+ private:
+  static constexpr std::array<int, 3> block_edges{16, 4, 1};  ///< cells, from coarse to fine
+  enum State : std::uint8_t { unknown, apart, open };
+  struct Level {
+    int edge = 1;                     ///< of a block, cells
+    std::array<int, 2> counts{1, 1};  ///< of blocks
+    mutable std::vector<std::atomic<std::uint8_t>> states;
+  };
+
+  PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std::array<int, 2>& joints);
+  /// The cell that holds the values; nothing where they are outside the limits.
+  std::optional<std::array<int, 2>> cell_of(const std::array<double, 2>& values) const;
+  bool is_cell_apart(const std::array<int, 2>& cell) const;
+  bool is_block_apart(const Level& level, const std::array<int, 2>& block) const;
+  State prove(const Level& level, const std::array<int, 2>& block) const;
+
+  const Robot& robot_;
+  std::vector<BodyPair> pairs_;
+  std::array<int, 2> joints_;
+  std::array<double, 2> lower_{}, width_{1.0, 1.0};  ///< of the first cell, of a cell
+  std::array<int, 2> cells_{1, 1};
+  std::vector<Level> levels_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,107 @@
+#include "planning/geometry/farthest_vertex.hpp"
+
+#include <algorithm>
+
+#include "mapping/system/highway_targets.hpp"
+#include "mapping/system/instruction_set.hpp"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "planning/geometry/farthest_vertex.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace clearway::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using DoubleTag = hn::CappedTag<double, 8>;
+
+/// x, y, z of so many points in turn, a whole number of registers.
+std::size_t farthest_of(const double* coordinates, std::size_t count, const Eigen::Vector3d& direction,
+                        double& largest) {
+  const DoubleTag d;
+  const auto dx = hn::Set(d, direction.x()), dy = hn::Set(d, direction.y()), dz = hn::Set(d, direction.z());
+  const auto dots = [&](std::size_t first) HWY_ATTR {
+    hn::Vec<DoubleTag> x, y, z;
+    hn::LoadInterleaved3(d, coordinates + 3 * first, x, y, z);
+    return hn::Add(hn::Add(hn::Mul(dx, x), hn::Mul(dy, y)), hn::Mul(dz, z));
+  };
+  auto most = dots(0);
+  for (std::size_t i = hn::Lanes(d); i < count; i += hn::Lanes(d)) most = hn::Max(most, dots(i));
+  largest = hn::GetLane(hn::MaxOfLanes(d, most));
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto found = hn::FindFirstTrue(d, hn::Eq(dots(i), hn::Set(d, largest)));
+    if (found >= 0) return i + static_cast<std::size_t>(found);
+  }
+  return 0;  // none is a number
+}
+
+double largest_norm_of(const double* coordinates, std::size_t count) {
+  const DoubleTag d;
+  auto most = hn::Zero(d);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    hn::Vec<DoubleTag> x, y, z;
+    hn::LoadInterleaved3(d, coordinates + 3 * i, x, y, z);
+    most = hn::Max(most, hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, most));
+}
+
+}  // namespace clearway::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace clearway {
+namespace {
+
+constexpr std::size_t widest = 8;  ///< points in a register at most
+
+InstructionSet machine() {
+  static const InstructionSet vectors = best_instruction_set();
+  return vectors;
+}
+
+std::size_t farthest_of(const std::vector<Eigen::Vector3d>& points, std::size_t count,
+                        const Eigen::Vector3d& direction, double& largest) {
+  const double* coordinates = points.front().data();
+#if HWY_ARCH_X86
+  if (machine() == InstructionSet::avx512) return N_AVX3::farthest_of(coordinates, count, direction, largest);
+  if (machine() == InstructionSet::avx2) return N_AVX2::farthest_of(coordinates, count, direction, largest);
+#endif
+  return HWY_STATIC_DISPATCH(farthest_of)(coordinates, count, direction, largest);
+}
+
+double largest_norm_of(const std::vector<Eigen::Vector3d>& points, std::size_t count) {
+  const double* coordinates = points.front().data();
+#if HWY_ARCH_X86
+  if (machine() == InstructionSet::avx512) return N_AVX3::largest_norm_of(coordinates, count);
+  if (machine() == InstructionSet::avx2) return N_AVX2::largest_norm_of(coordinates, count);
+#endif
+  return HWY_STATIC_DISPATCH(largest_norm_of)(coordinates, count);
+}
+
+}  // namespace
+
+std::size_t farthest_vertex(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& direction) {
+  const std::size_t together = points.size() / widest * widest;
+  std::size_t best = 0;
+  double largest = direction.dot(points.front());
+  if (together > widest) best = farthest_of(points, together, direction, largest);
+  for (std::size_t i = together > widest ? together : 1; i < points.size(); ++i) {
+    const double dot = direction.dot(points[i]);
+    if (!(dot > largest)) continue;
+    best = i;
+    largest = dot;
+  }
+  return best;
+}
+
+double largest_squared_norm(const std::vector<Eigen::Vector3d>& points) {
+  const std::size_t together = points.size() / widest * widest;
+  double largest = together > 0 ? largest_norm_of(points, together) : 0.0;
+  for (std::size_t i = together; i < points.size(); ++i) largest = std::max(largest, points[i].squaredNorm());
+  return largest;
+}
+
+}  // namespace clearway
+#endif  // HWY_ONCE

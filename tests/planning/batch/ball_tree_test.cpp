@@ -1,0 +1,83 @@
+#include "planning/batch/ball_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace ball_tree_test {
+
+std::vector<BallTree::Leaf> draw(Random& random, int count) {
+  std::vector<BallTree::Leaf> leaves;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3f at = random.point(1.0).cast<float>();
+    const auto radius = static_cast<float>(random.between(0.01, 0.2));
+    leaves.push_back({{at.x(), at.y(), at.z(), radius}, static_cast<float>(random.between(-0.1, 0.1)), i, i});
+  }
+  return leaves;
+}
+
+double beyond(const BallTree::Ball& bound, const BallTree::Ball& ball) {
+  const Eigen::Vector3d way(double(ball.x) - bound.x, double(ball.y) - bound.y, double(ball.z) - bound.z);
+  return way.norm() + double(ball.radius) - double(bound.radius);
+}
+
+/// All leaves below the node, which has to hold them; marks each as seen.
+void expect_held(const BallTree& tree, int index, std::vector<int>& seen, float& core) {
+  const BallTree::Node& node = tree.nodes[static_cast<std::size_t>(index)];
+  std::vector<int> below(tree.leaves.size(), 0);
+  float best = -1.0F;
+  for (int i = node.first; i < node.last; ++i) {
+    if (node.holds_leaves) {
+      ++below[static_cast<std::size_t>(i)];
+      best = std::max(best, tree.leaves[static_cast<std::size_t>(i)].inner);
+      continue;
+    }
+    float core_below = -1.0F;
+    expect_held(tree, i, below, core_below);
+    best = std::max(best, core_below);
+  }
+  EXPECT_EQ(tree.leaves[static_cast<std::size_t>(node.core)].inner, best);
+  core = best;
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    seen[i] += below[i];
+    if (below[i] == 0) continue;
+    EXPECT_LE(beyond(node.bound, tree.leaves[i].ball), 0.0);
+    EXPECT_TRUE(node.body < 0 || node.body == tree.leaves[i].body);
+  }
+}
+
+TEST(BallTree, EveryNodeHoldsWhatIsBelowItAndEveryBallIsInOnce) {
+  Random random(1);
+  BallTree tree;
+  for (int count = 1; count < 80; count += 3) {
+    const std::size_t before = tree.leaves.size();
+    const int root = tree.add(draw(random, count));
+    std::vector<int> seen(tree.leaves.size(), 0);
+    float core = 0.0F;
+    expect_held(tree, root, seen, core);
+    for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], i < before ? 0 : 1);
+  }
+}
+
+TEST(BallTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
+  Random random(2);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<BallTree::Ball> balls;
+    for (const BallTree::Leaf& leaf : draw(random, 1 + round % 9)) balls.push_back(leaf.ball);
+    const BallTree::Ball bound = sphere_around(balls);
+    double widest = 0.0;  // of any two: no sphere around them is narrower
+    for (const BallTree::Ball& a : balls) {
+      EXPECT_LE(beyond(bound, a), 0.0);
+      for (const BallTree::Ball& b : balls)
+        widest = std::max(widest, beyond({a.x, a.y, a.z, 0.0F}, b) + double(a.radius));
+    }
+    EXPECT_LT(bound.radius, 0.5 * widest * 1.3);
+  }
+  EXPECT_LT(sphere_around({}).radius, 0.0F);
+}
+
+}  // namespace ball_tree_test
+}  // namespace clearway

@@ -1,0 +1,147 @@
+// Looks at blocks of configurations: against shapes at double precision, with each kind of registers, and
+// alone against in company.
+
+#include "planning/batch/configuration_block.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/worlds/batch_worlds.hpp"
+
+namespace clearway {
+namespace configuration_block_test {
+
+std::vector<Configuration> draw(const Robot& robot, std::uint64_t seed, std::size_t count) {
+  Random random(seed);
+  std::vector<Configuration> qs;
+  while (qs.size() < count) qs.push_back(random.configuration(robot));
+  return qs;
+}
+
+void look_at(const SphereRobot& robot, std::span<const Configuration> qs, ConfigurationBlock& block) {
+  block.clear();
+  for (const Configuration& q : qs) block.add(q);
+  look(robot, block);
+}
+
+struct Told {
+  int clear = 0, blocked = 0, open = 0, clear_bodies = 0, open_bodies = 0;
+};
+
+/// What is clear is free by shapes, member by member, and what is blocked is not.
+Told judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t count) {
+  const CollisionModel& model = space.collision_model();
+  ConfigurationBlock block(*model.spheres);
+  const std::vector<Configuration> qs = draw(model.robot, seed, count);
+  look_at(*model.spheres, qs, block);
+  Told told;
+  for (std::size_t i = 0; i < qs.size(); ++i) {
+    const bool is_blocked = ConfigurationBlock::holds(block.blocked, i);
+    const LinkPoses poses = forward_kinematics(model.robot, qs[i]);
+    bool is_free = true, is_open = false;
+    for (std::size_t member = 0; member < model.members(); ++member) {
+      const std::size_t bodies = model.bodies.size();
+      const bool clear = member < bodies
+                             ? model.bodies[member].is_clear(model.pose(poses, member), model.options.padding)
+                             : is_apart(model.robot, model.pairs[member - bodies], poses, 0.0);
+      const bool failed = ConfigurationBlock::holds(block.failed[member], i);
+      EXPECT_TRUE(clear || failed || is_blocked) << model.robot.name << " member " << member;
+      is_free = is_free && clear;
+      is_open = is_open || failed;
+      (failed ? told.open_bodies : told.clear_bodies)++;
+    }
+    EXPECT_FALSE(is_free && is_blocked) << model.robot.name << ": " << qs[i].transpose();
+    (is_blocked ? told.blocked : is_open ? told.open : told.clear)++;
+  }
+  return told;
+}
+
+TEST(ConfigurationBlock, WhatIsClearIsFreeAndWhatIsBlockedIsNot) {
+  Told all;
+  for (Robot robot : worlds::robots_of_all_kinds()) {
+    Random random(5);
+    robot.map_from_base = random.pose(2.0);
+    const Snapshot map = worlds::voxels_about(robot, 2);
+    for (const Policies& policies :
+         {Policies{.critical_by_default = false}, Policies{.other = Policy::known_free},
+          Policies{.other = Policy::painted, .critical_by_default = false}}) {
+      for (const double padding : {0.0, 0.02}) {
+        const ConfigurationSpace space(robot, map, policies, {.padding = padding, .max_distance = 0.1});
+        const Told told = judge(space, 6, ConfigurationBlock::most);
+        all.clear += told.clear, all.blocked += told.blocked, all.open += told.open;
+      }
+    }
+  }
+  EXPECT_GT(all.clear, 1'000);
+  EXPECT_GT(all.blocked, 1'000);
+  EXPECT_GT(all.open, 100);
+}
+
+TEST(ConfigurationBlock, MostIsDecided) {
+  const auto told_of = [](const Robot& robot) {
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 2, 0.02),
+                                   {.critical_by_default = false});
+    return judge(space, 7, ConfigurationBlock::most);
+  };
+  for (const char* name : {"puma560", "arm6"}) {
+    const Told told = told_of(load_robot(name));
+    EXPECT_LT(8 * told.open, told.clear + told.blocked) << name;
+    EXPECT_GT(told.clear_bodies, 50 * told.open_bodies) << name;
+  }
+  const Told told = told_of(worlds::of_hulls(load_robot("puma560")));  // spheres stand far out of long hulls
+  EXPECT_LT(2 * told.open, told.clear + told.blocked);
+  EXPECT_GT(told.blocked, 0);
+}
+
+TEST(ConfigurationBlock, AllRegistersFindTheSame) {
+  std::vector<InstructionSet> kinds{InstructionSet::portable};
+  if (best_instruction_set() != InstructionSet::portable) kinds.push_back(InstructionSet::avx2);
+  if (best_instruction_set() == InstructionSet::avx512) kinds.push_back(InstructionSet::avx512);
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 3), {});
+    const SphereRobot& spheres = *space.collision_model().spheres;
+    std::vector<ConfigurationBlock> found(kinds.size(), ConfigurationBlock(spheres));
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+      for (const Configuration& q : draw(robot, 8, 200)) found[kind].add(q);
+      look(spheres, found[kind], kinds[kind]);
+      std::sort(found[kind].members.begin(), found[kind].members.end());
+      EXPECT_EQ(found[kind].failed, found[0].failed) << robot.name;
+      EXPECT_EQ(found[kind].blocked, found[0].blocked) << robot.name;
+      EXPECT_EQ(found[kind].members, found[0].members) << robot.name;
+    }
+  }
+}
+
+TEST(ConfigurationBlock, WhatIsBesideAConfigurationChangesNothing) {
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 4), {.critical_by_default = false});
+    const SphereRobot& spheres = *space.collision_model().spheres;
+    const std::vector<Configuration> qs = draw(robot, 9, ConfigurationBlock::most);
+    ConfigurationBlock together(spheres), few(spheres);
+    look_at(spheres, qs, together);
+    for (const std::size_t count : {std::size_t{1}, std::size_t{5}, std::size_t{37}}) {
+      for (std::size_t first = 0; first + count <= qs.size(); first += count + 11) {
+        look_at(spheres, std::span(qs).subspan(first, count), few);
+        for (std::size_t i = 0; i < count; ++i) {
+          ASSERT_EQ(ConfigurationBlock::holds(few.blocked, i),
+                    ConfigurationBlock::holds(together.blocked, first + i));
+          for (std::size_t member = 0; member < spheres.members; ++member)
+            ASSERT_EQ(ConfigurationBlock::holds(few.failed[member], i),
+                      ConfigurationBlock::holds(together.failed[member], first + i))
+                << robot.name << " member " << member;
+        }
+      }
+    }
+  }
+}
+
+TEST(ConfigurationBlock, AnEmptyOneFindsNothing) {
+  const Robot robot = load_robot("arm5");
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 4), {.critical_by_default = false});
+  ConfigurationBlock block(*space.collision_model().spheres);
+  look(*space.collision_model().spheres, block);
+  EXPECT_TRUE(block.members.empty());
+  EXPECT_EQ(block.blocked, ConfigurationBlock::Places{});
+}
+
+}  // namespace configuration_block_test
+}  // namespace clearway

@@ -1,0 +1,121 @@
+#include "planning/batch/pair_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+
+#include "tests/worlds/batch_worlds.hpp"
+
+namespace clearway {
+namespace pair_table_test {
+
+/// The pairs of the robot's bodies by the two links that they are on.
+std::map<std::pair<int, int>, std::vector<BodyPair>> by_links(const Robot& robot) {
+  std::map<std::pair<int, int>, std::vector<BodyPair>> pairs;
+  for (const BodyPair& pair : self_collision_pairs(robot)) {
+    const auto link = [&](int body) { return robot.bodies[static_cast<std::size_t>(body)].link; };
+    pairs[{link(pair.first), link(pair.second)}].push_back(pair);
+  }
+  return pairs;
+}
+
+TEST(PairTable, WhereItSaysApartTheBodiesAreWhateverTheOtherJointsDo) {
+  int said = 0, missed = 0, tables = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    Random random(1);
+    for (const auto& [links, pairs] : by_links(robot)) {
+      const auto table = PairTable::of(robot, pairs);
+      if (!table) continue;
+      ++tables;
+      for (int i = 0; i < 300; ++i) {
+        const Configuration q = random.configuration(robot);
+        const LinkPoses poses = forward_kinematics(robot, q);
+        const auto [first, second] = table->joints();
+        const bool told = table->is_apart({q[first], second < 0 ? 0.0 : q[second]});
+        const bool are_apart = std::all_of(pairs.begin(), pairs.end(), [&](const BodyPair& pair) {
+          return is_apart(robot, pair, poses, 0.0);
+        });
+        EXPECT_TRUE(are_apart || !told) << robot.name << " links " << links.first << ", " << links.second;
+        said += told;
+        missed += are_apart && !told;
+      }
+    }
+  }
+  EXPECT_GT(tables, 10);
+  EXPECT_GT(said, 20 * missed);
+}
+
+TEST(PairTable, WhereItSaysApartBetweenValuesItSaysSoOfAllOfThem) {
+  const Robot robot = load_robot("panda");
+  Random random(4);
+  int said = 0;
+  for (const auto& [links, pairs] : by_links(robot)) {
+    const auto table = PairTable::of(robot, pairs);
+    if (!table) continue;
+    for (int i = 0; i < 300; ++i) {
+      std::array<double, 2> lower{}, upper{};
+      for (std::size_t k = 0; k < 2 && table->joints()[k] >= 0; ++k) {
+        const Joint& joint = robot.joints[static_cast<std::size_t>(table->joints()[k])];
+        lower[k] = random.between(joint.lower, joint.upper);
+        upper[k] = lower[k] + random.between(0.0, 0.1);
+      }
+      if (!table->is_apart(lower, upper)) continue;
+      ++said;
+      for (int sample = 0; sample < 20; ++sample)
+        EXPECT_TRUE(
+            table->is_apart({random.between(lower[0], upper[0]), random.between(lower[1], upper[1])}));
+    }
+    EXPECT_FALSE(table->is_apart({std::nan(""), 0.0}, {1.0, 1.0}));
+    EXPECT_FALSE(table->is_apart({0.0, 0.0}, {std::nan(""), 1.0}));
+    EXPECT_FALSE(table->is_apart({-100.0, -100.0}, {100.0, 100.0}));
+  }
+  EXPECT_GT(said, 300);
+}
+
+TEST(PairTable, WhatItSaysDoesNotDependOnWhoAskedBefore) {
+  const Robot robot = load_robot("panda");
+  const auto pairs = by_links(robot);
+  for (const auto& [links, of_links] : pairs) {
+    const auto used = PairTable::of(robot, of_links);
+    if (!used) continue;
+    Random random(2);
+    std::vector<std::array<double, 2>> values;
+    for (int i = 0; i < 200; ++i) {
+      const Configuration q = random.configuration(robot);
+      values.push_back({q[used->joints()[0]], used->joints()[1] < 0 ? 0.0 : q[used->joints()[1]]});
+    }
+    std::vector<bool> first;
+    for (const auto& value : values) first.push_back(used->is_apart(value));
+    const auto fresh = PairTable::of(robot, of_links);
+    for (std::size_t i = values.size(); i-- > 0;) EXPECT_EQ(fresh->is_apart(values[i]), first[i]);
+  }
+}
+
+TEST(PairTable, ValuesOutsideTheLimitsAreNotApart) {
+  const Robot robot = load_robot("panda");
+  int tables = 0;
+  for (const auto& [links, pairs] : by_links(robot)) {
+    const auto table = PairTable::of(robot, pairs);
+    if (!table) continue;
+    ++tables;
+    for (const double value : {10.0, -10.0, 1e300, -1e300, std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::quiet_NaN()})
+      EXPECT_FALSE(table->is_apart({value, 0.0}));
+  }
+  EXPECT_GT(tables, 3);
+}
+
+TEST(PairTable, ThereIsNoneForMoreJointsOrJointsWithoutLimits) {
+  Robot robot = load_robot("planar2");
+  const auto pairs = by_links(load_robot("panda"));
+  const Robot panda = load_robot("panda");
+  EXPECT_EQ(PairTable::of(panda, pairs.at({0, 7})), nullptr);
+  EXPECT_EQ(PairTable::of(panda, {}), nullptr);
+  Robot endless = panda;
+  for (Joint& joint : endless.joints) joint.upper = std::numeric_limits<double>::infinity();
+  for (const auto& [links, of_links] : pairs) EXPECT_EQ(PairTable::of(endless, of_links), nullptr);
+}
+
+}  // namespace pair_table_test
+}  // namespace clearway

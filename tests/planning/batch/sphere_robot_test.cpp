@@ -1,0 +1,66 @@
+#include "planning/batch/sphere_robot.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/worlds/batch_worlds.hpp"
+
+namespace clearway {
+namespace sphere_robot_test {
+
+TEST(LaneCover, HoldsTheBodyAndHasNoMoreSpheresThanItsOwn) {
+  Random random(1);
+  int thinned = 0;
+  for (int round = 0; round < 200; ++round) {
+    Body body;
+    body.link_from_shape = random.pose(1.0);
+    body.shape = Shape::box(Eigen::Vector3d(random.between(0.005, 0.06), random.between(0.005, 0.06),
+                                            random.between(0.005, 0.06)));
+    body.cover = body.shape.sphere_cover();
+    for (Sphere& sphere : body.cover) sphere.center = body.link_from_shape * sphere.center;
+    const std::vector<Sphere> cover = lane_cover(body, 0.02);
+    EXPECT_LE(cover.size(), body.cover.size());
+    thinned += cover.size() < body.cover.size();
+    for (int i = 0; i < 300; ++i) {
+      Eigen::Vector3d point = random.point(0.5).cwiseProduct(body.shape.edges());
+      if (i % 3 == 0) point = point.cwiseSign().cwiseProduct(body.shape.edges()) / 2;  // a corner
+      point = body.link_from_shape * point;
+      EXPECT_TRUE(std::any_of(cover.begin(), cover.end(), [&](const Sphere& sphere) {
+        return (sphere.center - point).norm() <= sphere.radius;
+      }));
+    }
+  }
+  EXPECT_GT(thinned, 50);
+}
+
+TEST(SphereRobot, ABodyThatNothingCoversIsLeftToExactShapes) {
+  Robot robot = load_robot("planar2");
+  robot.bodies.back().cover.clear();
+  const ConfigurationSpace space(robot, worlds::voxels_about(load_robot("planar2"), 1),
+                                 {.critical_by_default = false});
+  EXPECT_EQ(space.collision_model().spheres, nullptr);
+}
+
+TEST(SphereRobot, AThreadKeepsWhatItMadeForTheLastRobots) {
+  const Robot robot = load_robot("planar2");
+  const Snapshot map = worlds::voxels_about(robot, 1);
+  struct Kept {
+    explicit Kept(const SphereRobot& of) : id(of.id) {}
+    std::uint64_t id;
+  };
+  std::vector<std::unique_ptr<ConfigurationSpace>> spaces;
+  for (int i = 0; i < 9; ++i)
+    spaces.push_back(
+        std::make_unique<ConfigurationSpace>(robot, map, Policies{.critical_by_default = false}));
+  const auto sphere_robot = [&](std::size_t i) -> const SphereRobot& {
+    return *spaces[i]->collision_model().spheres;
+  };
+  const Kept* first = &of_this_thread<Kept>(sphere_robot(0));
+  for (const std::size_t i : {1, 2, 3, 0})
+    EXPECT_EQ(of_this_thread<Kept>(sphere_robot(i)).id, sphere_robot(i).id);
+  EXPECT_EQ(&of_this_thread<Kept>(sphere_robot(0)), first);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(of_this_thread<Kept>(sphere_robot(i)).id, sphere_robot(i).id);
+  for (std::size_t i = 9; i-- > 0;) EXPECT_EQ(of_this_thread<Kept>(sphere_robot(i)).id, sphere_robot(i).id);
+}
+
+}  // namespace sphere_robot_test
+}  // namespace clearway
