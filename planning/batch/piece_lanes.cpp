@@ -24,6 +24,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, PieceLanes::count>;
 using WholeTag = hn::RebindToSigned<Tag>;
 using Vector = hn::Vec<Tag>;
+using Whole = hn::Vec<WholeTag>;
 using Mask = hn::Mask<Tag>;
 using Floats = PieceLanes::Floats;
 using Lanes = PieceLanes::Lanes;
@@ -201,6 +202,23 @@ class Look {
     Vector lower;  ///< no blocked cube is nearer, metres
     Vector upper;  ///< some blocked cube is no farther, where that is known
   };
+  /// The numbers of cells; those that are not known yet are made.
+  static HWY_INLINE Whole number_of(const ByteField& bytes, Whole cell) {
+    const auto* first = reinterpret_cast<const std::int32_t*>(bytes.cells.data());
+    const Whole byte = hn::Set(WholeTag(), 255);
+    const Whole number = hn::And(hn::GatherOffset(WholeTag(), first, cell), byte);
+    if (hn::AllFalse(WholeTag(), hn::Eq(number, hn::Zero(WholeTag())))) return number;
+    know(bytes, cell, number);
+    return hn::And(hn::GatherOffset(WholeTag(), first, cell), byte);
+  }
+  static HWY_NOINLINE void know(const ByteField& bytes, Whole cell, Whole number) {
+    std::int32_t cells[PieceLanes::count], numbers[PieceLanes::count];
+    hn::StoreU(cell, WholeTag(), cells);
+    hn::StoreU(number, WholeTag(), numbers);
+    for (std::size_t i = 0; i < hn::Lanes(WholeTag()); ++i) {
+      if (numbers[i] == 0) bytes.know(static_cast<std::size_t>(cells[i]));
+    }
+  }
   /// A cell's distance, less and more by how far the point is from the cell's middle.
   HWY_INLINE Sight sight(const SphereRobot::Field& field, const Point& point) const {
     const ByteField& bytes = *field.bytes;
@@ -225,9 +243,7 @@ class Look {
     const auto cell = hn::Add(hn::Mul(hn::Add(hn::Mul(z, hn::Set(WholeTag(), bytes.size[1])), y),
                                       hn::Set(WholeTag(), bytes.size[0])),
                               x);
-    const auto number =
-        hn::And(hn::GatherOffset(WholeTag(), reinterpret_cast<const std::int32_t*>(bytes.cells.data()), cell),
-                hn::Set(WholeTag(), 255));
+    const Whole number = number_of(bytes, cell);
     const Vector units = hn::ConvertTo(Tag(), number);
     const Vector off = hn::Mul(hn::Sqrt(squared(gap)), all(resolution));
     const Vector step = all(static_cast<float>(bytes.step));
