@@ -191,8 +191,7 @@ void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eig
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads) {
   BlockedCells cells(size, !allows(requirement, VoxelState::unknown, 0));
-  read_lanes(tree, requirement, first, cells, threads,
-             [](TreeReader& reader) { reader.read(); });
+  read_lanes(tree, requirement, first, cells, threads, [](TreeReader& reader) { reader.read(); });
   return cells;
 }
 

@@ -78,7 +78,8 @@ BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement
     tiles_ = std::make_shared<const DistanceTiles>(
         blocked_cells(tree, seen, requirement, cells.first, cells.size), cap_of(cells));
   } else {
-    tiles_ = std::make_shared<const DistanceTiles>(cells.size, cap_of(cells), reader(tree, requirement, cells));
+    tiles_ =
+        std::make_shared<const DistanceTiles>(cells.size, cap_of(cells), reader(tree, requirement, cells));
   }
 }
 

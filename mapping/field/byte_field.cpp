@@ -61,10 +61,10 @@ void ByteField::make(std::size_t tile) const {
   for (int z = box.low.z(); z < box.high.z(); ++z) {
     for (int y = box.low.y(); y < box.high.y(); ++y) {
       const std::uint16_t* squared = distances_->line(box.low.x() >> 5, y, z);
-      const auto row = static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y()) +
-                       static_cast<std::size_t>(y);
-      std::uint8_t* out = &memory_[row * static_cast<std::size_t>(size.x()) +
-                                   static_cast<std::size_t>(box.low.x())];
+      const auto row =
+          static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y);
+      std::uint8_t* out =
+          &memory_[row * static_cast<std::size_t>(size.x()) + static_cast<std::size_t>(box.low.x())];
       for (int i = 0; i < box.high.x() - box.low.x(); ++i) out[i] = numbers_[squared[i]];
     }
   }

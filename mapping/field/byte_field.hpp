@@ -28,11 +28,11 @@ struct ByteField {
   /// @param cell x + size.x() * (y + size.y() * z)
   void know(std::size_t cell) const;
 
-  Eigen::Vector3i size;     ///< cells along each axis
-  Eigen::Vector3d low;      ///< corner of the first cell, map frame, metres
-  double resolution;        ///< edge of a cell, metres
-  double step;              ///< metres for each unit of a cell's number
-  bool outside_blocked;     ///< what lies beyond the cells counts as blocked
+  Eigen::Vector3i size;  ///< cells along each axis
+  Eigen::Vector3d low;   ///< corner of the first cell, map frame, metres
+  double resolution;     ///< edge of a cell, metres
+  double step;           ///< metres for each unit of a cell's number
+  bool outside_blocked;  ///< what lies beyond the cells counts as blocked
   /// The number of a cell: step * number <= the distance from its middle to the nearest blocked cube, metres,
   /// which is less than step * (number + 1) where the number is below `end`. 0 in blocked cells, and in those
   /// that are not known yet. There are a few more, so that four bytes may be read at each.
@@ -43,8 +43,8 @@ struct ByteField {
   void make(std::size_t tile) const;
 
   std::shared_ptr<const DistanceTiles> distances_;
-  std::vector<std::uint8_t> numbers_;  ///< of each squared distance in half voxels
-  std::span<std::uint8_t> memory_;     ///< of `cells`; each is written once, at most
+  std::vector<std::uint8_t> numbers_;              ///< of each squared distance in half voxels
+  std::span<std::uint8_t> memory_;                 ///< of `cells`; each is written once, at most
   std::unique_ptr<std::atomic<bool>[]> is_known_;  ///< of each tile
   mutable std::mutex making_;
 };

@@ -25,9 +25,7 @@ void find_nearest(const std::vector<std::uint8_t>& useful, int far, std::vector<
   }
 }
 
-std::size_t count_of(const Eigen::Vector3i& counts) {
-  return counts.cast<std::size_t>().prod();
-}
+std::size_t count_of(const Eigen::Vector3i& counts) { return counts.cast<std::size_t>().prod(); }
 
 }  // namespace
 
@@ -65,8 +63,7 @@ class DistanceTiles::Maker {
     std::vector<std::uint16_t> row(static_cast<std::size_t>(lanes * nx), axes_.cap());
     for (std::size_t cell = 0; cell < tile_cells; cell += nx) {
       for (std::size_t i = 0; i < planes.size(); ++i) {
-        if (planes[i] != nullptr)
-          std::memcpy(&row[i * nx], &(*planes[i])[cell], nx * sizeof(std::uint16_t));
+        if (planes[i] != nullptr) std::memcpy(&row[i * nx], &(*planes[i])[cell], nx * sizeof(std::uint16_t));
       }
       axes_.lower(&row[static_cast<std::size_t>(around * nx)], 1, 1, &(*tile)[cell]);
     }
@@ -145,15 +142,15 @@ class DistanceTiles::Maker {
     for (int y = -reach; y <= reach; ++y) around.push_back(steps(at + Eigen::Vector3i(0, y, 0)));
     known = std::make_unique<Tile>();
     ++memory_.kept;
+    squares_.assign(static_cast<std::size_t>((ny + 2 * axes_.margin()) * nx), axes_.cap());
     for (int z = 0; z < nz; ++z) plane_line(around, z, &(*known)[static_cast<std::size_t>(z * line_cells)]);
     return known.get();
   }
 
   /// All lines of a tile at one z: y by the least sum of the squared steps along z.
-  /// @param around steps of the tiles before, of and after it along y
+  /// @param around steps of the tiles before, of and after it along y; without them squares_ stay at the cap
   void plane_line(const std::vector<const Steps*>& around, int z, std::uint16_t* out) {
     const int window = axes_.window(), count = ny + 2 * window;
-    squares_.assign(static_cast<std::size_t>((ny + 2 * axes_.margin()) * nx), axes_.cap());
     useful_.assign(static_cast<std::size_t>(count), 0);
     nearest_.resize(static_cast<std::size_t>(count));
     std::uint16_t* squares = &squares_[static_cast<std::size_t>(axes_.margin() * nx)];
@@ -208,8 +205,7 @@ DistanceTiles::DistanceTiles(const DistanceTiles& before, const std::function<vo
 }
 
 DistanceTiles::DistanceTiles(const DistanceTiles& before, BlockedCells blocked)
-    : DistanceTiles(
-          before, [&](BlockedCells& cells) { cells = std::move(blocked); }, {}) {}
+    : DistanceTiles(before, [&](BlockedCells& cells) { cells = std::move(blocked); }, {}) {}
 
 DistanceTiles::~DistanceTiles() = default;
 
@@ -320,9 +316,7 @@ const BlockedCells& DistanceTiles::blocked_in(const Eigen::Vector3i& low, const 
   return blocked_;
 }
 
-const BlockedCells& DistanceTiles::blocked() const {
-  return blocked_in(Eigen::Vector3i::Zero(), size());
-}
+const BlockedCells& DistanceTiles::blocked() const { return blocked_in(Eigen::Vector3i::Zero(), size()); }
 
 void DistanceTiles::complete() const {
   for (std::size_t i = 0; i < tiles_.size(); ++i) {

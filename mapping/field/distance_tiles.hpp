@@ -108,7 +108,7 @@ class DistanceTiles {
   mutable BlockedCells blocked_;
   ReadCells read_;
   std::shared_ptr<const Tile> nothing_, all_;  ///< tiles without a blocked cell in reach, and without another
-  Eigen::Vector3i counts_, reach_;  ///< tiles along each axis; so many to each side matter to one
+  Eigen::Vector3i counts_, reach_;             ///< tiles along each axis; so many to each side matter to one
   std::unique_ptr<std::atomic<const std::uint16_t*>[]> known_;
   std::unique_ptr<std::atomic<bool>[]> is_read_;  ///< of each tile: its blocked cells
   mutable std::mutex computing_;                  ///< of what follows, and of writing blocked_

@@ -31,8 +31,7 @@ std::shared_ptr<const BlockedField> FieldCache::get(const Requirement& requireme
     entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, entry.seen.get());
   } else {
     if (found->tree == tree_ && found->seen == entry.seen) return found->space;
-    entry.space =
-        std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, entry.seen.get());
+    entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, entry.seen.get());
   }
   const std::lock_guard lock(guard_);
   if (found != entries_.end()) entries_.erase(found);

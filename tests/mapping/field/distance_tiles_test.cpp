@@ -146,7 +146,8 @@ TEST(DistanceTiles, AreTheSameForManyThreadsThatLookAtOnce) {
         if (i % 2 == 0)
           differences[t] += shared.is_blocked(at.x(), at.y(), at.z()) != blocked.at(at.x(), at.y(), at.z());
         else
-          differences[t] += (shared.squared(at.x(), at.y(), at.z()) == 0) != blocked.at(at.x(), at.y(), at.z());
+          differences[t] +=
+              (shared.squared(at.x(), at.y(), at.z()) == 0) != blocked.at(at.x(), at.y(), at.z());
       }
     });
   }

@@ -63,7 +63,8 @@ void expect_equal(const BlockedField& a, const BlockedField& b) {
   for (int z = 0; z < size.z(); ++z) {
     for (int y = 0; y < size.y(); ++y) {
       for (int x = 0; x < size.x(); ++x) {
-        ASSERT_EQ(a.distances()->squared(x, y, z), b.distances()->squared(x, y, z)) << x << " " << y << " " << z;
+        ASSERT_EQ(a.distances()->squared(x, y, z), b.distances()->squared(x, y, z))
+            << x << " " << y << " " << z;
       }
     }
   }
