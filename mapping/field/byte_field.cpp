@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mapping/field/blocked_field.hpp"
-#include "mapping/system/zero_memory.hpp"
+#include "mapping/field/zero_memory.hpp"
 
 namespace clearway {
 namespace {

@@ -1,4 +1,4 @@
-#include "mapping/system/zero_memory.hpp"
+#include "mapping/field/zero_memory.hpp"
 
 #include <cstdlib>
 #include <new>
