@@ -1,6 +1,7 @@
 #include "mapping/snapshot.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -80,24 +81,43 @@ VoxelCounts Snapshot::counts() const {
 
 namespace {
 
-/// Grows the box, in cells, to hold all leaves; what lies in it already is passed by.
-void extend_to_leaves(const FusedNode& node, const CellCube& cube, Eigen::AlignedBox3i& box) {
-  const Eigen::AlignedBox3i whole(cube.corner, cube.corner.array() + cube.edge);
-  if (box.contains(whole)) return;
-  if (!node.has_children()) {
-    box.extend(whole);
-    return;
+/// How far stored leaves reach along an axis, up or down, in cells. Asks first where it may be farthest, so
+/// that most of the tree cannot be farther.
+struct Extent {
+  int axis;
+  bool up;
+  int farthest = std::numeric_limits<int>::min();  ///< of the cubes' faces; negative numbers when down
+
+  void extend(const FusedNode& node, const CellCube& cube) {
+    const int face = up ? cube.corner[axis] + cube.edge : -cube.corner[axis];
+    if (face <= farthest) return;
+    if (!node.has_children()) {
+      farthest = face;
+      return;
+    }
+    for (const bool far : {true, false}) {
+      for (unsigned i = 0; i < 8; ++i) {
+        const bool is_upper = (i >> axis & 1U) != 0;
+        if ((is_upper == up) != far) continue;
+        if (const FusedNode* child = node.child(i)) extend(*child, cube.child(i));
+      }
+    }
   }
-  for (unsigned i = 0; i < 8; ++i) {
-    if (const FusedNode* child = node.child(i)) extend_to_leaves(*child, cube.child(i), box);
-  }
-}
+};
 
 }  // namespace
 
 Eigen::AlignedBox3d Snapshot::bounds() const {
   std::call_once(state_->bounds_known, [this] {
-    if (const FusedNode* root = tree().getRoot()) extend_to_leaves(*root, CellCube{}, state_->bounds);
+    const FusedNode* root = tree().getRoot();
+    if (root == nullptr) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      Extent down{axis, false}, up{axis, true};
+      down.extend(*root, CellCube{});
+      up.extend(*root, CellCube{});
+      state_->bounds.min()[axis] = -down.farthest;
+      state_->bounds.max()[axis] = up.farthest;
+    }
   });
   const Eigen::AlignedBox3i& cells = state_->bounds;
   if (cells.isEmpty()) return {};

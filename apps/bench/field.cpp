@@ -42,7 +42,7 @@ Pair measure_fields(const BothFields& fields, const BenchOptions& options) {
 }
 
 double bytes_per_cell(const BothFields& fields) {
-  return static_cast<double>(fields.ours()->layers().bytes()) / fields.region.size.cast<double>().prod();
+  return static_cast<double>(fields.ours()->distances()->bytes()) / fields.region.size.cast<double>().prod();
 }
 
 /// A row of the table of fields from nothing.

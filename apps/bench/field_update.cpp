@@ -26,7 +26,7 @@ class OurField {
       : map_({.resolution = resolution, .discretize = true, .integration = Integration::compatible}),
         cells_(field_region(box, resolution, field_end)),
         now_(map_.snapshot()),
-        field_(std::make_unique<BlockedField>(now_.tree(), Requirement{}, cells_)) {}
+        field_(std::make_unique<BlockedField>(from_nothing())) {}
 
   void insert(const Scan& scan) {
     map_.insert(scan);
@@ -37,24 +37,24 @@ class OurField {
   double update() {
     std::unique_ptr<BlockedField> next;
     settle_heap();
-    const double seconds =
-        cpu_seconds([&] { next = std::make_unique<BlockedField>(now_.tree(), before_.tree(), *field_); });
-    next.reset();
-    settle_heap();
-    const double start = wall_time();
-    next = std::make_unique<BlockedField>(now_.tree(), before_.tree(), *field_, 2);
-    wall_on_two_threads_ = 1e3 * (wall_time() - start);
+    const double seconds = cpu_seconds([&] {
+      next = std::make_unique<BlockedField>(now_.tree(), before_.tree(), *field_);
+      next->distances()->complete();
+    });
     field_ = std::move(next);
     return 1e3 * seconds;
   }
-  /// Wall milliseconds of the same once more on two threads.
-  double wall_on_two_threads() const { return wall_on_two_threads_; }
   double read_changes() const {
     return 1e3 * cpu_seconds([&] {
-             blocked_cells(now_.tree(), {}, cells_.first, before_.tree(), field_->layers().blocked());
+             blocked_cells(now_.tree(), {}, cells_.first, before_.tree(), field_->distances()->blocked());
            });
   }
-  BlockedField from_nothing() const { return {now_.tree(), {}, cells_}; }
+  /// All of it.
+  BlockedField from_nothing() const {
+    BlockedField field(now_.tree(), {}, cells_);
+    field.distances()->complete();
+    return field;
+  }
   const BlockedField& field() const { return *field_; }
 
  private:
@@ -62,7 +62,6 @@ class OurField {
   FieldRegion cells_;
   Snapshot now_, before_;
   std::unique_ptr<BlockedField> field_;
-  double wall_on_two_threads_ = 0.0;
 };
 
 /// The same with OctoMap and dynamicEDT3D.
@@ -91,14 +90,14 @@ struct Difference {
   std::size_t cells = 0, blocked = 0;
 };
 
-Difference compare(const DistanceLayers& a, const DistanceLayers& b) {
+Difference compare(const DistanceTiles& a, const DistanceTiles& b) {
   Difference difference;
-  const Eigen::Vector3i& size = a.blocked().size();
+  const Eigen::Vector3i& size = a.size();
   for (int z = 0; z < size.z(); ++z) {
     for (int y = 0; y < size.y(); ++y) {
       for (int x = 0; x < size.x(); ++x) {
         difference.cells += a.squared(x, y, z) != b.squared(x, y, z) ? 1 : 0;
-        difference.blocked += a.blocked().at(x, y, z) != b.blocked().at(x, y, z) ? 1 : 0;
+        difference.blocked += a.is_blocked(x, y, z) != b.is_blocked(x, y, z) ? 1 : 0;
       }
     }
   }
@@ -106,14 +105,13 @@ Difference compare(const DistanceLayers& a, const DistanceLayers& b) {
 }
 
 struct Round {
-  std::vector<double> ours, wall, theirs, reading, nothing, changed, flipped;
+  std::vector<double> ours, theirs, reading, nothing, changed, flipped;
   std::size_t wrong = 0;
 };
 
 nlohmann::ordered_json describe(const Round& round) {
   return {{"ours", median(round.ours)},
           {"ours_worst", quantile(round.ours, 1.0)},
-          {"ours_wall_again_on_two_threads", median(round.wall)},
           {"peer", median(round.theirs)},
           {"ratio", median(round.theirs) / median(round.ours)},
           {"of_ours_reading_the_tree", median(round.reading)},
@@ -151,17 +149,16 @@ BenchResult bench_field_update(const BenchOptions& options) {
     ours.insert(scan);
     theirs.insert(scan);
     Round& round = i < frames ? first : second;
-    const DistanceLayers before = ours.field().layers();
+    const std::shared_ptr<const DistanceTiles> before = ours.field().distances();
     round.reading.push_back(ours.read_changes());
     round.ours.push_back(ours.update());
-    round.wall.push_back(ours.wall_on_two_threads());
     round.theirs.push_back(theirs.update());
     std::unique_ptr<BlockedField> fresh;
     settle_heap();
     round.nothing.push_back(
         1e3 * cpu_seconds([&] { fresh = std::make_unique<BlockedField>(ours.from_nothing()); }));
-    round.wrong += compare(ours.field().layers(), fresh->layers()).cells;
-    const Difference change = compare(before, ours.field().layers());
+    round.wrong += compare(*ours.field().distances(), *fresh->distances()).cells;
+    const Difference change = compare(*before, *ours.field().distances());
     round.changed.push_back(static_cast<double>(change.cells));
     round.flipped.push_back(static_cast<double>(change.blocked));
   }
@@ -170,7 +167,7 @@ BenchResult bench_field_update(const BenchOptions& options) {
       {"resolution", resolution},
       {"max_distance", field_end},
       {"cells", cells},
-      {"bytes_per_cell", static_cast<double>(ours.field().layers().bytes()) / cells},
+      {"bytes_per_cell", static_cast<double>(ours.field().distances()->bytes()) / cells},
       {"first_round_new_space", describe(first)},
       {"second_round_known_space", describe(second)}};
   BenchResult result{median(first.ours),

@@ -63,33 +63,52 @@ namespace {
 /// it and the volumes that contain all of it, which often decides about the whole cube.
 class TreeReader {
  public:
-  /// @param first_lane, end_lane which words along x to fill in: threads may do different ones.
+  /// @param low, high the cells (high exclusive) to fill in: threads may do different words.
   TreeReader(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
-             BlockedCells& cells, int first_lane, int end_lane)
+             const Eigen::Vector3i& low, const Eigen::Vector3i& high, BlockedCells& cells)
       : tree_(tree),
         requirement_(requirement),
         unknown_blocked_(!allows(requirement, VoxelState::unknown, 0)),
         first_(first),
-        low_(32 * first_lane, 0, 0),
-        high_(std::min(32 * end_lane, cells.size().x()), cells.size().y(), cells.size().z()),
+        low_(low),
+        high_(high),
         cells_(cells) {}
 
   /// Fills in what is stored; the rest stays.
-  void read(const FusedNode* node, const CellCube& cube) {
-    if (node == nullptr || is_outside(cube)) return;
-    const bool allowed = is_allowed(*node);
-    if (allowed || !node->has_children()) {
-      if (allowed == unknown_blocked_) fill(cube, !allowed);
-      return;
+  void read() {
+    const FusedNode* node = tree_.getRoot();
+    CellCube cube;
+    while (node != nullptr && node->has_children()) {  // down to where the cells are not all in one child
+      const Eigen::Array3i middle = cube.corner.array() + cube.edge / 2 - first_.array();
+      const auto beyond = low_.array() >= middle;
+      if (!(beyond || high_.array() <= middle).all() || is_allowed(*node)) break;
+      const unsigned child = (beyond[0] ? 1U : 0U) | (beyond[1] ? 2U : 0U) | (beyond[2] ? 4U : 0U);
+      node = node->child(child);
+      cube = cube.child(child);
     }
-    for (unsigned i = 0; i < 8; ++i) read(node->child(i), cube.child(i));
+    read(node, cube, false);
   }
 
   /// Fills in what differs between two versions of the tree.
   void follow(const FusedNode* before, const FusedNode* now) { follow(before, now, CellCube{}, false); }
 
  private:
-  /// @param inside known to lie in the block.
+  /// @param inside known to lie in the block, here and below.
+  void read(const FusedNode* node, const CellCube& cube, bool inside) {
+    if (node == nullptr) return;
+    if (!inside) {
+      if (is_outside(cube)) return;
+      inside = is_inside(cube);
+    }
+    const bool allowed = is_allowed(*node);
+    if (allowed || !node->has_children()) {
+      if (allowed == unknown_blocked_) fill(cube, !allowed);
+      return;
+    }
+    for (unsigned i = 0; i < 8; ++i) __builtin_prefetch(node->child(i));  // waiting for memory takes longest
+    for (unsigned i = 0; i < 8; ++i) read(node->child(i), cube.child(i), inside);
+  }
+
   void follow(const FusedNode* before, const FusedNode* now, const CellCube& cube, bool inside) {
     if (before == now) return;
     const bool was_allowed = is_allowed(before), allowed = is_allowed(now);
@@ -158,9 +177,11 @@ void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eig
                 BlockedCells& cells, int threads, const Read& read) {
   const int parts = std::clamp(threads, 1, cells.lanes());
   parallel(static_cast<std::size_t>(parts), [&](std::size_t i) {
-    const int part = static_cast<int>(i);
-    TreeReader reader(tree, requirement, first, cells, part * cells.lanes() / parts,
-                      (part + 1) * cells.lanes() / parts);
+    const int part = static_cast<int>(i), lanes = cells.lanes();
+    Eigen::Vector3i low = Eigen::Vector3i::Zero(), high = cells.size();
+    low.x() = 32 * (part * lanes / parts);
+    high.x() = std::min(32 * ((part + 1) * lanes / parts), high.x());
+    TreeReader reader(tree, requirement, first, low, high, cells);
     read(reader);
   });
 }
@@ -170,17 +191,27 @@ void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eig
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads) {
   BlockedCells cells(size, !allows(requirement, VoxelState::unknown, 0));
-  read_lanes(tree, requirement, first, cells, threads,
-             [&](TreeReader& reader) { reader.read(tree.getRoot(), CellCube{}); });
+  read_lanes(tree, requirement, first, cells, threads, [](TreeReader& reader) { reader.read(); });
   return cells;
+}
+
+void read_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                        const Eigen::Vector3i& low, const Eigen::Vector3i& high, BlockedCells& cells) {
+  cells.fill(low, high, !allows(requirement, VoxelState::unknown, 0));
+  TreeReader(tree, requirement, first, low, high, cells).read();
+}
+
+void follow_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                          const FusedTree& before, BlockedCells& cells, int threads) {
+  read_lanes(tree, requirement, first, cells, threads,
+             [&](TreeReader& reader) { reader.follow(before.getRoot(), tree.getRoot()); });
 }
 
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const FusedTree& before,
                            const BlockedCells& cells_before, int threads) {
   BlockedCells cells = cells_before;
-  read_lanes(tree, requirement, first, cells, threads,
-             [&](TreeReader& reader) { reader.follow(before.getRoot(), tree.getRoot()); });
+  follow_blocked_cells(tree, requirement, first, before, cells, threads);
   return cells;
 }
 

@@ -67,6 +67,15 @@ class BlockedCells {
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads = 1);
 
+/// Writes the cells low to high (exclusive, counted from `first`) of such a block, and no others.
+void read_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                        const Eigen::Vector3i& low, const Eigen::Vector3i& high, BlockedCells& cells);
+
+/// Brings the cells of an earlier version of the tree, with the same occupancy threshold, up to date. Reads
+/// only what the two versions do not share.
+void follow_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                          const FusedTree& before, BlockedCells& cells, int threads = 1);
+
 /// The same for the size of `cells_before`, which are those of an earlier version of the tree, with the same
 /// occupancy threshold. Reads only what the two versions do not share.
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,

@@ -8,6 +8,7 @@
 
 #include "mapping/field/byte_field.hpp"
 #include "mapping/field/field_look_up.hpp"
+#include "mapping/field/seen_within.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -22,19 +23,19 @@ std::uint16_t cap_of(const FieldRegion& region) {
 using Corners = std::array<std::uint16_t, 8>;
 
 /// The squared distances of the cells low and high, and of those between; x changes fastest.
-Corners corners_of(const DistanceLayers& layers, int low_x, int low_y, int low_z, int high_x, int high_y,
+Corners corners_of(const DistanceTiles& tiles, int low_x, int low_y, int low_z, int high_x, int high_y,
                    int high_z) {
   const int lane = low_x >> 5, x = low_x & 31, next = high_x & 31;
-  const std::uint16_t* a = layers.line(lane, low_y, low_z);
-  const std::uint16_t* b = layers.line(lane, high_y, low_z);
-  const std::uint16_t* c = layers.line(lane, low_y, high_z);
-  const std::uint16_t* d = layers.line(lane, high_y, high_z);
+  const std::uint16_t* a = tiles.line(lane, low_y, low_z);
+  const std::uint16_t* b = tiles.line(lane, high_y, low_z);
+  const std::uint16_t* c = tiles.line(lane, low_y, high_z);
+  const std::uint16_t* d = tiles.line(lane, high_y, high_z);
   Corners corners{a[x], 0, b[x], 0, c[x], 0, d[x], 0};
   if (lane != high_x >> 5) {
-    a = layers.line(lane + 1, low_y, low_z);
-    b = layers.line(lane + 1, high_y, low_z);
-    c = layers.line(lane + 1, low_y, high_z);
-    d = layers.line(lane + 1, high_y, high_z);
+    a = tiles.line(lane + 1, low_y, low_z);
+    b = tiles.line(lane + 1, high_y, low_z);
+    c = tiles.line(lane + 1, low_y, high_z);
+    d = tiles.line(lane + 1, high_y, high_z);
   }
   corners[1] = a[next];
   corners[3] = b[next];
@@ -45,39 +46,61 @@ Corners corners_of(const DistanceLayers& layers, int low_x, int low_y, int low_z
 
 }  // namespace
 
+namespace {
+
+/// Reads the cells of a region, from a copy of the tree, which shares its nodes.
+DistanceTiles::ReadCells reader(const FusedTree& tree, const Requirement& requirement,
+                                const FieldRegion& cells) {
+  return [kept = std::make_shared<const FusedTree>(tree), requirement, first = cells.first](
+             const DistanceTiles::Box& box, BlockedCells& blocked) {
+    read_blocked_cells(*kept, requirement, first, box.low, box.high, blocked);
+  };
+}
+
+}  // namespace
+
 struct BlockedField::Bytes {
   std::once_flag made;
   std::unique_ptr<const ByteField> field;
 };
 
 BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
-                           bool updatable, int threads, const SeenStamps* seen)
+                           const SeenStamps* seen)
     : requirement_(requirement),
       outside_blocked_(!allows(requirement, VoxelState::unknown, 0)),
       cells_(cells),
       inverse_resolution_(1.0 / cells.resolution),
       box_((cells.first.cast<double>() * cells.resolution).eval(),
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
-      layers_(blocked_cells(tree, seen, requirement, cells.first, cells.size, threads), cap_of(cells),
-              updatable, threads),
-      blocked_count_(layers_.blocked().count()),
-      bytes_(std::make_shared<Bytes>()) {}
+      bytes_(std::make_shared<Bytes>()) {
+  require_seen_within(requirement.seen_within, seen);
+  if (requirement.seen_within > 0.0) {
+    tiles_ = std::make_shared<const DistanceTiles>(
+        blocked_cells(tree, seen, requirement, cells.first, cells.size), cap_of(cells));
+  } else {
+    tiles_ =
+        std::make_shared<const DistanceTiles>(cells.size, cap_of(cells), reader(tree, requirement, cells));
+  }
+}
 
 BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
-                           int threads, const SeenStamps* seen)
+                           const SeenStamps* seen)
     : requirement_(before.requirement_),
       outside_blocked_(before.outside_blocked_),
       cells_(before.cells_),
       inverse_resolution_(before.inverse_resolution_),
       box_(before.box_),
-      layers_(before.layers_,
-              requirement_.seen_within > 0.0  // voxels age where the tree stays as it is
-                  ? blocked_cells(tree, seen, requirement_, cells_.first, cells_.size, threads)
-                  : blocked_cells(tree, requirement_, cells_.first, tree_before, before.layers_.blocked()),
-              threads),
-      blocked_count_(before.blocked_count_ +
-                     static_cast<std::size_t>(layers_.blocked().count_beyond(before.layers_.blocked()))),
-      bytes_(std::make_shared<Bytes>()) {}
+      bytes_(std::make_shared<Bytes>()) {
+  if (requirement_.seen_within > 0.0) {  // voxels age where the tree stays as it is
+    tiles_ = std::make_shared<const DistanceTiles>(
+        *before.tiles_, blocked_cells(tree, seen, requirement_, cells_.first, cells_.size));
+    return;
+  }
+  const auto follow = [&](BlockedCells& cells) {
+    follow_blocked_cells(tree, requirement_, cells_.first, tree_before, cells);
+  };
+  tiles_ = std::make_shared<const DistanceTiles>(*before.tiles_, follow, reader(tree, requirement_, cells_));
+}
 
 const ByteField& BlockedField::byte_field() const {
   std::call_once(bytes_->made, [this] { bytes_->field = std::make_unique<ByteField>(*this); });
@@ -90,7 +113,7 @@ bool BlockedField::is_blocked(const Eigen::Vector3d& point) const {
   const Eigen::Array3d offset = scaled - cells_.first.cast<double>().array();
   if ((offset < 0.0).any() || (offset >= cells_.size.cast<double>().array()).any()) return outside_blocked_;
   const Eigen::Vector3i at = offset.cast<int>();
-  return layers_.blocked().at(at.x(), at.y(), at.z());
+  return tiles_->is_blocked(at.x(), at.y(), at.z());
 }
 
 Eigen::Vector3i BlockedField::cell_near(const Eigen::Vector3d& point) const {
@@ -112,7 +135,7 @@ double BlockedField::bound_from_cells(const Eigen::Vector3d& inside) const {
     gaps[axis][0] = (at - low[i] - 0.5) * (at - low[i] - 0.5);
     gaps[axis][1] = (at - high[i] - 0.5) * (at - high[i] - 0.5);
   }
-  const Corners corners = corners_of(layers_, low[0], low[1], low[2], high[0], high[1], high[2]);
+  const Corners corners = corners_of(*tiles_, low[0], low[1], low[2], high[0], high[1], high[2]);
   const double* roots = half_roots();
   double best = 0.0;
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -141,7 +164,7 @@ double BlockedField::bound_from_neighbours(const Eigen::Vector3d& inside) const 
   const Eigen::Vector3i at = cell - cells_.first;
   for (int z = std::max(at.z() - 1, 0); z <= std::min(at.z() + 1, cells_.size.z() - 1); ++z) {
     for (int y = std::max(at.y() - 1, 0); y <= std::min(at.y() + 1, cells_.size.y() - 1); ++y) {
-      const unsigned bits = layers_.blocked().around(at.x(), y, z);
+      const unsigned bits = tiles_->blocked_nearby().around(at.x(), y, z);
       if (bits == 0) continue;
       const double gap = gaps(1, y - at.y() + 1) + gaps(2, z - at.z() + 1);
       for (int x = 0; x < 3; ++x) {

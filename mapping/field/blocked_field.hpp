@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "mapping/field/blocked_space.hpp"
-#include "mapping/field/distance_layers.hpp"
+#include "mapping/field/distance_tiles.hpp"
 
 namespace clearway {
 
@@ -35,35 +35,35 @@ constexpr std::size_t field_memory_limit = std::size_t{1} << 30U;
 FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, double max_distance,
                          std::size_t memory_limit = field_memory_limit);
 
-/// Memory of the field of a region at most, bytes: 2.1 a cell, or 4.1 when it can be updated; 1 more, not
-/// counted here, once byte_field() was asked for.
-std::size_t field_bytes(const FieldRegion& region, bool updatable);
+/// Memory of the field of a region at most, bytes: 3.2 a cell, those of byte_field() included. As much as
+/// that only where all of it is looked at.
+std::size_t field_bytes(const FieldRegion& region);
 
-/// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel.
+/// BlockedSpace as one 16-bit squared distance per cell; 0 marks a blocked voxel. What is looked at is
+/// computed then, and nothing else; the answers are those of a field that was computed as a whole.
 class BlockedField final : public BlockedSpace {
  public:
-  /// From nothing, on so many threads; the result does not depend on them.
+  /// From nothing.
   /// @param seen when the tree's voxels were last seen; null: not known
-  /// @throws std::invalid_argument as blocked_cells does
+  /// @throws std::invalid_argument as require_seen_within does
   BlockedField(const FusedTree& tree, const Requirement& requirement, const FieldRegion& cells,
-               bool updatable = true, int threads = 1, const SeenStamps* seen = nullptr);
+               const SeenStamps* seen = nullptr);
 
   /// The field of a newer version of the tree: equal, cell for cell, to one made from nothing. It shares with
-  /// `before` what did not change.
-  /// @param before is updatable. @param tree_before is what it was made of, with the same occupancy
-  /// threshold.
+  /// `before` what did not change; what was looked at there, and changed, is computed at once.
+  /// @param tree_before is what `before` was made of, with the same occupancy threshold.
   BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
-               int threads = 1, const SeenStamps* seen = nullptr);
+               const SeenStamps* seen = nullptr);
 
   const FieldRegion& cells() const { return cells_; }
-  const DistanceLayers& layers() const { return layers_; }
+  const std::shared_ptr<const DistanceTiles>& distances() const { return tiles_; }
   bool is_outside_blocked() const { return outside_blocked_; }
 
   const Requirement& requirement() const override { return requirement_; }
   double resolution() const override { return cells_.resolution; }
   double max_distance() const override { return cells_.max_distance; }
   const Eigen::AlignedBox3d& region() const override { return box_; }
-  std::size_t blocked_count() const override { return blocked_count_; }
+  std::size_t blocked_count() const override { return tiles_->blocked().count(); }
 
   bool is_blocked(const Eigen::Vector3d& point) const override;
   bool is_voxel_blocked(const Eigen::Vector3i& voxel) const override;
@@ -92,7 +92,7 @@ class BlockedField final : public BlockedSpace {
   struct Row;
   std::uint16_t squared(const Eigen::Vector3i& cell) const {
     const Eigen::Vector3i at = cell - cells_.first;
-    return layers_.squared(at.x(), at.y(), at.z());
+    return tiles_->squared(at.x(), at.y(), at.z());
   }
   Eigen::Vector3d center(const Eigen::Vector3i& cell) const {
     return (cell.cast<double>().array() + 0.5) * cells_.resolution;
@@ -111,8 +111,7 @@ class BlockedField final : public BlockedSpace {
   FieldRegion cells_;
   double inverse_resolution_;
   Eigen::AlignedBox3d box_;
-  DistanceLayers layers_;
-  std::size_t blocked_count_;
+  std::shared_ptr<const DistanceTiles> tiles_;
   struct Bytes;  ///< made at the first look
   std::shared_ptr<Bytes> bytes_;
 };

@@ -113,7 +113,7 @@ NearestBlocked BlockedField::nearest(const Eigen::Vector3d& point, double limit)
     if (best.found) limit = best.distance;
   }
   const Eigen::Vector3i cell = cell_near(point);
-  if (squared(cell) < layers_.cap()) {  // a blocked cube is at most this far
+  if (squared(cell) < tiles_->cap()) {  // a blocked cube is at most this far
     const double known = half_roots()[squared(cell)] * cells_.resolution;
     limit = std::min(limit, (known + (point - center(cell)).norm()) * (1.0 + 1e-9));
   }
@@ -186,7 +186,7 @@ struct BlockedField::Row {
 };
 
 BlockedField::Row BlockedField::row(int lane, int z) const {
-  const BlockedCells& blocked = layers_.blocked();
+  const BlockedCells& blocked = tiles_->blocked_nearby();
   const std::uint32_t beyond = outside_blocked_ ? ~0U : 0U;
   const int inside = cells_.size.x() - 32 * lane;
   const bool is_in = lane >= 0 && lane < blocked.lanes() && z >= 0 && z < cells_.size.z();
@@ -204,6 +204,7 @@ bool BlockedField::visit_surface(const Eigen::AlignedBox3d& box,
   const Eigen::Array3i low = (range.low - first).max(-1.0).min(size).cast<int>();
   const Eigen::Array3i high = (range.high - first).max(-1.0).min(size).cast<int>();
   if ((range.low - first > size).any() || (range.high - first < -1.0).any()) return true;
+  tiles_->blocked_in((low - 1).matrix(), (high + 1).matrix());
   for (int z = low.z(); z <= high.z(); ++z) {
     for (int lane = low.x() >> 5; lane <= high.x() >> 5; ++lane) {
       const int from = std::max(low.x() - 32 * lane, 0), to = std::min(high.x() - 32 * lane, 31);

@@ -1,28 +1,52 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
 #include <vector>
 
 namespace clearway {
 
 class BlockedField;
+class DistanceTiles;
 
 /// A BlockedField again with one byte a cell in one piece of memory, x fastest, for look-ups of many points
-/// side by side: half the memory, no tiles, and a third of a voxel less exact.
-/// Immutable: safe to read from many threads.
+/// side by side: half the memory, no tiles, and a third of a voxel less exact. Cells are made when they are
+/// looked at: who reads a 0 calls know() and reads again. Safe to use from many threads; to whoever does so,
+/// it never changes.
 struct ByteField {
   explicit ByteField(const BlockedField& field);
+  ~ByteField();
+  ByteField(const ByteField&) = delete;
+  ByteField& operator=(const ByteField&) = delete;
 
-  Eigen::Vector3i size;             ///< cells along each axis
-  Eigen::Vector3d low;              ///< corner of the first cell, map frame, metres
-  double resolution;                ///< edge of a cell, metres
-  double step;                      ///< metres for each unit of a cell's number
-  bool outside_blocked;             ///< what lies beyond the cells counts as blocked
-  std::vector<std::uint8_t> cells;  ///< and a few more, so that four bytes may be read at each
-  /// Of a cell: step * number <= the distance from its middle to the nearest blocked cube, metres, which is
-  /// less than step * (number + 1) where the number is below this. 0 in blocked cells only.
+  /// Makes a cell, and those around it.
+  /// @param cell x + size.x() * (y + size.y() * z)
+  void know(std::size_t cell) const;
+
+  Eigen::Vector3i size;  ///< cells along each axis
+  Eigen::Vector3d low;   ///< corner of the first cell, map frame, metres
+  double resolution;     ///< edge of a cell, metres
+  double step;           ///< metres for each unit of a cell's number
+  bool outside_blocked;  ///< what lies beyond the cells counts as blocked
+  /// The number of a cell: step * number <= the distance from its middle to the nearest blocked cube, metres,
+  /// which is less than step * (number + 1) where the number is below `end`. 0 in blocked cells, and in those
+  /// that are not known yet. There are a few more, so that four bytes may be read at each.
+  std::span<const std::uint8_t> cells;
   std::uint8_t end;
+
+ private:
+  void make(std::size_t tile) const;
+
+  std::shared_ptr<const DistanceTiles> distances_;
+  std::vector<std::uint8_t> numbers_;              ///< of each squared distance in half voxels
+  std::span<std::uint8_t> memory_;                 ///< of `cells`; each is written once, at most
+  std::unique_ptr<std::atomic<bool>[]> is_known_;  ///< of each tile
+  mutable std::mutex making_;
 };
 
 }  // namespace clearway

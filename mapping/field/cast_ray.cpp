@@ -119,7 +119,7 @@ RayHit BlockedField::cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector
     return RayHit{hit, voxel, std::sqrt(squared_range(start, voxel.cast<float>()))};
   };
   // Bits, not the field: they stay in the cache, and a distance would have to be fetched from memory.
-  const BlockedCells& blocked = layers_.blocked();
+  const BlockedCells& blocked = tiles_->blocked();
   const Eigen::Vector3i origin_cell = cells_.first;
   const auto is_stop = [&](int x, int y, int z) {
     return blocked.at(x - origin_cell.x(), y - origin_cell.y(), z - origin_cell.z());

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/field/distance_layers.hpp"
+#include "mapping/field/distance_tiles.hpp"
 
 namespace clearway {
 
@@ -22,12 +22,12 @@ void transform_distances(DistanceBlock& block) {
       }
     }
   }
-  const DistanceLayers layers(std::move(blocked), block.cap, false);
+  const DistanceTiles tiles(std::move(blocked), block.cap);
   for (int z = 0; z < block.nz; ++z) {
     for (int y = 0; y < block.ny; ++y) {
       for (int x = 0; x < block.nx; x += DistanceBlock::lane) {
         const int count = std::min(DistanceBlock::lane, block.nx - x);
-        std::copy_n(layers.line(x / DistanceBlock::lane, y, z), count, &block.squared[block.index(x, y, z)]);
+        std::copy_n(tiles.line(x / DistanceBlock::lane, y, z), count, &block.squared[block.index(x, y, z)]);
       }
     }
   }

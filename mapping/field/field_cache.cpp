@@ -1,21 +1,10 @@
 #include "mapping/field/field_cache.hpp"
 
 #include <algorithm>
-#include <thread>
 
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
-namespace {
-
-/// A field of a million cells takes about 5 ms, waking up threads some 50 us.
-int threads_for(const FieldRegion& cells) {
-  if (cells.size.cast<double>().prod() < 1e6) return 1;
-  return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
-}
-
-}  // namespace
-
 FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory_limit, FieldCache* previous,
                        std::shared_ptr<const SeenStamps> seen)
     : tree_(std::move(tree)), seen_(std::move(seen)), memory_limit_(memory_limit) {
@@ -24,7 +13,7 @@ FieldCache::FieldCache(std::shared_ptr<const FusedTree> tree, std::size_t memory
   for (const Entry& entry : previous->entries_) {
     const bool comparable = entry.tree->getResolution() == tree_->getResolution() &&
                             entry.tree->getOccupancyThresLog() == tree_->getOccupancyThresLog();
-    if (comparable && entry.space->layers().keeps_planes()) entries_.push_back(entry);
+    if (comparable) entries_.push_back(entry);
   }
 }
 
@@ -38,31 +27,21 @@ std::shared_ptr<const BlockedField> FieldCache::get(const Requirement& requireme
   });
   Entry entry{requirement, region, max_distance, nullptr, tree_, nullptr};
   if (requirement.seen_within > 0.0) entry.seen = seen_;
-  const bool updatable = can_update(cells);
-  const int threads = threads_for(cells);
   if (found == entries_.end()) {
-    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, updatable, threads,
-                                                       entry.seen.get());
+    entry.space = std::make_shared<const BlockedField>(*tree_, requirement, cells, entry.seen.get());
   } else {
     if (found->tree == tree_ && found->seen == entry.seen) return found->space;
-    entry.space =
-        std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, threads, entry.seen.get());
+    entry.space = std::make_shared<const BlockedField>(*tree_, *found->tree, *found->space, entry.seen.get());
   }
   const std::lock_guard lock(guard_);
   if (found != entries_.end()) entries_.erase(found);
-  make_room(field_bytes(cells, updatable));
+  make_room(field_bytes(cells));
   entries_.push_back(entry);
   return entry.space;
 }
 
-bool FieldCache::can_update(const FieldRegion& cells) const {
-  return field_bytes(cells, true) <= memory_limit_ / 4;
-}
-
 void FieldCache::make_room(std::size_t bytes) {
-  const auto taken = [](const Entry& entry) {
-    return field_bytes(entry.space->cells(), entry.space->layers().keeps_planes());
-  };
+  const auto taken = [](const Entry& entry) { return field_bytes(entry.space->cells()); };
   for (const Entry& entry : entries_) bytes += taken(entry);
   while (!entries_.empty() && bytes > memory_limit_) {
     bytes -= taken(entries_.front());

@@ -10,7 +10,6 @@ namespace clearway {
 
 /// The blocked spaces of one tree, each built once for equal arguments. Safe to use from many threads. When
 /// they would exceed the memory limit together, the oldest make room; whoever still holds one keeps it alive.
-/// A field can be updated if it then takes no more than a quarter of the limit.
 class FieldCache {
  public:
   /// @param previous the cache of an earlier version of the same tree, or null: what it holds now is updated
@@ -32,7 +31,6 @@ class FieldCache {
     std::shared_ptr<const FusedTree> tree;   ///< what it was made of
     std::shared_ptr<const SeenStamps> seen;  ///< and, if it was asked for
   };
-  bool can_update(const FieldRegion& cells) const;
   void make_room(std::size_t bytes);
 
   std::shared_ptr<const FusedTree> tree_;

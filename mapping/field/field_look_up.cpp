@@ -78,9 +78,9 @@ const double* half_roots() {
 
 FieldLookUp BlockedField::look_up() const {
   FieldLookUp field;
-  field.tiles = layers_.distances().tile_cells();
-  field.tiles_x = layers_.distances().tile_counts().x();
-  field.tiles_y = layers_.distances().tile_counts().y();
+  field.tiles = tiles_->known_tiles();
+  field.tiles_x = tiles_->tile_counts().x();
+  field.tiles_y = tiles_->tile_counts().y();
   for (int axis = 0; axis < 3; ++axis) {
     field.last[axis] = cells_.size[axis] - 1;
     field.first[axis] = cells_.first[axis];
@@ -112,7 +112,7 @@ double BlockedField::coarse_clearance(const Eigen::Vector3d& point) const {
     border = std::min(border, std::min(nearest - low, high - nearest));
   }
   if (outside_blocked_ && !inside) return 0.0;
-  const double best = half_roots()[layers_.squared(cell[0], cell[1], cell[2])] - std::sqrt(gap_squared);
+  const double best = half_roots()[tiles_->squared(cell[0], cell[1], cell[2])] - std::sqrt(gap_squared);
   double bound = best * cells_.resolution;
   if (outside_blocked_) bound = std::min(bound, border);
   return std::clamp(bound - (rounding_of_voxel * cells_.resolution + rounding_of_coordinate * largest), 0.0,
@@ -124,7 +124,7 @@ bool BlockedField::is_voxel_blocked(const Eigen::Vector3i& voxel) const {
             z = voxel.z() - cells_.first.z();
   const bool is_inside =
       x >= 0 && y >= 0 && z >= 0 && x < cells_.size.x() && y < cells_.size.y() && z < cells_.size.z();
-  return is_inside ? layers_.blocked().at(x, y, z) : outside_blocked_;
+  return is_inside ? tiles_->is_blocked(x, y, z) : outside_blocked_;
 }
 
 std::array<int, 7> BlockedField::squared_around(const Eigen::Vector3i& voxel) const {
@@ -133,22 +133,22 @@ std::array<int, 7> BlockedField::squared_around(const Eigen::Vector3i& voxel) co
   const int last_x = cells_.size.x() - 1, last_y = cells_.size.y() - 1, last_z = cells_.size.z() - 1;
   const int border = std::min({x, y, z, last_x - x, last_y - y, last_z - z});
   // The border is too far to count.
-  if (border > 0 && (!outside_blocked_ || (2 * border - 1) * (2 * border - 1) >= layers_.cap())) {
-    const TiledCells& cells = layers_.distances();
+  if (border > 0 && (!outside_blocked_ || (2 * border - 1) * (2 * border - 1) >= tiles_->cap())) {
+    const DistanceTiles& cells = *tiles_;
     const std::uint16_t* const row = cells.line(x >> 5, y, z);
     const int in_row = x & 31;
     return {row[in_row],
-            in_row > 0 ? row[in_row - 1] : cells.at(x - 1, y, z),
-            in_row < 31 ? row[in_row + 1] : cells.at(x + 1, y, z),
-            cells.at(x, y - 1, z),
-            cells.at(x, y + 1, z),
-            cells.at(x, y, z - 1),
-            cells.at(x, y, z + 1)};
+            in_row > 0 ? row[in_row - 1] : cells.squared(x - 1, y, z),
+            in_row < 31 ? row[in_row + 1] : cells.squared(x + 1, y, z),
+            cells.squared(x, y - 1, z),
+            cells.squared(x, y + 1, z),
+            cells.squared(x, y, z - 1),
+            cells.squared(x, y, z + 1)};
   }
   const auto one = [&](int i, int j, int k) {
     const int within = std::min({i, j, k, last_x - i, last_y - j, last_z - k});
     if (within < 0) return outside_blocked_ ? 0 : -1;
-    const int squared = layers_.squared(i, j, k);
+    const int squared = tiles_->squared(i, j, k);
     return outside_blocked_ ? std::min(squared, (2 * within + 1) * (2 * within + 1)) : squared;
   };
   return {one(x, y, z),     one(x - 1, y, z), one(x + 1, y, z), one(x, y - 1, z),

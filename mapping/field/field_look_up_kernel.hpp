@@ -31,7 +31,7 @@ class LookUp {
         gap[axis] = squared_gap(place.at[axis], cell[axis]);
       }
       const Wholes row = row_in_tile(cell[1], cell[2]) + (cell[0] & 30);
-      const Wholes pair = read(cells_of(tile(cell[0], cell[1], cell[2])), row);
+      const Wholes pair = read(cells_of(tile(cell[0], cell[1], cell[2]), place.missing), row);
       const Wholes squared = (cell[0] & 1) != 0 ? upper(pair) : pair & 0xffff;
       const Numbers best = bound(squared, gap[0] + gap[1] + gap[2]);
       return finish(place, best * field_.resolution);
@@ -40,7 +40,7 @@ class LookUp {
 
   void tight(const FieldPoints& points, double* out) const {
     each(points, out, [this](const Place& place) {
-      const Numbers bound = best_of_eight(place.at) * field_.resolution;
+      const Numbers bound = best_of_eight(place) * field_.resolution;
       const Numbers result = finish(place, bound);
       return bound < 1.5 * field_.resolution ? Numbers{} + left_out : result;
     });
@@ -48,7 +48,8 @@ class LookUp {
 
  private:
   struct Place {
-    Numbers point[3], at[3];  ///< in metres, and in cells from the region's corner
+    Numbers point[3], at[3];         ///< in metres, and in cells from the region's corner
+    mutable Addresses missing = {};  ///< where a tile is not known yet
   };
 
   static Wholes to_wholes(const Numbers& numbers) { return __builtin_convertvector(numbers, Wholes); }
@@ -66,7 +67,14 @@ class LookUp {
   Wholes tile(const Wholes& x, const Wholes& y, const Wholes& z) const {
     return ((z >> 3) * field_.tiles_y + (y >> 3)) * field_.tiles_x + (x >> 5);
   }
-  Addresses cells_of(const Wholes& tile) const { return Registers::gather_addresses(field_.tiles, tile); }
+  /// Where tiles are not known yet, some cells stand for theirs.
+  Addresses cells_of(const Wholes& tile, Addresses& missing) const {
+    alignas(64) static const std::uint16_t some[2048] = {};
+    const Addresses cells = Registers::gather_addresses(field_.tiles, tile);
+    const auto is_missing = reinterpret_cast<Addresses>(cells == 0);
+    missing |= is_missing;
+    return is_missing != 0 ? Addresses{} + reinterpret_cast<std::intptr_t>(some) : cells;
+  }
   static Wholes row_in_tile(const Wholes& y, const Wholes& z) { return ((z & 7) << 8) + ((y & 7) << 5); }
 
   /// A cell and the next one, which must lie in the same tile.
@@ -77,7 +85,8 @@ class LookUp {
     return Registers::gather_numbers(roots_, squared) - Registers::sqrt(gap);
   }
 
-  Numbers best_of_eight(const Numbers* at) const {
+  Numbers best_of_eight(const Place& place) const {
+    const Numbers* const at = place.at;
     Wholes low[3], high[3];
     Numbers gap[3][2];
 #pragma GCC unroll 3
@@ -99,11 +108,11 @@ class LookUp {
       const Wholes& y = row & 1U ? high[1] : low[1];
       const Wholes& z = row & 2U ? high[2] : low[2];
       const Wholes in_tile = row_in_tile(y, z);
-      const Wholes pair = read(cells_of(tile(low[0], y, z)), in_tile + start);
+      const Wholes pair = read(cells_of(tile(low[0], y, z), place.missing), in_tile + start);
       const Wholes here = last_of_tile ? upper(pair) : pair & 0xffff;
       Wholes next = high[0] == low[0] ? here : upper(pair);
       if (any_crosses) {
-        next = crosses ? read(cells_of(tile(high[0], y, z)), in_tile) & 0xffff : next;
+        next = crosses ? read(cells_of(tile(high[0], y, z), place.missing), in_tile) & 0xffff : next;
       }
       const Numbers& gap_y = gap[1][row & 1U];
       const Numbers& gap_z = gap[2][row >> 1U];
@@ -152,7 +161,7 @@ class LookUp {
         place.at[axis] = place.point[axis] * field_.inverse_resolution - field_.first[axis];
       }
       const Numbers bounds = bound(place);
-      Registers::store(out + i, inside ? bounds : Numbers{} + left_out);
+      Registers::store(out + i, (inside & ~place.missing) != 0 ? bounds : Numbers{} + left_out);
     }
     for (; i < points.count; ++i) out[i] = left_out;
   }

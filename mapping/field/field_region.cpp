@@ -10,23 +10,20 @@ namespace {
 
 constexpr double farthest_cell = 1 << 28;
 
-constexpr double cells_of_a_tile = double{TiledCells::nx} * TiledCells::ny * TiledCells::nz;
+constexpr double cells_of_a_tile = double{DistanceTiles::tile_cells};
 
-/// Bytes that a tile of cells takes: its distances, its place among the tiles, its bits.
-constexpr double bytes_of_a_tile(bool updatable) {
-  return (updatable ? 2.0 : 1.0) * (TiledCells::tile_bytes + 56.0) + cells_of_a_tile / 8.0;
-}
+/// Bytes that a tile of cells takes: its distances, its place among the tiles, its bits; and its bytes.
+constexpr double bytes_of_a_tile = 2.0 * cells_of_a_tile + 56.0 + cells_of_a_tile / 8.0;
+constexpr double bytes_of_all_of_a_tile = bytes_of_a_tile + cells_of_a_tile;
 
-double bytes_of(const Eigen::Array3d& size, bool updatable) {
-  const double tiles = std::ceil(size.x() / TiledCells::nx) * std::ceil(size.y() / TiledCells::ny) *
-                       std::ceil(size.z() / TiledCells::nz);
-  return tiles * bytes_of_a_tile(updatable);
+double tiles_of(const Eigen::Array3d& size) {
+  return (size / Eigen::Array3d(DistanceTiles::nx, DistanceTiles::ny, DistanceTiles::nz)).ceil().prod();
 }
 
 [[noreturn]] void refuse_size(const Eigen::Vector3d& size, double bytes, double resolution,
                               std::size_t limit) {
-  const double cells = std::cbrt(static_cast<double>(limit) * cells_of_a_tile / bytes_of_a_tile(false));
-  const double edge = std::max(1.0, std::floor(cells) - TiledCells::nx) * resolution;
+  const double cells = std::cbrt(static_cast<double>(limit) * cells_of_a_tile / bytes_of_a_tile);
+  const double edge = std::max(1.0, std::floor(cells) - DistanceTiles::nx) * resolution;
   const auto text = [](double value) {
     std::string digits = std::to_string(value);
     return digits.substr(0, digits.find('.') + 3);
@@ -57,7 +54,7 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
                                 std::to_string(farthest_cell * resolution) + " m from the origin");
   }
   const Eigen::Array3d size = high - low;
-  const double bytes = bytes_of(size, false);
+  const double bytes = tiles_of(size) * bytes_of_a_tile;
   if (bytes > static_cast<double>(memory_limit)) {
     refuse_size(region.sizes(), bytes, resolution, memory_limit);
   }
@@ -65,8 +62,8 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
           std::min(max_distance, 89.0 * resolution)};
 }
 
-std::size_t field_bytes(const FieldRegion& region, bool updatable) {
-  return static_cast<std::size_t>(bytes_of(region.size.cast<double>().array(), updatable));
+std::size_t field_bytes(const FieldRegion& region) {
+  return static_cast<std::size_t>(tiles_of(region.size.cast<double>().array()) * bytes_of_all_of_a_tile);
 }
 
 }  // namespace clearway

@@ -4,7 +4,7 @@
 
 namespace clearway {
 
-/// Memory for the tiles of TiledCells: slots of one size in slabs of 2 MiB, which the system may back with
+/// Memory for the tiles of DistanceTiles: slots of one size in slabs of 2 MiB, which the system may back with
 /// one large page each. So a tile costs no search through a heap that a tree has fragmented, and a new field
 /// few page faults. Safe for many threads. A slab without tiles is given back, all but one. Under a memory
 /// sanitizer it is plain `operator new`.

@@ -53,6 +53,24 @@ HWY_INLINE Spot spot_of(const SphereRobot::Field& field, const Point& point) {
   return spot;
 }
 
+HWY_NOINLINE void know(const ByteField& bytes, Whole cell, Whole number) {
+  std::int32_t cells[lane_count], numbers[lane_count];
+  hn::StoreU(cell, WholeTag(), cells);
+  hn::StoreU(number, WholeTag(), numbers);
+  for (std::size_t i = 0; i < hn::Lanes(WholeTag()); ++i)
+    if (numbers[i] == 0) bytes.know(static_cast<std::size_t>(cells[i]));
+}
+
+/// The numbers of cells; those that are not known yet are made.
+HWY_INLINE Whole number_of(const ByteField& bytes, Whole cell) {
+  const auto* first = reinterpret_cast<const std::int32_t*>(bytes.cells.data());
+  const Whole byte = hn::Set(WholeTag(), 255);
+  const Whole number = hn::And(hn::GatherOffset(WholeTag(), first, cell), byte);
+  if (hn::AllFalse(WholeTag(), hn::Eq(number, hn::Zero(WholeTag())))) return number;
+  know(bytes, cell, number);
+  return hn::And(hn::GatherOffset(WholeTag(), first, cell), byte);
+}
+
 /// The number of the cell that holds a point of the field, and where that cell's middle is.
 HWY_INLINE Vector units_at(const ByteField& bytes, const Point& inside, Point& middle) {
   const auto axis = [&](Vector at, int i, Vector& to) HWY_ATTR {
@@ -66,10 +84,7 @@ HWY_INLINE Vector units_at(const ByteField& bytes, const Point& inside, Point& m
   const auto cell = hn::Add(
       hn::Mul(hn::Add(hn::Mul(z, hn::Set(WholeTag(), bytes.size[1])), y), hn::Set(WholeTag(), bytes.size[0])),
       x);
-  const auto number =
-      hn::And(hn::GatherOffset(WholeTag(), reinterpret_cast<const std::int32_t*>(bytes.cells.data()), cell),
-              hn::Set(WholeTag(), 255));
-  return hn::ConvertTo(Tag(), number);
+  return hn::ConvertTo(Tag(), number_of(bytes, cell));
 }
 
 /// What one cell says of a point: its distance, less and more by how far the point is from its middle.

@@ -22,6 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, lane_count>;
 using WholeTag = hn::RebindToSigned<Tag>;
 using Vector = hn::Vec<Tag>;
+using Whole = hn::Vec<WholeTag>;
 using Mask = hn::Mask<Tag>;
 
 struct Point {

@@ -12,7 +12,7 @@ struct BeamGuidedOptions {
   double stride = 6.0;          ///< step of that lattice, in the robot's own steps, 1 to 100
   int max_samples = 100000000;  ///< of the trees, 1 to 100,000,000
   double guided_share = 0.5;    ///< of the samples that the route proposes, 0 to 1
-  double range = 0.0;  ///< longest edge of the trees, weighted units, up to 1e3; 0: a fifth of the extent
+  double range = 0.0;  ///< longest edge of the trees, weighted units, up to 1e3; 0: a tenth of the extent
   int routes = 4;      ///< for the hand, tried thoroughly in turn, 0 to 100
   int attempts = 300;  ///< to straighten the path, 0 to 1,000,000
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights

@@ -13,17 +13,6 @@
 namespace clearway {
 namespace {
 
-/// Shortens a path a few attempts at a time, so that the deadline is kept.
-std::vector<Configuration> shortened(const PlanProblem& problem, std::vector<Configuration> path,
-                                     const Eigen::VectorXd& weight, int attempts) {
-  constexpr int at_once = 10;
-  for (int done = 0; done < attempts && !problem.out_of_time(); done += at_once) {
-    path = shortcut(problem.space, std::move(path), weight, problem.seed + static_cast<std::uint64_t>(done),
-                    std::min(at_once, attempts - done));
-  }
-  return path;
-}
-
 /// As for `constraint`, but the automatic influence is shorter (constraints cost as many voxels as they look
 /// at) and the automatic step longer.
 DamperOptions damper_of(const BoundaryPlusOptions& options, const PlanProblem& problem) {
@@ -119,8 +108,8 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   add_figures(damper, result);
   if (stage == BoundaryPlusStage::none) return failed(problem, search, std::move(result));
   result.statistics["solved_by"] = static_cast<double>(stage);
-  std::vector<Configuration> path =
-      shortened(problem, search.trees().path(), damper.weight, options_.shortcuts);
+  std::vector<Configuration> path = shortcut(problem.space, search.trees().path(), damper.weight,
+                                             problem.seed, options_.shortcuts, problem.out_of_time);
   if (options_.smooth) {
     path = rounded_corners(problem, path, damper.weight, {.least_clearance = damper.security_distance},
                            result.edges_checked);

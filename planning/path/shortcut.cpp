@@ -14,14 +14,14 @@ namespace {
 class Shortener {
  public:
   Shortener(const ConfigurationSpace& space, std::vector<Configuration> path, const Eigen::VectorXd& weight,
-            int attempts)
-      : space_(space), weight_(weight), path_(std::move(path)), left_(attempts) {}
+            int attempts, const std::function<bool()>& out_of_time)
+      : space_(space), weight_(weight), path_(std::move(path)), left_(attempts), out_of_time_(out_of_time) {}
 
   /// From each waypoint on the farthest jump that is free; of many waypoints the last, then half as far, ...
   void jump() {
     for (std::size_t from = 0; from + 2 < path_.size(); ++from) {
       constexpr std::size_t few = 8;
-      for (std::size_t to = path_.size() - 1; to > from + 1;
+      for (std::size_t to = path_.size() - 1; to > from + 1 && !out_of_time_();
            to -= to - from > few ? (to - from) / 2 : std::size_t{1}) {
         if (!space_.is_edge_free(path_[from], path_[to])) continue;
         path_.erase(at(from + 1), at(to));
@@ -30,17 +30,32 @@ class Shortener {
     }
   }
 
-  /// Two points of the path joined, over and over; in turn any two, and two about a waypoint. Ends when so
-  /// many tries in a row, more for longer paths, gained nothing worth while.
+  /// Any two points of the path joined, over and over, until some tries in a row gained nothing worth while.
   void cut(std::mt19937_64& random) {
-    constexpr double worth_while = 0.002;
-    const int patience = 8 + 2 * static_cast<int>(path_.size());
-    for (int idle = 0; idle < patience && left_ > 0 && path_.size() > 2;) {
+    constexpr int patience = 8;
+    for (int idle = 0; idle < patience && may_try(); ++idle) {
       const std::vector<double> lengths = edge_lengths(path_, weight_);
       const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
-      const auto [from, to] = left_ % 2 == 0 ? any_two(lengths, whole, random) : about_a_waypoint(random);
-      const double gained = join(from, to);
-      idle = gained > worth_while * whole ? 0 : idle + 1;
+      const auto [from, to] = any_two(lengths, whole, random);
+      --left_;
+      if (join(from, to, worth_while * whole)) idle = -1;
+    }
+  }
+
+  /// Each waypoint cut off as far as that is free, then the new ones, a few times over.
+  void cut_corners() {
+    constexpr int rounds = 3;
+    bool is_shorter = true;
+    for (int round = 0; round < rounds && is_shorter; ++round) {
+      const std::vector<double> lengths = edge_lengths(path_, weight_);
+      const double worth = worth_while * std::accumulate(lengths.begin(), lengths.end(), 0.0);
+      is_shorter = false;
+      for (std::size_t i = 1; i + 1 < path_.size(); ++i) {
+        const std::size_t before = path_.size();
+        if (!cut_corner(i, worth)) continue;
+        is_shorter = true;
+        if (path_.size() >= before) ++i;  // two waypoints in place of one: they have their turn next time
+      }
     }
   }
 
@@ -59,47 +74,69 @@ class Shortener {
     return {place_at(lengths, a), place_at(lengths, b)};
   }
 
-  Places about_a_waypoint(std::mt19937_64& random) {
-    const auto inner = static_cast<double>(path_.size() - 2);
-    const std::size_t waypoint =
-        1 + std::min(static_cast<std::size_t>(inner * random_unit(random)), path_.size() - 3);
-    return {{waypoint - 1, random_unit(random)}, {waypoint, random_unit(random)}};
+  /// The same length of both edges about a waypoint, that of the shorter one or a part of it.
+  bool cut_corner(std::size_t waypoint, double worth) {
+    const double before = length(path_[waypoint - 1], path_[waypoint]);
+    const double after = length(path_[waypoint], path_[waypoint + 1]);
+    const double shorter = std::min(before, after);
+    double share = 1.0;
+    for (int halvings = 0; halvings < 4 && may_try(); ++halvings, share *= 0.5) {
+      const PlaceOnPath from{waypoint - 1, before > 0.0 ? 1.0 - share * shorter / before : 0.0};
+      const PlaceOnPath to{waypoint, after > 0.0 ? share * shorter / after : 1.0};
+      if (gain(from, to) < worth) return false;  // and less from a smaller part
+      --left_;
+      if (join(from, to, worth)) return true;
+    }
+    return false;
   }
 
-  /// Joins two places of different edges; how much shorter that made the path.
-  double join(const PlaceOnPath& from, const PlaceOnPath& to) {
-    --left_;
-    if (from.edge == to.edge) return 0.0;
+  bool may_try() const { return left_ > 0 && path_.size() > 2 && !out_of_time_(); }
+
+  double length(const Configuration& a, const Configuration& b) const {
+    return weight_.cwiseProduct(b - a).norm();
+  }
+
+  /// How much shorter the path is when two places of different edges are joined.
+  double gain(const PlaceOnPath& from, const PlaceOnPath& to) const {
     const Configuration start = point_at(path_, from), end = point_at(path_, to);
-    const auto length = [&](const Configuration& a, const Configuration& b) {
-      return weight_.cwiseProduct(b - a).norm();
-    };
     double gained = -length(start, end) + length(start, path_[from.edge + 1]) + length(path_[to.edge], end);
     for (std::size_t i = from.edge + 1; i < to.edge; ++i) gained += length(path_[i], path_[i + 1]);
-    if (gained <= 0.0 || !space_.is_edge_free(start, end)) return 0.0;
+    return gained;
+  }
+
+  /// Joins two places if that is free and worth while.
+  bool join(const PlaceOnPath& from, const PlaceOnPath& to, double worth) {
+    if (from.edge == to.edge || !(gain(from, to) > worth)) return false;
+    const Configuration start = point_at(path_, from), end = point_at(path_, to);
+    if (!space_.is_edge_free(start, end)) return false;
     std::vector<Configuration> shorter(path_.begin(), at(from.edge + 1));
     if (start != shorter.back()) shorter.push_back(start);
     if (end != path_[to.edge + 1]) shorter.push_back(end);
     shorter.insert(shorter.end(), at(to.edge + 1), path_.end());
     path_ = std::move(shorter);
-    return gained;
+    return true;
   }
+
+  static constexpr double worth_while = 0.005;  ///< of the path's length
 
   const ConfigurationSpace& space_;
   const Eigen::VectorXd& weight_;
   std::vector<Configuration> path_;
   int left_;  ///< tries to cut
+  const std::function<bool()>& out_of_time_;
 };
 
 }  // namespace
 
 std::vector<Configuration> shortcut(const ConfigurationSpace& space, std::vector<Configuration> path,
-                                    const Eigen::VectorXd& weight, std::uint64_t seed, int attempts) {
+                                    const Eigen::VectorXd& weight, std::uint64_t seed, int attempts,
+                                    const std::function<bool()>& out_of_time) {
   std::mt19937_64 random(seed);
-  Shortener shortener(space, std::move(path), weight, attempts);
+  Shortener shortener(space, std::move(path), weight, attempts, out_of_time);
   if (attempts > 0) {
     shortener.jump();
     shortener.cut(random);
+    shortener.cut_corners();
     shortener.jump();
   }
   return std::move(shortener).path();

@@ -10,8 +10,11 @@
 namespace clearway {
 namespace {
 
-/// OMPL's default: the longest edge as a share of the space's extent.
-constexpr double range_share = 0.2;
+/// The longest edge as a share of the space's extent.
+constexpr double range_share = 0.1;
+
+/// Nodes beside an obstacle take samples from within so many ranges: what lies behind it is not theirs.
+constexpr double domain_ranges = 3.0;
 
 /// Less of an edge than this is not worth a node.
 constexpr double least_share = 0.25;
@@ -45,7 +48,7 @@ BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::
 
 int BidirectionalTrees::add(Side side, const Configuration& q, int parent, bool is_sampled) {
   Tree& tree = trees_[side];
-  tree.nodes.push_back({q, parent, is_sampled});
+  tree.nodes.push_back({q, parent, is_sampled, false});
   for (Eigen::Index j = 0; j < q.size(); ++j) tree.weighted.push_back(weight_[j] * q[j]);
   return static_cast<int>(tree.nodes.size()) - 1;
 }
@@ -109,11 +112,14 @@ bool BidirectionalTrees::join(Side side, std::size_t first, double spacing, int 
 }
 
 /// One edge of at most the range from the nearest node; the new node, or -1.
-int BidirectionalTrees::extend(Side side, const Configuration& towards) {
+/// @param from_anywhere also from a node whose domain does not reach so far
+int BidirectionalTrees::extend(Side side, const Configuration& towards, bool from_anywhere) {
   const int from = nearest(side, towards);
-  const Configuration& near = trees_[side].nodes[static_cast<std::size_t>(from)].q;
+  const Node& node = trees_[side].nodes[static_cast<std::size_t>(from)];
+  const Configuration& near = node.q;
   const double far = length(near, towards);
   if (far == 0.0) return from;
+  if (!from_anywhere && node.is_beside && far > domain_ranges * range_) return -1;
   const Configuration next =
       far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near));
   return advance(side, from, next);
@@ -121,10 +127,12 @@ int BidirectionalTrees::extend(Side side, const Configuration& towards) {
 
 /// As far along that edge as it is free; the new node, or -1.
 int BidirectionalTrees::advance(Side side, int from, const Configuration& towards) {
-  const Configuration& near = trees_[side].nodes[static_cast<std::size_t>(from)].q;
+  Node& node = trees_[side].nodes[static_cast<std::size_t>(from)];
+  const Configuration near = node.q;
   ++edges_checked_;
   const double share = problem_.space.free_share(near, towards);
   is_whole_ = share == 1.0;
+  if (!is_whole_) node.is_beside = true;
   if (is_whole_) return add(side, towards, from, true);
   if (share < least_share) return -1;
   return add(side, near + share * (towards - near), from, true);
@@ -135,7 +143,7 @@ bool BidirectionalTrees::connect(Side side, int node) {
   const Side far_side = other(side);
   const Configuration target = trees_[side].nodes[static_cast<std::size_t>(node)].q;
   while (!problem_.out_of_time()) {
-    const int reached = extend(far_side, target);
+    const int reached = extend(far_side, target, true);
     if (reached < 0) return false;
     const Configuration& there = trees_[far_side].nodes[static_cast<std::size_t>(reached)].q;
     if (there != target) {
@@ -156,13 +164,19 @@ Configuration BidirectionalTrees::draw(std::mt19937_64& random) const {
   return q;
 }
 
+/// The smaller tree's; now and then the other's, for the smaller one may not be able to grow.
+BidirectionalTrees::Side BidirectionalTrees::next_side() const {
+  const Side smaller = trees_[start].nodes.size() <= trees_[goal].nodes.size() ? start : goal;
+  return samples_ % 4 == 0 ? other(smaller) : smaller;
+}
+
 bool BidirectionalTrees::grow(int samples, std::mt19937_64& random, const SampleGuide& guide) {
   for (int i = 0; i < samples && !problem_.out_of_time(); ++i) {
     ++samples_;
     std::optional<Configuration> q = guide ? guide(random) : std::nullopt;
-    const int added = extend(active_, q ? *q : draw(random));
-    if (added >= 0 && connect(active_, added)) return true;
-    active_ = other(active_);
+    const Side side = next_side();
+    const int added = q ? extend(side, *q, true) : extend(side, draw(random), false);
+    if (added >= 0 && connect(side, added)) return true;
   }
   return false;
 }

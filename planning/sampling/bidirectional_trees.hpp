@@ -13,7 +13,9 @@ namespace clearway {
 
 /// A tree of configurations at the start and one at the goal, joined by certified edges: traces of the local
 /// method are hung into them, samples grow them (RRT-Connect, Kuffner and LaValle 2000, with as many nodes to
-/// grow from as the traces gave), until an edge joins the two. Deterministic for the generator that is given.
+/// grow from as the traces gave), the smaller one more often, until an edge joins the two. Nodes beside an
+/// obstacle draw no samples from far away (dynamic domain, Yershova et al. 2005). Deterministic for the
+/// generator that is given.
 class BidirectionalTrees {
  public:
   enum Side { start = 0, goal = 1 };
@@ -22,10 +24,11 @@ class BidirectionalTrees {
     Configuration q;
     int parent = -1;
     bool is_sampled = false;  ///< the edge to the parent is one of the samples', not of the local method
+    bool is_beside = false;   ///< an edge from here was not free all along
   };
 
   /// The roots are start and goal of the problem, which outlives this object.
-  /// @param range longest edge of the samples, weighted units; 0: a fifth of the space's extent
+  /// @param range longest edge of the samples, weighted units; 0: a tenth of the space's extent
   BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight, double range = 0.0);
 
   const std::vector<Node>& nodes(Side side) const { return trees_[side].nodes; }
@@ -64,9 +67,10 @@ class BidirectionalTrees {
   int add(Side side, const Configuration& q, int parent, bool is_sampled);
   int nearest(Side side, const Configuration& q) const;
   bool is_free(const Configuration& from, const Configuration& to);
-  int extend(Side side, const Configuration& towards);
+  int extend(Side side, const Configuration& towards, bool from_anywhere);
   int advance(Side side, int from, const Configuration& towards);
   bool connect(Side side, int other_node);
+  Side next_side() const;
   Configuration draw(std::mt19937_64& random) const;
   double length(const Configuration& a, const Configuration& b) const {
     return weight_.cwiseProduct(b - a).norm();
@@ -79,7 +83,6 @@ class BidirectionalTrees {
   std::array<int, 2> joined_{-1, -1};
   bool joined_by_sample_ = false;
   bool is_whole_ = false;  ///< the last edge was free all along
-  Side active_ = start;
   std::uint64_t edges_checked_ = 0;
   int samples_ = 0;
 };

@@ -33,7 +33,8 @@ PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePat
                      const Eigen::VectorXd& weight, int shortcuts) {
   PlanResult result = ends;
   std::vector<Configuration> path = std::move(found.waypoints);
-  if (path.size() > 2) path = shortcut(problem.space, std::move(path), weight, problem.seed, shortcuts);
+  if (path.size() > 2)
+    path = shortcut(problem.space, std::move(path), weight, problem.seed, shortcuts, problem.out_of_time);
   result.configurations_checked += found.configurations;
   result.edges_checked = found.edges;
   result.statistics = {{"samples", found.samples}};

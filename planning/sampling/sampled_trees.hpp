@@ -16,7 +16,7 @@ using SampleGuide = std::function<std::optional<Configuration>(std::mt19937_64& 
 
 struct TreeOptions {
   Eigen::VectorXd weight;  ///< of each joint in lengths, see joint_weights
-  double range = 0.0;      ///< longest edge tried, weighted units; 0: a fifth of the space's extent
+  double range = 0.0;      ///< longest edge tried, weighted units; 0: a tenth of the space's extent
   int max_samples = 100000000;
   SampleGuide guide{};  ///< empty: all samples are uniform
 };

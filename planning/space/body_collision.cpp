@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 namespace clearway {
 namespace {
@@ -25,13 +26,14 @@ Sphere bounding_sphere(const Body& body) {
 std::vector<Eigen::Vector3d> inner_points(const Shape& shape) {
   std::vector<Eigen::Vector3d> skin;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  const double same = 1e-12 * shape.bounding_radius() * shape.bounding_radius();
   for (int x = -2; x <= 2; ++x) {
     for (int y = -2; y <= 2; ++y) {
       for (int z = -2; z <= 2; ++z) {
-        if (x == 0 && y == 0 && z == 0) continue;
+        if (std::gcd(std::gcd(x, y), z) != 1) continue;  // twice another direction, or none
         const Eigen::Vector3d point = shape.support(Eigen::Vector3d(x, y, z));
         const bool known = std::any_of(skin.begin(), skin.end(), [&](const Eigen::Vector3d& other) {
-          return (other - point).squaredNorm() < 1e-12 * shape.bounding_radius() * shape.bounding_radius();
+          return (other - point).squaredNorm() < same;
         });
         if (!known) skin.push_back(point);
       }

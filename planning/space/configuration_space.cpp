@@ -80,6 +80,9 @@ Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
 /// these stay where they are, so that their contact still counts.
 Robot reduced(const Robot& given) {
   Robot robot = without_axisymmetric_joints(given);
+  const auto is_where_it_was = [](const Body& a, const Body& b) { return a.link == b.link; };
+  if (std::equal(robot.bodies.begin(), robot.bodies.end(), given.bodies.begin(), is_where_it_was))
+    return robot;
   const std::vector<BodyPair> wanted = self_collision_pairs(given);
   const LinkPoses poses =  // any will do: no joint changes how far bodies of one link are apart
       forward_kinematics(given, Configuration::Zero(static_cast<Eigen::Index>(given.dof())));

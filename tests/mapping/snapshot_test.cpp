@@ -95,6 +95,20 @@ TEST(Snapshot, BoundsHoldAllLeavesAndAnEmptyMapHasNone) {
       << map.bounds().max().transpose();
 }
 
+TEST(Snapshot, BoundsAreThoseOfAllStoredLeaves) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const Snapshot map = worlds::random_map(seed, 0.05).snapshot();
+    Eigen::AlignedBox3i cells;
+    map.tree().visit_leaves([&](const FusedNode&, const CellCube& cube) {
+      cells.extend(cube.corner);
+      cells.extend(cube.corner + Eigen::Vector3i::Constant(cube.edge));
+    });
+    const Eigen::AlignedBox3d bounds = map.bounds();
+    EXPECT_EQ(bounds.min(), Eigen::Vector3d(cells.min().cast<double>() * map.resolution()));
+    EXPECT_EQ(bounds.max(), Eigen::Vector3d(cells.max().cast<double>() * map.resolution()));
+  }
+}
+
 TEST(Snapshot, VisitedLeavesAnswerAsTheirPointsDo) {
   const Snapshot map = worlds::random_map(9).snapshot();
   std::size_t leaves = 0;

@@ -23,7 +23,7 @@ inline std::unique_ptr<octomap::OcTree> stock_tree(const FusedTree& tree, const 
   return stock;
 }
 
-/// One requirement, one region and one truncation: both fields from nothing.
+/// One requirement, one region and one truncation: both fields from nothing, ours as a whole.
 struct BothFields {
   BothFields(const Snapshot& map, Policy policy, const Eigen::AlignedBox3d& box, double max_distance)
       : tree(map.tree()),
@@ -32,7 +32,9 @@ struct BothFields {
         stock(stock_tree(tree, requirement)) {}
 
   std::unique_ptr<BlockedField> ours() const {
-    return std::make_unique<BlockedField>(tree, requirement, region);
+    auto field = std::make_unique<BlockedField>(tree, requirement, region);
+    field->distances()->complete();
+    return field;
   }
   std::unique_ptr<DynamicEDTOctomap> theirs() const {
     const Eigen::Vector3f low =

@@ -26,6 +26,7 @@ void expect_bounds(const BlockedSpace& space) {
         const double distance = std::sqrt(space.squared_around(voxel)[0]) / 2 * bytes.resolution;
         const double border = (from_border.minCoeff() + 0.5) * bytes.resolution;
         const bool is_of_border = bytes.outside_blocked && border <= distance;  // looked at elsewhere
+        if (bytes.cells[index] == 0) bytes.know(index);
         const int number = bytes.cells[index];
         ASSERT_EQ(number == 0, space.is_voxel_blocked(voxel)) << voxel.transpose();
         ASSERT_TRUE(is_of_border || number * bytes.step <= distance * (1 + 1e-12)) << voxel.transpose();

@@ -16,7 +16,7 @@ Eigen::AlignedBox3d box_around(double reach) {
 }
 
 TEST(FieldCache, TheOldestMakeRoomButStayUsable) {
-  const std::size_t one = field_bytes(field_region(box_around(16.0), 1.0, 1.0), false);
+  const std::size_t one = field_bytes(field_region(box_around(16.0), 1.0, 1.0));
   FieldCache cache(std::make_shared<const FusedTree>(1.0), 2 * one + 100);
   const auto first = cache.get({Policy::painted}, box_around(16.0), 1.0);
   const auto second = cache.get({Policy::known_free}, box_around(16.0), 1.0);
@@ -63,7 +63,8 @@ void expect_equal(const BlockedField& a, const BlockedField& b) {
   for (int z = 0; z < size.z(); ++z) {
     for (int y = 0; y < size.y(); ++y) {
       for (int x = 0; x < size.x(); ++x) {
-        ASSERT_EQ(a.layers().squared(x, y, z), b.layers().squared(x, y, z)) << x << " " << y << " " << z;
+        ASSERT_EQ(a.distances()->squared(x, y, z), b.distances()->squared(x, y, z))
+            << x << " " << y << " " << z;
       }
     }
   }
@@ -92,21 +93,13 @@ TEST(FieldCache, WhatDidNotChangeIsSharedWithTheFieldBefore) {
   FreeSpaceMap map = worlds::random_map(5, 0.05);
   const Version before(map);
   const auto old_field = before.fields->get({}, box_around(3.0), 0.3);
+  const std::uint16_t* old_line = old_field->distances()->line(0, 0, 0);
   map.paint(0, {Eigen::Vector3d(0.9, 0.9, 0.9), 0.06}, 9.0);
   const Version after(map, before.fields.get());
   const auto field = after.fields->get({}, box_around(3.0), 0.3);
   EXPECT_NE(field, old_field);
-  EXPECT_EQ(field->layers().line(0, 0, 0), old_field->layers().line(0, 0, 0));
+  EXPECT_EQ(field->distances()->line(0, 0, 0), old_line);
   EXPECT_EQ(after.fields->get({}, box_around(3.0), 0.3), field);
-}
-
-TEST(FieldCache, AFieldThatCouldNotBeUpdatedIsMadeAgain) {
-  const auto tree = std::make_shared<const FusedTree>(1.0);
-  const std::size_t limit = field_bytes(field_region(box_around(32.0), 1.0, 1.0), true) * 2;
-  FieldCache cache(tree, limit);
-  EXPECT_FALSE(cache.get({}, box_around(32.0), 1.0)->layers().keeps_planes());
-  FieldCache next(tree, limit, &cache);
-  EXPECT_NE(next.get({}, box_around(32.0), 1.0), cache.get({}, box_around(32.0), 1.0));
 }
 
 TEST(FieldCache, AFieldOfTheSameTreeIsHandedOn) {

@@ -82,7 +82,7 @@ TEST(SeenWithin, BlockedSpacesAgeFromSnapshotToSnapshotVoxelByVoxel) {
       }
       ASSERT_EQ(space->blocked_count(), blocked);
       // The same from nothing, distances and all.
-      const BlockedField anew(now.tree(), requirement, field.cells(), true, 1, now.seen());
+      const BlockedField anew(now.tree(), requirement, field.cells(), now.seen());
       for (int i = 0; i < 200; ++i) {
         const Eigen::Vector3d point = dice.point(0.8);
         ASSERT_EQ(space->clearance(point), anew.clearance(point));

@@ -74,7 +74,7 @@ TEST(BidirectionalTrees, SamplesGrowFromTracesAndTheirShareIsTold) {
 
 TEST(BidirectionalTrees, AGuideIsAskedFirstAndTheDeadlineKept) {
   Wall scene;
-  BidirectionalTrees trees = scene.trees();
+  BidirectionalTrees trees(scene.problem, Eigen::VectorXd::Ones(2), 3.0);  // as far as the guide points
   std::mt19937_64 random(1);
   const SampleGuide over = [](std::mt19937_64&) -> std::optional<Configuration> {
     return Vector2d(1.0, 1.3);

@@ -96,5 +96,21 @@ TEST(Shortcut, ShortensKeepsTheEndsAndStaysCertified) {
   EXPECT_LT(last, 0.75 * length(path));
 }
 
+TEST(Shortcut, StopsBeforeTheNextEdgeWhenTimeIsOut) {
+  const Field field(load_robot("point"), wall);
+  const std::vector<Configuration> path = {Vector2d(0, 0), Vector2d(0, 2), Vector2d(0.5, 1.8),
+                                           Vector2d(2, 2.5), Vector2d(2.5, 0)};
+  EXPECT_EQ(shortcut(field.space, path, Vector2d::Ones(), 3, 100, [] { return true; }), path);
+  double before = length(path);
+  for (int edges = 1; edges < 40; ++edges) {
+    int asked = 0;
+    const auto shorter =
+        shortcut(field.space, path, Vector2d::Ones(), 3, 100, [&] { return ++asked > edges; });
+    EXPECT_TRUE(field.is_certified(shorter));
+    EXPECT_LE(length(shorter), before + 1e-12) << edges;  // the same, and one edge more
+    before = length(shorter);
+  }
+}
+
 }  // namespace rrtconnect_test
 }  // namespace clearway

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "mapping/field/blocked_cells.hpp"
+#include "mapping/field/distance_axes.hpp"
+
+namespace clearway {
+
+/// The squared distances of a block of cells to its blocked cubes (see DistanceAxes) in tiles of 32 x 8 x 8
+/// cells, x fastest. A tile is computed when it is first looked at, from any thread, and so are the blocked
+/// cells that it needs; what is known stays as it is. Two versions share what they have in common. To whoever
+/// reads, an object never changes: each cell's number depends on the blocked cells alone.
+class DistanceTiles {
+ public:
+  static constexpr int nx = lane_cells, ny = 8, nz = 8;
+  static constexpr std::size_t tile_cells = std::size_t{nx} * ny * nz;
+
+  /// Cells low to high (exclusive) of a block.
+  struct Box {
+    Eigen::Vector3i low, high;
+  };
+  /// Writes all cells of a box, and of no other, into the block.
+  using ReadCells = std::function<void(const Box&, BlockedCells&)>;
+
+  /// @param cap min(cap, squared distance) is kept, 1 to largest_cap
+  DistanceTiles(BlockedCells blocked, std::uint16_t cap);
+  /// The same with cells that are read where they are needed. @param read called by one thread at a time
+  DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read);
+
+  /// Of a later version of the same block: tiles that `before` knows and no change reaches are shared, those
+  /// that a change reaches are computed at once, for they were of use.
+  /// @param follow brings the cells of `before` up to date; what was not read there may become anything.
+  /// @param read reads cells of the later version
+  DistanceTiles(const DistanceTiles& before, const std::function<void(BlockedCells&)>& follow,
+                ReadCells read);
+  /// The same from cells that are all known, as they are in `before`.
+  DistanceTiles(const DistanceTiles& before, BlockedCells blocked);
+  ~DistanceTiles();
+
+  const Eigen::Vector3i& size() const { return blocked_.size(); }
+  std::uint16_t cap() const { return axes_.cap(); }
+
+  /// min(cap, squared distance in half voxels); 0 in blocked cells only.
+  std::uint16_t squared(int x, int y, int z) const { return line(x >> 5, y, z)[x & 31]; }
+  /// The squared distances of the 32 cells from x = 32 lane; those beyond the block mean nothing.
+  const std::uint16_t* line(int lane, int y, int z) const {
+    const std::size_t index = tile(lane, y, z);
+    const std::uint16_t* cells = known_[index].load(std::memory_order_acquire);
+    return (cells != nullptr ? cells : computed(index)) + ((z & 7) * ny + (y & 7)) * nx;
+  }
+
+  bool is_blocked(int x, int y, int z) const {
+    const std::size_t index = tile(x >> 5, y, z);
+    if (!is_read_[index].load(std::memory_order_acquire)) read_cells(index);
+    return blocked_.at(x, y, z);
+  }
+  /// Blocked cells of which those near a cell are known whose distance was looked at: within its tile, and
+  /// wherever the distance reaches.
+  const BlockedCells& blocked_nearby() const { return blocked_; }
+  /// Blocked cells of which those from low to high (inclusive) are known.
+  const BlockedCells& blocked_in(const Eigen::Vector3i& low, const Eigen::Vector3i& high) const;
+  /// All of them.
+  const BlockedCells& blocked() const;
+
+  /// For look-ups of many cells: the first cell of each tile, null where it is not known yet; and the tiles
+  /// along each axis, those along x first, then y, then z.
+  const std::atomic<const std::uint16_t*>* known_tiles() const { return known_.get(); }
+  const Eigen::Vector3i& tile_counts() const { return counts_; }
+  std::size_t tile(int lane, int y, int z) const {
+    return (static_cast<std::size_t>(z >> 3) * static_cast<std::size_t>(counts_[1]) +
+            static_cast<std::size_t>(y >> 3)) *
+               static_cast<std::size_t>(counts_[0]) +
+           static_cast<std::size_t>(lane);
+  }
+
+  Eigen::Vector3i place(std::size_t tile) const;  ///< along each axis
+  Box box_of(const Eigen::Vector3i& place) const;
+
+  void complete() const;      ///< computes all that is left
+  std::size_t known() const;  ///< tiles
+  std::size_t bytes() const;  ///< in memory, tiles shared with other versions included
+
+ private:
+  using Tile = std::array<std::uint16_t, tile_cells>;
+  using Steps = std::array<std::uint8_t, tile_cells>;
+  enum class Holds : std::uint8_t { not_known, nothing, something, all };
+  class Maker;
+  struct Memory;
+
+  void allocate();
+  void renew(const DistanceTiles& before);
+  std::vector<bool> reached_by_changes(const DistanceTiles& before) const;
+  bool differs(const DistanceTiles& before, const Eigen::Vector3i& place) const;
+  const std::uint16_t* computed(std::size_t tile) const;
+  void read_cells(std::size_t tile) const;
+  void read_under_lock(std::size_t tile) const;
+
+  DistanceAxes axes_;
+  mutable BlockedCells blocked_;
+  ReadCells read_;
+  std::shared_ptr<const Tile> nothing_, all_;  ///< tiles without a blocked cell in reach, and without another
+  Eigen::Vector3i counts_, reach_;             ///< tiles along each axis; so many to each side matter to one
+  std::unique_ptr<std::atomic<const std::uint16_t*>[]> known_;
+  std::unique_ptr<std::atomic<bool>[]> is_read_;  ///< of each tile: its blocked cells
+  mutable std::mutex computing_;                  ///< of what follows, and of writing blocked_
+  mutable std::vector<std::shared_ptr<const Tile>> tiles_;
+  mutable std::unique_ptr<Memory> memory_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,211 @@
+// Distances of changing cells, looked at in any order, against brute force and against a fresh start.
+
+#include "mapping/field/distance_tiles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace distance_tiles_test {
+
+using worlds::Dice;
+
+Eigen::Vector3i random_cell(Dice& dice, const Eigen::Vector3i& size) {
+  return {dice.whole(0, size.x() - 1), dice.whole(0, size.y() - 1), dice.whole(0, size.z() - 1)};
+}
+
+void fill_box(Dice& dice, BlockedCells& cells, int edge, bool blocked) {
+  const Eigen::Vector3i low = random_cell(dice, cells.size());
+  const Eigen::Vector3i reach(dice.whole(1, edge), dice.whole(1, edge), dice.whole(1, edge));
+  cells.fill(low, (low + reach).cwiseMin(cells.size()), blocked);
+}
+
+template <class Visit>
+void visit_cells(const Eigen::Vector3i& size, const Visit& visit) {
+  for (int z = 0; z < size.z(); ++z) {
+    for (int y = 0; y < size.y(); ++y) {
+      for (int x = 0; x < size.x(); ++x) visit(x, y, z);
+    }
+  }
+}
+
+std::size_t count_differences(const DistanceTiles& a, const DistanceTiles& b) {
+  std::size_t count = 0;
+  visit_cells(a.size(), [&](int x, int y, int z) { count += a.squared(x, y, z) != b.squared(x, y, z); });
+  return count;
+}
+
+/// Copies what it is asked for; the rest of the copy stays as it is.
+DistanceTiles::ReadCells reading(const BlockedCells& cells) {
+  return [&cells](const DistanceTiles::Box& box, BlockedCells& copy) {
+    for (int z = box.low.z(); z < box.high.z(); ++z) {
+      for (int y = box.low.y(); y < box.high.y(); ++y) {
+        for (int x = box.low.x(); x < box.high.x(); ++x) copy.set(x, y, z, cells.at(x, y, z));
+      }
+    }
+  };
+}
+
+/// Every cell of the tiles against the distances to all blocked cubes.
+void expect_exact(const DistanceTiles& tiles, const std::vector<Eigen::Vector3i>& cells) {
+  visit_cells(tiles.size(), [&](int x, int y, int z) {
+    int expected = tiles.cap();
+    for (const Eigen::Vector3i& cell : cells) {
+      const Eigen::Vector3i gap =
+          (2 * (cell - Eigen::Vector3i(x, y, z)).cwiseAbs().array() - 1).max(0).matrix();
+      expected = std::min(expected, gap.squaredNorm());
+    }
+    ASSERT_EQ(int{tiles.squared(x, y, z)}, expected)
+        << x << " " << y << " " << z << " cap " << tiles.cap() << " of " << tiles.blocked().count();
+  });
+}
+
+TEST(DistanceTiles, HoldExactlyTheDistanceToTheNearestCube) {
+  Dice dice(1);
+  for (int trial = 0; trial < 30; ++trial) {
+    const Eigen::Vector3i size(dice.whole(1, 70), dice.whole(1, 30), dice.whole(1, 30));
+    BlockedCells blocked(size, false);
+    std::vector<Eigen::Vector3i> cells;
+    for (int i = dice.whole(0, 25); i > 0; --i) {
+      cells.push_back(random_cell(dice, size));
+      blocked.fill(cells.back(), cells.back() + Eigen::Vector3i::Ones(), true);
+    }
+    const auto cap = static_cast<std::uint16_t>(dice.whole(1, trial % 2 == 0 ? 400 : largest_cap));
+    if (trial % 3 == 0)
+      expect_exact(DistanceTiles(blocked, cap), cells);
+    else
+      expect_exact(DistanceTiles(size, cap, reading(blocked)), cells);
+  }
+}
+
+TEST(DistanceTiles, AreExactForTheSmallestCapsAndACubeAnywhereInARow) {
+  for (const std::uint16_t cap : {1, 2, 9, 10, 11, 25, 26}) {  // just what some of the nearest cells are away
+    for (int x = 0; x < 66; ++x) {                             // two words of a row, and a bit
+      const Eigen::Vector3i cell(x, x % 3, x / 3 % 3);
+      BlockedCells blocked({66, 3, 3}, false);
+      const DistanceTiles empty(blocked, cap);
+      empty.complete();
+      blocked.fill(cell, cell + Eigen::Vector3i::Ones(), true);
+      expect_exact(DistanceTiles(blocked, cap), {cell});
+      expect_exact(DistanceTiles(empty, blocked), {cell});
+    }
+  }
+}
+
+// Some cells are looked at between two changes, others never were when the next change comes.
+TEST(DistanceTiles, AfterAnySequenceOfChangesAndLooksTheyAreThoseMadeFromNothing) {
+  Dice dice(2);
+  for (int trial = 0; trial < 12; ++trial) {
+    const Eigen::Vector3i size(dice.whole(1, 150), dice.whole(1, 60), dice.whole(1, 60));
+    const auto cap = static_cast<std::uint16_t>(dice.whole(1, trial % 2 == 0 ? 3000 : largest_cap));
+    BlockedCells blocked(size, trial % 4 == 0);
+    std::vector<BlockedCells> versions(11, blocked);  // readers refer to them
+    auto tiles = std::make_unique<DistanceTiles>(size, cap, reading(versions[0]));
+    for (std::size_t round = 1; round < versions.size(); ++round) {
+      const BlockedCells before = blocked;
+      for (int i = dice.whole(0, 8); i > 0; --i)
+        fill_box(dice, blocked, dice.whole(1, 20), dice.whole(0, 1) == 0);
+      versions[round] = blocked;
+      const auto follow = [&](BlockedCells& cells) {
+        visit_cells(size, [&](int x, int y, int z) {
+          if (before.at(x, y, z) != blocked.at(x, y, z)) cells.set(x, y, z, blocked.at(x, y, z));
+        });
+      };
+      tiles = std::make_unique<DistanceTiles>(*tiles, follow, reading(versions[round]));
+      const DistanceTiles fresh(blocked, cap);
+      for (int i = dice.whole(0, 40); i > 0; --i) {
+        const Eigen::Vector3i at = random_cell(dice, size);
+        ASSERT_EQ(tiles->squared(at.x(), at.y(), at.z()), fresh.squared(at.x(), at.y(), at.z()));
+        ASSERT_EQ(tiles->is_blocked(at.x(), at.y(), at.z()), blocked.at(at.x(), at.y(), at.z()));
+      }
+      if (round % 3 == 0) {
+        ASSERT_EQ(count_differences(*tiles, fresh), 0U);
+        ASSERT_EQ(tiles->blocked(), blocked);
+      }
+    }
+  }
+}
+
+TEST(DistanceTiles, AreTheSameForManyThreadsThatLookAtOnce) {
+  Dice dice(4);
+  BlockedCells blocked({150, 70, 60}, false);
+  for (int i = 0; i < 30; ++i) fill_box(dice, blocked, 15, true);
+  const DistanceTiles alone(blocked, 1500);
+  const DistanceTiles shared(blocked.size(), 1500, reading(blocked));
+  std::vector<std::size_t> differences(4, 0);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < differences.size(); ++t) {
+    threads.emplace_back([&, t] {
+      Dice own(static_cast<unsigned>(10 + t));
+      for (int i = 0; i < 4000; ++i) {
+        const Eigen::Vector3i at = random_cell(own, blocked.size());
+        if (i % 2 == 0)
+          differences[t] += shared.is_blocked(at.x(), at.y(), at.z()) != blocked.at(at.x(), at.y(), at.z());
+        else
+          differences[t] +=
+              (shared.squared(at.x(), at.y(), at.z()) == 0) != blocked.at(at.x(), at.y(), at.z());
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(differences, std::vector<std::size_t>(4, 0));
+  EXPECT_EQ(count_differences(shared, alone), 0U);
+}
+
+TEST(DistanceTiles, TheVersionBeforeAChangeStaysAsItWas) {
+  Dice dice(3);
+  BlockedCells blocked({100, 50, 40}, false);
+  for (int i = 0; i < 30; ++i) fill_box(dice, blocked, 9, true);
+  const DistanceTiles before(blocked, 1500);
+  before.complete();
+  BlockedCells later = blocked;
+  for (int i = 0; i < 30; ++i) fill_box(dice, later, 9, i % 2 == 0);
+  const DistanceTiles after(before, later);
+  EXPECT_EQ(count_differences(before, DistanceTiles(blocked, 1500)), 0U);
+  EXPECT_GT(count_differences(before, after), 1000U);
+}
+
+TEST(DistanceTiles, ASmallChangeCopiesFewTiles) {
+  BlockedCells blocked({320, 160, 160}, false);
+  blocked.fill({0, 0, 0}, {320, 160, 2}, true);
+  const DistanceTiles before(blocked, 400);
+  before.complete();
+  blocked.fill({160, 80, 50}, {161, 81, 51}, true);
+  const DistanceTiles after(before, blocked);
+  std::size_t shared = 0, lines = 0;
+  for (int z = 0; z < 160; ++z) {
+    for (int y = 0; y < 160; ++y) {
+      for (int lane = 0; lane < 10; ++lane, ++lines)
+        shared += before.line(lane, y, z) == after.line(lane, y, z);
+    }
+  }
+  EXPECT_GT(shared, lines * 95 / 100);
+  EXPECT_LT(shared, lines);
+}
+
+TEST(DistanceTiles, OneLookComputesOneTileAndReadsOnlyWhatReachesIt) {
+  const BlockedCells blocked({320, 160, 160}, true);
+  std::size_t read = 0;
+  const auto counting = [&, copy = reading(blocked)](const DistanceTiles::Box& box, BlockedCells& cells) {
+    copy(box, cells);
+    ++read;
+  };
+  const DistanceTiles tiles(blocked.size(), 225, counting);  // 8 voxels: a tile to each side
+  EXPECT_EQ(read, 0U);
+  EXPECT_EQ(tiles.squared(100, 80, 80), 0);
+  EXPECT_EQ(tiles.known(), 1U);
+  EXPECT_EQ(read, 27U);
+}
+
+TEST(DistanceTiles, EmptySpaceTakesHardlyAnyMemory) {
+  const DistanceTiles empty(BlockedCells({256, 256, 256}, false), 400);
+  empty.complete();
+  EXPECT_LT(empty.bytes(), 256U * 256U * 256U / 4U);
+}
+
+}  // namespace distance_tiles_test
+}  // namespace clearway
