@@ -21,8 +21,8 @@ Matrix36 point_by_motion(const Eigen::Vector3d& point) {
 }
 
 // How far the ball is off when one of the two poses is one of its limits.
-double farthest(const std::vector<Eigen::Isometry3d>& base_from_probe, const Eigen::Vector3d& ball,
-                const Eigen::Vector3d& center) {
+double farthest_move(const std::vector<Eigen::Isometry3d>& base_from_probe, const Eigen::Vector3d& ball,
+                     const Eigen::Vector3d& center) {
   double most = 0.0;
   for (const Eigen::Isometry3d& pose : base_from_probe) most = std::max(most, (pose * ball - center).norm());
   return most;
@@ -63,11 +63,11 @@ CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_
 
   std::vector<Eigen::Isometry3d> turned;
   for (const Eigen::Isometry3d& limit : probe.limits) turned.push_back(base_from_camera * limit);
-  const double by_probe_turned = farthest(turned, ball, center);
+  const double by_probe_turned = farthest_move(turned, ball, center);
   turned.clear();
   if (!is_mean)
     for (const Eigen::Isometry3d& limit : base.limits) turned.push_back(limit.inverse() * camera_from_probe);
-  const double widest = std::hypot(by_probe_turned, farthest(turned, ball, center));
+  const double widest = std::hypot(by_probe_turned, farthest_move(turned, ball, center));
   bound.tilt = std::sqrt(std::max(0.0, widest * widest - bound.noise * bound.noise));
   bound.total = std::hypot(linear, bound.tilt);
   return bound;
