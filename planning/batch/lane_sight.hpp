@@ -53,7 +53,7 @@ HWY_INLINE Spot spot_of(const SphereRobot::Field& field, const Point& point) {
   return spot;
 }
 
-HWY_NOINLINE void know(const ByteField& bytes, Whole cell, Whole number) {
+inline HWY_NOINLINE void know(const ByteField& bytes, Whole cell, Whole number) {
   std::int32_t cells[lane_count], numbers[lane_count];
   hn::StoreU(cell, WholeTag(), cells);
   hn::StoreU(number, WholeTag(), numbers);
