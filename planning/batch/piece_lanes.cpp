@@ -8,11 +8,7 @@
 
 #include "mapping/field/byte_field.hpp"
 
-// Three widths are enough; the library that chooses among all is not needed, nor linked.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
-#define HWY_DISABLE_PCLMUL_AES  // best_instruction_set() does not ask for them
-#define HWY_DISABLE_F16C
-#define HWY_DISABLE_BMI2_FMA
+#include "mapping/system/highway_targets.hpp"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "planning/batch/piece_lanes.cpp"
 #include <hwy/foreach_target.h>

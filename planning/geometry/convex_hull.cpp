@@ -8,6 +8,8 @@
 #include <string>
 #include <tuple>
 
+#include "planning/geometry/farthest_vertex.hpp"
+
 extern "C" {
 #include <libqhull_r/libqhull_r.h>
 }
@@ -130,9 +132,8 @@ HullPlanes::HullPlanes(const std::vector<Eigen::Vector3d>& points) {
     const auto at = [&](int i) -> const Eigen::Vector3d& { return points[static_cast<std::size_t>(i)]; };
     const Eigen::Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
     const double offset = std::min({normal.dot(at(a)), normal.dot(at(b)), normal.dot(at(c))});
-    const bool is_outer = std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
-      return normal.dot(point) <= offset + margin;  // false for a triangle of no size
-    });
+    // A triangle of no size has no normal: then no sphere is known to be inside.
+    const bool is_outer = normal.dot(points[farthest_vertex(points, normal)]) <= offset + margin;
     if (!is_outer) {
       normals_.clear();
       offsets_.clear();
