@@ -42,6 +42,7 @@ BenchResult bench_cast_ray(const BenchOptions& options);
 BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);
 BenchResult bench_edges(const BenchOptions& options);
+BenchResult bench_plan(const BenchOptions& options);
 BenchResult bench_load(const BenchOptions& options);
 BenchResult bench_paint(const BenchOptions& options);
 BenchResult bench_bodies(const BenchOptions& options);

@@ -1,0 +1,272 @@
+// Whole queries, from free ends to a path: `rrtconnect` and `auto`, whose paths are proved everywhere,
+// against OMPL's RRT-Connect with FCL's shapes on an fcl::OcTree; in a map that is known, and in one that a
+// depth frame has just changed.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include "apps/bench/bench.hpp"
+#include "apps/suites/suite_stages.hpp"
+#include "mapping/continued_map.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "planning/auto_planner.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/rrtconnect.hpp"
+#include "planning/sampling/rrtconnect_fcl.hpp"
+
+namespace clearway::bench {
+namespace {
+
+constexpr int problems_of_each = 2;  ///< of each experiment
+constexpr double limit = 0.5;        ///< s a query; what is not solved by then counts as that
+constexpr double enough_valid = 0.95;
+
+/// One problem, its map, and the same map after one more depth frame.
+struct Task {
+  std::string experiment;
+  Robot robot;
+  Policies policies;
+  SpaceOptions options;
+  Snapshot before, after;
+  Configuration start, goal;
+
+  ConfigurationSpace space(const Snapshot& map) const { return {robot, map, policies, options}; }
+};
+
+bool is_free_at_ends(const ConfigurationSpace& space, const Configuration& start, const Configuration& goal) {
+  return space.is_free(start) && space.is_free(goal);
+}
+
+/// What a camera at `eye` sees of a ball: a cap of it, some 2,000 points.
+Scan frame_of_ball(const Eigen::Vector3d& eye, const Sphere& ball) {
+  constexpr int side = 45;
+  Scan scan;
+  scan.map_from_sensor = Eigen::Translation3d(eye);
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), eye - ball.center);
+  for (int i = 0; i < side * side; ++i) {
+    const double away = 0.5 * std::numbers::pi * std::sqrt((i + 0.5) / (side * side));
+    const double around = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;
+    const Eigen::Vector3d way(std::sin(away) * std::cos(around), std::sin(away) * std::sin(around),
+                              std::cos(away));
+    scan.points.emplace_back((ball.center + ball.radius * (turn * way) - eye).cast<float>());
+  }
+  return scan;
+}
+
+/// The map after a frame that sees a ball which was not there, somewhere in reach but at neither end.
+std::optional<Snapshot> changed_map(const Task& task, std::mt19937_64& random) {
+  const double reach = 0.8;
+  for (int trial = 0; trial < 20; ++trial) {
+    const auto draw = [&](double low, double high) {
+      return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
+    };
+    const double angle = draw(0.0, 2.0 * std::numbers::pi), away = draw(0.4, 1.0) * reach;
+    const Eigen::Vector3d base = task.robot.map_from_base.translation();
+    const Eigen::Vector3d center =
+        base + Eigen::Vector3d(away * std::cos(angle), away * std::sin(angle), draw(0.2, reach));
+    ContinuedMap map(task.before, {.resolution = task.before.resolution(), .hit_probability = 0.9});
+    map.insert(frame_of_ball(center + Eigen::Vector3d(0.0, 0.0, 1.0), {center, 0.06}));
+    const Snapshot after = map.snapshot();
+    if (is_free_at_ends(task.space(after), task.start, task.goal)) return after;
+  }
+  return std::nullopt;
+}
+
+/// Some problems of an experiment, spread evenly.
+void add_tasks(const Suite& suite, const SuiteExperiment& experiment, std::vector<Task>& tasks) {
+  const Robot robot = load_robot(experiment.robot);
+  const SuiteStages stages(suite, experiment, robot);
+  std::mt19937_64 random(1);
+  const std::size_t wanted = std::min<std::size_t>(problems_of_each, stages.size());
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const SuiteStage stage = stages.make(i * stages.size() / wanted);
+    const StageProblem& problem = stage.problems.front();
+    Task task{experiment.name,
+              robot,
+              suite_policies(suite, experiment, robot),
+              {.padding = experiment.padding.value_or(robot.position_accuracy)},
+              stage.map,
+              stage.map,
+              problem.start,
+              problem.goals.front()};
+    if (const auto after = changed_map(task, random)) task.after = *after;
+    tasks.push_back(std::move(task));
+  }
+}
+
+std::vector<Task> draw_tasks(const BenchOptions& options) {
+  std::vector<Task> tasks;
+  for (const char* name : {"cells.yaml", "guided.yaml"}) {
+    const Suite suite = load_suite(datasets_folder() / "suites" / name);
+    for (const SuiteExperiment& experiment : suite.experiments) {
+      options.say("drawing " + experiment.name);
+      if (experiment.generate) add_tasks(suite, experiment, tasks);
+    }
+  }
+  return tasks;
+}
+
+struct Answer {
+  double ms = 0.0;
+  std::vector<Configuration> path;  ///< empty: not solved
+};
+
+Answer ask(const Planner& planner, const Task& task, const ConfigurationSpace& space) {
+  const PathCost cost(task.robot);
+  const double begin = cpu_time();
+  PlanResult result =
+      planner.plan({space, cost, task.start, task.goal, 1, [&] { return cpu_time() - begin > limit; }});
+  return {1e3 * (cpu_time() - begin), std::move(result.waypoints)};
+}
+
+/// A planner on all tasks.
+struct Times {
+  std::vector<double> warm, cold;  ///< CPU ms of each task
+  std::size_t solved = 0, valid = 0;
+
+  double valid_share() const { return solved > 0 ? double(valid) / double(solved) : 0.0; }
+};
+
+void judge(const Task& task, const ConfigurationSpace& space, const Answer& answer, Times& times) {
+  if (answer.path.empty()) return;
+  ++times.solved;
+  times.valid +=
+      check_path(task.robot, task.before, space.policies(), task.options.padding, answer.path, 0.0).valid;
+}
+
+/// The changed map as if it had just come: with the fields of the map before, and none of its own.
+Snapshot just_changed(const Task& task) {
+  return {std::make_shared<const FusedTree>(task.after.tree()), task.after.volumes(), task.before};
+}
+
+/// Ours: medians of `runs`.
+Times measure_ours(const std::vector<Task>& tasks, const Planner& planner, int runs) {
+  Times times;
+  for (const Task& task : tasks) {
+    const ConfigurationSpace known = task.space(task.before);
+    const Answer first = ask(planner, task, known);  // looks at the map before, too
+    judge(task, known, first, times);
+    if (first.path.empty()) {
+      times.warm.push_back(first.ms);
+      times.cold.push_back(first.ms);
+      continue;
+    }
+    std::vector<double> warm, cold;
+    for (int run = 0; run < runs; ++run) {
+      warm.push_back(ask(planner, task, known).ms);
+      const Snapshot changed = just_changed(task);
+      const double begin = cpu_time();
+      const ConfigurationSpace space = task.space(changed);
+      ask(planner, task, space);
+      cold.push_back(1e3 * (cpu_time() - begin));
+    }
+    times.warm.push_back(median(warm));
+    times.cold.push_back(median(cold));
+  }
+  return times;
+}
+
+/// The peer, once a task, looking at edges at every `resolution` of the space's extent; its tree of the
+/// changed map is part of the time, our fields, which judge its ends, are not.
+Times measure_peer(const std::vector<Task>& tasks, double resolution, bool is_cold) {
+  Times times;
+  for (const Task& task : tasks) {
+    const RrtConnectFcl planner({.resolution = resolution});
+    const ConfigurationSpace known = task.space(task.before);
+    ask(planner,
+        {task.experiment, task.robot, task.policies, task.options, task.before, task.before, task.start,
+         task.start},
+        known);  // makes its tree
+    const Answer answer = ask(planner, task, known);
+    times.warm.push_back(answer.ms);
+    judge(task, known, answer, times);
+    if (!is_cold) continue;
+    const ConfigurationSpace changed = task.space(just_changed(task));
+    is_free_at_ends(changed, task.start, task.goal);
+    times.cold.push_back(ask(RrtConnectFcl({.resolution = resolution}), task, changed).ms);
+  }
+  return times;
+}
+
+/// The coarsest resolution at which enough of the peer's paths are valid, and what it takes there.
+std::pair<double, Times> measure_valid_peer(const std::vector<Task>& tasks, const BenchOptions& options) {
+  Times times;
+  double resolution = 0.01;
+  for (const double finer : {0.004, 0.002, 0.001}) {
+    resolution = finer;
+    options.say("peer at " + figure(resolution));
+    times = measure_peer(tasks, resolution, false);
+    if (times.valid_share() >= enough_valid) break;
+  }
+  return {resolution, times};
+}
+
+std::vector<std::string> row_of(const std::string& name, const Times& times, const std::vector<double>& list,
+                                double ours) {
+  return {name,
+          figure(median(list)),
+          figure(quantile(list, 0.95)),
+          count_text(static_cast<double>(times.solved)),
+          times.solved > 0 ? figure(100.0 * times.valid_share()) + " %" : "-",
+          ours > 0.0 ? figure(median(list) / ours) : "-"};
+}
+
+nlohmann::ordered_json told(const Times& times) {
+  nlohmann::ordered_json json{{"median_ms", median(times.warm)},
+                              {"p95_ms", quantile(times.warm, 0.95)},
+                              {"solved", times.solved},
+                              {"valid", times.valid}};
+  if (times.cold.empty()) return json;
+  json["cold_median_ms"] = median(times.cold);
+  json["cold_p95_ms"] = quantile(times.cold, 0.95);
+  return json;
+}
+
+}  // namespace
+
+BenchResult bench_plan(const BenchOptions& options) {
+  const std::vector<Task> tasks = draw_tasks(options);
+  options.say("ours");
+  const Times trees = measure_ours(tasks, RrtConnect(), options.runs);
+  const Times chosen = measure_ours(tasks, AutoPlanner(), options.runs);
+  options.say("peer at its default resolution");
+  const Times peer = measure_peer(tasks, RrtConnectFclOptions().resolution, true);
+  const auto [resolution, valid_peer] = measure_valid_peer(tasks, options);
+  const double ours = median(trees.warm), ours_cold = median(trees.cold);
+  BenchResult result{
+      ours, median(peer.warm), "OMPL RRT-Connect, FCL on fcl::OcTree", "CPU ms a query", true, options.runs,
+      {}};
+  result.detail = {{"problems", tasks.size()},           {"limit_s", limit},
+                   {"rrtconnect", told(trees)},          {"auto", told(chosen)},
+                   {"peer_default", told(peer)},         {"peer_valid", told(valid_peer)},
+                   {"peer_valid_resolution", resolution}};
+  const std::string finer = "peer at " + figure(resolution) + " of the extent";
+  const std::vector<std::string> head{"CPU ms a query", "median",         "at 95 %",
+                                      "solved",         "of these valid", "of rrtconnect's median"};
+  result.tables = {
+      {"In a map that was planned in before:",
+       head,
+       {row_of("`rrtconnect`", trees, trees.warm, ours), row_of("`auto`", chosen, chosen.warm, ours),
+        row_of("peer at OMPL's default", peer, peer.warm, ours),
+        row_of(finer, valid_peer, valid_peer.warm, ours)}},
+      {"Right after a depth frame changed that map, all that is derived from it included:",
+       head,
+       {row_of("`rrtconnect`", trees, trees.cold, ours_cold),
+        row_of("`auto`", chosen, chosen.cold, ours_cold),
+        row_of("peer at OMPL's default", peer, peer.cold, ours_cold)},
+       "Solved and valid are those of the map before."}};
+  result.compared = count_text(static_cast<double>(tasks.size())) +
+                    " problems of the suites `cells` and `guided`: paths that are proved on every edge and "
+                    "shortened, against RRT-Connect of OMPL with its simplification on FCL's shapes and an "
+                    "`fcl::OcTree`, at its default resolution and at one whose paths are mostly valid by "
+                    "`clearway check`. A query that does not end in " +
+                    figure(limit) + " s counts as that.";
+  return result;
+}
+
+}  // namespace clearway::bench
