@@ -106,7 +106,7 @@ class TagBoardsPrint : public ::testing::TestWithParam<double> {
 
 TEST_P(TagBoardsPrint, tags_on_paper_have_the_ids_and_sizes_of_the_setup) {
   const TagBoards printed = boards();
-  const Setup setup = parse_setup(printed.setup, "printed.yaml");
+  const auto setup = parse_setup(printed.setup, "printed.yaml");
   const std::map<std::string, std::size_t> counts = {
       {"base", 6}, {"probe", 5}, {"gripper", 2}, {"calibration", 17}};
   ASSERT_EQ(printed.sheets.size(), counts.size());
@@ -118,14 +118,14 @@ TEST_P(TagBoardsPrint, tags_on_paper_have_the_ids_and_sizes_of_the_setup) {
     EXPECT_EQ(board->tags.size(), seen.size());
     for (const TagSetup& tag : board->tags) {
       ASSERT_TRUE(seen.count(tag.id)) << sheet.name << " " << tag.id;
-      EXPECT_NEAR(seen.at(tag.id).size, 1000.0 * tag.size, 0.1) << sheet.name << " " << tag.id;
+      EXPECT_NEAR(seen.at(tag.id).size, 1000.0 * tag.size, 0.2) << sheet.name << " " << tag.id;
     }
   }
 }
 
 TEST_P(TagBoardsPrint, flat_boards_have_the_places_of_the_setup) {
   const TagBoards printed = boards();
-  const Setup setup = parse_setup(printed.setup, "printed.yaml");
+  const auto setup = parse_setup(printed.setup, "printed.yaml");
   for (const Sheet& sheet : printed.sheets) {
     if (sheet.name != "base" && sheet.name != "calibration") continue;
     const std::map<int, Seen> seen = seen_on(to_svg(sheet));
@@ -164,7 +164,7 @@ void expect_hinged(const TagSetup& a, const TagSetup& b, const std::map<int, See
 
 TEST_P(TagBoardsPrint, folded_bodies_hold_together_where_their_sheets_are_folded) {
   const TagBoards printed = boards();
-  const Setup setup = parse_setup(printed.setup, "printed.yaml");
+  const auto setup = parse_setup(printed.setup, "printed.yaml");
   const auto& cube = setup.board("probe")->tags;
   const std::map<int, Seen> net = seen_on(to_svg(printed.sheets[1]));
   for (std::size_t i = 1; i < cube.size(); ++i) expect_hinged(cube[0], cube[i], net);
@@ -259,7 +259,7 @@ TEST(TagsPrint, writes_sheets_and_a_setup_and_refuses_what_it_does_not_know) {
   for (const char* name : {"base", "probe", "gripper", "calibration"})
     for (const char* kind : {".svg", ".pdf"})
       EXPECT_TRUE(std::filesystem::exists(folder.file("out/") + name + kind)) << name << kind;
-  const Setup setup = load_setup(folder.file("out/setup.yaml"));
+  const auto setup = load_setup(folder.file("out/setup.yaml"));
   EXPECT_NEAR(setup.probe->ball_center.z(), -0.12, 1e-12);
   EXPECT_EQ(run_command({"tags", "show", "--out", folder.file("b")}).status, exit_bad_input);
   EXPECT_EQ(run_command({"tags", "print", "--out", folder.file("b"), "--square", "200"}).status,
