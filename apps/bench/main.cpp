@@ -28,7 +28,7 @@ std::vector<Entry> all_entries() {
       {"checks", "configuration checks against FCL shapes on fcl::OcTree", 10, bench_checks},
       {"edges", "edges proved free or refused against FCL shapes on fcl::OcTree every 0.01 rad", 3,
        bench_edges},
-      {"plan", "whole queries against OMPL's RRT-Connect with FCL on fcl::OcTree, warm and after a change", 5,
+      {"plan", "whole queries against OMPL's RRT-Connect with FCL on fcl::OcTree, warm and after a change", 3,
        bench_plan},
       {"load", "loading a map of 10 million nodes against octomap::OcTree", 6, bench_load},
       {"paint", "painting balls along a stroke against OctoMap's updateNode", 5, bench_paint},

@@ -21,8 +21,9 @@
 namespace clearway::bench {
 namespace {
 
-constexpr int problems_of_each = 2;  ///< of each experiment
-constexpr double limit = 0.5;        ///< s a query; what is not solved by then counts as that
+constexpr std::size_t problems_of_each = 3;  ///< of each experiment, spread evenly
+constexpr double limit = 0.25;               ///< s a query; what is not solved by then counts as that
+constexpr double slow = 20.0;                ///< ms: is not asked over and over
 constexpr double enough_valid = 0.95;
 
 /// One problem, its map, and the same map after one more depth frame.
@@ -77,26 +78,20 @@ std::optional<Snapshot> changed_map(const Task& task, std::mt19937_64& random) {
   return std::nullopt;
 }
 
-/// Some problems of an experiment, spread evenly.
-void add_tasks(const Suite& suite, const SuiteExperiment& experiment, std::vector<Task>& tasks) {
-  const Robot robot = load_robot(experiment.robot);
-  const SuiteStages stages(suite, experiment, robot);
-  std::mt19937_64 random(1);
-  const std::size_t wanted = std::min<std::size_t>(problems_of_each, stages.size());
-  for (std::size_t i = 0; i < wanted; ++i) {
-    const SuiteStage stage = stages.make(i * stages.size() / wanted);
-    const StageProblem& problem = stage.problems.front();
-    Task task{experiment.name,
-              robot,
-              suite_policies(suite, experiment, robot),
-              {.padding = experiment.padding.value_or(robot.position_accuracy)},
-              stage.map,
-              stage.map,
-              problem.start,
-              problem.goals.front()};
-    if (const auto after = changed_map(task, random)) task.after = *after;
-    tasks.push_back(std::move(task));
-  }
+/// A problem of an experiment.
+Task task_of(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot,
+             const SuiteStage& stage, std::mt19937_64& random) {
+  const StageProblem& problem = stage.problems.front();
+  Task task{experiment.name,
+            robot,
+            suite_policies(suite, experiment, robot),
+            {.padding = experiment.padding.value_or(robot.position_accuracy)},
+            stage.map,
+            stage.map,
+            problem.start,
+            problem.goals.front()};
+  if (const auto after = changed_map(task, random)) task.after = *after;
+  return task;
 }
 
 std::vector<Task> draw_tasks(const BenchOptions& options) {
@@ -104,8 +99,14 @@ std::vector<Task> draw_tasks(const BenchOptions& options) {
   for (const char* name : {"cells.yaml", "guided.yaml"}) {
     const Suite suite = load_suite(datasets_folder() / "suites" / name);
     for (const SuiteExperiment& experiment : suite.experiments) {
+      if (!experiment.generate) continue;
       options.say("drawing " + experiment.name);
-      if (experiment.generate) add_tasks(suite, experiment, tasks);
+      const Robot robot = load_robot(experiment.robot);
+      const SuiteStages stages(suite, experiment, robot);
+      std::mt19937_64 random(1);
+      const std::size_t wanted = std::min(problems_of_each, stages.size());
+      for (std::size_t i = 0; i < wanted; ++i)
+        tasks.push_back(task_of(suite, experiment, robot, stages.make(i * stages.size() / wanted), random));
     }
   }
   return tasks;
@@ -157,7 +158,7 @@ Times measure_ours(const std::vector<Task>& tasks, const Planner& planner, int r
       continue;
     }
     std::vector<double> warm, cold;
-    for (int run = 0; run < runs; ++run) {
+    for (int run = 0; run < (first.ms > slow ? 1 : runs); ++run) {
       warm.push_back(ask(planner, task, known).ms);
       const Snapshot changed = just_changed(task);
       const double begin = cpu_time();
