@@ -9,7 +9,7 @@
 namespace clearway {
 namespace {
 
-constexpr double kPageWidth = 190.0, kPageHeight = 235.0;  // what any printer reaches, with room for a ruler
+constexpr double kPageWidth = 190.0, kPageHeight = 237.0;  // what any printer reaches, with room for a ruler
 constexpr double kLeft = 13.0, kTop = 20.0;
 constexpr double kQuiet = 1.125;  // a tag with most of its white ring, over its size
 
