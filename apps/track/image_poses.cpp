@@ -9,11 +9,16 @@
 namespace clearway {
 namespace {
 
-/// The side of a tag, metres; empty when no board of the setup has it.
-std::optional<double> size_of_tag(const Setup& setup, int id) {
+/// A body of that tag alone, with the errors that its board states; empty when no board of the setup has it.
+std::optional<TagBody> body_of_tag(const Setup& setup, int id) {
   for (const BoardSetup& board : setup.boards) {
-    for (const TagSetup& tag : board.tags)
-      if (tag.id == id) return tag.size;
+    for (const TagSetup& tag : board.tags) {
+      if (tag.id != id) continue;
+      TagBody body = tag_body(board);
+      body.name = std::to_string(id);
+      body.tags = {{id, {tag.size, Eigen::Isometry3d::Identity()}}};
+      return body;
+    }
   }
   return std::nullopt;
 }
@@ -91,10 +96,10 @@ ImagePose ImagePoseFinder::judged(const BodyPose& found, const std::string& kind
   const AcceptanceOptions& acceptance = options_.acceptance;
   ImagePose pose{
       kind, name, "camera", "", "", found.camera_from_body, found.rms_px, found.ambiguity_ratio, found.tags};
-  if (!(found.rms_px <= acceptance.max_rms_px))
+  if (!is_explained(found, acceptance))
     return refused(std::move(pose), "reprojection_error",
-                   "it reprojects with an rms error of " + significant(found.rms_px) + " px, at most " +
-                       significant(acceptance.max_rms_px));
+                   "it reprojects with an rms error of " + significant(found.rms_px) +
+                       " px, more than the errors that are stated explain");
   if (!(found.ambiguity_ratio >= acceptance.min_ambiguity_ratio))
     return refused(std::move(pose), "ambiguous_pose",
                    "another pose has only " + significant(found.ambiguity_ratio) +
@@ -110,13 +115,12 @@ void ImagePoseFinder::add_tags(ImagePoses& poses, const Camera& camera) const {
   for (const TagDetection& tag : poses.tags) {
     const std::string name = std::to_string(tag.id);
     const ImagePose none{"tag", name, "camera", "", "", {}, {}, 0.0, {}};
-    const auto size = size_of_tag(setup_, tag.id);
-    if (!size) {
+    const auto alone = body_of_tag(setup_, tag.id);
+    if (!alone) {
       poses.poses.push_back(refused(none, "unknown_tag", "no board of the setup has this tag"));
       continue;
     }
-    const TagBody alone{name, {{tag.id, {*size, Eigen::Isometry3d::Identity()}}}};
-    const auto found = estimate_body_pose(alone, {tag}, camera, options_.pose);
+    const auto found = estimate_body_pose(*alone, {tag}, camera, options_.pose);
     poses.poses.push_back(found ? judged(*found, "tag", name)
                                 : refused(none, "no_pose", "no pose explains its corners"));
   }
