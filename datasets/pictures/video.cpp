@@ -1,10 +1,15 @@
 #include "datasets/pictures/video.hpp"
 
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <new>
 #include <opencv2/videoio.hpp>
+#include <optional>
+#include <stdexcept>
 #include <string_view>
 
 #include "datasets/sources/decoding_child.hpp"
@@ -34,18 +39,49 @@ GrayImage luma(const cv::Mat& picture) {
   return image;
 }
 
+/// OpenCV's video, with the hundred libraries of ffmpeg, is loaded by the child that decodes one: nobody else
+/// needs their 18 MB. Its C interface reads none any more, so the constructor is looked up; all other
+/// functions of the class that are called are virtual.
+class LoadedCapture {
+ public:
+  /// @throws std::runtime_error a clause that says why the file cannot be decoded.
+  explicit LoadedCapture(const std::string& file) {
+    void* const library = ::dlopen(CLEARWAY_VIDEOIO, RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) throw std::runtime_error("OpenCV's library for videos is not installed");
+    using Construct = void (*)(void*);
+    const auto construct = reinterpret_cast<Construct>(::dlsym(library, "_ZN2cv12VideoCaptureC1Ev"));
+    if (construct == nullptr) throw std::runtime_error("OpenCV's library for videos is of another version");
+    construct(memory_);
+    capture_ = std::launder(reinterpret_cast<cv::VideoCapture*>(memory_));
+    if (!capture_->open(file, cv::CAP_FFMPEG)) throw std::runtime_error("it cannot be decoded");
+  }
+  LoadedCapture(const LoadedCapture&) = delete;
+  LoadedCapture& operator=(const LoadedCapture&) = delete;
+
+  cv::VideoCapture* operator->() const { return capture_; }  // open until the child ends
+
+ private:
+  alignas(cv::VideoCapture) std::byte memory_[sizeof(cv::VideoCapture)];
+  cv::VideoCapture* capture_ = nullptr;
+};
+
 /// What reads the video, in the child. `offset` of its messages is the share that is read, in millionths.
 void decode_video(const ChildReport& report, const std::string& file, std::optional<double> rate) {
-  cv::VideoCapture video;
-  if (!video.open(file, cv::CAP_FFMPEG)) return report.send(ChildMessage::damage, 0, "it cannot be decoded");
-  const double count = video.get(cv::CAP_PROP_FRAME_COUNT);
-  const double own_rate = std::max(video.get(cv::CAP_PROP_FPS), 1e-3);
+  std::optional<LoadedCapture> video;
+  try {
+    video.emplace(file);
+  } catch (const std::runtime_error& error) {
+    return report.send(ChildMessage::damage, 0, error.what());
+  }
+  LoadedCapture& capture = *video;
+  const double count = capture->get(cv::CAP_PROP_FRAME_COUNT);
+  const double own_rate = std::max(capture->get(cv::CAP_PROP_FPS), 1e-3);
   double last = -1.0;
   std::uint64_t number = 0;
   cv::Mat picture;
-  for (; video.read(picture) && !picture.empty(); ++number) {
+  for (; capture->read(picture) && !picture.empty(); ++number) {
     DecodedFrame decoded;
-    const double told = video.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+    const double told = capture->get(cv::CAP_PROP_POS_MSEC) / 1000.0;
     // Some containers tell no times: then those of a constant rate.
     const bool is_rising = std::isfinite(told) && told > last && (number == 0 || told > 0.0);
     last = is_rising ? told : static_cast<double>(number) / own_rate;
