@@ -65,13 +65,6 @@ std::string pdf_marks(const Sheet& sheet) {
 
 }  // namespace
 
-void Sheet::frame(double x, double y, double side_x, double side_y, bool is_fold) {
-  lines.push_back({x, y, x + side_x, y, is_fold});
-  lines.push_back({x + side_x, y, x + side_x, y + side_y, is_fold});
-  lines.push_back({x + side_x, y + side_y, x, y + side_y, is_fold});
-  lines.push_back({x, y + side_y, x, y, is_fold});
-}
-
 void Sheet::tag(int id, double x, double y, double size) {
   const auto cells = tag36h11_cells(id);
   const double cell = size / 8.0;

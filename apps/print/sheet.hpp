@@ -27,8 +27,6 @@ struct Sheet {
   std::vector<Line> lines;
   std::vector<Words> words;
 
-  /// Cuts or folds along the border of a rectangle.
-  void frame(double x, double y, double side_x, double side_y, bool is_fold);
   /// A tag36h11 whose black square has the side `size` and its upper left corner at (x, y), upright.
   /// @throws std::invalid_argument when the family has no such id.
   void tag(int id, double x, double y, double size);

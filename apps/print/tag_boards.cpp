@@ -1,10 +1,12 @@
 #include "apps/print/tag_boards.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 namespace clearway {
 namespace {
@@ -44,6 +46,24 @@ void add_tag(Sheet& sheet, Board& board, const Panel& panel, int id, double size
   sheet.tag(id, panel.x + right - 0.5 * size, panel.y - up - 0.5 * size, size);
   const Eigen::Translation3d shift(1e-3 * right, 1e-3 * up, 0.0);
   board.tags.push_back({id, 1e-3 * size, panel.board_from_panel * shift});
+}
+
+/// The lines of a net of squares: folds between two of them, cuts along the others' sides.
+void add_net(Sheet& sheet, const std::vector<Eigen::Vector2d>& middles, double edge) {
+  const Eigen::Vector2d sides[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+  for (std::size_t i = 0; i < middles.size(); ++i) {
+    for (const Eigen::Vector2d& side : sides) {
+      const auto next = std::find_if(middles.begin(), middles.end(), [&](const Eigen::Vector2d& other) {
+        return (middles[i] + edge * side - other).norm() < 1e-6 * edge;
+      });
+      const bool is_fold = next != middles.end();
+      if (is_fold && static_cast<std::size_t>(next - middles.begin()) < i) continue;  // drawn already
+      const Eigen::Vector2d middle = middles[i] + 0.5 * edge * side,
+                            along(-0.5 * edge * side.y(), 0.5 * edge * side.x());
+      const Eigen::Vector2d from = middle - along, to = middle + along;
+      sheet.lines.push_back({from.x(), from.y(), to.x(), to.y(), is_fold});
+    }
+  }
 }
 
 Sheet titled(const std::string& name, const std::string& title) {
@@ -90,13 +110,13 @@ Board probe_board(const TagBoardsOptions& options, Sheet& sheet) {
                           {middle_x + edge, middle_y, face(-z, y, half * x)},
                           {middle_x, middle_y - edge, face(x, -z, half * y)}};
   int id = 30;
+  const double stem_y = middle_y + 2.0 * edge;
+  std::vector<Eigen::Vector2d> net{{middle_x, stem_y}};
   for (const Panel& panel : panels) {
     add_tag(sheet, board, panel, id++, options.probe_tag);
-    sheet.frame(panel.x - 0.5 * edge, panel.y - 0.5 * edge, edge, edge,
-                panel.x == middle_x && panel.y == middle_y);
+    net.emplace_back(panel.x, panel.y);
   }
-  const double stem_y = middle_y + 2.0 * edge;
-  sheet.frame(middle_x - 0.5 * edge, stem_y - 0.5 * edge, edge, edge, false);
+  add_net(sheet, net, edge);
   sheet.lines.push_back({middle_x - 4.0, stem_y, middle_x + 4.0, stem_y, false});
   sheet.lines.push_back({middle_x, stem_y - 4.0, middle_x, stem_y + 4.0, false});
   sheet.words.push_back({middle_x - 0.45 * edge, stem_y + 0.4 * edge, 2.5, "stem leaves here"});
@@ -111,14 +131,15 @@ Board gripper_board(const TagBoardsOptions& options, Sheet& sheet) {
   sheet = titled("gripper", "gripper probe: fold back by 90 degrees along the dashes, print outside");
   Board board{"gripper", "", false, {}};
   const double half = 0.5e-3 * edge, fold_y = kTop + edge + 10.0, lean = std::sqrt(0.5);
+  std::vector<Eigen::Vector2d> net;
   for (double side : {1.0, -1.0}) {  // above the fold, below it
     const Eigen::Vector3d up(0.0, lean, -side * lean);
     const Panel panel{105.0, fold_y - side * 0.5 * edge,
                       face(Eigen::Vector3d::UnitX(), up, side * half * up)};
     add_tag(sheet, board, panel, side > 0.0 ? 40 : 41, options.gripper_tag);
-    sheet.frame(panel.x - 0.5 * edge, panel.y - 0.5 * edge, edge, edge, false);
+    net.emplace_back(panel.x, panel.y);
   }
-  sheet.lines.push_back({105.0 - 0.5 * edge, fold_y, 105.0 + 0.5 * edge, fold_y, true});
+  add_net(sheet, net, edge);
   return board;
 }
 
