@@ -7,6 +7,7 @@
 
 #include "mapping/field/byte_field.hpp"
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/geometry/turn_between.hpp"
 
 namespace clearway {
 namespace {
@@ -22,7 +23,7 @@ std::atomic<std::uint64_t> robots_made = 0;
 
 /// A rotation that takes z to the axis.
 Eigen::Matrix3d turned_to(const Eigen::Vector3d& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+  return turn_between(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
 }
 
 void store(const Eigen::Matrix3d& rotation, float* rows) {

@@ -5,6 +5,7 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/geometry/turn_between.hpp"
 
 namespace clearway {
 namespace {
@@ -57,7 +58,7 @@ void turn_link_frame(int index, const Eigen::Vector3d& master_axis, const Eigen:
     link.offset = -link.offset;
     return;
   }
-  const Eigen::Isometry3d old_from_new(Eigen::Quaterniond::FromTwoVectors(master_axis, own_axis));
+  const Eigen::Isometry3d old_from_new(turn_between(master_axis, own_axis));
   const Eigen::Isometry3d new_from_old = old_from_new.inverse();
   link.parent_from_link = link.parent_from_link * old_from_new;
   link.center_of_mass = new_from_old * link.center_of_mass;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/worlds/batch_worlds.hpp"
 
 namespace clearway {
@@ -60,6 +62,41 @@ TEST(SphereRobot, AThreadKeepsWhatItMadeForTheLastRobots) {
   EXPECT_EQ(&of_this_thread<Kept>(sphere_robot(0)), first);
   for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(of_this_thread<Kept>(sphere_robot(i)).id, sphere_robot(i).id);
   for (std::size_t i = 9; i-- > 0;) EXPECT_EQ(of_this_thread<Kept>(sphere_robot(i)).id, sphere_robot(i).id);
+}
+
+/// Drawings state axes such as "3.67e-06 0 -1".
+TEST(SphereRobot, BallsOnAxesThatPointAlmostDownMeetWhereTheyAre) {
+  Random random(23);
+  const auto ball_at = [](int link, const Eigen::Vector3d& place) {
+    Body body;
+    body.part = "ball";
+    body.link = link;
+    body.link_from_shape.translation() = place;
+    body.shape = Shape::sphere(0.1);
+    body.cover = {{place, 0.1}};
+    return body;
+  };
+  Robot robot = load_robot("planar2");
+  robot.links.resize(2);
+  robot.links[1].parent = 0;
+  robot.links[1].joint = 0;
+  robot.links[1].parent_from_link.setIdentity();
+  robot.joints.resize(1);
+  robot.exempt.clear();
+  robot.tip_link = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double around = random.between(-3, 3), tilt = std::pow(10.0, random.between(-6.5, -4.5));
+    robot.joints[0].axis = Eigen::Vector3d(tilt * std::cos(around), tilt * std::sin(around), -1).normalized();
+    const Configuration q = Configuration::Constant(1, random.between(-1, 1));
+    robot.bodies = {ball_at(1, Eigen::Vector3d::UnitX())};
+    const Eigen::Isometry3d from_base = forward_kinematics(robot, Configuration::Zero(1))[0].inverse();
+    const Eigen::Vector3d at = from_base * forward_kinematics(robot, q)[1] * Eigen::Vector3d::UnitX();
+    const double gap = random.between(-2e-4, 2e-4);
+    robot.bodies.push_back(ball_at(0, at + (0.2 + gap) * at.normalized() * (i % 2 == 0 ? 1 : -1)));
+    const ConfigurationSpace space(robot, Snapshot(), {.critical_by_default = false});
+    ASSERT_NE(space.collision_model().spheres, nullptr);
+    EXPECT_EQ(space.is_free(q), gap > 0.0) << "tilt " << tilt << ", gap " << gap;
+  }
 }
 
 }  // namespace sphere_robot_test

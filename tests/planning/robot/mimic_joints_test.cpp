@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/robot/kinematics.hpp"
 #include "tests/worlds/hostile_robots.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace mimic_joints_test {
@@ -51,6 +53,26 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
       with("", mimic("thumb", "multiplyer='2'")),
       "r.urdf: joint 'finger': <mimic> has an unknown attribute 'multiplyer', did you mean 'multiplier'?");
   EXPECT_EQ(with("", "<mimic/>"), "r.urdf: joint 'finger': <mimic joint=…> is missing");
+}
+
+/// A follower's frame is turned so that its axis is its master's: its bodies stay where they are.
+TEST(MimicJoints, AxesThatAreAlmostOppositeMoveNoBody) {
+  for (const std::string axis : {"0 0 1", "0 0 -1", "1.5e-06 0 -1", "3.67e-06 0 -1", "1e-04 0 -1", "1 0 0"}) {
+    const worlds::UrdfRobot pair(
+        "pair",
+        worlds::urdf_link("base", "0 0 0", "<sphere radius='0.1'/>") +
+            worlds::urdf_link("a", "0.5 0 0", "<sphere radius='0.1'/>") +
+            worlds::urdf_link("b", "0.5 0.5 0.2", "<sphere radius='0.1'/>") +
+            worlds::urdf_joint("left", "revolute", "base", "a", "0 0 0", "0 0 1", worlds::urdf_limit(-1, 1)) +
+            worlds::urdf_joint("right", "revolute", "base", "b", "0 0 0", axis,
+                               worlds::urdf_limit(-1, 1) + "<mimic joint='left'/>"));
+    const Robot& robot = pair.robot();
+    const LinkPoses poses = forward_kinematics(robot, Configuration::Zero(1));
+    const Body& body = robot.bodies.back();
+    const Eigen::Vector3d at =
+        (poses[static_cast<std::size_t>(body.link)] * body.link_from_shape).translation();
+    EXPECT_LT((at - Eigen::Vector3d(0.5, 0.5, 0.2)).norm(), 1e-12) << axis;
+  }
 }
 
 }  // namespace mimic_joints_test
