@@ -41,7 +41,7 @@ std::vector<BodyPair> self_collision_pairs(const Robot& robot) {
       const Body& second = robot.bodies[static_cast<std::size_t>(b)];
       add_levers(robot, first, second, pair.approach);
       add_levers(robot, second, first, pair.approach);
-      if (pair.approach.maxCoeff() > 0.0) pairs.push_back(std::move(pair));
+      if ((pair.approach.array() > 0.0).any()) pairs.push_back(std::move(pair));
     }
   }
   return pairs;
