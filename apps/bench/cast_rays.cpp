@@ -147,10 +147,9 @@ BenchResult bench_cast_ray(const BenchOptions& options) {
   result.tables = {table};
   result.compared =
       "20,000 rays of at most 4 m in random directions through a room at " + length_text(resolution) +
-      ": `cast_ray` on a distance field whose tiles are made as rays come to them, which is part of "
-      "the time, against OctoMap's `castRay` on the same map. All end in the same voxels. Below the last "
-      "column's number of rays per map OctoMap is "
-      "faster, as it needs no field.";
+      ": `cast_ray` on a field whose cells were read by the first ray, against OctoMap's `castRay` on the "
+      "same map. All end in the same voxels. `our field` is what comes before that first ray. Below the last "
+      "column's number of rays per map OctoMap is faster, that first ray left out.";
   return result;
 }
 

@@ -316,7 +316,13 @@ const BlockedCells& DistanceTiles::blocked_in(const Eigen::Vector3i& low, const 
   return blocked_;
 }
 
-const BlockedCells& DistanceTiles::blocked() const { return blocked_in(Eigen::Vector3i::Zero(), size()); }
+const BlockedCells& DistanceTiles::blocked() const {
+  if (!all_read_.load(std::memory_order_acquire)) {
+    blocked_in(Eigen::Vector3i::Zero(), size());
+    all_read_.store(true, std::memory_order_release);
+  }
+  return blocked_;
+}
 
 void DistanceTiles::complete() const {
   for (std::size_t i = 0; i < tiles_.size(); ++i) {

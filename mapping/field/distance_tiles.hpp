@@ -111,6 +111,7 @@ class DistanceTiles {
   Eigen::Vector3i counts_, reach_;             ///< tiles along each axis; so many to each side matter to one
   std::unique_ptr<std::atomic<const std::uint16_t*>[]> known_;
   std::unique_ptr<std::atomic<bool>[]> is_read_;  ///< of each tile: its blocked cells
+  mutable std::atomic<bool> all_read_ = false;    ///< the blocked cells of every tile
   mutable std::mutex computing_;                  ///< of what follows, and of writing blocked_
   mutable std::vector<std::shared_ptr<const Tile>> tiles_;
   mutable std::unique_ptr<Memory> memory_;
