@@ -1,7 +1,6 @@
 #include "apps/fusion/open_frames.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 
 #include "datasets/pictures/depth_folder.hpp"
@@ -9,6 +8,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/video.hpp"
 #include "datasets/ros/bag_source.hpp"
+#include "datasets/sources/finite_number.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -30,30 +30,24 @@ class Rawlog final : public FrameSource {
   RecordingReader reader_;
 };
 
-std::optional<double> number_of(const std::string& text) {
-  double value = 0.0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// Cloud files as scans. When every name is a number they are times and tell the order.
 class Clouds final : public FrameSource {
  public:
   Clouds(std::vector<fs::path> files, std::string sensor)
       : files_(std::move(files)), sensor_(std::move(sensor)) {
-    timed_ = std::all_of(files_.begin(), files_.end(),
-                         [](const fs::path& file) { return number_of(file.stem().string()).has_value(); });
+    timed_ = std::all_of(files_.begin(), files_.end(), [](const fs::path& file) {
+      return finite_number(file.stem().string()).has_value();
+    });
     std::sort(files_.begin(), files_.end(), [this](const fs::path& a, const fs::path& b) {
       if (!timed_) return a.filename() < b.filename();
-      return *number_of(a.stem().string()) < *number_of(b.stem().string());
+      return *finite_number(a.stem().string()) < *finite_number(b.stem().string());
     });
   }
 
   std::optional<Frame> next() override {
     while (at_ < files_.size()) {
       const fs::path& file = files_[at_];
-      const double time = timed_ ? *number_of(file.stem().string()) : static_cast<double>(at_);
+      const double time = timed_ ? *finite_number(file.stem().string()) : static_cast<double>(at_);
       ++at_;
       try {
         const ViewedCloud cloud = read_viewed_cloud(file);

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/sources/finite_number.hpp"
 #include "mapping/system/child_process.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -23,14 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t largest_table = 64U << 20U;
 constexpr std::size_t exif_reach = 256U << 10U;  ///< bytes of a file within which its EXIF must lie
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0.0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
 
 /// The first two fields of a line, apart by commas, semicolons or blanks.
 std::vector<std::string> two_fields(const std::string& line) {
@@ -175,7 +167,7 @@ std::optional<std::vector<double>> exif_times(const std::vector<fs::path>& files
 std::optional<std::vector<double>> name_times(const std::vector<fs::path>& files) {
   std::vector<double> times;
   for (const fs::path& file : files) {
-    const auto number = number_in(file.stem().string());
+    const auto number = finite_number(file.stem().string());
     if (!number) return std::nullopt;
     times.push_back(*number);
   }
@@ -208,8 +200,8 @@ std::vector<std::pair<std::string, double>> parse_file_times(const std::string& 
     line.resize(std::min(line.find('#'), line.size()));
     const std::vector<std::string> fields = two_fields(line);
     if (fields.empty()) continue;
-    const auto first = number_in(fields[0]);
-    const auto second = fields.size() == 2 ? number_in(fields[1]) : std::nullopt;
+    const auto first = finite_number(fields[0]);
+    const auto second = fields.size() == 2 ? finite_number(fields[1]) : std::nullopt;
     if (!first && !second && !has_titles && files.empty()) {
       has_titles = true;
       continue;
@@ -231,7 +223,7 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
   const bool are_numbers = name_times(files).has_value();
   std::sort(files.begin(), files.end(), [are_numbers](const fs::path& a, const fs::path& b) {
     if (!are_numbers) return comes_before(a.filename().string(), b.filename().string());
-    return std::pair(*number_in(a.stem().string()), a) < std::pair(*number_in(b.stem().string()), b);
+    return std::pair(*finite_number(a.stem().string()), a) < std::pair(*finite_number(b.stem().string()), b);
   });
   std::vector<double> counted(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) counted[i] = static_cast<double>(i) / rate.value_or(1.0);

@@ -1,12 +1,12 @@
 #include "datasets/sources/joint_stream.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -21,14 +21,6 @@ std::vector<std::string> cells_of(const std::string& line) {
     cells.push_back(begin == std::string::npos ? "" : cell.substr(begin, end + 1 - begin));
   }
   return cells;
-}
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0.0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
 }
 
 }  // namespace
@@ -120,7 +112,7 @@ JointStream parse_joint_states(const std::string& text, const std::string& name,
     }
     std::vector<double> numbers;
     for (const std::string& cell : cells) {
-      const auto value = number_in(cell);
+      const auto value = finite_number(cell);
       if (!value) fail("finite numbers apart by commas, got " + quote(cell));
       numbers.push_back(*value);
     }
