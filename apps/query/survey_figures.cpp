@@ -11,14 +11,19 @@ std::string percent(const SweptVoxels& swept, std::size_t voxels) {
   return significant(100.0 * swept.share(voxels), 3) + " %";
 }
 
+std::string oldest_look(const SweptVoxels& swept) {
+  if (swept.oldest_look.value_or(0.0) == 0.0) return {};
+  return " (last seen up to " + significant(*swept.oldest_look, 3) + " s before the map's newest look)";
+}
+
 std::string describe_swept(const SweptVoxels& swept) {
   std::string text =
       significant(swept.litres(swept.total()), 3) + " l (" + grouped(swept.total()) + " voxels): ";
   text += percent(swept, swept.unknown) + " unknown";
   if (swept.beyond > 0) text += " (" + percent(swept, swept.beyond) + " beyond the map's bounds)";
   text += ", " + percent(swept, swept.seen_once) + " seen once, " +
-          percent(swept, swept.seen_free - swept.seen_once) + " seen free more often, " +
-          percent(swept, swept.painted) + " painted";
+          percent(swept, swept.seen_free - swept.seen_once) + " seen free more often" + oldest_look(swept) +
+          ", " + percent(swept, swept.painted) + " painted";
   if (swept.occupied > 0) text += ", " + percent(swept, swept.occupied) + " occupied";
   return text;
 }

@@ -17,6 +17,7 @@ Json swept_json(const SweptVoxels& swept) {
         std::pair{"painted", swept.painted}, std::pair{"occupied", swept.occupied}}) {
     json[name] = {{"voxels", voxels}, {"litres", swept.litres(voxels)}, {"share", swept.share(voxels)}};
   }
+  if (swept.oldest_look) json["oldest_look_s"] = *swept.oldest_look;
   return json;
 }
 

@@ -1,8 +1,10 @@
 #include "planning/survey/swept_voxels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "mapping/stamps/seen_stamps.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/survey/path_poses.hpp"
 #include "planning/survey/voxel_marks.hpp"
@@ -19,8 +21,27 @@ bool is_seen_once(const Voxel& voxel, double one_look) {
   return voxel.observed && voxel.log_odds >= -one_look * (1.0 + 1e-5);
 }
 
+/// Of the voxels that were seen free: how long before the map's newest look each was last seen, at most.
+class LookAges {
+ public:
+  explicit LookAges(const Snapshot& map) : map_(map) {}
+
+  void add(const Eigen::Vector3d& center) {
+    const std::optional<double> seen = is_known_ && map_.seen() ? map_.last_seen(center) : std::nullopt;
+    is_known_ = seen.has_value();
+    if (seen) oldest_ = std::max(oldest_.value_or(0.0), map_.seen()->newest() - *seen);
+  }
+
+  std::optional<double> oldest() const { return is_known_ ? oldest_ : std::nullopt; }
+
+ private:
+  const Snapshot& map_;
+  bool is_known_ = true;
+  std::optional<double> oldest_;
+};
+
 void count_voxel(const Snapshot& map, const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& center,
-                 SweptVoxels& swept) {
+                 SweptVoxels& swept, LookAges& ages) {
   const Voxel voxel = map.voxel(center);
   switch (voxel.state) {
     case VoxelState::painted:
@@ -28,6 +49,7 @@ void count_voxel(const Snapshot& map, const Eigen::AlignedBox3d& bounds, const E
       return;
     case VoxelState::seen_free:
       ++swept.seen_free;
+      ages.add(center);
       swept.seen_once += is_seen_once(voxel, map.log_odds_of_a_look());
       return;
     case VoxelState::occupied:
@@ -44,6 +66,7 @@ SweptVoxels counted(const Snapshot& map, const VoxelMarks& marks) {
   const double edge = marks.edge();
   const Eigen::AlignedBox3d bounds = map.bounds();
   SweptVoxels swept;
+  LookAges ages(map);
   swept.edge = edge;
   const auto look_into = [&](const Cell& first, std::size_t voxels) {
     const Eigen::Vector3d low = first.cast<double>() * edge;
@@ -53,7 +76,9 @@ SweptVoxels counted(const Snapshot& map, const VoxelMarks& marks) {
     swept.beyond += voxels;
     return false;
   };
-  marks.visit(look_into, [&](const Cell& cell) { count_voxel(map, bounds, center_of(cell, edge), swept); });
+  marks.visit(look_into,
+              [&](const Cell& cell) { count_voxel(map, bounds, center_of(cell, edge), swept, ages); });
+  swept.oldest_look = ages.oldest();
   return swept;
 }
 

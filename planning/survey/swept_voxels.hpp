@@ -24,6 +24,9 @@ struct SweptVoxels {
       0;  ///< occupied and conflicts: of bodies that no joint moves, or of a path that collides
   std::size_t unknown = 0;
   std::size_t beyond = 0;  ///< of these: outside the box around all voxels that the map stores
+  /// Seconds from the last look at a seen-free voxel to the newest look of the map, where that is longest.
+  /// None where there is no such voxel, or the map does not know it for all of them.
+  std::optional<double> oldest_look = {};
 
   std::size_t total() const { return painted + seen_free + occupied + unknown; }
   double litres(std::size_t voxels) const;

@@ -103,7 +103,9 @@ TEST_F(SeenWithin, what_was_not_looked_at_lately_is_planned_through_only_when_no
   const CommandRun ever = plan(start_before, goal_before, {});
   EXPECT_EQ(ever.status, exit_done) << ever.out << ever.log;
   EXPECT_EQ(Json::parse(read_file(folder_->file("plan.json"))).contains("seen_within_s"), false);
-  EXPECT_EQ(check({}).status, exit_done) << check({}).out;
+  const CommandRun whenever = check({});
+  EXPECT_EQ(whenever.status, exit_done) << whenever.out;
+  EXPECT_NEAR(Json::parse(whenever.out)["swept"]["oldest_look_s"].get<double>(), 10.0, 1e-9);
   EXPECT_EQ(check({"--seen-within", "11"}).status, exit_done) << check({"--seen-within", "11"}).out;
   const CommandRun refused = check({"--seen-within", "5"});
   EXPECT_EQ(refused.status, exit_no);
