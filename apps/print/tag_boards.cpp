@@ -119,7 +119,8 @@ Board probe_board(const TagBoardsOptions& options, Sheet& sheet) {
   add_net(sheet, net, edge);
   sheet.lines.push_back({middle_x - 4.0, stem_y, middle_x + 4.0, stem_y, false});
   sheet.lines.push_back({middle_x, stem_y - 4.0, middle_x, stem_y + 4.0, false});
-  sheet.words.push_back({middle_x - 0.45 * edge, stem_y + 0.4 * edge, 2.5, "stem leaves here"});
+  const Sheet::Words stem_words{middle_x - 0.45 * edge, stem_y + 0.4 * edge, 2.5, "stem leaves here"};
+  sheet.words.push_back(stem_words);
   return board;
 }
 

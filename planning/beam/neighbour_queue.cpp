@@ -9,7 +9,7 @@
 namespace clearway {
 namespace {
 
-constexpr double rounding = 1e-12;  ///< of sums of terms in another order, relative
+constexpr double sum_rounding = 1e-12;  ///< of sums of terms in another order, relative
 
 }  // namespace
 
@@ -165,7 +165,7 @@ void NeighbourQueue::enumerate(std::size_t joint, double sum, std::uint64_t hash
     return;
   }
   const FrontierBatch& group = groups_[group_];
-  const double highest = end_ * (1.0 + rounding), lowest = begin_ * (1.0 - rounding);
+  const double highest = end_ * (1.0 + sum_rounding), lowest = begin_ * (1.0 - sum_rounding);
   const double beyond = highest - group.least_rest(joint + 1);
   for (const FrontierBatch::Choice& choice : group.choices(joint)) {
     if (ways_.size() > most_ways_ || was_stopped_) return;

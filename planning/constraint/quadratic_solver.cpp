@@ -10,7 +10,7 @@
 namespace clearway {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// A normal whose part outside the span of the active normals is no longer than this counts as dependent.
 constexpr double kDependent = 1e-10;
@@ -56,8 +56,8 @@ QuadraticSolver::Addition QuadraticSolver::add(const Violation& violation) {
     const double rest = normals_.split(normal_.data());
     const double* weights = normals_.weights();
     const bool is_dependent = !(rest > kDependent) || normals_.count() == variables();
-    const double reach = is_dependent ? infinity : depth / (rest * rest);
-    double drop_at = infinity;
+    const double reach = is_dependent ? unbounded : depth / (rest * rest);
+    double drop_at = unbounded;
     int dropped = -1;
     for (int i = 0; i < normals_.count(); ++i) {
       const double held = active_multipliers_[static_cast<std::size_t>(i)];
@@ -116,7 +116,7 @@ void QuadraticSolver::polish() {
     least = std::min(least, weights[i]);
     most = std::max(most, std::abs(weights[i]));
   }
-  if (!(most < infinity) || least < -1e-9 * (1.0 + most)) return;  // keep what the steps came to
+  if (!(most < unbounded) || least < -1e-9 * (1.0 + most)) return;  // keep what the steps came to
   for (int i = 0; i < normals_.count(); ++i)
     active_multipliers_[static_cast<std::size_t>(i)] = std::max(0.0, weights[i]);
   x_.swap(trial_);

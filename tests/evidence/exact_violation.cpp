@@ -38,14 +38,14 @@ bool is_forbidden(const Voxel& voxel, Policy policy, unsigned volumes) {
   return true;
 }
 
-struct Probe {
+struct BodyPoints {
   const Body* body;
   Policy policy;
   unsigned volumes;
   std::shared_ptr<fcl::CollisionGeometryd> geometry;
 };
 
-bool is_inside_something(const Probe& probe, const Eigen::Isometry3d& pose, const Snapshot& map,
+bool is_inside_something(const BodyPoints& probe, const Eigen::Isometry3d& pose, const Snapshot& map,
                          double depth) {
   const double edge = map.resolution(), inner = edge - 2.0 * depth;
   const fcl::Boxd cube(inner, inner, inner);
@@ -70,7 +70,7 @@ bool is_inside_something(const Probe& probe, const Eigen::Isometry3d& pose, cons
 bool is_violated(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                  const std::vector<Configuration>& path, double depth, int samples) {
   if (map.resolution() <= 2.0 * depth) return false;
-  std::vector<Probe> probes;
+  std::vector<BodyPoints> probes;
   for (const Body& body : robot.bodies) {
     const auto named = policies.find(body.part);
     const Policy policy = named == policies.end() ? Policy::not_occupied : named->second;
@@ -80,7 +80,7 @@ bool is_violated(const Robot& robot, const Snapshot& map, const std::map<std::st
   for (std::size_t i = 1; i < path.size(); ++i) {
     for (int k = 0; k <= samples; ++k) {
       const LinkPoses poses = forward_kinematics(robot, path[i - 1] + (path[i] - path[i - 1]) * k / samples);
-      for (const Probe& probe : probes) {
+      for (const BodyPoints& probe : probes) {
         const Eigen::Isometry3d pose =
             poses[static_cast<std::size_t>(probe.body->link)] * probe.body->link_from_shape;
         if (is_inside_something(probe, pose, map, depth)) return true;
