@@ -12,6 +12,7 @@
 #include "planning/advice/paint_advice.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/path_check.hpp"
+#include "planning/robot/reach.hpp"
 
 namespace clearway {
 namespace {
@@ -52,6 +53,16 @@ void require_fields(const PlanQuery& query) {
   if (query.survey) require_parts(query.survey->allow_outside, robot, "plan query: survey.allow_outside");
 }
 
+/// A robot whose file gives no link that moves a mass costs nothing, which is no answer.
+std::string cost_caveat(const Robot& robot, double payload) {
+  bool has_mass = payload > 0.0;
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    has_mass = has_mass || (robot.links[i].mass > 0.0 && is_moved(robot, static_cast<int>(i)));
+  return has_mass ? ""
+                  : "The robot's file gives the links that move no masses (<inertial>), so the cost is not "
+                    "known.";
+}
+
 Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   const Robot& robot = query.space.robot();
   Plan plan;
@@ -59,6 +70,8 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   plan.robot_scale = robot.scale;
   plan.map_from_base = robot.map_from_base;
   for (const Joint& joint : robot.joints) plan.joints.push_back(joint.name);
+  plan.group = robot.group;
+  for (const HeldJoint& joint : robot.held) plan.held[joint.name] = joint.value;
   plan.planner = planner.name();
   plan.options = planner.options();
   plan.seed = query.seed;
@@ -71,6 +84,7 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   plan.padding = query.space.options().padding;
   plan.seen_within = query.space.options().seen_within;
   plan.position_accuracy = robot.position_accuracy;
+  plan.cost_caveat = cost_caveat(robot, query.payload);
   plan.payload = query.payload;
   plan.gravity = query.gravity;
   plan.query = query.name;

@@ -122,7 +122,7 @@ class Statement {
   }
 
   Configuration configuration(const std::string& text, const char* flag) const {
-    return parse_configuration(text, flag, joint_names(robot_), prismatic_joints(robot_), options_.degrees);
+    return choose_configuration(text, flag, robot_, options_.degrees);
   }
 
   const CheckOptions& options_;
@@ -139,7 +139,48 @@ void require_same_joints(const Robot& robot, const Plan& plan, const std::filesy
                               robot.name + "' (" + std::to_string(robot.dof()) + " joints)");
 }
 
+RobotRequest without_choices(const RobotChoice& choice) {
+  RobotRequest request = robot_request(choice);
+  request.group.clear();
+  request.fixed.clear();
+  return request;
+}
+
+Term<std::string> group_of(const CheckOptions& options, const Robot& robot) {
+  if (!options.robot.group.empty()) return {robot.group, TermSource::flag};
+  if (robot.group.empty()) return {};
+  const bool is_own = robot.group == load_robot(without_choices(options.robot)).group;
+  return {robot.group, is_own ? TermSource::by_default : TermSource::plan};
+}
+
+TermSource source_of(const CheckOptions& options, const Plan& plan, const HeldJoint& joint) {
+  if (joint.source != HoldSource::asked) return TermSource::by_default;
+  return robot_request(options.robot).fixed.contains(joint.name) || !plan.held.contains(joint.name)
+             ? TermSource::flag
+             : TermSource::plan;
+}
+
 }  // namespace
+
+Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
+  RobotRequest request = robot_request(options.robot);
+  const bool is_stated = !request.group.empty() || !request.fixed.empty();
+  Robot robot = load_robot(request);
+  if (plan.held.empty()) return robot;
+  const auto is_free_to_stand = [&](const std::string& name) {
+    for (const HeldJoint& joint : robot.held) {
+      if (joint.name != name) continue;
+      return joint.source == HoldSource::zero || joint.source == HoldSource::default_state;
+    }
+    return !is_stated;  // a joint that moves by the user's own word is not held by the plan's
+  };
+  if (!is_stated) request.group = plan.group;
+  const std::map<std::string, double> asked = request.fixed;
+  if (request.group != robot.group) robot = load_robot(request);
+  for (const auto& [name, value] : plan.held)
+    if (!asked.contains(name) && is_free_to_stand(name)) request.fixed[name] = value;
+  return load_robot(request);
+}
 
 std::string_view to_string(TermSource source) {
   switch (source) {
@@ -164,6 +205,9 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   if (query) contract.query = query->name;
   const Statement statement(options, plan, robot, map, query);
   contract.robot = {options.robot.robot, TermSource::flag};
+  contract.group = group_of(options, robot);
+  for (const HeldJoint& joint : robot.held)
+    contract.held[joint.name] = {joint.value, source_of(options, plan, joint)};
   contract.scale = statement.scale();
   contract.map_from_base = statement.base(contract.notes);
   contract.policies = statement.policies(contract.notes);

@@ -28,7 +28,9 @@ struct Term {
 /// What a path must keep to be called valid, each term with its source. Start and goals may be missing, when
 /// nothing states them: `start` is then of no size.
 struct Contract {
-  Term<std::string> robot;  ///< as named
+  Term<std::string> robot;                   ///< as named
+  Term<std::string> group;                   ///< planning group; empty: all joints but those held
+  std::map<std::string, Term<double>> held;  ///< joints that stand still, rad or m at full size
   Term<double> scale;
   Term<Eigen::Isometry3d> map_from_base;
   std::map<std::string, Term<Policy>> policies;  ///< of every part
@@ -50,11 +52,16 @@ struct Deviation {
   bool is_accepted = false;
 };
 
+/// The robot as --robot, --srdf, --group and --fix name it. Where neither --group nor --fix is given, the
+/// group is the plan's; a held joint stands where --fix or the robot's settings put it, else where the plan
+/// does.
+Robot robot_to_check(const CheckOptions& options, const Plan& plan);
+
 /// States the contract. Each term is taken from the flags; else from the map's record of the plan's query,
 /// when that is of this map and of the robot that --robot names; else from the plan. Three terms do not
 /// follow the plan where it asks for less: the scale is then the robot's own, the padding its position
 /// accuracy, and a part of which the plan says nothing has the policy that it would have by default.
-/// @param robot as --robot names it, with nothing changed
+/// @param robot robot_to_check()
 /// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
                         const Snapshot& map, const std::string& map_digest,

@@ -31,6 +31,7 @@ class Comparison {
 
   std::vector<Deviation> run() {
     compare_robot();
+    compare_held();
     compare_policies();
     compare_padding();
     compare_seen_within();
@@ -59,6 +60,17 @@ class Comparison {
     if (!(moved <= contract_tolerance))
       add(AcceptedTerm::base, "base: expected " + to_text(base) + by(contract_.map_from_base.source) +
                                   ", the plan says " + to_text(plan_.map_from_base));
+  }
+
+  void compare_held() {
+    for (const auto& [joint, term] : contract_.held) {
+      const auto said = plan_.held.find(joint);
+      if (said != plan_.held.end() && std::abs(said->second - term.value) <= contract_tolerance) continue;
+      add(AcceptedTerm::held,
+          "joint " + joint + ": expected to stand at " + significant(term.value, 7) + by(term.source) +
+              ", the plan says " +
+              (said == plan_.held.end() ? std::string("nothing of it") : significant(said->second, 7)));
+    }
   }
 
   void compare_policies() {

@@ -18,6 +18,8 @@ std::string_view name_of(AcceptedTerm term) {
   switch (term) {
     case AcceptedTerm::robot:
       return "robot";
+    case AcceptedTerm::held:
+      return "held";
     case AcceptedTerm::scale:
       return "scale";
     case AcceptedTerm::base:
@@ -46,6 +48,8 @@ Json term_json(const Value& value, TermSource source) {
 Json contract_json(const Contract& contract) {
   Json json;
   json["robot"] = term_json(contract.robot.value, contract.robot.source);
+  if (!contract.group.value.empty()) json["group"] = term_json(contract.group.value, contract.group.source);
+  for (const auto& [joint, term] : contract.held) json["held"][joint] = term_json(term.value, term.source);
   json["scale"] = term_json(contract.scale.value, contract.scale.source);
   json["base"] = term_json(numbers_from_pose(contract.map_from_base.value), contract.map_from_base.source);
   json["policy"] = Json::object();
@@ -84,6 +88,10 @@ std::string policy_text(const Contract& contract) {
 void append_contract(const Contract& contract, Rows& rows) {
   rows.emplace_back("robot", contract.robot.value + " at scale " + significant(contract.scale.value) +
                                  from(contract.scale.source));
+  if (!contract.group.value.empty())
+    rows.emplace_back("group", contract.group.value + from(contract.group.source));
+  for (const auto& [joint, term] : contract.held)
+    rows.emplace_back("held", joint + " at " + significant(term.value) + from(term.source));
   rows.emplace_back("base", to_text(contract.map_from_base.value) + from(contract.map_from_base.source));
   rows.emplace_back("policy", policy_text(contract));
   if (contract.seen_within.value > 0.0)

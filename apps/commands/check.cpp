@@ -32,7 +32,7 @@ PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const 
 
 int run_check(const CheckOptions& options, Console& console) {
   const Plan plan = load_plan(options.plan);
-  const Robot robot = load_robot(options.robot.robot);
+  const Robot robot = robot_to_check(options, plan);
   const Snapshot map = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);

@@ -19,15 +19,18 @@ Command add_check(CLI::App& app, Console& console) {
       ->type_name("MAP");
   const std::string otherwise = "; default: the map's own query, else ";
   add_robot_flags(*command, options->robot,
-                  {.scale = otherwise + "the robot's own",
+                  {.group = otherwise + "the plan's",
+                   .fixed = otherwise + "the robot's own, else the plan's",
+                   .scale = otherwise + "the robot's own",
                    .base = otherwise + "the plan's",
                    .policy = otherwise + "the plan's",
                    .padding = otherwise + "the plan's, at least the robot's position accuracy",
                    .seen_within = otherwise + "the plan's"});
   add_survey_flags(*command, options->survey);
   command
-      ->add_option("--start", options->start,
-                   "comma-separated joint values, rad or m" + otherwise + "the plan's")
+      ->add_option(
+          "--start", options->start,
+          "comma-separated joint values, rad or m, or a state of the SRDF" + otherwise + "the plan's")
       ->type_name("Q");
   command
       ->add_option("--goal", options->goals, "the same; each goal is to be reached by a leg, in this order")
@@ -40,6 +43,7 @@ Command add_check(CLI::App& app, Console& console) {
         "--accept-" + name, [options, term] { options->accepted.insert(term); }, what);
   };
   accept("robot", AcceptedTerm::robot, "the plan may be for a robot of another name");
+  accept("held", AcceptedTerm::held, "joints may stand still elsewhere than expected");
   accept("scale", AcceptedTerm::scale, "the plan's scale counts where it differs");
   accept("base", AcceptedTerm::base, "the plan's base counts where it differs");
   accept("policy", AcceptedTerm::policy, "the plan's policies count where they are looser");

@@ -96,11 +96,24 @@ Command add_plan(CLI::App& app, Console& console) {
   add_robot_flags(*command, options->robot);
   add_survey_flags(*command, options->survey);
   command->get_option("--robot")->required(false);
-  command->add_option("--start", options->start, "comma-separated joint values, rad or m")->type_name("Q");
+  command
+      ->add_option("--start", options->start,
+                   "comma-separated joint values, rad or m, or a state of the SRDF")
+      ->type_name("Q");
   command->add_option("--goal", options->goals, "the same; several goals are legs of one path")
       ->type_name("Q")
       ->allow_extra_args(false)
       ->take_all();
+  command
+      ->add_option("--goal-pose", options->goal_poses,
+                   "x,y,z[,roll,pitch,yaw] of the tip in the map, m and rad, instead of --goal: of the "
+                   "configurations found by inverse kinematics the free one nearest to where the leg starts; "
+                   "several are legs")
+      ->type_name("POSE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_option("--tip", options->tip, "link that --goal-pose places; default: the robot's own tip")
+      ->type_name("LINK");
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")
       ->capture_default_str()
@@ -145,7 +158,8 @@ Command add_plan(CLI::App& app, Console& console) {
     if (!options->print_options) {
       for (const auto& [missing, flag] :
            {std::pair{options->map.empty(), "--map"}, std::pair{options->robot.robot.empty(), "--robot"},
-            std::pair{options->start.empty(), "--start"}, std::pair{options->goals.empty(), "--goal"}}) {
+            std::pair{options->start.empty(), "--start"},
+            std::pair{options->goals.empty() && options->goal_poses.empty(), "--goal"}}) {
         if (missing) throw std::invalid_argument(std::string(flag) + " is required");
       }
     }
@@ -258,11 +272,11 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       ->check(CLI::IsMember({"bash", "zsh"}))
       ->type_name("SHELL");
   std::vector<std::pair<std::string, Command>> commands = {
-      {"replay", add_replay(app, console)},     {"plan", add_plan(app, console)},
-      {"check", add_check(app, console)},       {"gate", add_gate(app, console)},
-      {"inspect", add_inspect(app, console)},   {"compare", add_compare(app, console)},
-      {"simulate", add_simulate(app, console)}, {"track", add_track(app, console)},
-      {"tags", add_tags(app, console)},
+      {"replay", add_replay(app, console)},   {"plan", add_plan(app, console)},
+      {"check", add_check(app, console)},     {"gate", add_gate(app, console)},
+      {"inspect", add_inspect(app, console)}, {"compare", add_compare(app, console)},
+      {"simulate", add_simulate(app, console)},
+      {"track", add_track(app, console)},     {"tags", add_tags(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);

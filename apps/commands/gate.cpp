@@ -25,9 +25,7 @@ GateOptions gate_options(const GateCommandOptions& options, const Robot& robot) 
   gate.limits.reaction = options.reaction;
   gate.tolerance = options.tolerance;
   if (options.max_age) gate.max_age = *options.max_age;
-  if (!options.start.empty())
-    gate.start =
-        parse_configuration(options.start, "--start", joint_names(robot), prismatic_joints(robot), false);
+  if (!options.start.empty()) gate.start = choose_configuration(options.start, "--start", robot, false);
   return gate;
 }
 

@@ -15,6 +15,7 @@
 #include "planning/files/trajectory_file.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/robot/goal_configurations.hpp"
 
 namespace clearway {
 
@@ -62,6 +63,35 @@ void require_files(const PlanOptions& options) {
   }
 }
 
+void tell_degrees(const PlanOptions& options, const Robot& robot, const Configuration& start,
+                  const std::vector<Configuration>& goals, Console& console) {
+  if (options.degrees) return;
+  std::string hint = degrees_hint(robot, start, "--start");
+  for (std::size_t i = 0; i < goals.size() && hint.empty(); ++i)
+    hint = degrees_hint(robot, goals[i], "--goal");
+  if (!hint.empty()) console.warn(hint);
+}
+
+/// Where the legs end: for each pose the nearest configuration that is free, else the nearest.
+std::vector<Configuration> goals_at_poses(const PlanOptions& options, const ConfigurationSpace& space,
+                                          const Configuration& start) {
+  const Robot robot = options.tip.empty() ? space.robot() : with_tip(space.robot(), options.tip);
+  std::vector<Configuration> goals;
+  for (const std::string& text : options.goal_poses) {
+    const Eigen::Isometry3d pose = pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose");
+    const auto found = goal_configurations(robot, pose, goals.empty() ? start : goals.back());
+    if (found.empty())
+      throw std::invalid_argument("--goal-pose " + text + ": no configuration of robot '" + robot.name +
+                                  "' within its limits was found that puts link '" +
+                                  robot.links[static_cast<std::size_t>(robot.tip_link)].name +
+                                  "' there, expected a pose within reach");
+    const auto free =
+        std::find_if(found.begin(), found.end(), [&](const Configuration& q) { return space.is_free(q); });
+    goals.push_back(free == found.end() ? found.front() : *free);
+  }
+  return goals;
+}
+
 /// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is told.
 void tell_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
                          Console& console) {
@@ -95,14 +125,17 @@ int run_plan(const PlanOptions& options, Console& console) {
       make_planner(options.planner, choose_planner_options(options.settings));
   const Robot robot = choose_robot(options.robot);
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
-  const auto names = joint_names(robot);
-  const auto prismatic = prismatic_joints(robot);
-  const Configuration start =
-      parse_configuration(options.start, "--start", names, prismatic, options.degrees);
+  const Configuration start = choose_configuration(options.start, "--start", robot, options.degrees);
+  if (!options.goals.empty() && !options.goal_poses.empty())
+    throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
+  if (!options.tip.empty() && options.goal_poses.empty())
+    throw std::invalid_argument("--tip: expected --goal-pose with it");
+  if (!options.tip.empty()) with_tip(robot, options.tip);
   std::vector<Configuration> goals;
   for (const std::string& goal : options.goals) {
-    goals.push_back(parse_configuration(goal, "--goal", names, prismatic, options.degrees));
+    goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
   }
+  tell_degrees(options, robot, start, goals, console);
   const Policies policies = choose_policies(options.robot.policies, robot);
   require_parts(options.survey.allow_outside, robot, "--allow-outside");
   require_files(options);
@@ -114,6 +147,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const ConfigurationSpace space =
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
+  if (goals.empty()) goals = goals_at_poses(options, space, start);
   PlanQuery query{.space = space,
                   .start = start,
                   .goals = goals,

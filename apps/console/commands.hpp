@@ -27,6 +27,10 @@ struct RobotChoice {
   std::vector<std::string> policies;       ///< "P" (all parts) or "PART=P"
   std::optional<double> padding = {};      ///< metres; none: `auto`, the robot's position accuracy
   std::optional<double> seen_within = {};  ///< seconds, of parts under known_free; none: ever
+  std::filesystem::path srdf = {};         ///< empty: the robot's own
+  std::string group = {};                  ///< empty: the robot's own, else all joints
+  std::vector<std::string> fixed = {};     ///< "JOINT=VALUE"
+  std::vector<std::string> packages = {};  ///< "NAME=DIR"
 };
 
 /// Flags of `plan` about what a path costs.
@@ -67,6 +71,8 @@ struct PlanOptions {
   RobotChoice robot;
   std::string start;
   std::vector<std::string> goals;
+  std::vector<std::string> goal_poses;  ///< "x,y,z[,roll,pitch,yaw]" of the tip, map frame; instead of goals
+  std::string tip;                      ///< link whose frame the poses place; empty: the robot's own tip
   bool degrees = false;
   CostChoice cost;
   SurveyDemands survey;
@@ -83,7 +89,7 @@ struct PlanOptions {
 int run_plan(const PlanOptions& options, Console& console);
 
 /// What a plan may loosen when the user names it (--accept-…).
-enum class AcceptedTerm { robot, scale, base, policy, padding, map, goals };
+enum class AcceptedTerm { robot, held, scale, base, policy, padding, map, goals };
 
 struct CheckOptions {
   std::filesystem::path map;

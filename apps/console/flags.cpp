@@ -59,10 +59,37 @@ const std::string default_policy =
 
 }  // namespace
 
-void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
-  command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml or .urdf file")
+void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
+  command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml, .urdf or .xacro file")
       ->required()
       ->type_name("ROBOT");
+  command
+      .add_option("--srdf", choice.srdf,
+                  "SRDF of groups, states and disabled pairs; default: the robot's own")
+      ->check(file_name)
+      ->type_name("FILE");
+  command
+      .add_option("--group", choice.group,
+                  "planning group of the SRDF: other joints stand still" + notes.group)
+      ->type_name("NAME");
+  command
+      .add_option(
+          "--fix", choice.fixed,
+          "a joint that stands still and is no part of Q, rad or m at full size; repeatable" + notes.fixed)
+      ->type_name("JOINT=VALUE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command
+      .add_option("--package", choice.packages,
+                  "folder of a package that meshes name (package://NAME/…); default: folders above the URDF, "
+                  "ROS_PACKAGE_PATH, AMENT_PREFIX_PATH; repeatable")
+      ->type_name("NAME=DIR")
+      ->allow_extra_args(false)
+      ->take_all();
+}
+
+void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
+  add_model_flags(command, choice, notes);
   command.add_option("--scale", choice.scale, "size against the full-size robot" + notes.scale)
       ->check(positive())
       ->type_name("S");

@@ -33,13 +33,17 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 
 /// What a flag's help says of its default.
 struct RobotFlagNotes {
-  std::string scale = {}, base = {}, policy = {}, padding = {}, seen_within = {};
+  std::string group = {}, fixed = {}, scale = {}, base = {}, policy = {}, padding = {}, seen_within = {};
 };
 
 /// --seen-within, seconds. @param note of its default
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
 
-/// --robot, --scale, --base, --policy, --padding, --seen-within, as `plan` and `check` share them.
+/// --robot, --srdf, --group, --fix, --package: which robot, and what of it moves.
+void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
+
+/// The same and --scale, --base, --policy, --padding, --seen-within, as `plan` and
+/// `check` share them.
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
 /// --allow-outside and --strict, as `plan` and `check` share them.

@@ -2,19 +2,76 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
 #include "apps/query/survey_figures.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
-#include "planning/robot_files/load_robot.hpp"
+#include "planning/robot/held_joints.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
 
+RobotRequest robot_request(const RobotChoice& choice) {
+  RobotRequest request{choice.robot, choice.srdf, choice.group};
+  for (const std::string& text : choice.fixed) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw std::invalid_argument("--fix: expected JOINT=VALUE, got " + quote(text));
+    const std::string joint = text.substr(0, equals);
+    const std::vector<double> values = parse_numbers(text.substr(equals + 1), "--fix " + quote(joint));
+    if (values.size() != 1)
+      throw std::invalid_argument("--fix " + quote(joint) + ": got " + std::to_string(values.size()) +
+                                  " values, expected one");
+    if (!request.fixed.emplace(joint, values.front()).second)
+      throw std::invalid_argument("--fix: joint " + quote(joint) + " is given twice, expected it once");
+  }
+  for (const std::string& text : choice.packages) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw std::invalid_argument("--package: expected NAME=DIR, got " + quote(text));
+    const std::filesystem::path folder = text.substr(equals + 1);
+    std::error_code error;
+    if (!std::filesystem::is_directory(folder, error))
+      throw std::invalid_argument("--package " + quote(text.substr(0, equals)) + ": there is no folder " +
+                                  quote_path(folder.string()));
+    request.packages[text.substr(0, equals)] = folder;
+  }
+  return request;
+}
+
+Configuration choose_configuration(const std::string& text, const std::string& flag, const Robot& robot,
+                                   bool degrees) try {
+  if (const auto q = named_configuration(robot, text)) return *q;
+  return parse_configuration(text, flag, joint_names(robot), prismatic_joints(robot), degrees);
+} catch (const std::invalid_argument& error) {
+  const bool is_number = !text.empty() && text.find_first_not_of("0123456789+-.eE, \t") == std::string::npos;
+  if (is_number || robot.states.empty()) throw;
+  std::string names;
+  for (const NamedState& state : robot.states) names += (names.empty() ? "" : ", ") + state.name;
+  throw std::invalid_argument(std::string(error.what()) + " (states of " + quote_path(robot.srdf.string()) +
+                              ": " + shortened(names) + ")");
+}
+
+std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag) {
+  Configuration turned = q;
+  bool is_far = false;
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    if (robot.joints[j].kind != JointKind::revolute) continue;
+    is_far = is_far || std::abs(q[static_cast<Eigen::Index>(j)]) > 2.0 * std::numbers::pi;
+    turned[static_cast<Eigen::Index>(j)] *= std::numbers::pi / 180.0;
+  }
+  if (!is_far || limit_violation(robot, q).empty() || !limit_violation(robot, turned).empty()) return "";
+  return "note: " + flag +
+         " is far outside of the joint limits in radians and within them in degrees: "
+         "--degrees reads it so";
+}
+
 Robot choose_robot(const RobotChoice& choice) {
-  Robot robot = load_robot(choice.robot);
+  Robot robot = load_robot(robot_request(choice));
   if (choice.scale) {
     if (!std::isfinite(*choice.scale) || *choice.scale <= 0.0) {
       throw std::invalid_argument("--scale: expected a positive number, got " + significant(*choice.scale));
@@ -153,7 +210,8 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   if (!plan.waypoints().empty()) {
     rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
     rows.emplace_back("steps", grouped(steps));
-    rows.emplace_back("cost", significant(joules, 5) + " J");
+    rows.emplace_back(
+        "cost", plan.cost_caveat.empty() ? significant(joules, 5) + " J" : "not known: " + plan.cost_caveat);
     rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
     tell_missed_goals(plan, rows);
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);

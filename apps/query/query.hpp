@@ -8,15 +8,29 @@
 #include "apps/console/commands.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/problem/planner.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
 
-/// Applies the choices of a command line to a loaded robot: scale and base.
+/// The robot that a command line asks for, as load_robot takes it. @throws std::invalid_argument for a --fix
+/// that is no JOINT=VALUE, or a joint twice.
+RobotRequest robot_request(const RobotChoice& choice);
+
+/// Loads the robot and applies the choices of a command line: group, held joints, scale and base.
 Robot choose_robot(const RobotChoice& choice);
+
+/// A configuration from a flag: a state of the robot's SRDF by its name, or comma-separated values.
+/// @param flag "--start"
+Configuration choose_configuration(const std::string& text, const std::string& flag, const Robot& robot,
+                                   bool degrees);
 
 /// The distance that every body keeps, metres: as chosen, else the robot's position accuracy.
 double choose_padding(const RobotChoice& choice, const Robot& robot);
+
+/// One sentence for a configuration far outside of the limits that would lie within them if its values were
+/// degrees; else empty. @param flag "--start"
+std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag);
 
 /// Of each joint its name, and whether it slides: what parse_configuration asks for.
 std::vector<std::string> joint_names(const Robot& robot);

@@ -45,7 +45,8 @@ KdlLinks links_of_robot(const Robot& robot) {
     links.parent.push_back(link.parent);
     links.joint.push_back(link.joint);
     links.multiplier.push_back(link.multiplier);
-    links.offset.push_back(link.offset);
+    links.offset.push_back(link.joint < 0 ? 0.0 : link.offset);
+    links.is_held.push_back(link.is_held);
     links.is_turned.push_back(false);
   }
   for (const Body& body : robot.bodies) links.link_from_body.push_back(body.link_from_shape);
@@ -92,7 +93,7 @@ struct KdlArm::Chains {
               std::abs(links.multiplier[link]) * std::max(std::abs(joint.lower), std::abs(joint.upper));
         }
       }
-      from_here += links.segments[link]->pose(0.0).p.Norm();
+      from_here += links.segments[link]->pose(links.joint[link] < 0 ? links.offset[link] : 0.0).p.Norm();
     }
     return result;
   }
@@ -119,7 +120,7 @@ std::vector<KDL::Frame> KdlArm::Chains::place(const KDL::Frame& root, const Eige
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const int parent = links.parent[i], joint = links.joint[i];
     const KDL::Frame& from_parent = parent < 0 ? root : frames[static_cast<std::size_t>(parent)];
-    const double value = joint < 0 ? 0.0 : links.multiplier[i] * q[joint] + links.offset[i];
+    const double value = links.offset[i] + (joint < 0 ? 0.0 : links.multiplier[i] * q[joint]);
     frames[i] = from_parent * links.segments[i]->pose(value);
   }
   return frames;
@@ -141,7 +142,7 @@ Eigen::Isometry3d KdlArm::place(const Eigen::VectorXd& q, std::size_t body) cons
   for (int i = chains_->body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
     const auto link = static_cast<std::size_t>(i);
     const int joint = links.joint[link];
-    const double value = joint < 0 ? 0.0 : links.multiplier[link] * q[joint] + links.offset[link];
+    const double value = links.offset[link] + (joint < 0 ? 0.0 : links.multiplier[link] * q[joint]);
     frame = links.segments[link]->pose(value) * frame;
   }
   return isometry_of(chains_->base * frame);
@@ -165,9 +166,10 @@ double KdlArm::approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs
   return chains_->sum(a, chains_->body_link[b], abs_dq) + chains_->sum(b, chains_->body_link[a], abs_dq);
 }
 
-bool KdlArm::is_moved(std::size_t body) const {
+bool KdlArm::is_policed(std::size_t body) const {
   for (int i = chains_->body_link[body]; i >= 0; i = chains_->links.parent[static_cast<std::size_t>(i)]) {
-    if (chains_->links.joint[static_cast<std::size_t>(i)] >= 0) return true;
+    const auto link = static_cast<std::size_t>(i);
+    if (chains_->links.joint[link] >= 0 || chains_->links.is_held[link]) return true;
   }
   return false;
 }

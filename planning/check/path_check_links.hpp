@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,15 +14,20 @@
 namespace KDL {
 class Segment;
 }
+namespace urdf {
+class ModelInterface;
+}
 
 namespace clearway::check {
 
 /// Links as KDL sees them, one for each of Robot::links and in its order, and where the bodies are on them.
 struct KdlLinks {
   std::vector<std::shared_ptr<const KDL::Segment>> segments;
-  std::vector<int> parent;                 ///< -1 for the root
-  std::vector<int> joint;                  ///< of the configuration; -1: fixed
-  std::vector<double> multiplier, offset;  ///< value of a link's joint = multiplier * q + offset
+  std::vector<int> parent;  ///< -1 for the root
+  std::vector<int> joint;   ///< of the configuration; -1: fixed
+  /// Value of a link's joint = multiplier * q + offset; of one that does not move: offset.
+  std::vector<double> multiplier, offset;
+  std::vector<bool> is_held;  ///< its joint could move, but stands still
   /// A mimic joint about another axis than its master's: Robot's frame of the link is turned (read_urdf).
   std::vector<bool> is_turned;
   std::vector<Eigen::Isometry3d> link_from_body;  ///< of each of Robot::bodies
@@ -43,5 +49,9 @@ KdlLinks links_of_robot(const Robot& robot);
 /// @throws FileDisagrees for links, joints, limits or bodies that are not those of the robot;
 /// std::invalid_argument when the file can no longer be read.
 KdlLinks links_of_file(const Robot& robot);
+
+/// The joints of the robot's planning group that move in its URDF and mimic none, read from its SRDF again.
+/// @throws FileDisagrees when there is no such group.
+std::set<std::string> group_of_file(const Robot& robot, const urdf::ModelInterface& model);
 
 }  // namespace clearway::check

@@ -47,7 +47,8 @@ class KdlArm {
   double motion(std::size_t body, const Eigen::VectorXd& abs_dq) const;
   /// The same for the approach of two bodies to each other.
   double approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs_dq) const;
-  bool is_moved(std::size_t body) const;
+  /// A joint moves it, or one that is held could: its place in the map counts.
+  bool is_policed(std::size_t body) const;
 
  private:
   struct Chains;

@@ -9,7 +9,7 @@ Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::st
                  const KdlArm& arm) {
   Tasks tasks;
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
-    if (!arm.is_moved(i)) continue;
+    if (!arm.is_policed(i)) continue;
     const std::string& part = robot.bodies[i].part;
     Group group;
     if (const auto policy = policies.find(part); policy != policies.end()) group.policy = policy->second;

@@ -22,7 +22,7 @@ constexpr double limit_tolerance = 1e-9;  ///< of limits, rad or m
 constexpr double endless_turn = 1e3;      ///< beyond both ways (Gazebo writes 1e16) a joint turns without end
 
 std::filesystem::path file_of(const Robot& robot) {
-  const bool is_urdf = robot.source.extension() == ".urdf";
+  const bool is_urdf = is_urdf_name(robot.source);
   return urdf_of(robot.source, is_urdf ? RobotSettings{} : read_robot_settings(robot.source));
 }
 
@@ -114,6 +114,7 @@ class FileReader {
   KdlLinks links() {
     for (const Link& link : robot_.links) add_link(link);
     add_bodies();
+    require_group();
     return std::move(links_);
   }
 
@@ -128,6 +129,7 @@ class FileReader {
     links_.multiplier.push_back(1.0);
     links_.offset.push_back(0.0);
     links_.is_turned.push_back(false);
+    links_.is_held.push_back(false);
     const urdf::JointSharedPtr joint = model_->links_.at(link.name)->parent_joint;
     if (joint && joint->type != urdf::Joint::FIXED) add_joint(*joint);
   }
@@ -142,36 +144,60 @@ class FileReader {
     const std::string master = joint.mimic ? joint.mimic->joint_name : joint.name;
     const auto known = std::find_if(robot_.joints.begin(), robot_.joints.end(),
                                     [&](const Joint& other) { return other.name == master; });
-    if (known == robot_.joints.end() || !model_->getJoint(master))
+    const auto held = std::find_if(robot_.held.begin(), robot_.held.end(),
+                                   [&](const HeldJoint& other) { return other.name == master; });
+    const bool is_held = known == robot_.joints.end() && held != robot_.held.end();
+    if ((known == robot_.joints.end() && !is_held) || !model_->getJoint(master))
       disagree(robot_, "joint '" + master + "' is none of the robot's");
-    links_.joint.back() = static_cast<int>(known - robot_.joints.begin());
     if (joint.mimic) {
       links_.multiplier.back() = joint.mimic->multiplier;
       links_.offset.back() = joint.mimic->offset;
       links_.is_turned.back() = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
     }
-    require_limits(joint, *known);
+    if (is_held) return hold(joint, *held);
+    links_.joint.back() = static_cast<int>(known - robot_.joints.begin());
+    require_limits(joint, known->lower);
+    require_limits(joint, known->upper);
   }
 
-  /// The robot's limits keep what the file allows, of a mimic joint what its master makes of them.
-  void require_limits(const urdf::Joint& joint, const Joint& mover) const {
+  /// Prismatic values of held joints are of the full-size robot.
+  void hold(const urdf::Joint& joint, const HeldJoint& held) {
+    const double value = held.value * (joint.type == urdf::Joint::PRISMATIC ? robot_.scale : 1.0);
+    require_limits(joint, value);
+    links_.offset.back() += links_.multiplier.back() * value;
+    links_.is_held.back() = true;
+  }
+
+  /// Of a robot that plans for a group: its joints that move are the group's as the SRDF says, less those
+  /// that are fixed by a flag or the settings.
+  void require_group() const {
+    if (robot_.group.empty()) return;
+    const std::set<std::string> group = group_of_file(robot_, *model_);
+    for (const Joint& joint : robot_.joints)
+      if (!group.contains(joint.name))
+        disagree(robot_, "joint '" + joint.name + "' is none of group '" + robot_.group + "'");
+    for (const HeldJoint& held : robot_.held)
+      if (group.contains(held.name) && held.source != HoldSource::asked &&
+          held.source != HoldSource::settings)
+        disagree(robot_, "joint '" + held.name + "' of group '" + robot_.group + "' is held");
+  }
+
+  /// A limit of the robot's joint keeps what the file allows, of a mimic joint what its master makes of it.
+  void require_limits(const urdf::Joint& joint, double end) const {
     if (joint.type == urdf::Joint::CONTINUOUS) return;
     if (!joint.limits) disagree(robot_, "joint '" + joint.name + "' has no limits");
     const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -endless_turn &&
                          joint.limits->upper > endless_turn;
     if (endless) return;
-    for (const double end : {mover.lower, mover.upper}) {
-      const double factor = links_.multiplier.back();
-      const double value = (factor == 0.0 ? 0.0 : factor * end) + links_.offset.back();
-      const double least = joint.limits->lower - limit_tolerance,
-                   most = joint.limits->upper + limit_tolerance;
-      if (value >= least && value <= most) continue;
-      std::ostringstream text;
-      text.imbue(std::locale::classic());
-      text << "joint '" << joint.name << "' may move to " << value << ", its limits there are "
-           << joint.limits->lower << " to " << joint.limits->upper;
-      disagree(robot_, text.str());
-    }
+    const double factor = links_.multiplier.back();
+    const double value = (factor == 0.0 ? 0.0 : factor * end) + links_.offset.back();
+    if (value >= joint.limits->lower - limit_tolerance && value <= joint.limits->upper + limit_tolerance)
+      return;
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << "joint '" << joint.name << "' may move to " << value << ", its limits there are "
+         << joint.limits->lower << " to " << joint.limits->upper;
+    disagree(robot_, text.str());
   }
 
   void add_bodies() {

@@ -153,6 +153,9 @@ std::string to_json(const Plan& plan) {
       {"allow_outside", plan.allow_outside},
       {"payload_kg", plan.payload},
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
+  if (!plan.cost_caveat.empty()) json["cost_caveat"] = plan.cost_caveat;
+  if (!plan.group.empty()) json["group"] = plan.group;
+  if (!plan.held.empty()) json["held"] = plan.held;
   if (!plan.query.empty()) json["query"] = plan.query;
   if (plan.start.size() > 0) json["start"] = json_of(plan.start);
   if (plan.seen_within > 0.0) json["seen_within_s"] = plan.seen_within;

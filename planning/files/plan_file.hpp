@@ -18,6 +18,8 @@ struct Plan {
   double robot_scale = 1.0;
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::vector<std::string> joints;
+  std::string group{};                   ///< planning group of the SRDF; empty: all joints but those held
+  std::map<std::string, double> held{};  ///< joints that stood still, rad or m at full size
   std::string planner;
   PlannerOptions options;
   std::uint64_t seed = 1;
@@ -32,6 +34,7 @@ struct Plan {
   double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
   std::vector<PlanResult> legs;              ///< each starts where the one before it ended
+  std::string cost_caveat{};                 ///< why the costs say nothing, one sentence; may be empty
   std::string query;                         ///< its name in the map folder's record; empty: none
   Configuration start;                       ///< as asked; of no size when the file does not say
   std::vector<Configuration> goals;          ///< as asked

@@ -86,6 +86,11 @@ Plan read_plan(const JsonField& root) {
   for (const JsonField& joint : root.at("joints").items()) plan.joints.push_back(joint.text());
   if (plan.joints.empty()) root.at("joints").refuse("at least one joint");
   const std::size_t dof = plan.joints.size();
+  if (root.has("cost_caveat")) plan.cost_caveat = root.at("cost_caveat").text();
+  if (root.has("group")) plan.group = root.at("group").text();
+  if (root.has("held")) {
+    for (const auto& [joint, value] : root.at("held").members()) plan.held[joint] = value.number();
+  }
   plan.planner = root.at("planner").text();
   for (const auto& [name, value] : root.at("options").members()) plan.options[name] = value.text();
   plan.seed = root.at("seed").count();

@@ -143,4 +143,11 @@ bool is_moved(const Robot& robot, int link) {
   return false;
 }
 
+bool is_policed(const Robot& robot, int link) {
+  for (int i = link; i >= 0; i = link_at(robot, i).parent) {
+    if (link_at(robot, i).joint >= 0 || link_at(robot, i).is_held) return true;
+  }
+  return false;
+}
+
 }  // namespace clearway

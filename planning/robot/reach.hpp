@@ -21,4 +21,8 @@ double lever(const Robot& robot, int link, const Body& body);
 /// True when some joint moves the link against the map.
 bool is_moved(const Robot& robot, int link);
 
+/// True when some joint moves the link, or one that is held still could: its bodies are looked at in the map.
+/// What no joint ever moves, as a foot on its table, is not.
+bool is_policed(const Robot& robot, int link);
+
 }  // namespace clearway

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,7 +34,9 @@ struct Link {
   Eigen::Isometry3d parent_from_link = Eigen::Isometry3d::Identity();  ///< at joint value 0
   int joint = -1;  ///< actuated joint that moves this link against its parent; -1: fixed
   double multiplier = 1.0, offset = 0.0;  ///< joint value used = multiplier * q + offset (URDF mimic)
-  double mass = 0.0;                      ///< kg
+  bool is_held = false;      ///< hangs on a joint that could move it and is held still (HeldJoint)
+  std::string joint_name{};  ///< of the joint above it in the robot's file, fixed or mimic ones too
+  double mass = 0.0;         ///< kg
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  ///< link frame
 };
 
@@ -44,6 +47,23 @@ struct Body {
   Eigen::Isometry3d link_from_shape = Eigen::Isometry3d::Identity();
   Shape shape = Shape::sphere(1.0);
   std::vector<Sphere> cover;  ///< spheres in the LINK frame whose union contains the body
+};
+
+/// Who says where a held joint stands.
+enum class HoldSource { asked, settings, default_state, zero };
+
+/// A joint that could move, but stands still: outside of the planning group, or fixed. It is no part of
+/// configurations.
+struct HeldJoint {
+  std::string name;
+  double value = 0.0;  ///< rad or m at full size, whatever the robot's scale
+  HoldSource source = HoldSource::zero;
+};
+
+/// A configuration with a name (SRDF group_state); values in rad or m, full size.
+struct NamedState {
+  std::string name;
+  std::map<std::string, double> values;  ///< by joint
 };
 
 /// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the
@@ -65,6 +85,10 @@ struct Robot {
   double position_accuracy = default_position_accuracy;  ///< metres, at this scale: the default padding
   double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
   std::filesystem::path source;
+  std::filesystem::path srdf{};      ///< that was read with it; empty: none
+  std::string group{};               ///< planning group of the SRDF whose joints move; empty: all joints
+  std::vector<HeldJoint> held{};     ///< the others, by name
+  std::vector<NamedState> states{};  ///< of the SRDF, by name
 
   std::size_t dof() const { return joints.size(); }
 };

@@ -1,24 +1,19 @@
 #include "planning/robot_files/allowed_collisions.hpp"
 
-#include <tinyxml2.h>
-
 #include <algorithm>
 #include <numbers>
 #include <random>
 #include <stdexcept>
 
-#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
-#include "planning/robot_files/urdf_document.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr int sampled_configurations = 200;
 constexpr double always_ratio = 0.95;
-constexpr std::size_t most_pairs = 100'000;  ///< of a SRDF
 
 /// For each link the topmost link that it is rigidly fixed to.
 std::vector<int> rigid_groups(const Robot& robot) {
@@ -121,33 +116,6 @@ std::vector<std::pair<int, int>> bodies_of_parts(
         if (a != b) pairs.emplace_back(std::min(a, b), std::max(a, b));
       }
     }
-  }
-  return pairs;
-}
-
-std::vector<std::pair<std::string, std::string>> read_srdf(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
-  tinyxml2::XMLDocument xml;
-  const bool parsed = xml.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS;
-  const tinyxml2::XMLElement* robot = parsed ? xml.FirstChildElement("robot") : nullptr;
-  if (!robot)
-    throw std::invalid_argument(file.string() + ": is not a SRDF, expected XML with a <robot> element");
-  for (const auto* entry = robot->FirstChildElement(); entry; entry = entry->NextSiblingElement()) {
-    const std::string meant = misspelt_name(entry->Name(), {"disable_collisions"});
-    if (meant.empty()) continue;
-    throw std::invalid_argument(file.string() + ": unknown element <" + shortened(entry->Name()) +
-                                ">, did you mean <" + meant + ">?");
-  }
-  std::vector<std::pair<std::string, std::string>> pairs;
-  for (const auto* entry = robot->FirstChildElement("disable_collisions"); entry;
-       entry = entry->NextSiblingElement("disable_collisions")) {
-    const char* first = entry->Attribute("link1");
-    const char* second = entry->Attribute("link2");
-    if (!first || !second)
-      throw std::invalid_argument(file.string() + ": <disable_collisions> needs link1 and link2");
-    pairs.emplace_back(first, second);
-    if (pairs.size() > most_pairs)
-      throw std::invalid_argument(file.string() + ": has more than 100,000 <disable_collisions>");
   }
   return pairs;
 }

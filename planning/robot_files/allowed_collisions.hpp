@@ -22,8 +22,4 @@ std::vector<std::pair<int, int>> bodies_of_parts(
     const Robot& robot, const std::vector<std::pair<std::string, std::string>>& parts,
     const std::filesystem::path& file);
 
-/// The pairs of links of a SRDF's <disable_collisions link1 link2>.
-/// @throws std::invalid_argument naming the file when it is not a SRDF.
-std::vector<std::pair<std::string, std::string>> read_srdf(const std::filesystem::path& file);
-
 }  // namespace clearway

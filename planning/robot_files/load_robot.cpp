@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/held_joints.hpp"
 #include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 
 namespace clearway {
@@ -17,28 +21,109 @@ namespace fs = std::filesystem;
 /// The .yaml or .urdf that a user's word means.
 fs::path find_robot(const std::string& name_or_path) {
   const fs::path path = name_or_path;
-  if (path.extension() == ".urdf" || path.extension() == ".yaml") return path;
+  if (is_urdf_name(path) || path.extension() == ".yaml") return path;
   const fs::path known = datasets_folder() / "robots" / (name_or_path + ".yaml");
   if (!name_or_path.empty() && path.filename() == path && fs::is_regular_file(known)) return known;
   std::string names;
   for (const auto& [name, description] : available_robots()) names += (names.empty() ? "" : ", ") + name;
   throw std::invalid_argument("unknown robot " + quote(name_or_path) + ": expected one of " + names +
-                              ", or the path of a .urdf or .yaml file");
+                              ", or the path of a .urdf, .xacro or .yaml file");
+}
+
+/// The SRDF's pairs of links that the robot has; of others, as of a hand that is not mounted, nothing hangs.
+std::vector<std::pair<std::string, std::string>> known_pairs(const Robot& robot, const Srdf& srdf) {
+  const auto is_known = [&](const std::string& name) {
+    return std::any_of(robot.links.begin(), robot.links.end(),
+                       [&](const Link& link) { return link.name == name; });
+  };
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const auto& pair : srdf.disabled)
+    if (is_known(pair.first) && is_known(pair.second)) pairs.push_back(pair);
+  return pairs;
 }
 
 std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSettings& settings,
-                                              const fs::path& settings_file, const fs::path& srdf) {
+                                              const fs::path& settings_file,
+                                              const std::optional<Srdf>& srdf) {
   std::vector<std::pair<int, int>> pairs = adjacent_bodies(robot);
   const auto append = [&](const std::vector<std::pair<int, int>>& more) {
     pairs.insert(pairs.end(), more.begin(), more.end());
   };
-  const bool has_srdf = fs::is_regular_file(srdf);
-  if (has_srdf) append(bodies_of_parts(robot, read_srdf(srdf), srdf));
+  if (srdf) append(bodies_of_parts(robot, known_pairs(robot, *srdf), robot.srdf));
   if (settings.exempt) append(bodies_of_parts(robot, *settings.exempt, settings_file));
-  if (!has_srdf && !settings.exempt) append(always_colliding_bodies(robot));
+  if (!srdf && !settings.exempt) append(always_colliding_bodies(robot));
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
+}
+
+/// The SRDF that was asked for, that the settings name, or that lies beside the URDF; empty: none.
+fs::path srdf_of(const RobotRequest& request, const RobotSettings& settings, const fs::path& settings_file,
+                 const fs::path& urdf) {
+  if (!request.srdf.empty()) return request.srdf;
+  if (!settings.srdf.empty()) return settings_file.parent_path() / settings.srdf;
+  const fs::path beside = beside_urdf(urdf, ".srdf");
+  return fs::is_regular_file(beside) ? beside : fs::path();
+}
+
+/// Where a joint stands that nobody fixes: in the state "default", else at 0 within its limits.
+HeldJoint at_rest(const Robot& robot, const Joint& joint) {
+  for (const NamedState& state : robot.states) {
+    const auto value = state.values.find(joint.name);
+    if (state.name != "default" || value == state.values.end()) continue;
+    return {joint.name, value->second, HoldSource::default_state};
+  }
+  return {joint.name, std::clamp(0.0, joint.lower, joint.upper), HoldSource::zero};
+}
+
+/// The last link below the most joints that move, without any that is held below those.
+int last_moved_link(const Robot& robot) {
+  std::vector<int> moving(robot.links.size(), 0), depth(robot.links.size(), 0);
+  int best = 0;
+  for (std::size_t i = 1; i < robot.links.size(); ++i) {
+    const Link& link = robot.links[i];
+    const auto parent = static_cast<std::size_t>(link.parent);
+    moving[i] = moving[parent] + (link.joint >= 0 ? 1 : 0);
+    depth[i] = depth[parent] + 1;
+    if (link.is_held) moving[i] = depth[i] = 0;  // and what hangs on it begins anew
+    const auto b = static_cast<std::size_t>(best);
+    if (std::pair(moving[i], depth[i]) > std::pair(moving[b], depth[b])) best = static_cast<int>(i);
+  }
+  return best;
+}
+
+void choose_tip(const Srdf& srdf, const fs::path& file, Robot& robot) {
+  const std::string tip = tip_of_group(srdf, robot.group);
+  if (tip.empty()) {
+    robot.tip_link = last_moved_link(robot);
+    return;
+  }
+  const auto link =
+      std::find_if(robot.links.begin(), robot.links.end(), [&](const Link& l) { return l.name == tip; });
+  if (link == robot.links.end())
+    throw std::invalid_argument(file.string() + ": the tip of group " + quote(robot.group) + " is link " +
+                                quote(tip) + ", which " + robot.name + " does not have");
+  robot.tip_link = static_cast<int>(link - robot.links.begin());
+}
+
+/// Holds what is fixed, and what is outside of the planning group.
+Robot hold(const Robot& robot, const RobotRequest& request, const RobotSettings& settings,
+           const fs::path& settings_file, const std::optional<Srdf>& srdf) {
+  std::vector<HeldJoint> held;
+  for (const auto& [name, value] : request.fixed) held.push_back({name, value, HoldSource::asked});
+  for (const auto& [name, value] : settings.fixed)
+    if (!request.fixed.contains(name)) held.push_back({name, value, HoldSource::settings});
+  if (!robot.group.empty()) {
+    if (!srdf)
+      throw std::invalid_argument("group " + quote(robot.group) + " of robot " + quote(robot.name) +
+                                  ": expected a SRDF that defines it, by --srdf or beside the URDF");
+    const std::set<std::string> planned = joints_of_group(robot, *srdf, robot.group, robot.srdf);
+    for (const Joint& joint : robot.joints) {
+      const bool is_fixed = request.fixed.contains(joint.name) || settings.fixed.contains(joint.name);
+      if (!is_fixed && !planned.contains(joint.name)) held.push_back(at_rest(robot, joint));
+    }
+  }
+  return held.empty() ? robot : with_held_joints(robot, held, settings_file);
 }
 
 /// Spheres that hold each body, in the frame of its link.
@@ -80,19 +165,30 @@ std::vector<std::pair<std::string, std::string>> available_robots() {
   return robots;
 }
 
-Robot load_robot(const std::string& name_or_path) {
-  const fs::path file = find_robot(name_or_path);
-  const bool is_urdf = file.extension() == ".urdf";
-  const fs::path settings_file = is_urdf ? fs::path(file).replace_extension(".yaml") : file;
+Robot load_robot(const std::string& name_or_path) { return load_robot(RobotRequest{name_or_path}); }
+
+Robot load_robot(const RobotRequest& request) {
+  const fs::path file = find_robot(request.robot);
+  const bool is_urdf = is_urdf_name(file);
+  const fs::path settings_file = is_urdf ? beside_urdf(file, ".yaml") : file;
   RobotSettings settings;
   if (!is_urdf || fs::is_regular_file(settings_file)) settings = read_robot_settings(settings_file);
   const fs::path urdf = urdf_of(file, settings);
 
-  Robot robot = read_urdf(urdf);
+  Robot robot = read_urdf(urdf, request.packages);
   apply_settings(settings, settings_file, robot);
   robot.name = file.stem().string();
   robot.source = file;
-  robot.exempt = exempt_pairs(robot, settings, settings_file, fs::path(urdf).replace_extension(".srdf"));
+  robot.srdf = srdf_of(request, settings, settings_file, urdf);
+  robot.group = request.group.empty() ? settings.group : request.group;
+  std::optional<Srdf> srdf;
+  if (!robot.srdf.empty()) {
+    srdf = read_srdf(robot.srdf);
+    robot.states = states_of(*srdf, robot.group);
+  }
+  robot.exempt = exempt_pairs(robot, settings, settings_file, srdf);  // while every joint may still move
+  robot = hold(robot, request, settings, settings_file, srdf);
+  if (!robot.group.empty() && settings.tip_link.empty()) choose_tip(*srdf, robot.srdf, robot);
   cover_bodies(robot);
   return settings.scale == 1.0 ? robot : scaled(robot, settings.scale);
 }

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
 
 #include "mapping/system/child_process.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/mesh_reader.hpp"
 
 namespace clearway {
@@ -81,6 +83,48 @@ MeshHull checked_hull(const fs::path& file, std::string_view answer) {
   return hull;
 }
 
+/// The folders that an environment variable lists.
+std::vector<fs::path> listed_folders(const char* variable) {
+  std::vector<fs::path> folders;
+  const char* value = std::getenv(variable);
+  std::string_view rest = value ? value : "";
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    if (end > 0) folders.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return folders;
+}
+
+/// NAME/rest, or rest in a folder that is called NAME; empty when neither is a file.
+fs::path in_folder(const fs::path& folder, const fs::path& name, const fs::path& rest) {
+  std::error_code error;
+  if (fs::is_regular_file(folder / name / rest, error)) return folder / name / rest;
+  if (folder.filename() == name && fs::is_regular_file(folder / rest, error)) return folder / rest;
+  return {};
+}
+
+/// What is found above `folder`, else where ROS keeps packages; empty: nowhere.
+fs::path in_packages(const fs::path& folder, const fs::path& name, const fs::path& rest) {
+  std::error_code error;
+  for (fs::path at = fs::weakly_canonical(folder, error); !at.empty(); at = at.parent_path()) {
+    if (fs::path found = in_folder(at, name, rest); !found.empty()) return found;
+    if (at == at.parent_path()) break;
+  }
+  for (const fs::path& listed : listed_folders("ROS_PACKAGE_PATH")) {
+    if (fs::path found = in_folder(listed, name, rest); !found.empty()) return found;
+    std::vector<fs::path> below;  // repositories of several packages, in one order on every machine
+    for (fs::directory_iterator at(listed, error), end; !error && at != end; at.increment(error))
+      if (at->is_directory(error)) below.push_back(at->path());
+    std::sort(below.begin(), below.end());
+    for (const fs::path& repository : below)
+      if (fs::path found = in_folder(repository, name, rest); !found.empty()) return found;
+  }
+  for (const fs::path& prefix : listed_folders("AMENT_PREFIX_PATH"))
+    if (fs::path found = in_folder(prefix / "share", name, rest); !found.empty()) return found;
+  return {};
+}
+
 }  // namespace
 
 std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes) {
@@ -113,7 +157,43 @@ std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes) {
   return hulls;
 }
 
-std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder) {
+MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
+  constexpr std::size_t most_triangles = 2'000'000, bytes_of_one = 3 * sizeof(Eigen::Vector3d);
+  if (const std::string reason = refusal(mesh.file); !reason.empty())
+    return {{}, mesh.file.string() + ": " + reason};
+  std::error_code error;
+  const std::size_t size = fs::file_size(mesh.file, error);
+  const ChildOutcome read = run_in_child(
+      [&]() -> std::string {
+        try {
+          const auto corners = triangles_of_mesh(mesh.file, kind_of(mesh.file).substr(1), mesh.scale);
+          if (corners.size() > 3 * most_triangles) return "Fit has more than 2,000,000 triangles";
+          std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
+          if (!corners.empty()) std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);
+          return bytes;
+        } catch (const std::runtime_error& failure) {
+          return std::string("F") + failure.what();
+        }
+      },
+      {.memory = 512 * megabyte + 40 * size,
+       .output = most_triangles * bytes_of_one + 1,
+       .seconds = 10 + static_cast<int>(size / (2 * megabyte))});
+  const auto damaged_by = [&](const std::string& why) {
+    return MeshTriangles{{}, quote_path(mesh.file.string()) + " is damaged: " + why};
+  };
+  if (!read.finished || read.parts.empty()) return damaged_by(read.failure);
+  const std::string& answer = read.parts.front();
+  if (answer.empty() || answer.front() != 'R') return damaged_by(answer.empty() ? "" : answer.substr(1));
+  MeshTriangles triangles;
+  if ((answer.size() - 1) % bytes_of_one != 0 || answer.size() == 1) return damaged_by("its reader crashed");
+  triangles.corners.resize((answer.size() - 1) / sizeof(Eigen::Vector3d));
+  std::memcpy(triangles.corners.front().data(), answer.data() + 1, answer.size() - 1);
+  if (!are_sensible(triangles.corners)) return damaged_by("its reader crashed");
+  return triangles;
+}
+
+std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,
+                                const PackageFolders& packages) {
   const std::string file = "file://";
   if (name.starts_with(file)) return name.substr(file.size());
   const std::array<std::string, 2> searched{"package://", "model://"};
@@ -121,16 +201,22 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
                                    [&](const std::string& start) { return name.starts_with(start); });
   if (scheme == searched.end()) return folder / name;
   const fs::path inside = name.substr(scheme->size());
-  if (inside.empty()) throw std::invalid_argument("mesh '" + name + "' names no file");
+  if (inside.empty()) throw std::invalid_argument("mesh " + quote(name) + " names no file");
+  const std::string package = inside.begin()->string();
   fs::path rest;
   for (auto part = std::next(inside.begin()); part != inside.end(); ++part) rest /= *part;
-  std::error_code error;
-  for (fs::path at = fs::weakly_canonical(folder, error); !at.empty(); at = at.parent_path()) {
-    if (fs::is_regular_file(at / inside, error)) return at / inside;
-    if (at.filename() == *inside.begin() && fs::is_regular_file(at / rest, error)) return at / rest;
-    if (at == at.parent_path()) break;
+  if (const auto known = packages.find(package); known != packages.end()) {
+    std::error_code error;
+    if (!rest.empty() && fs::is_regular_file(known->second / rest, error)) return known->second / rest;
+    throw std::invalid_argument("mesh " + quote(name) + " was not found in " +
+                                quote_path(known->second.string()) + ", the folder given for package " +
+                                quote(package));
   }
-  throw std::invalid_argument("mesh '" + name + "' was not found in any folder above " + folder.string());
+  if (fs::path found = in_packages(folder, package, rest); !rest.empty() && !found.empty()) return found;
+  throw std::invalid_argument("mesh " + quote(name) + " was not found in any folder above " +
+                              quote_path(folder.string()) +
+                              ", nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: --package " +
+                              shortened(package) + "=DIR names its folder");
 }
 
 }  // namespace clearway

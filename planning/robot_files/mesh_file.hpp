@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -31,9 +32,24 @@ struct MeshHull {
 /// After the first mesh that ends the child the rest of the list stays unread.
 std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes);
 
-/// The file that a URDF mesh name means: `package://NAME/rest` and `model://NAME/rest` are searched for
-/// upwards from `folder` as NAME/rest and, inside a folder called NAME, as rest; `file://` and plain paths
-/// relative to `folder`. @throws std::invalid_argument when nothing is found.
-std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder);
+/// A mesh's triangles, or why there are none.
+struct MeshTriangles {
+  std::vector<Eigen::Vector3d> corners;  ///< three by three, metres, as hulls are placed and scaled
+  std::string failure;                   ///< not empty: one sentence that names the file
+};
+
+/// The triangles of one mesh file, read as read_mesh_hulls does; at most 2,000,000.
+MeshTriangles read_mesh_triangles(const ScaledMesh& mesh);
+
+/// Folders of packages by name.
+using PackageFolders = std::map<std::string, std::filesystem::path>;
+
+/// The file that a URDF mesh name means: `file://` and plain paths relative to `folder`.
+/// `package://NAME/rest` and `model://NAME/rest` are rest in the folder that `packages` gives NAME; else what
+/// is first found of NAME/rest, or rest in a folder called NAME, in the folders upwards from `folder`;
+/// NAME/rest in those of $ROS_PACKAGE_PATH and one below; share/NAME/rest in those of $AMENT_PREFIX_PATH.
+/// @throws std::invalid_argument when nothing is found.
+std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,
+                                const PackageFolders& packages = {});
 
 }  // namespace clearway

@@ -68,8 +68,13 @@ bool are_sensible(const std::vector<Eigen::Vector3d>& points) {
   });
 }
 
-std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
-                                          const Eigen::Vector3d& scale) {
+namespace {
+
+/// What `points_of` takes from the file's scene, scaled and gated.
+template <class PointsOf>
+std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, const std::string& kind,
+                                            const Eigen::Vector3d& scale, unsigned steps,
+                                            const PointsOf& points_of) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error("it cannot be opened for reading");
   const std::string content{std::istreambuf_iterator<char>(stream), {}};
@@ -79,15 +84,45 @@ std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, con
   const std::string name = "mesh." + kind;
   importer.SetIOHandler(new OneFile(name, content));  // which it will delete
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(name, aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(name, steps);
   if (!scene) refuse(importer, kind);
-  std::vector<Eigen::Vector3d> vertices = vertices_of(*scene);
+  std::vector<Eigen::Vector3d> points = points_of(*scene);
   importer.FreeScene();
-  if (vertices.empty()) throw std::runtime_error("it holds no vertices");
-  for (Eigen::Vector3d& vertex : vertices) vertex = vertex.cwiseProduct(scale);
-  if (!are_sensible(vertices))
+  if (points.empty()) throw std::runtime_error("it holds no vertices");
+  for (Eigen::Vector3d& point : points) point = point.cwiseProduct(scale);
+  if (!are_sensible(points))
     throw std::runtime_error("it has a vertex that is not finite or farther than 1 km from the origin");
-  return hull_corners(std::move(vertices));
+  return points;
+}
+
+std::vector<Eigen::Vector3d> triangles_of(const aiScene& scene) {
+  std::vector<Eigen::Vector3d> corners;
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[i];
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices == 0 || face.mNumIndices > 3) continue;
+      for (unsigned k = 0; k < 3; ++k) {  // a line or a point is a triangle without area
+        const unsigned index = face.mIndices[std::min(k, face.mNumIndices - 1)];
+        if (index >= mesh.mNumVertices) throw std::runtime_error("a face names a vertex that is not there");
+        corners.emplace_back(mesh.mVertices[index].x, mesh.mVertices[index].y, mesh.mVertices[index].z);
+      }
+    }
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
+                                          const Eigen::Vector3d& scale) {
+  return hull_corners(points_of_mesh(file, kind, scale, aiProcess_PreTransformVertices, vertices_of));
+}
+
+std::vector<Eigen::Vector3d> triangles_of_mesh(const std::filesystem::path& file, const std::string& kind,
+                                               const Eigen::Vector3d& scale) {
+  return points_of_mesh(file, kind, scale, aiProcess_PreTransformVertices | aiProcess_Triangulate,
+                        triangles_of);
 }
 
 }  // namespace clearway

@@ -13,6 +13,11 @@ namespace clearway {
 std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
                                           const Eigen::Vector3d& scale);
 
+/// The corners of the mesh's triangles, three by three, times `scale`; polygons are cut into triangles. As
+/// hull_of_mesh in all else.
+std::vector<Eigen::Vector3d> triangles_of_mesh(const std::filesystem::path& file, const std::string& kind,
+                                               const Eigen::Vector3d& scale);
+
 /// Whether all points are finite and within 1 km of the origin along each axis.
 bool are_sensible(const std::vector<Eigen::Vector3d>& points);
 

@@ -57,6 +57,13 @@ class Section {
     return result;
   }
 
+  double any_number(const std::string& key, const YAML::Node& value) const {
+    double result = std::nan("");
+    if (!value.IsScalar() || !YAML::convert<double>::decode(value, result) || !std::isfinite(result))
+      refuse(key, "a finite number");
+    return result;
+  }
+
   Eigen::Vector3d vector(const std::string& key) const {
     Eigen::Vector3d result = Eigen::Vector3d::Zero();
     if (!has(key)) return result;
@@ -123,7 +130,7 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
 RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& root) {
   const Section section(file, "", root,
                         {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
-                         "position_accuracy", "inverse_kinematics", "exempt"});
+                         "position_accuracy", "inverse_kinematics", "exempt", "srdf", "group", "fixed"});
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
@@ -154,6 +161,15 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
       settings.exempt->emplace_back(pair[0].as<std::string>(""), pair[1].as<std::string>(""));
     }
   }
+  settings.srdf = section.text("srdf", "");
+  settings.group = section.text("group", "");
+  if (section.has("fixed")) {
+    const Section fixed(file, "fixed.", section.node("fixed"), {});
+    for (const auto& entry : section.node("fixed")) {
+      const std::string joint = entry.first.as<std::string>("");
+      settings.fixed[joint] = fixed.any_number(joint, entry.second);
+    }
+  }
   return settings;
 }
 
@@ -171,8 +187,19 @@ RobotSettings read_robot_settings(const std::filesystem::path& file) {
   }
 }
 
+bool is_urdf_name(const std::filesystem::path& file) {
+  return file.extension() == ".urdf" || file.extension() == ".xacro";
+}
+
+std::filesystem::path beside_urdf(const std::filesystem::path& urdf, const std::string& extension) {
+  std::filesystem::path file = urdf;
+  if (file.extension() == ".xacro") file.replace_extension();
+  return file.replace_extension(extension);
+}
+
 std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSettings& settings) {
-  if (file.extension() != ".urdf" && !settings.urdf.empty()) return file.parent_path() / settings.urdf;
+  if (is_urdf_name(file)) return file;
+  if (!settings.urdf.empty()) return file.parent_path() / settings.urdf;
   return std::filesystem::path(file).replace_extension(".urdf");
 }
 

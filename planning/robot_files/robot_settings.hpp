@@ -31,11 +31,20 @@ struct RobotSettings {
   double position_accuracy = default_position_accuracy;
   std::string inverse_kinematics = "numeric";
   std::optional<std::vector<std::pair<std::string, std::string>>> exempt;  ///< pairs of parts
+  std::filesystem::path srdf;           ///< beside the settings; empty: the URDF's name
+  std::string group;                    ///< planning group of the SRDF; empty: all joints
+  std::map<std::string, double> fixed;  ///< joints that stand still, rad or m
 };
 
 /// Reads a robot's .yaml. @throws std::invalid_argument naming file, key and what was expected; an unknown
 /// key is an error that names the nearest known one.
 RobotSettings read_robot_settings(const std::filesystem::path& file);
+
+/// True for .urdf and .xacro.
+bool is_urdf_name(const std::filesystem::path& file);
+
+/// The file of that extension beside a URDF: of "arm.urdf" and of "arm.urdf.xacro" it is "arm" + extension.
+std::filesystem::path beside_urdf(const std::filesystem::path& urdf, const std::string& extension);
 
 /// The URDF of a robot that is loaded from `file`, a .urdf or a .yaml with these settings.
 std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSettings& settings);

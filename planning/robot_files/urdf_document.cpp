@@ -10,6 +10,7 @@
 #include "planning/robot_files/urdf_elements.hpp"
 #include "planning/robot_files/urdf_numbers.hpp"
 #include "planning/robot_files/urdf_spelling.hpp"
+#include "planning/robot_files/xacro_file.hpp"
 
 namespace clearway {
 namespace {
@@ -18,6 +19,7 @@ using Element = tinyxml2::XMLElement;
 using Place = UrdfPlace;
 
 constexpr std::size_t most_joints = 500;  ///< a longer chain is no robot, and urdfdom walks it recursively
+constexpr std::size_t most_bytes_of_robot = 16U << 20U;
 constexpr std::size_t most_bodies = 1000;
 
 /// The attribute of a child element, or a refusal.
@@ -115,7 +117,8 @@ void check_joints(const Place& place, Element& robot, const std::set<std::string
 }  // namespace
 
 std::string read_text(const std::filesystem::path& file) {
-  return read_input(file, "robot file", 16U << 20U);
+  const std::string text = read_input(file, "robot file", most_bytes_of_robot);
+  return file.extension() == ".xacro" ? expanded_xacro(file, most_bytes_of_robot) : text;
 }
 
 UrdfDocument read_urdf_document(const std::filesystem::path& file) {

@@ -20,7 +20,8 @@ struct UrdfDocument {
 /// @throws std::invalid_argument in one sentence naming file, element and what was expected.
 UrdfDocument read_urdf_document(const std::filesystem::path& file);
 
-/// The whole file as text. @throws std::invalid_argument when it is missing, unreadable or above 16 MB.
+/// The whole file as text; of a .xacro what the program `xacro` makes of it. @throws std::invalid_argument
+/// when it is missing, unreadable or above 16 MB.
 std::string read_text(const std::filesystem::path& file);
 
 }  // namespace clearway

@@ -29,8 +29,9 @@ Eigen::Isometry3d isometry(const urdf::Pose& pose) {
 
 class Reader {
  public:
-  Reader(const std::filesystem::path& file, const UrdfDocument& document, const urdf::ModelInterface& model)
-      : file_(file), document_(document), model_(model) {
+  Reader(const std::filesystem::path& file, const UrdfDocument& document, const urdf::ModelInterface& model,
+         const PackageFolders& packages)
+      : file_(file), document_(document), model_(model), packages_(packages) {
     robot_.name = model.getName();
     robot_.source = file;
   }
@@ -81,6 +82,7 @@ class Reader {
   }
 
   void add_joint(const urdf::Joint& source, Link& link) {
+    link.joint_name = source.name;
     link.parent_from_link = isometry(source.parent_to_joint_origin_transform);
     if (source.type == urdf::Joint::FIXED) return;
     Joint joint;
@@ -153,7 +155,8 @@ class Reader {
   ScaledMesh mesh(const std::string& link, const urdf::Geometry& geometry) const {
     const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
     try {
-      return {find_mesh(mesh.filename, file_.parent_path()), {mesh.scale.x, mesh.scale.y, mesh.scale.z}};
+      return {find_mesh(mesh.filename, file_.parent_path(), packages_),
+              {mesh.scale.x, mesh.scale.y, mesh.scale.z}};
     } catch (const std::invalid_argument& error) {
       refuse("link " + quote(link) + ": " + error.what());
     }
@@ -191,6 +194,7 @@ class Reader {
   const std::filesystem::path& file_;
   const UrdfDocument& document_;
   const urdf::ModelInterface& model_;
+  const PackageFolders& packages_;
   Robot robot_;
   std::vector<MimicJoint> mimics_;
   std::vector<NamedMesh> meshes_;
@@ -198,7 +202,7 @@ class Reader {
 
 }  // namespace
 
-Robot read_urdf(const std::filesystem::path& file) {
+Robot read_urdf(const std::filesystem::path& file, const PackageFolders& packages) {
   const UrdfDocument document = read_urdf_document(file);
   if (document.joint_order.empty()) throw std::invalid_argument(file.string() + ": has no joints");
   const KeptMessages messages;  // not told: they name urdfdom's functions
@@ -209,7 +213,7 @@ Robot read_urdf(const std::filesystem::path& file) {
   }
   if (!model || !model->getRoot())
     throw std::invalid_argument(file.string() + ": is not a URDF of links, joints and shapes");
-  return Reader(file, document, *model).robot();
+  return Reader(file, document, *model, packages).robot();
 }
 
 }  // namespace clearway

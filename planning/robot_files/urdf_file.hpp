@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "planning/robot/robot.hpp"
 
@@ -11,6 +13,8 @@ namespace clearway {
 /// the name of its link. Nothing is exempt from contact yet; the tip is the last link of the longest branch.
 /// A mimic joint whose axis differs from its master's gets its link frame turned so that the axes agree.
 /// @throws std::invalid_argument in one sentence naming file, element and what was expected.
-Robot read_urdf(const std::filesystem::path& file);
+/// @param packages folders of packages, as find_mesh takes them
+Robot read_urdf(const std::filesystem::path& file,
+                const std::map<std::string, std::filesystem::path>& packages = {});
 
 }  // namespace clearway

@@ -81,7 +81,7 @@ FclOctreeSpace::FclOctreeSpace(const ConfigurationSpace& space) {
     const Body& body = scene->robot.bodies[i];
     scene->plain.push_back(fcl_geometry(body.shape));
     scene->padded.push_back(fcl_geometry(body.shape.grown(padding)));
-    if (!is_moved(scene->robot, body.link)) continue;
+    if (!is_policed(scene->robot, body.link)) continue;
     const std::size_t blocked = scene->blocked_index(part_requirement(
         space.map(), body.part, space.policies().at(body.part), space.options().seen_within));
     scene->moved.insert(scene->moved.begin(), {i, blocked});

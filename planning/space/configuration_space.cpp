@@ -126,12 +126,13 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     return part_requirement(model.map, body.part, model.policies.at(body.part), options.seen_within);
   };
   for (const Body& body : model.robot.bodies) {
-    if (is_moved(model.robot, body.link)) reach_of(requirement_of(body)).extend(reach_box(model.robot, body));
+    if (is_policed(model.robot, body.link))
+      reach_of(requirement_of(body)).extend(reach_box(model.robot, body));
   }
   const Eigen::AlignedBox3d bounds = model.map.bounds();
   for (std::size_t i = 0; i < model.robot.bodies.size(); ++i) {
     const Body& body = model.robot.bodies[i];
-    if (!is_moved(model.robot, body.link)) continue;
+    if (!is_policed(model.robot, body.link)) continue;
     const Requirement requirement = requirement_of(body);
     const double max_distance = model.options.max_distance;
     const double wanted = std::max(max_distance, options.padding + model.map.resolution());

@@ -103,7 +103,8 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
   for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
     const std::string& part = robot.bodies[body].part;
     const auto policy = policies.find(part);
-    if (!arm.is_moved(body) || (policy != policies.end() && policy->second != Policy::not_occupied)) continue;
+    if (!arm.is_policed(body) || (policy != policies.end() && policy->second != Policy::not_occupied))
+      continue;
     unknown_free.insert(part);
     if (!may_leave || path.empty()) continue;
     if (auto leaving = leaving_part(robot, arm, body, path, bounds, map.resolution()))

@@ -99,7 +99,7 @@ std::optional<SweptVoxels> swept_voxels(const Robot& robot, const Snapshot& map,
   VoxelMarks marks(map.resolution());
   bool is_countable = true;
   for (std::size_t body = 0; body < robot.bodies.size() && is_countable; ++body) {
-    if (!arm.is_moved(body)) continue;
+    if (!arm.is_policed(body)) continue;
     const MarkedShape shape(robot.bodies[body].shape);
     visit_body_poses(arm, body, path, map.resolution(), [&](const Eigen::Isometry3d& pose, const PathPlace&) {
       is_countable = is_countable && marks.mark(shape, pose);
@@ -125,7 +125,7 @@ std::vector<Standing> standing_bodies(const Robot& robot) {
   arm.place(Configuration::Zero(static_cast<Eigen::Index>(robot.dof())), poses);
   std::vector<Standing> standing;
   for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
-    if (arm.is_moved(body)) continue;
+    if (arm.is_policed(body)) continue;
     const Shape& shape = robot.bodies[body].shape;
     standing.push_back({MarkedShape(shape),
                         poses[body],

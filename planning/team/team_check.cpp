@@ -104,7 +104,8 @@ class TeamChecker {
     bodies_ = owner.size();
     for (std::size_t a = 0; a < bodies_; ++a) {
       for (std::size_t b = a + 1; b < bodies_; ++b)
-        if (owner[a] != owner[b] && (arm_.is_moved(a) || arm_.is_moved(b))) pairs_.push_back({a, b, false});
+        if (owner[a] != owner[b] && (arm_.is_policed(a) || arm_.is_policed(b)))
+          pairs_.push_back({a, b, false});
       for (std::size_t o = 0; o < team_.obstacles.size(); ++o) pairs_.push_back({a, bodies_ + o, true});
     }
   }

@@ -31,8 +31,8 @@
 #include "planning/files/plan_file.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/robot.hpp"
-#include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
@@ -199,7 +199,11 @@ TEST_F(MutatedReaders, robots) {
                         [](const auto& file) { read_urdf(file); });
   expect_read_or_told("robot.srdf",
                       "<robot name='r'><disable_collisions link1='a' link2='b' reason='Never'/>"
-                      "<disable_collisions link1='b' link2='c' reason='Adjacent'/></robot>",
+                      "<disable_collisions link1='b' link2='c' reason='Adjacent'/>"
+                      "<group name='g'><chain base_link='a' tip_link='c'/><joint name='j'/></group>"
+                      "<group name='h'><group name='g'/><link name='b'/></group>"
+                      "<group_state name='home' group='g'><joint name='j' value='0.5'/></group_state>"
+                      "<end_effector name='e' parent_link='b' group='h' parent_group='g'/></robot>",
                       [](const auto& file) { read_srdf(file); });
 }
 

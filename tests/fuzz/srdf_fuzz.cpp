@@ -1,5 +1,5 @@
-// libFuzzer on what exempts pairs of bodies (SRDF).
-#include "planning/robot_files/allowed_collisions.hpp"
+// libFuzzer on groups, states and exempt pairs (SRDF).
+#include "planning/robot_files/srdf_file.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

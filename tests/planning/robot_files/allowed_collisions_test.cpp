@@ -56,17 +56,6 @@ TEST(AllowedCollisions, PairsOfPartsArePairsOfAllTheirBodiesAndOfNoBodyWithItsel
   EXPECT_THROW(pairs("arm", "leg"), std::invalid_argument);
 }
 
-TEST(AllowedCollisions, AnSrdfMayNameAHundredThousandPairsAndNotOneMore) {
-  const RobotFolder folder;
-  const auto of = [](int pairs) {
-    std::string text = "<robot name='r'>";
-    for (int i = 0; i < pairs; ++i) text += "<disable_collisions link1='a' link2='b'/>";
-    return text + "</robot>";
-  };
-  EXPECT_EQ(read_srdf(folder.write("most.srdf", of(100'000))).size(), 100'000U);
-  EXPECT_THROW(read_srdf(folder.write("more.srdf", of(100'001))), std::invalid_argument);
-}
-
 TEST(AllowedCollisions, NoPairIsExemptThatTouchesInLessThanNineTenthsByFcl) {
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "puma560_miniature"}) {
     Robot robot = load_robot(name);

@@ -251,5 +251,43 @@ TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
   EXPECT_THROW(find_mesh("package://arm/" + std::string(100'000, 'x'), from), std::invalid_argument);
 }
 
+TEST(FindMesh, PackagesAreFoundWhereTheUserSaysAndWhereRosKeepsThem) {
+  const RobotFolder folder;
+  const fs::path at = folder.path();
+  for (const char* below :
+       {"given/meshes", "ws/arm/meshes", "ws/repository/hand/meshes", "ament/share/foot/meshes", "urdf"})
+    fs::create_directories(at / below);
+  for (const char* file : {"given/meshes/a.stl", "ws/arm/meshes/a.stl", "ws/repository/hand/meshes/a.stl",
+                           "ament/share/foot/meshes/a.stl"})
+    folder.write(file, "x");
+  const fs::path from = at / "urdf";
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from, {{"arm", at / "given"}}),
+            at / "given/meshes/a.stl");
+  EXPECT_THROW(find_mesh("package://arm/meshes/b.stl", from, {{"arm", at / "given"}}), std::invalid_argument);
+  EXPECT_THROW(find_mesh("package://arm/meshes/a.stl", from), std::invalid_argument);
+  ::setenv("ROS_PACKAGE_PATH", ("/no/such:" + (at / "ws").string()).c_str(), 1);
+  ::setenv("AMENT_PREFIX_PATH", (at / "ament").c_str(), 1);
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from), at / "ws/arm/meshes/a.stl");
+  EXPECT_EQ(find_mesh("package://hand/meshes/a.stl", from), at / "ws/repository/hand/meshes/a.stl");
+  EXPECT_EQ(find_mesh("package://foot/meshes/a.stl", from), at / "ament/share/foot/meshes/a.stl");
+  ::unsetenv("ROS_PACKAGE_PATH");
+  ::unsetenv("AMENT_PREFIX_PATH");
+}
+
+TEST(MeshTriangles, AreThoseOfTheFileTimesTheScale) {
+  const RobotFolder folder;
+  const fs::path file = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  const MeshTriangles square = read_mesh_triangles({file, {2.0, 3.0, 1.0}});
+  ASSERT_EQ(square.corners.size(), 6U) << square.failure;
+  double area = 0.0;
+  for (std::size_t i = 0; i < 6; i += 3)
+    area +=
+        0.5 *
+        (square.corners[i + 1] - square.corners[i]).cross(square.corners[i + 2] - square.corners[i]).norm();
+  EXPECT_DOUBLE_EQ(area, 6.0);
+  EXPECT_NE(read_mesh_triangles({folder.write("b.stl", "no mesh"), {1, 1, 1}}).failure, "");
+  EXPECT_NE(read_mesh_triangles({folder.path() / "none.stl", {1, 1, 1}}).failure, "");
+}
+
 }  // namespace mesh_file_test
 }  // namespace clearway

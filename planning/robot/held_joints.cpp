@@ -1,0 +1,95 @@
+#include "planning/robot/held_joints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot/link_pose.hpp"
+
+namespace clearway {
+namespace {
+
+std::size_t joint_index(const Robot& robot, const std::string& name, const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const std::string nearest = nearest_name(name.substr(0, 100), names, 3);
+  throw std::invalid_argument(file.string() + ": joint " + quote(name) +
+                              " cannot be fixed, because no joint of that name moves" +
+                              (nearest.empty() ? "" : ", did you mean " + quote(nearest) + "?"));
+}
+
+void require_within_limits(const Joint& joint, double value, const std::filesystem::path& file) {
+  if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) return;
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << file.string() << ": joint " << quote(joint.name) << " is fixed at " << value
+       << ", expected a number within its limits " << joint.lower << " to " << joint.upper;
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace
+
+Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
+                       const std::filesystem::path& file) {
+  Robot result = robot;
+  std::vector<std::optional<double>> value(robot.dof());
+  for (const HeldJoint& joint : held) {
+    const std::filesystem::path where = joint.source == HoldSource::asked ? "--fix" : file;
+    const std::size_t index = joint_index(robot, joint.name, where);
+    require_within_limits(robot.joints[index], joint.value, where);
+    value[index] = joint.value;
+    result.held.push_back(joint);
+  }
+  std::vector<int> kept(robot.dof(), -1);
+  result.joints.clear();
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    if (value[j]) continue;
+    kept[j] = static_cast<int>(result.joints.size());
+    result.joints.push_back(robot.joints[j]);
+  }
+  if (result.joints.empty())
+    throw std::invalid_argument(file.string() + ": every joint is fixed, expected at least one that moves");
+  for (Link& link : result.links) {
+    if (link.joint < 0) continue;
+    const auto joint = static_cast<std::size_t>(link.joint);
+    if (!value[joint]) {
+      link.joint = kept[joint];
+      continue;
+    }
+    link.parent_from_link = pose_on_parent(robot, link, *value[joint]);
+    link.joint = -1;
+    link.multiplier = 1.0;
+    link.offset = 0.0;
+    link.is_held = true;
+  }
+  std::sort(result.held.begin(), result.held.end(),
+            [](const HeldJoint& a, const HeldJoint& b) { return a.name < b.name; });
+  return result;
+}
+
+std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state) {
+  const auto found = std::find_if(robot.states.begin(), robot.states.end(),
+                                  [&](const NamedState& known) { return known.name == state; });
+  if (found == robot.states.end()) return std::nullopt;
+  Configuration q(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const Joint& joint = robot.joints[j];
+    const auto value = found->values.find(joint.name);
+    if (value == found->values.end())
+      throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() +
+                                  " says nothing of joint " + quote(joint.name));
+    q[static_cast<Eigen::Index>(j)] =
+        value->second * (joint.kind == JointKind::prismatic ? robot.scale : 1.0);
+  }
+  if (const std::string why = limit_violation(robot, q); !why.empty())
+    throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() + ": " + why);
+  return q;
+}
+
+}  // namespace clearway

@@ -1,0 +1,252 @@
+#include "planning/robot_files/srdf_file.hpp"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/urdf_document.hpp"
+
+namespace clearway {
+namespace {
+
+using XmlElement = tinyxml2::XMLElement;
+
+constexpr std::size_t most_srdf_pairs = 100'000;
+constexpr std::size_t most_srdf_groups = 1000, most_srdf_entries = 100'000;
+
+[[noreturn]] void refuse_srdf(const std::filesystem::path& file, const std::string& what) {
+  throw std::invalid_argument(file.string() + ": " + what);
+}
+
+/// Reads elements one by one; knows the file.
+class SrdfReader {
+ public:
+  explicit SrdfReader(const std::filesystem::path& file) : file_(file) {}
+
+  Srdf read(const XmlElement& robot) {
+    check_names(robot);
+    each(robot, "group", [&](const XmlElement& e) { add_group(e); });
+    each(robot, "group_state", [&](const XmlElement& e) { add_state(e); });
+    each(robot, "end_effector", [&](const XmlElement& e) {
+      srdf_.end_effectors.push_back({attribute(e, "name"), attribute(e, "parent_link"), attribute(e, "group"),
+                                     optional(e, "parent_group")});
+    });
+    each(robot, "passive_joint",
+         [&](const XmlElement& e) { srdf_.passive_joints.insert(attribute(e, "name")); });
+    each(robot, "virtual_joint",
+         [&](const XmlElement& e) { srdf_.virtual_joints[attribute(e, "name")] = attribute(e, "type"); });
+    each(robot, "disable_collisions", [&](const XmlElement& e) {
+      if (!e.Attribute("link1") || !e.Attribute("link2"))
+        refuse_srdf(file_, "<disable_collisions> needs link1 and link2");
+      srdf_.disabled.emplace_back(e.Attribute("link1"), e.Attribute("link2"));
+      if (srdf_.disabled.size() > most_srdf_pairs)
+        refuse_srdf(file_, "has more than 100,000 <disable_collisions>");
+    });
+    return std::move(srdf_);
+  }
+
+ private:
+  template <class Visit>
+  void each(const XmlElement& parent, const char* name, const Visit& visit) const {
+    for (const auto* child = parent.FirstChildElement(name); child; child = child->NextSiblingElement(name))
+      visit(*child);
+  }
+
+  void check_names(const XmlElement& robot) const {
+    const std::vector<std::string> known{"disable_collisions", "group",         "group_state",
+                                         "end_effector",       "passive_joint", "virtual_joint"};
+    for (const auto* entry = robot.FirstChildElement(); entry; entry = entry->NextSiblingElement()) {
+      const std::string meant = misspelt_name(entry->Name(), known);
+      if (!meant.empty())
+        refuse_srdf(file_,
+                    "unknown element <" + shortened(entry->Name()) + ">, did you mean <" + meant + ">?");
+    }
+  }
+
+  std::string attribute(const XmlElement& element, const char* name) const {
+    const char* value = element.Attribute(name);
+    if (!value || !*value) refuse_srdf(file_, std::string("<") + element.Name() + "> needs " + name + "=…");
+    return value;
+  }
+
+  static std::string optional(const XmlElement& element, const char* name) {
+    const char* value = element.Attribute(name);
+    return value ? value : "";
+  }
+
+  void count_entry() {
+    if (++entries_ > most_srdf_entries)
+      refuse_srdf(file_, "has more than 100,000 entries in its groups and states");
+  }
+
+  void add_group(const XmlElement& element) {
+    const std::string name = attribute(element, "name");
+    const auto [group, is_new] = srdf_.groups.try_emplace(name);
+    if (!is_new) refuse_srdf(file_, "group " + quote(name) + " is defined twice");
+    if (srdf_.groups.size() > most_srdf_groups) refuse_srdf(file_, "has more than 1000 groups");
+    for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+      const std::string kind = child->Name();
+      count_entry();
+      if (kind == "link")
+        group->second.links.push_back(attribute(*child, "name"));
+      else if (kind == "joint" || kind == "passive_joint")
+        group->second.joints.push_back(attribute(*child, "name"));
+      else if (kind == "chain")
+        group->second.chains.emplace_back(attribute(*child, "base_link"), attribute(*child, "tip_link"));
+      else if (kind == "group")
+        group->second.groups.push_back(attribute(*child, "name"));
+      else
+        refuse_srdf(file_, "group " + quote(name) + " holds <" + shortened(kind) +
+                               ">, expected link, joint, chain or group");
+    }
+  }
+
+  void add_state(const XmlElement& element) {
+    Srdf::State state;
+    state.name = attribute(element, "name");
+    state.group = attribute(element, "group");
+    each(element, "joint", [&](const XmlElement& joint) {
+      count_entry();
+      const std::string name = attribute(joint, "name"), text = attribute(joint, "value");
+      const std::string where = "joint " + quote(name) + " of state " + quote(state.name);
+      if (text.find_first_of(" \t\n") != std::string::npos) return;  // of a virtual joint, several values
+      double value = 0.0;
+      const char* first = text.data() + (text.front() == '+' ? 1 : 0);
+      const auto [stop, error] = std::from_chars(first, text.data() + text.size(), value);
+      if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value))
+        refuse_srdf(file_, where + " has the value " + quote(text) + ", expected a finite number");
+      if (!state.values.emplace(name, value).second) refuse_srdf(file_, where + " has two values");
+    });
+    srdf_.states.push_back(std::move(state));
+  }
+
+  const std::filesystem::path& file_;
+  Srdf srdf_;
+  std::size_t entries_ = 0;
+};
+
+/// Collects the joints of a group; knows robot and file.
+class GroupJoints {
+ public:
+  GroupJoints(const Robot& robot, const Srdf& srdf, const std::filesystem::path& file)
+      : robot_(robot), srdf_(srdf), file_(file) {}
+
+  std::set<std::string> of(const std::string& group) {
+    add(group);
+    if (joints_.empty()) refuse_srdf(file_, "group " + quote(group) + " has no joint that moves");
+    return std::move(joints_);
+  }
+
+ private:
+  void add(const std::string& name) {
+    const auto group = srdf_.groups.find(name);
+    if (group == srdf_.groups.end()) {
+      std::vector<std::string> names;
+      std::string list;
+      for (const auto& [known, ignored] : srdf_.groups) {
+        names.push_back(known);
+        list += (list.empty() ? "" : ", ") + known;
+      }
+      refuse_srdf(file_, "there is no group " + quote(name) +
+                             (list.empty() ? ", nor any other" : ", expected one of " + shortened(list)));
+    }
+    if (!seen_.insert(name).second) return;  // twice, or within itself: nothing new
+    for (const std::string& link : group->second.links) add_link(link_index(name, link));
+    for (const std::string& joint : group->second.joints) add_joint(name, joint);
+    for (const auto& [base, tip] : group->second.chains) add_chain(name, base, tip);
+    for (const std::string& other : group->second.groups) add(other);
+  }
+
+  std::size_t link_index(const std::string& group, const std::string& name) const {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      if (robot_.links[i].name == name) return i;
+    refuse_srdf(file_, "group " + quote(group) + " names link " + quote(name) + ", which " + robot_.name +
+                           " does not have");
+  }
+
+  /// The joint above a link, when it moves by itself.
+  void add_link(std::size_t link) {
+    const Link& at = robot_.links[link];
+    if (at.joint < 0 || srdf_.passive_joints.contains(at.joint_name)) return;
+    if (robot_.joints[static_cast<std::size_t>(at.joint)].name == at.joint_name)
+      joints_.insert(at.joint_name);
+  }
+
+  void add_joint(const std::string& group, const std::string& joint) {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      if (robot_.links[i].joint_name == joint) return add_link(i);
+    const auto known = srdf_.virtual_joints.find(joint);
+    if (known == srdf_.virtual_joints.end())
+      refuse_srdf(file_, "group " + quote(group) + " names joint " + quote(joint) + ", which " + robot_.name +
+                             " does not have");
+    if (known->second != "fixed")
+      refuse_srdf(file_, "group " + quote(group) + " moves the base by virtual joint " + quote(joint) +
+                             " of type " + quote(known->second) + ", expected a base that stands");
+  }
+
+  /// All joints between two links, over the link at which their ways to the root meet.
+  void add_chain(const std::string& group, const std::string& base, const std::string& tip) {
+    std::set<int> above;  // the links above base, itself included
+    for (int i = static_cast<int>(link_index(group, base)); i >= 0;
+         i = robot_.links[static_cast<std::size_t>(i)].parent)
+      above.insert(i);
+    int at = static_cast<int>(link_index(group, tip));
+    for (; !above.contains(at); at = robot_.links[static_cast<std::size_t>(at)].parent)
+      add_link(static_cast<std::size_t>(at));
+    const int meeting = at;
+    for (at = static_cast<int>(link_index(group, base)); at != meeting;
+         at = robot_.links[static_cast<std::size_t>(at)].parent)
+      add_link(static_cast<std::size_t>(at));
+  }
+
+  const Robot& robot_;
+  const Srdf& srdf_;
+  const std::filesystem::path& file_;
+  std::set<std::string> joints_, seen_;
+};
+
+}  // namespace
+
+Srdf read_srdf(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  tinyxml2::XMLDocument xml;
+  const bool parsed = xml.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS;
+  const XmlElement* robot = parsed ? xml.FirstChildElement("robot") : nullptr;
+  if (!robot) refuse_srdf(file, "is not a SRDF, expected XML with a <robot> element");
+  return SrdfReader(file).read(*robot);
+}
+
+std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, const std::string& group,
+                                      const std::filesystem::path& file) {
+  return GroupJoints(robot, srdf, file).of(group);
+}
+
+std::string tip_of_group(const Srdf& srdf, const std::string& group) {
+  for (const Srdf::EndEffector& effector : srdf.end_effectors)
+    if (effector.parent_group == group) return effector.parent_link;
+  const auto found = srdf.groups.find(group);
+  if (found == srdf.groups.end() || found->second.chains.size() != 1) return "";
+  return found->second.chains.front().second;
+}
+
+std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group) {
+  std::map<std::string, NamedState> states;
+  for (const bool is_own : {true, false}) {
+    for (const Srdf::State& state : srdf.states) {
+      if ((state.group == group) != is_own) continue;
+      NamedState& known = states[state.name];
+      known.name = state.name;
+      known.values.insert(state.values.begin(), state.values.end());
+    }
+  }
+  std::vector<NamedState> result;
+  for (auto& [name, state] : states) result.push_back(std::move(state));
+  return result;
+}
+
+}  // namespace clearway

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+
+/// A SRDF, MoveIt's companion of a URDF (wiki.ros.org/srdf), as it is written: names are not looked up.
+struct Srdf {
+  struct Group {
+    std::vector<std::string> links;  ///< each stands for the joint above it
+    std::vector<std::string> joints;
+    std::vector<std::pair<std::string, std::string>> chains;  ///< base link, tip link
+    std::vector<std::string> groups;                          ///< subgroups
+  };
+  struct State {
+    std::string name, group;
+    std::map<std::string, double> values;  ///< rad or m, by joint; of joints with several axes none
+  };
+  struct EndEffector {
+    std::string name, parent_link, group, parent_group;
+  };
+  std::map<std::string, Group> groups;
+  std::vector<State> states;
+  std::vector<EndEffector> end_effectors;
+  std::set<std::string> passive_joints;
+  std::map<std::string, std::string> virtual_joints;          ///< type by name
+  std::vector<std::pair<std::string, std::string>> disabled;  ///< pairs of links
+};
+
+/// Reads a SRDF. @throws std::invalid_argument in one sentence naming file, element and what was expected.
+Srdf read_srdf(const std::filesystem::path& file);
+
+/// Names of the robot's joints that a group moves: those of its chains (between base and tip), joints, the
+/// joints above its links, and those of its subgroups; fixed, mimic and passive joints are left out.
+/// @throws std::invalid_argument naming file and group for an unknown group (with the nearest known one), a
+///         group that contains itself, a link or joint that the robot does not have, a virtual joint that
+///         moves, or no joint that moves.
+std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, const std::string& group,
+                                      const std::filesystem::path& file);
+
+/// The link that a group's configurations place: what an end effector with this parent group hangs on, else
+/// the tip of the group's only chain; empty when the SRDF says neither.
+std::string tip_of_group(const Srdf& srdf, const std::string& group);
+
+/// One state for each name, sorted. Where several groups have a state of one name, their values add up; of
+/// what both state, the planning group's own counts.
+std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group);
+
+}  // namespace clearway

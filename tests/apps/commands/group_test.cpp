@@ -1,0 +1,170 @@
+// Planning groups, held joints and named states on the command line, and what `check` makes of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mapping/files/map_file.hpp"
+#include "mapping/free_space_map.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace group_test {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+/// An arm of two joints with a gripper that slides, without masses, in a map of one occupied voxel far away.
+class Group : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    using namespace worlds;
+    const std::string ball = "<sphere radius='0.05'/>";
+    folder_.write(
+        "arm.urdf",
+        "<robot name='arm'><link name='base'/>" + urdf_link("upper", "0.2 0 0", ball) +
+            urdf_link("lower", "0.2 0 0", ball) + urdf_link("finger", "0.1 0 0", ball) +
+            urdf_joint("shoulder", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
+            urdf_joint("elbow", "revolute", "upper", "lower", "0.4 0 0", "0 0 1", urdf_limit(-2, 2)) +
+            urdf_joint("grip", "prismatic", "lower", "finger", "0.4 0 0", "1 0 0", urdf_limit(0, 0.1)) +
+            "</robot>");
+    folder_.write(
+        "arm.srdf",
+        "<robot name='arm'><group name='arm'><chain base_link='base' tip_link='lower'/></group>"
+        "<group_state name='home' group='arm'><joint name='shoulder' value='0'/>"
+        "<joint name='elbow' value='0.1'/></group_state>"
+        "<group_state name='ready' group='arm'><joint name='shoulder' value='0.5'/>"
+        "<joint name='elbow' value='-0.1'/></group_state>"
+        "<group_state name='half' group='arm'><joint name='elbow' value='-0.1'/></group_state></robot>");
+    FreeSpaceMap map({.resolution = 0.05});
+    Scan scan;
+    scan.points = {{3.0F, 3.0F, 3.0F}};
+    map.insert(scan);
+    save_map(map.snapshot(), folder_.path() / "map");
+  }
+
+  CommandRun plan(const Arguments& more) const {
+    Arguments arguments{
+        "plan",         "--map",     folder_.file("map"), "--robot", folder_.file("arm.urdf"), "--policy",
+        "not_occupied", "--planner", "rrtconnect",        "--out",   folder_.file("plan.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+
+  CommandRun check(const Arguments& more = {}) const {
+    Arguments arguments{"check",
+                        "--json",
+                        "--map",
+                        folder_.file("map"),
+                        "--robot",
+                        folder_.file("arm.urdf"),
+                        folder_.file("plan.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+
+  Json written() const { return Json::parse(read_file(folder_.file("plan.json"))); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Group, PlansInItsOwnJointsBetweenNamedStatesAndSaysWhereTheOthersStood) {
+  const CommandRun run = plan({"--group", "arm", "--fix", "grip=0.03", "--start", "home", "--goal", "ready",
+                               "--trajectory", "ros", folder_.file("motion.yaml")});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  const Json plan = written();
+  EXPECT_EQ(plan["joints"], Json({"shoulder", "elbow"}));
+  EXPECT_EQ(plan["group"], "arm");
+  EXPECT_EQ(plan["held"], Json({{"grip", 0.03}}));
+  EXPECT_EQ(plan["waypoints"].front(), Json({0.0, 0.1}));
+  EXPECT_EQ(plan["waypoints"].back(), Json({0.5, -0.1}));
+  const std::string motion = read_file(folder_.file("motion.yaml"));
+  EXPECT_NE(motion.find("elbow"), std::string::npos);
+  EXPECT_EQ(motion.find("grip"), std::string::npos);
+  EXPECT_NE(run.out.find("not known: The robot's file gives the links that move no masses"),
+            std::string::npos)
+      << run.out;
+}
+
+TEST_F(Group, TheCheckStatesGroupAndHeldJointsWithTheirSource) {
+  ASSERT_EQ(plan({"--group", "arm", "--fix", "grip=0.03", "--start", "home", "--goal", "ready"}).status,
+            exit_done);
+  const CommandRun by_plan = check();
+  EXPECT_EQ(by_plan.status, exit_done) << by_plan.out << by_plan.log;
+  Json contract = Json::parse(by_plan.out)["contract"];
+  EXPECT_EQ(contract["group"], Json({{"value", "arm"}, {"source", "plan"}}));
+  EXPECT_EQ(contract["held"]["grip"], Json({{"value", 0.03}, {"source", "plan"}}));
+  const CommandRun by_flag = check({"--group", "arm", "--fix", "grip=0.03", "--goal", "ready"});
+  EXPECT_EQ(by_flag.status, exit_done) << by_flag.out << by_flag.log;
+  contract = Json::parse(by_flag.out)["contract"];
+  EXPECT_EQ(contract["group"], Json({{"value", "arm"}, {"source", "flag"}}));
+  EXPECT_EQ(contract["held"]["grip"], Json({{"value", 0.03}, {"source", "flag"}}));
+}
+
+TEST_F(Group, APlanThatHoldsAJointElsewhereThanTheUserSaysIsRefused) {
+  ASSERT_EQ(plan({"--group", "arm", "--fix", "grip=0.03", "--start", "home", "--goal", "ready"}).status,
+            exit_done);
+  const CommandRun elsewhere = check({"--group", "arm", "--fix", "grip=0.05"});
+  EXPECT_EQ(elsewhere.status, exit_no);
+  EXPECT_NE(elsewhere.out.find("joint grip: expected to stand at 0.05, the plan says 0.03"),
+            std::string::npos)
+      << elsewhere.out;
+  EXPECT_EQ(check({"--group", "arm", "--fix", "grip=0.05", "--accept-held"}).status, exit_done);
+  folder_.write("arm.yaml", "fixed: {grip: 0.07}\n");
+  EXPECT_EQ(check().status, exit_no);
+  folder_.write("arm.yaml", "description: nothing fixed\n");
+  Json edited = written();
+  edited["held"]["grip"] = 0.5;  // out of its limits
+  folder_.write("plan.json", edited.dump());
+  const CommandRun outside = check();
+  EXPECT_EQ(outside.status, exit_bad_input);
+  EXPECT_TRUE(outside.told_in_one_sentence()) << outside.log;
+  edited["held"] = {{"grap", 0.01}};
+  folder_.write("plan.json", edited.dump());
+  EXPECT_TRUE(check().told_in_one_sentence());
+}
+
+TEST_F(Group, WhatCannotBeReadIsToldInOneSentence) {
+  const auto told = [&](const Arguments& more, const std::string& expected) {
+    const CommandRun run = plan(more);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(expected), std::string::npos) << run.log;
+  };
+  told({"--group", "arm", "--start", "hom", "--goal", "ready"}, "half, home, ready");
+  told({"--group", "arm", "--start", "half", "--goal", "ready"}, "says nothing of joint 'shoulder'");
+  told({"--fix", "grip", "--start", "home", "--goal", "ready"}, "--fix: expected JOINT=VALUE, got 'grip'");
+  told({"--fix", "grip=x", "--start", "home", "--goal", "ready"}, "--fix 'grip': 'x' is not a finite number");
+  told({"--fix", "grip=0", "--fix", "grip=0", "--start", "home", "--goal", "ready"}, "given twice");
+  told({"--srdf", folder_.file("no.srdf"), "--start", "home", "--goal", "ready"}, "no.srdf");
+  told({"--package", "a", "--start", "home", "--goal", "ready"}, "--package: expected NAME=DIR, got 'a'");
+}
+
+TEST_F(Group, APoseOfTheTipIsReachedWithinTheGroupAndCheckedAsAnyGoal) {
+  // With the shoulder at 0.5 and the elbow at -0.1 the finger's joint is 0.4 m ahead of the elbow.
+  const double x = 0.4 * std::cos(0.5) + 0.4 * std::cos(0.4), y = 0.4 * std::sin(0.5) + 0.4 * std::sin(0.4);
+  const std::string pose = std::to_string(x) + "," + std::to_string(y) + ",0,0,0,0.4";
+  const CommandRun run =
+      plan({"--fix", "grip=0", "--start", "home", "--tip", "finger", "--goal-pose=" + pose});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  const Json goal = written()["goals"][0];
+  EXPECT_NEAR(goal[0].get<double>(), 0.5, 1e-4);
+  EXPECT_NEAR(goal[1].get<double>(), -0.1, 1e-4);
+  EXPECT_EQ(check().status, exit_done);
+  const CommandRun far = plan({"--start", "0,0,0", "--goal-pose=5,0,0"});
+  EXPECT_EQ(far.status, exit_bad_input);
+  EXPECT_TRUE(far.told_in_one_sentence()) << far.log;
+  EXPECT_EQ(plan({"--start", "0,0,0", "--goal", "0,0,0", "--goal-pose=5,0,0"}).status, exit_bad_input);
+  EXPECT_EQ(plan({"--start", "0,0,0", "--goal-pose=5,0,0", "--tip", "fingr"}).status, exit_bad_input);
+}
+
+TEST_F(Group, ValuesThatMustBeDegreesAreToldSo) {
+  const CommandRun run = plan({"--group", "arm", "--start=90,-45", "--goal=0,0"});
+  EXPECT_NE(run.status, exit_done);
+  EXPECT_NE(run.log.find("--degrees reads it so"), std::string::npos) << run.log;
+  EXPECT_EQ(plan({"--group", "arm", "--start=2.5,0", "--goal=0,0"}).log.find("--degrees"), std::string::npos);
+}
+
+}  // namespace group_test
+}  // namespace clearway

@@ -1,0 +1,61 @@
+#include "planning/robot/goal_configurations.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace goal_configurations_test {
+
+TEST(GoalConfigurations, EachPutsTheTipThereWithinLimitsAndTheNearestIsFirst) {
+  Random random(1);
+  for (const char* name : {"panda", "puma560", "arm6"}) {
+    const Robot robot = load_robot(name);
+    int reached = 0;
+    for (int round = 0; round < 8; ++round) {
+      const Configuration there = random.configuration(robot), near = random.configuration(robot);
+      const Eigen::Isometry3d pose = tip_pose(robot, there);
+      const auto found = goal_configurations(robot, pose, near);
+      reached += !found.empty();
+      double last = 0.0;
+      for (const Configuration& q : found) {
+        EXPECT_EQ(limit_violation(robot, q), "");
+        const Eigen::Isometry3d at = tip_pose(robot, q);
+        EXPECT_LT((at.translation() - pose.translation()).norm(), 1e-5) << name;
+        EXPECT_LT((at.linear() - pose.linear()).norm(), 1e-5) << name;
+        const double apart = (q - near).lpNorm<Eigen::Infinity>();
+        EXPECT_GE(apart, last);
+        last = apart;
+      }
+      for (std::size_t i = 0; i < found.size(); ++i)
+        for (std::size_t k = i + 1; k < found.size(); ++k)
+          EXPECT_GT((found[i] - found[k]).lpNorm<Eigen::Infinity>(), 1e-3);
+      const std::size_t least = std::string(name) == "panda" ? 1 : 2;  // of arm, elbow and wrist
+      EXPECT_GE(found.size(), least) << name;
+    }
+    EXPECT_EQ(reached, 8) << name;
+  }
+}
+
+TEST(GoalConfigurations, NothingIsFoundOutOfReach) {
+  const Robot robot = load_robot("panda");
+  Eigen::Isometry3d far = Eigen::Isometry3d::Identity();
+  far.translation().x() = 5.0;
+  EXPECT_TRUE(goal_configurations(robot, far, Configuration::Zero(7), 4).empty());
+}
+
+TEST(GoalConfigurations, AnotherTipIsALinkOfTheRobotThatMoves) {
+  const Robot robot = load_robot("panda");
+  const Robot other = with_tip(robot, "link5");
+  Random random(2);
+  const Configuration q = random.configuration(robot);
+  EXPECT_TRUE(tip_pose(other, q).isApprox(
+      forward_kinematics(robot, q)[static_cast<std::size_t>(other.tip_link)], 1e-12));
+  EXPECT_EQ(robot.links[static_cast<std::size_t>(other.tip_link)].name, "link5");
+  EXPECT_THROW(with_tip(robot, "lnk5"), std::invalid_argument);
+  EXPECT_THROW(with_tip(robot, "base"), std::invalid_argument);
+}
+
+}  // namespace goal_configurations_test
+}  // namespace clearway

@@ -1,0 +1,196 @@
+#include "planning/robot_files/srdf_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/check/path_check.hpp"
+#include "tests/worlds/hostile_robots.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace srdf_file_test {
+
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
+using Names = std::set<std::string>;
+
+/// Two arms of two joints on a torso that turns, a gripper on the left one whose second finger mimics.
+const std::string& two_arms() {
+  static const std::string text = [] {
+    std::string links = "<robot name='two'><link name='base'/>", shape = "<sphere radius='0.05'/>";
+    for (const char* link : {"torso", "l1", "l2", "r1", "r2", "palm", "f1", "f2"})
+      links += urdf_link(link, "0 0 0", shape);
+    const std::string turn = urdf_limit(-2, 2);
+    return links + urdf_joint("waist", "revolute", "base", "torso", "0 0 1", "0 0 1", turn) +
+           urdf_joint("lj1", "revolute", "torso", "l1", "0 0.3 0", "0 0 1", turn) +
+           urdf_joint("lj2", "revolute", "l1", "l2", "0.3 0 0", "0 0 1", turn) +
+           urdf_joint("mount", "fixed", "l2", "palm", "0.3 0 0", "0 0 1", "") +
+           urdf_joint("fj1", "prismatic", "palm", "f1", "0 0.1 0", "0 1 0", urdf_limit(0.01, 0.04)) +
+           urdf_joint("fj2", "prismatic", "palm", "f2", "0 -0.1 0", "0 -1 0",
+                      urdf_limit(0, 0.04) + "<mimic joint='fj1'/>") +
+           urdf_joint("rj1", "revolute", "torso", "r1", "0 -0.3 0", "0 0 1", turn) +
+           urdf_joint("rj2", "revolute", "r1", "r2", "0.3 0 0", "0 0 1", turn) + "</robot>";
+  }();
+  return text;
+}
+
+const std::string groups =
+    "<group name='left'><chain base_link='torso' tip_link='palm'/></group>"
+    "<group name='across'><chain base_link='l2' tip_link='r1'/></group>"
+    "<group name='right'><joint name='rj1'/><joint name='rj2'/></group>"
+    "<group name='links'><link name='r2'/><link name='palm'/><link name='torso'/></group>"
+    "<group name='hand'><joint name='fj1'/><joint name='fj2'/><joint name='mount'/></group>"
+    "<group name='all'><group name='left'/><group name='right'/><group name='all'/></group>"
+    "<virtual_joint name='world' type='fixed' parent_frame='w' child_link='base'/>"
+    "<virtual_joint name='wheels' type='planar' parent_frame='w' child_link='base'/>"
+    "<group name='stands'><joint name='world'/><group name='right'/></group>"
+    "<group name='rolls'><joint name='wheels'/><group name='right'/></group>"
+    "<group name='empty'><joint name='mount'/></group>"
+    "<group_state name='home' group='left'><joint name='lj1' value='0.5'/><joint name='lj2' value='-1'/>"
+    "</group_state><group_state name='home' group='right'><joint name='rj1' value='0.1'/>"
+    "<joint name='rj2' value='0.2'/><joint name='lj1' value='9'/></group_state>"
+    "<group_state name='default' group='hand'><joint name='fj1' value='0.03'/></group_state>"
+    "<end_effector name='gripper' parent_link='l2' group='hand' parent_group='left'/>"
+    "<disable_collisions link1='l1' link2='r1' reason='Never'/>"
+    "<disable_collisions link1='l1' link2='a_camera' reason='Never'/>";
+
+class SrdfFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    urdf_ = folder_.write("two.urdf", two_arms());
+    srdf_ = folder_.write("two.srdf", "<robot name='two'>" + groups + "</robot>");
+  }
+
+  Robot robot(const std::string& group, const std::map<std::string, double>& fixed = {}) const {
+    return load_robot(RobotRequest{urdf_, {}, group, fixed});
+  }
+
+  Names joints(const std::string& group) const {
+    Names names;
+    for (const Joint& joint : robot(group).joints) names.insert(joint.name);
+    return names;
+  }
+
+  std::string refusal(const RobotRequest& request) const {
+    try {
+      load_robot(request);
+    } catch (const std::invalid_argument& error) {
+      std::string text = error.what();
+      const std::string prefix = folder_.path().string() + "/";
+      for (std::size_t at; (at = text.find(prefix)) != std::string::npos;) text.erase(at, prefix.size());
+      return text;
+    }
+    return "accepted";
+  }
+
+  RobotFolder folder_;
+  std::string urdf_, srdf_;
+};
+
+TEST_F(SrdfFile, AGroupIsItsChainsJointsLinksAndSubgroupsLessWhatIsFixedOrFollows) {
+  EXPECT_EQ(joints("left"), (Names{"lj1", "lj2"}));
+  EXPECT_EQ(joints("across"), (Names{"lj1", "lj2", "rj1"}));
+  EXPECT_EQ(joints("right"), (Names{"rj1", "rj2"}));
+  EXPECT_EQ(joints("links"), (Names{"rj2", "waist"}));
+  EXPECT_EQ(joints("hand"), (Names{"fj1"}));
+  EXPECT_EQ(joints("all"), (Names{"lj1", "lj2", "rj1", "rj2"}));
+  EXPECT_EQ(joints("stands"), (Names{"rj1", "rj2"}));
+  EXPECT_EQ(joints(""), (Names{"waist", "lj1", "lj2", "fj1", "rj1", "rj2"}));
+}
+
+TEST_F(SrdfFile, TheCheckFindsTheSameJointsInEveryGroupAndRefusesOthers) {
+  for (const char* group : {"left", "across", "right", "links", "hand", "all", "stands"}) {
+    Robot arm = robot(group);
+    Configuration q(static_cast<Eigen::Index>(arm.dof()));
+    for (std::size_t j = 0; j < arm.dof(); ++j) q[static_cast<Eigen::Index>(j)] = arm.joints[j].lower;
+    const std::string said = check_path(arm, Snapshot(), {}, 0.0, {q}).first_contact;
+    EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
+    arm.group = std::string(group) == "right" ? "left" : "right";
+    if (std::string(group) == "stands") continue;  // the same joints
+    const std::string lie = check_path(arm, Snapshot(), {}, 0.0, {q}).first_contact;
+    EXPECT_NE(lie.find("is not what its file"), std::string::npos) << group;
+  }
+}
+
+TEST_F(SrdfFile, JointsOutsideStandWhereTheyAreFixedElseByTheDefaultStateElseAtZeroInLimits) {
+  const auto held = [](const Robot& robot) {
+    std::map<std::string, double> values;
+    for (const HeldJoint& joint : robot.held) values[joint.name] = joint.value;
+    return values;
+  };
+  using Values = std::map<std::string, double>;
+  EXPECT_EQ(held(robot("left")), (Values{{"fj1", 0.03}, {"rj1", 0}, {"rj2", 0}, {"waist", 0}}));
+  EXPECT_EQ(held(robot("left", {{"waist", 0.5}, {"fj1", 0.02}})),
+            (Values{{"fj1", 0.02}, {"rj1", 0}, {"rj2", 0}, {"waist", 0.5}}));
+  EXPECT_EQ(held(robot("", {{"waist", 0.5}})), (Values{{"waist", 0.5}}));
+  folder_.write("two.yaml", "group: right\nfixed: {lj1: 0.7, waist: -0.2}\n");
+  EXPECT_EQ(held(robot("", {{"waist", 0.5}})),
+            (Values{{"fj1", 0.03}, {"lj1", 0.7}, {"lj2", 0}, {"waist", 0.5}}));
+  folder_.write("two.srdf", "<robot name='two'><group name='right'><link name='r2'/></group></robot>");
+  EXPECT_EQ(held(robot("")).at("fj1"), 0.01);  // its lower limit is above 0
+}
+
+TEST_F(SrdfFile, StatesTipsAndPairsAreRead) {
+  const Robot left = robot("left"), right = robot("right");
+  EXPECT_EQ(left.links[static_cast<std::size_t>(left.tip_link)].name, "l2");    // of its end effector
+  EXPECT_EQ(right.links[static_cast<std::size_t>(right.tip_link)].name, "r2");  // the last that moves
+  ASSERT_EQ(left.states.size(), 2U);
+  const NamedState& home = left.states[1];
+  EXPECT_EQ(home.name, "home");
+  EXPECT_EQ(home.values,
+            (std::map<std::string, double>{{"lj1", 0.5}, {"lj2", -1}, {"rj1", 0.1}, {"rj2", 0.2}}));
+  EXPECT_EQ(right.states[1].values.at("lj1"), 9.0);  // what the planning group's own state says counts first
+  const auto body = [&](const std::string& part) {
+    for (std::size_t i = 0; i < left.bodies.size(); ++i)
+      if (left.bodies[i].part == part) return static_cast<int>(i);
+    return -1;
+  };
+  const std::pair<int, int> pair = std::minmax({body("l1"), body("r1")});
+  EXPECT_EQ(std::count(left.exempt.begin(), left.exempt.end(), pair), 1);
+}
+
+TEST_F(SrdfFile, ANumberOfPairsIsTheMost) {
+  const auto of = [](int pairs) {
+    std::string text = "<robot name='r'>";
+    for (int i = 0; i < pairs; ++i) text += "<disable_collisions link1='a' link2='b'/>";
+    return text + "</robot>";
+  };
+  EXPECT_EQ(read_srdf(folder_.write("most.srdf", of(100'000))).disabled.size(), 100'000U);
+  EXPECT_THROW(read_srdf(folder_.write("more.srdf", of(100'001))), std::invalid_argument);
+}
+
+TEST_F(SrdfFile, WhatIsWrongIsToldInOneSentence) {
+  const auto asked = [&](const std::string& group) { return refusal(RobotRequest{urdf_, {}, group}); };
+  EXPECT_EQ(
+      asked("lefd"),
+      "two.srdf: there is no group 'lefd', expected one of across, all, empty, hand, left, links, right, "
+      "rolls, stands");
+  EXPECT_EQ(asked("empty"), "two.srdf: group 'empty' has no joint that moves");
+  EXPECT_EQ(asked("rolls"),
+            "two.srdf: group 'rolls' moves the base by virtual joint 'wheels' of type 'planar', expected a "
+            "base that stands");
+  const auto holding = [&](const std::string& text) {
+    return refusal(
+        RobotRequest{urdf_, folder_.write("other.srdf", "<robot name='two'>" + text + "</robot>"), "g"});
+  };
+  EXPECT_EQ(holding("<group name='g'><joint name='no'/></group>"),
+            "other.srdf: group 'g' names joint 'no', which two does not have");
+  EXPECT_EQ(holding("<group name='g'><chain base_link='base' tip_link='no'/></group>"),
+            "other.srdf: group 'g' names link 'no', which two does not have");
+  EXPECT_EQ(holding("<group name='g'><chain base_link='base'/></group>"),
+            "other.srdf: <chain> needs tip_link=…");
+  EXPECT_EQ(holding("<group name='g'><jiont name='lj1'/></group>"),
+            "other.srdf: group 'g' holds <jiont>, expected link, joint, chain or group");
+  EXPECT_EQ(holding("<grup name='g'/>"), "other.srdf: unknown element <grup>, did you mean <group>?");
+  EXPECT_EQ(holding("<group name='g'/><group name='g'/>"), "other.srdf: group 'g' is defined twice");
+  EXPECT_EQ(holding("<group_state name='s' group='g'><joint name='lj1' value='1e'/></group_state>"),
+            "other.srdf: joint 'lj1' of state 's' has the value '1e', expected a finite number");
+  folder_.write("two.srdf", "<robot");
+  EXPECT_EQ(asked("left"), "two.srdf: is not a SRDF, expected XML with a <robot> element");
+  std::filesystem::remove(srdf_);
+  EXPECT_EQ(asked("left"),
+            "group 'left' of robot 'two': expected a SRDF that defines it, by --srdf or beside the URDF");
+}
+
+}  // namespace srdf_file_test
+}  // namespace clearway

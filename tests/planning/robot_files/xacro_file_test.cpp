@@ -1,0 +1,65 @@
+#include "planning/robot_files/xacro_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "planning/check/path_check.hpp"
+#include "tests/worlds/hostile_robots.hpp"
+
+namespace clearway {
+namespace xacro_file_test {
+
+/// A folder first in the PATH with a program of the name xacro, made here: what is said to it, and what it
+/// answers, is the program's own contract (arguments: the file; stdout: URDF; status 0).
+class XacroFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = std::getenv("PATH") ? std::getenv("PATH") : "";
+    ::setenv("PATH", (folder_.path().string() + ":/usr/bin:/bin").c_str(), 1);
+    const std::string urdf = two_links(sphere_collision(), "revolute", free_turn());
+    folder_.write("two.urdf.xacro", "<robot name='xacro'/>");
+    folder_.write("expanded", urdf);
+  }
+  void TearDown() override { ::setenv("PATH", path_.c_str(), 1); }
+
+  void make_program(const std::string& body) const {
+    const std::filesystem::path program = folder_.write("xacro", "#!/bin/sh\n" + body + "\n");
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  }
+
+  std::string refusal() const {
+    try {
+      load_robot(folder_.file("two.urdf.xacro"));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  RobotFolder folder_;
+  std::string path_;
+};
+
+TEST_F(XacroFile, WhatTheProgramMakesIsTheRobotForPlannersAndCheck) {
+  make_program("[ \"$1\" = '" + folder_.file("two.urdf.xacro") + "' ] && cat '" + folder_.file("expanded") +
+               "'");
+  const Robot robot = load_robot(folder_.file("two.urdf.xacro"));
+  EXPECT_EQ(robot.dof(), 1U);
+  const std::string said = check_path(robot, Snapshot(), {}, 0.0, {Configuration::Zero(1)}).first_contact;
+  EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
+}
+
+TEST_F(XacroFile, ARefusalOrAMissingProgramIsToldInOurWords) {
+  make_program("echo 'Traceback'; echo 'Traceback' >&2; exit 2");
+  EXPECT_NE(refusal().find("xacro could not expand it, expected"), std::string::npos) << refusal();
+  make_program("yes '<robot>'");  // without end
+  EXPECT_NE(refusal().find("its content is larger than it may be"), std::string::npos) << refusal();
+  std::filesystem::remove(folder_.path() / "xacro");
+  ::setenv("PATH", folder_.path().c_str(), 1);
+  EXPECT_NE(refusal().find("the program 'xacro' is not installed"), std::string::npos) << refusal();
+}
+
+}  // namespace xacro_file_test
+}  // namespace clearway
