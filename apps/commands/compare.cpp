@@ -20,6 +20,7 @@
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {
@@ -36,8 +37,25 @@ void require_known(const std::string& flag, const std::vector<std::string>& chos
   }
 }
 
+/// Planners that are chosen by name and that no experiment lists run in all but those of teams, by default.
+void add_chosen_planners(const std::vector<std::string>& chosen, Suite& suite) {
+  for (const std::string& name : chosen) {
+    const auto lists = [&](const SuiteExperiment& experiment) {
+      return std::any_of(experiment.planners.begin(), experiment.planners.end(),
+                         [&](const SuitePlanner& p) { return p.label == name || p.planner == name; });
+    };
+    const auto& known = planner_table();
+    const bool is_planner = std::any_of(known.begin(), known.end(),
+                                        [&](const PlannerEntry& planner) { return planner.name == name; });
+    if (!is_planner || std::any_of(suite.experiments.begin(), suite.experiments.end(), lists)) continue;
+    for (SuiteExperiment& experiment : suite.experiments)
+      if (!experiment.teams) experiment.planners.push_back({name, name, {}});
+  }
+}
+
 Suite chosen_suite(const CompareOptions& options) {
   Suite suite = load_suite(shipped_file("suites", options.suite));
+  add_chosen_planners(options.planners, suite);
   std::vector<std::string> names;
   for (const SuiteExperiment& experiment : suite.experiments) names.push_back(experiment.name);
   require_known("--experiments", options.experiments, names);
@@ -161,6 +179,11 @@ void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared
     const std::string title = experiment.setup.title.empty() ? "" : ": " + experiment.setup.title;
     console.out() << "== " << experiment.setup.name << title << '\n';
     print_table(console.out(), summary_table(results.experiments.back()));
+    console.out() << '\n' << std::flush;
+  }
+  if (const auto sums = total_table(results); !console.json && !sums.empty()) {
+    console.out() << "== all experiments\n";
+    print_table(console.out(), sums);
     console.out() << '\n' << std::flush;
   }
   finished.remove_file();

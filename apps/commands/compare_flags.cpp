@@ -18,7 +18,10 @@ Command add_compare(CLI::App& app, Console& console) {
       ->required()
       ->check(file_name)
       ->type_name("DIR");
-  command->add_option("--planners", options->planners, "only those labels or planners")
+  command
+      ->add_option(
+          "--planners", options->planners,
+          "only those labels or planners; one that the suite does not list is added, with its defaults")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->take_all()

@@ -87,8 +87,9 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   ready.time_limit = experiment.time_limit.value_or(usual_limit);
   if (!experiment.teams) {
     ready.robot = told(suite, experiment, "field 'robot'", [&] {
-      return choose_robot(
-          {.robot = experiment.robot, .scale = experiment.scale, .base = {}, .policies = {}, .padding = {}});
+      Robot robot = load_robot(RobotRequest{experiment.robot, experiment.srdf, experiment.group,
+                                            experiment.fixed, experiment.packages});
+      return experiment.scale ? scaled(robot, *experiment.scale / robot.scale) : robot;
     });
     ready.policies = suite_policies(suite, experiment, ready.robot);
     ready.setup.padding = experiment.padding.value_or(ready.robot.position_accuracy);

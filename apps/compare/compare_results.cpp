@@ -1,5 +1,6 @@
 #include "apps/compare/compare_results.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -99,6 +100,38 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
          cell(sum.cost_median, 4), cell(sum.length_median, 4), cell(sum.steps_median, 6),
          unsolved_text(sum)});
   }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> total_table(const CompareResults& results) {
+  std::vector<std::vector<std::string>> rows{
+      {"planner", "experiments", "solved / valid / total", "unsolved"}};
+  std::vector<std::string> labels;
+  for (const CompareExperiment& experiment : results.experiments)
+    for (const ComparePlanner& planner : experiment.planners)
+      if (std::find(labels.begin(), labels.end(), planner.label) == labels.end())
+        labels.push_back(planner.label);
+  for (const std::string& label : labels) {
+    CompareSummary sum;
+    std::size_t experiments = 0;
+    for (const CompareExperiment& experiment : results.experiments) {
+      for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
+        if (experiment.setup.teams || experiment.planners[i].label != label) continue;
+        const CompareSummary one = summary(experiment, i);
+        ++experiments;
+        sum.solved += one.solved;
+        sum.valid += one.valid;
+        sum.total += one.total;
+        for (const auto& [status, count] : one.unsolved) sum.unsolved[status] += count;
+      }
+    }
+    if (experiments < 2) continue;
+    rows.push_back(
+        {label, std::to_string(experiments),
+         std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
+         unsolved_text(sum)});
+  }
+  if (rows.size() == 1) rows.clear();
   return rows;
 }
 

@@ -128,6 +128,10 @@ std::vector<std::string> broken_promises(const CompareResults& results);
 /// The table of an experiment: a header, then a row for each planner.
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment);
 
+/// The sums over all experiments of single robots, a row for each label that stands in two or more; empty
+/// when there is none.
+std::vector<std::vector<std::string>> total_table(const CompareResults& results);
+
 /// One row a run. Times stand in the column `time_s` and nowhere else.
 std::string to_csv(const CompareResults& results);
 std::string csv_header();

@@ -1,6 +1,7 @@
 #include "apps/suites/suite_stages.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 
@@ -20,14 +21,27 @@ namespace {
   throw std::invalid_argument("suite '" + suite.name + "', experiment '" + experiment.name + "', " + what);
 }
 
-const SuiteWorld& world_of(const Suite& suite, const SuiteExperiment& experiment) {
+const SuiteWorld& world_of(const Suite& suite, const SuiteExperiment& experiment, const std::string& name) {
   const auto found = std::find_if(suite.worlds.begin(), suite.worlds.end(),
-                                  [&](const SuiteWorld& world) { return world.name == experiment.world; });
+                                  [&](const SuiteWorld& world) { return world.name == name; });
   if (found == suite.worlds.end()) {
-    refuse(suite, experiment,
-           "field 'world': expected the name of one of the worlds, got '" + experiment.world + "'");
+    refuse(suite, experiment, "field 'world': expected the name of one of the worlds, got '" + name + "'");
   }
   return *found;
+}
+
+const std::string& world_name(const SuiteExperiment& experiment, const SuiteProblem& problem) {
+  return problem.world.empty() ? experiment.world : problem.world;
+}
+
+/// The worlds of the explicit problems, each once, as the problems come to them.
+std::vector<std::string> world_names(const SuiteExperiment& experiment) {
+  std::vector<std::string> names;
+  std::set<std::string> known;
+  for (const SuiteProblem& problem : experiment.problems)
+    if (known.insert(world_name(experiment, problem)).second)
+      names.push_back(world_name(experiment, problem));
+  return names;
 }
 
 /// Draws the worlds and problems of one kind of generator.
@@ -149,14 +163,17 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
     generator_of(suite, experiment);
   } else {
     // A cloud that cannot be read is told before anything runs; see also hand_over.cpp.
-    const SuiteWorld& world = world_of(suite, experiment);
-    if (is_cloud_file(world.map)) load_map(world.map);
+    worlds_ = world_names(experiment);
+    for (const std::string& name : worlds_) {
+      const SuiteWorld& world = world_of(suite, experiment, name);
+      if (is_cloud_file(world.map)) load_map(world.map);
+    }
     require_sizes(suite, experiment, robot);
   }
 }
 
 std::size_t SuiteStages::size() const {
-  if (!experiment_.generate) return 1;
+  if (!experiment_.generate) return worlds_.size();
   const auto count = static_cast<std::size_t>(experiment_.generate->count);
   const std::size_t each = generator_of(suite_, experiment_).problems_of_a_stage;
   return (count + each - 1) / each;
@@ -172,8 +189,9 @@ SuiteStage SuiteStages::make(std::size_t index) const {
     stage.digest = map_sha256(stage.map);
     return stage;
   }
-  SuiteStage stage = stage_of(world_of(suite_, experiment_), robot_);
-  for (const SuiteProblem& problem : experiment_.problems) stage.problems.push_back(stage_problem(problem));
+  SuiteStage stage = stage_of(world_of(suite_, experiment_, worlds_[index]), robot_);
+  for (const SuiteProblem& problem : experiment_.problems)
+    if (world_name(experiment_, problem) == worlds_[index]) stage.problems.push_back(stage_problem(problem));
   return stage;
 }
 

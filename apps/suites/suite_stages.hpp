@@ -48,6 +48,7 @@ class SuiteStages {
   const Suite& suite_;
   const SuiteExperiment& experiment_;
   const Robot& robot_;
+  std::vector<std::string> worlds_;  ///< of explicit problems, a stage each
 };
 
 /// Joint values of a suite file as a configuration.

@@ -66,17 +66,34 @@ SuiteWorld read_world(const YamlFields& fields, const std::filesystem::path& fol
   return world;
 }
 
-std::vector<SuiteProblem> read_problems(const YamlFields& fields) {
+void require_world(const YamlFields& fields, const Suite& suite, const std::string& name);
+
+/// A list, or the name of a file beside the suite that holds one under `problems`.
+std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& suite,
+                                        const std::filesystem::path& folder, const std::string& usual_world) {
+  std::optional<YamlFields> file;
+  if (!given.is_list("problems")) {
+    const std::filesystem::path name = folder / given.file("problems");
+    file.emplace(read_text(name, "file of problems"), "problems " + quote_path(name.string()));
+  }
+  const YamlFields& fields = file ? *file : given;
   std::vector<SuiteProblem> problems;
   std::set<std::string> names;
   for (const auto& entry : fields.list_of_maps("problems")) {
     SuiteProblem& problem = problems.emplace_back();
     problem.name = entry.text("name");
     take_name(names, problem.name, entry, "name");
+    if (entry.has("world")) {
+      problem.world = entry.text("world");
+      require_world(entry, suite, problem.world);
+    } else if (usual_world.empty()) {
+      entry.fail("world", "expected one here, or one for the whole experiment");
+    }
     read_legs(entry, problem.start, problem.goals);
     entry.finish();
   }
   if (problems.empty()) fields.fail("problems", "expected at least one problem");
+  if (file) file->finish();
   return problems;
 }
 
@@ -117,7 +134,8 @@ void require_world(const YamlFields& fields, const Suite& suite, const std::stri
 }
 
 /// The world and the problems in it, or the generator of both.
-void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& experiment) {
+void read_tasks(const YamlFields& fields, const Suite& suite, const std::filesystem::path& folder,
+                SuiteExperiment& experiment) {
   if (fields.has("generate") + fields.has("problems") + fields.has("teams") != 1)
     fields.fail("problems", "expected one of: 'world' and 'problems'; 'generate'; 'teams'");
   if (fields.has("generate")) experiment.generate = read_generator(fields.map("generate"));
@@ -126,13 +144,31 @@ void read_tasks(const YamlFields& fields, const Suite& suite, SuiteExperiment& e
   if (is_team) experiment.teams = read_suite_teams(fields);
   if (!is_team) experiment.robot = fields.file("robot");
   if (experiment.generate || (is_team && !fields.has("world"))) return;
-  experiment.world = fields.text("world");
-  require_world(fields, suite, experiment.world);
-  if (!is_team) experiment.problems = read_problems(fields);
+  if (is_team || fields.has("world")) {
+    experiment.world = fields.text("world");
+    require_world(fields, suite, experiment.world);
+  }
+  if (!is_team) experiment.problems = read_problems(fields, suite, folder, experiment.world);
+}
+
+/// What of the robot moves, and where its files are.
+void read_robot_terms(const YamlFields& fields, const std::filesystem::path& folder,
+                      SuiteExperiment& experiment) {
+  for (const char* key : {"srdf", "group", "fixed", "packages"})
+    if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
+  if (fields.has("srdf")) experiment.srdf = folder / fields.file("srdf");
+  if (fields.has("group")) experiment.group = fields.text("group");
+  if (fields.has("fixed")) {
+    const YamlFields fixed = fields.map("fixed");
+    for (const std::string& joint : fixed.keys()) experiment.fixed[joint] = fixed.number(joint, within_reach);
+  }
+  if (!fields.has("packages")) return;
+  const YamlFields packages = fields.map("packages");
+  for (const std::string& name : packages.keys()) experiment.packages[name] = folder / packages.file(name);
 }
 
 SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
-                                const std::vector<SuitePlanner>& usual) {
+                                const std::filesystem::path& folder, const std::vector<SuitePlanner>& usual) {
   SuiteExperiment experiment;
   experiment.name = fields.text("name");
   experiment.title = fields.prose("title", experiment.name);
@@ -141,7 +177,8 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
-  read_tasks(fields, suite, experiment);
+  read_tasks(fields, suite, folder, experiment);
+  read_robot_terms(fields, folder, experiment);
   for (const char* key : {"scale", "payload"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
   if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
@@ -175,7 +212,7 @@ Suite parse_suite(const std::string& text, const std::string& name) {
   }
   const auto usual = read_planners(fields);
   for (const auto& entry : fields.list_of_maps("experiments")) {
-    suite.experiments.push_back(read_experiment(entry, suite, usual));
+    suite.experiments.push_back(read_experiment(entry, suite, file.parent_path(), usual));
     take_name(experiments, suite.experiments.back().name, entry, "name");
   }
   if (suite.experiments.empty()) fields.fail("experiments", "expected at least one experiment");

@@ -43,6 +43,7 @@ struct SuiteProblem {
   std::string name;
   std::vector<double> start;               ///< rad and m
   std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
+  std::string world{};                     ///< empty: the experiment's
 };
 
 /// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/FORMAT.md.
@@ -64,13 +65,18 @@ struct SuitePlanner {
 /// their own, which planners that move step by step lead at the same time.
 struct SuiteExperiment {
   std::string name, title;
-  std::string paper;  ///< what the paper shows, in its own figures; may be empty
-  std::string notes;  ///< why ours differs; may be empty
-  std::string robot;  ///< name in datasets/robots or a path; empty for teams
+  std::string paper;                      ///< what the paper shows, in its own figures; may be empty
+  std::string notes;                      ///< why ours differs; may be empty
+  std::string robot;                      ///< name in datasets/robots or a path; empty for teams
+  std::filesystem::path srdf{};           ///< beside the suite; empty: the robot's own
+  std::string group{};                    ///< planning group of the SRDF; empty: the robot's own
+  std::map<std::string, double> fixed{};  ///< joints that stand still, rad or m at full size
+  std::map<std::string, std::filesystem::path> packages{};  ///< folders of packages of meshes
   std::optional<double> scale;
   double payload = 0;  ///< kg at the tip, full size, for the path cost; of teams beside each robot
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
-  std::string world;  ///< of the explicit problems; for teams it may be empty: nothing but the robots
+  std::string
+      world;  ///< of the explicit problems that name none; for teams it may be empty: nothing but the robots
   std::vector<SuiteProblem> problems;
   std::optional<SuiteGenerator> generate;       ///< either this, or world and problems, or teams
   std::optional<SuiteTeams> teams;              ///< generated ones are drawn later

@@ -103,6 +103,11 @@ YAML::Node YamlFields::required(const std::string& key) const {
   return node;
 }
 
+bool YamlFields::is_list(const std::string& key) const {
+  const YAML::Node node = find(key);
+  return node.IsDefined() && node.IsSequence();
+}
+
 bool YamlFields::has(const std::string& key) const {
   const YAML::Node node = find(key);
   return node.IsDefined() && !node.IsNull();

@@ -36,6 +36,7 @@ class YamlFields {
   YamlFields(const std::string& text, const std::string& name);
 
   bool has(const std::string& key) const;
+  bool is_list(const std::string& key) const;  ///< false for what is absent, too
   double number(const std::string& key, Bounds bounds) const;
   double number(const std::string& key, Bounds bounds, double otherwise) const;
   std::optional<double> optional_number(const std::string& key, Bounds bounds) const;
