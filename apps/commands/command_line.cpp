@@ -275,7 +275,7 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       {"replay", add_replay(app, console)},   {"plan", add_plan(app, console)},
       {"check", add_check(app, console)},     {"gate", add_gate(app, console)},
       {"inspect", add_inspect(app, console)}, {"compare", add_compare(app, console)},
-      {"simulate", add_simulate(app, console)},
+      {"import", add_import(app, console)},   {"simulate", add_simulate(app, console)},
       {"track", add_track(app, console)},     {"tags", add_tags(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);

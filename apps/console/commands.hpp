@@ -162,6 +162,15 @@ struct CompareOptions {
 };
 int run_compare(const CompareOptions& options, Console& console);
 
+struct ImportOptions {
+  std::string kind;                          ///< "mbm", "scene" or "json"
+  std::vector<std::filesystem::path> files;  ///< of problems
+  RobotChoice robot;
+  double resolution = 0.02;   ///< metres
+  std::filesystem::path out;  ///< folder, created
+};
+int run_import(const ImportOptions& options, Console& console);
+
 int run_robots(Console& console);
 int run_planners(Console& console);
 

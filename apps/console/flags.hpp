@@ -52,6 +52,7 @@ void add_survey_flags(CLI::App& command, SurveyDemands& demands);
 Command add_check(CLI::App& app, Console& console);
 Command add_inspect(CLI::App& app, Console& console);
 Command add_compare(CLI::App& app, Console& console);
+Command add_import(CLI::App& app, Console& console);
 Command add_gate(CLI::App& app, Console& console);
 Command add_track(CLI::App& app, Console& console);
 

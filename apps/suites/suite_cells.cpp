@@ -5,25 +5,21 @@
 #include "mapping/files/cloud_file.hpp"
 
 namespace clearway {
-namespace {
 
-/// Adds the centres of the voxels that a solid meets.
-void add_cells(const SceneShape& solid, double edge, std::vector<Eigen::Vector3f>& centers) {
-  const Shape body = shape_of(solid);
-  const Eigen::AlignedBox3d box = body.bounds(solid.map_from_shape);
+void append_cells(const Shape& body, const Eigen::Isometry3d& map_from_body, double edge,
+                  std::vector<Eigen::Vector3f>& centers) {
+  const Eigen::AlignedBox3d box = body.bounds(map_from_body);
   const Eigen::Array3d first = (box.min().array() / edge - 1e-6).floor();
   const Eigen::Array3d last = (box.max().array() / edge + 1e-6).floor();
   for (double z = first.z(); z <= last.z(); ++z) {
     for (double y = first.y(); y <= last.y(); ++y) {
       for (double x = first.x(); x <= last.x(); ++x) {
         const Eigen::Vector3d center = edge * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
-        if (meets_cube(body, solid.map_from_shape, center, edge)) centers.push_back(center.cast<float>());
+        if (meets_cube(body, map_from_body, center, edge)) centers.push_back(center.cast<float>());
       }
     }
   }
 }
-
-}  // namespace
 
 Shape shape_of(const SceneShape& solid) {
   if (const auto* box = std::get_if<BoxShape>(&solid.geometry)) return Shape::box(box->size);
@@ -44,7 +40,8 @@ bool meets_cube(const Shape& body, const Eigen::Isometry3d& map_from_body, const
 
 Snapshot map_of_solids(const std::vector<SceneShape>& solids, double resolution) {
   std::vector<Eigen::Vector3f> centers;
-  for (const SceneShape& solid : solids) add_cells(solid, resolution, centers);
+  for (const SceneShape& solid : solids)
+    append_cells(shape_of(solid), solid.map_from_shape, resolution, centers);
   return {tree_of_cloud(centers, resolution, "solids"), {}};
 }
 

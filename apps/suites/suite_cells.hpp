@@ -17,6 +17,10 @@ Shape shape_of(const SceneShape& solid);
 bool meets_cube(const Shape& body, const Eigen::Isometry3d& map_from_body, const Eigen::Vector3d& center,
                 double edge);
 
+/// Appends the centres of the voxels of this edge that a placed body meets.
+void append_cells(const Shape& body, const Eigen::Isometry3d& map_from_body, double edge,
+                  std::vector<Eigen::Vector3f>& centers);
+
 /// A map in which a voxel is occupied when a solid meets it, be it deep inside, and unknown otherwise: what
 /// no sensor sees, but what solids are. Deterministic.
 /// @param resolution m, edge of a voxel, in [1e-4, 100]

@@ -15,6 +15,7 @@
 #include <functional>
 
 #include "apps/console/failure.hpp"
+#include "apps/problem_sets/planning_scene.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/suite.hpp"
@@ -28,6 +29,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/history/provenance.hpp"
+#include "mapping/system/input_file.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/robot.hpp"
@@ -205,6 +207,20 @@ TEST_F(MutatedReaders, robots) {
                       "<group_state name='home' group='g'><joint name='j' value='0.5'/></group_state>"
                       "<end_effector name='e' parent_link='b' group='h' parent_group='g'/></robot>",
                       [](const auto& file) { read_srdf(file); });
+}
+
+TEST_F(MutatedReaders, foreign_problem_sets) {
+  const auto example = [](const std::string& name) { return source("datasets/suites/foreign/" + name); };
+  const auto text = [](const auto& file) { return read_input(file, "file", 1U << 20U); };
+  std::vector<std::string> left_out;
+  expect_read_or_told("scene.yaml", example("scene0001.yaml"),
+                      [&](const auto& file) { read_planning_scene(text(file), file, {}, left_out); });
+  expect_read_or_told("request.yaml", example("request0001.yaml"),
+                      [&](const auto& file) { read_motion_request(text(file), file, left_out); });
+  expect_read_or_told("table.scene", example("table.scene"),
+                      [&](const auto& file) { read_scene_text(text(file), file, left_out); });
+  expect_read_or_told("problems.json", example("problems.json"),
+                      [&](const auto& file) { read_problem_json(text(file), file); });
 }
 
 TEST_F(MutatedReaders, recordings) {

@@ -1,0 +1,117 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <stdexcept>
+
+#include "apps/console/flags.hpp"
+#include "apps/console/table.hpp"
+#include "apps/problem_sets/import_suite.hpp"
+#include "apps/problem_sets/planning_scene.hpp"
+#include "apps/query/query.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t largest_json = 256U << 20U, largest_scene = 64U << 20U;
+
+ForeignSet read_json_sets(const ImportOptions& options) {
+  ForeignSet all;
+  for (const std::filesystem::path& file : options.files) {
+    ForeignSet set = read_problem_json(read_input(file, "problem set", largest_json), file);
+    for (ForeignProblem& problem : set.problems) {
+      problem.world += all.worlds.size();
+      all.problems.push_back(std::move(problem));
+    }
+    std::move(set.worlds.begin(), set.worlds.end(), std::back_inserter(all.worlds));
+    all.left_out.insert(all.left_out.end(), set.left_out.begin(), set.left_out.end());
+  }
+  return all;
+}
+
+/// Scenes, as YAML or as MoveIt's text, and requests.
+ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request) {
+  const Robot robot = load_robot(RobotRequest{request.robot, {}, "", {}, request.packages});
+  const SceneContext context{{robot.links.front().name}, request.packages};
+  ForeignSet set;
+  for (const std::filesystem::path& file : options.files) {
+    const std::string text = read_input(file, "scene or request", largest_scene);
+    if (file.extension() == ".scene")
+      set.worlds.push_back(read_scene_text(text, file, set.left_out));
+    else if (is_request_text(text, file))
+      set.problems.push_back(read_motion_request(text, file, set.left_out));
+    else
+      set.worlds.push_back(read_planning_scene(text, file, context, set.left_out));
+  }
+  if (set.worlds.empty()) throw std::invalid_argument("import: no file is a scene, expected at least one");
+  pair_requests(set);
+  return set;
+}
+
+void tell(const ImportOptions& options, const ImportOutcome& outcome, Console& console) {
+  if (console.json) {
+    const nlohmann::ordered_json json = {{"worlds", outcome.worlds},
+                                         {"problems", outcome.problems},
+                                         {"experiments", outcome.experiments},
+                                         {"suite", outcome.suite.string()},
+                                         {"left_out", outcome.left_out}};
+    console.out() << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    return;
+  }
+  print_rows(console.out(), {{"worlds", std::to_string(outcome.worlds)},
+                             {"problems", std::to_string(outcome.problems)},
+                             {"left out", std::to_string(outcome.left_out.size())}});
+  for (const std::string& what : outcome.left_out) console.out() << "    " << plain(what) << '\n';
+  console.out() << "  "
+                << (outcome.suite.empty() ? (options.out / "maps").string() + " (no problems, so no suite)"
+                                          : outcome.suite.string())
+                << '\n';
+}
+
+}  // namespace
+
+int run_import(const ImportOptions& options, Console& console) {
+  if (std::filesystem::exists(options.out / "import.json") ||
+      std::filesystem::exists(options.out / "suite.yaml"))
+    throw std::invalid_argument("--out: " + quote_path(options.out.string()) +
+                                " holds an import already, expected a new folder");
+  const RobotRequest request = robot_request(options.robot);
+  const ForeignSet set = options.kind == "json" ? read_json_sets(options) : read_scenes(options, request);
+  tell(options, write_suite(set, {request, options.resolution, options.out}), console);
+  return exit_done;
+}
+
+Command add_import(CLI::App& app, Console& console) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = add_command(app, "import",
+                                  "foreign problem sets as a suite with maps: solids and the surfaces of "
+                                  "meshes become the voxels that they meet",
+                                  console);
+  command->footer(
+      "mbm    scenes (MotionBenchMaker, MoveIt planning scenes as YAML, or .scene) and motion requests;\n"
+      "       scene0001.yaml goes with request0001.yaml, one scene with all\n"
+      "scene  the same\n"
+      "json   problems.NAME[] with lists sphere, cylinder, box, and start, goals");
+  command->add_option("kind", options->kind, "mbm, scene or json")
+      ->required()
+      ->check([](const std::string& text) {
+        const bool is_known = text == "mbm" || text == "scene" || text == "json";
+        return is_known ? std::string() : "expected mbm, scene or json, got '" + text + "'";
+      })
+      ->type_name("KIND");
+  command->add_option("files", options->files, "files of that kind")->required()->type_name("FILE…");
+  command->add_option("--out", options->out, "new folder for suite.yaml, problems, maps and import.json")
+      ->required()
+      ->check(file_name)
+      ->type_name("DIR");
+  command->add_option("--resolution", options->resolution, "edge of a voxel, metres; default: 0.02")
+      ->check(number("a length from 0.001 to 1 (metres)", 1e-3, 1.0))
+      ->type_name("M");
+  add_model_flags(*command, options->robot);
+  return [options](Console& c) { return run_import(*options, c); };
+}
+
+}  // namespace clearway

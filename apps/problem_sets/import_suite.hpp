@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/problem_sets/problem_set.hpp"
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+
+/// What becomes a suite.
+struct SuiteImport {
+  RobotRequest robot;       ///< as the user asks for it
+  double resolution = 0.0;  ///< m, edge of a voxel
+  std::filesystem::path out;
+};
+
+/// What was written.
+struct ImportOutcome {
+  std::size_t worlds = 0, problems = 0, experiments = 0;
+  std::filesystem::path suite;        ///< empty: there are no problems
+  std::vector<std::string> left_out;  ///< the set's, and what did not fit the robot
+};
+
+/// Pairs requests with scenes: each with the scene whose name ends in the same digits, all with the scene
+/// when there is one alone. @throws std::invalid_argument naming the request that has no scene, or several.
+void pair_requests(ForeignSet& set);
+
+/// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, and
+/// OUT/import.json, which names objects, groups and what was left out. Problems that move other joints, or
+/// hold others elsewhere, make experiments of their own. Joints that a goal does not name stand where the
+/// start has them.
+/// @throws std::invalid_argument when a problem does not fit the robot, std::runtime_error when a file cannot
+/// be written.
+ImportOutcome write_suite(const ForeignSet& set, const SuiteImport& import);
+
+}  // namespace clearway

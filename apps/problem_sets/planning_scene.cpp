@@ -1,0 +1,272 @@
+#include "apps/problem_sets/planning_scene.hpp"
+
+#include <stdexcept>
+
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr Bounds sizes{tiny, 1e3};
+constexpr std::size_t most_objects = 100'000;
+
+std::string called(const std::filesystem::path& file) { return quote_path(file.string()); }
+
+/// [x, y, z] or {x: …, y: …, z: …}; a coordinate that is left out is 0.
+Eigen::VectorXd coordinates(const YamlFields& fields, const std::string& key, const std::string& names) {
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
+  if (!fields.has(key)) return values;
+  if (fields.is_list(key)) {
+    const std::vector<double> list = fields.numbers(key, within_reach, names.size());
+    return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
+  }
+  const YamlFields map = fields.map(key);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    values[static_cast<Eigen::Index>(i)] = map.number(std::string(1, names[i]), within_reach, 0.0);
+  return values;
+}
+
+/// A pose of a position and an orientation; transforms call them translation and rotation.
+Eigen::Isometry3d pose_of(const YamlFields& fields, const std::string& position = "position",
+                          const std::string& orientation = "orientation") {
+  const Eigen::Vector3d at = coordinates(fields, position, "xyz");
+  const Eigen::Vector4d turn = coordinates(fields, orientation, "xyzw");
+  try {
+    return pose_of_quaternion(at, turn);
+  } catch (const std::invalid_argument& error) {
+    fields.fail(orientation, error.what());
+  }
+}
+
+std::string frame_of(const YamlFields& fields) {
+  if (!fields.has("header")) return "";
+  const YamlFields header = fields.map("header");
+  std::string frame = header.has("frame_id") ? header.text("frame_id", "") : "";
+  if (frame.starts_with('/')) frame.erase(0, 1);
+  return frame;
+}
+
+class SceneReader {
+ public:
+  SceneReader(const std::string& text, const std::filesystem::path& file, const SceneContext& context,
+              std::vector<std::string>& left_out)
+      : scene_(text, "scene " + called(file)), file_(file), context_(context), left_out_(left_out) {}
+
+  ForeignWorld read() {
+    world_.name = file_.stem().string();
+    read_frames();
+    const YamlFields world = scene_.map("world");
+    if (world.has("octomap")) leave_octomap(world.map("octomap"));
+    const auto objects = world.list_of_maps("collision_objects");
+    if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
+    for (const YamlFields& object : objects) add_object(object);
+    if (scene_.has("robot_state")) leave_attached(scene_.map("robot_state"));
+    return std::move(world_);
+  }
+
+ private:
+  void leave(const std::string& what) { left_out_.push_back(file_.filename().string() + ": " + what); }
+
+  void read_frames() {
+    frames_[""] = frames_["world"] = Eigen::Isometry3d::Identity();
+    for (const std::string& frame : context_.frames) frames_[frame] = Eigen::Isometry3d::Identity();
+    for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms")) {
+      const auto parent = frames_.find(frame_of(entry));
+      if (parent == frames_.end() || !entry.has("transform")) continue;
+      std::string child = entry.text("child_frame_id", "");
+      if (child.starts_with('/')) child.erase(0, 1);
+      frames_.emplace(child, parent->second * pose_of(entry.map("transform"), "translation", "rotation"));
+    }
+  }
+
+  void leave_octomap(const YamlFields& octomap) {
+    if (!octomap.has("octomap")) return;
+    const YamlFields inner = octomap.map("octomap");
+    if (inner.is_list("data") ? !inner.numbers("data", within_reach).empty() : inner.has("data"))
+      leave("its octomap");
+  }
+
+  void leave_attached(const YamlFields& state) {
+    for (const YamlFields& attached : state.list_of_maps("attached_collision_objects")) {
+      const std::string name = attached.has("object") ? attached.map("object").text("id", "") : std::string();
+      leave("attached body " + quote(name));
+    }
+  }
+
+  void add_object(const YamlFields& object) {
+    const std::string name = object.text("id");
+    const std::string operation = object.has("operation") ? object.text("operation") : "0";
+    if (operation != "0" && operation != "add" && operation != "append" && operation != "2")
+      return leave("object " + quote(name) + ", which is not added (operation " + quote(operation) + ")");
+    const std::string frame = frame_of(object);
+    const auto known = frames_.find(frame);
+    if (known == frames_.end())
+      return leave("object " + quote(name) + " in frame " + quote(frame) + ", which is not the map's");
+    const Eigen::Isometry3d map_from_object =
+        known->second * (object.has("pose") ? pose_of(object.map("pose")) : Eigen::Isometry3d::Identity());
+    add_primitives(object, name, map_from_object);
+    add_meshes(object, name, map_from_object);
+    const auto planes = object.list_of_maps("planes");
+    if (!planes.empty()) leave("planes of object " + quote(name));
+  }
+
+  /// Poses of the pieces of an object, one for each.
+  static std::vector<Eigen::Isometry3d> poses(const YamlFields& object, const std::string& key,
+                                              std::size_t count) {
+    std::vector<Eigen::Isometry3d> result;
+    for (const YamlFields& pose : object.list_of_maps(key)) result.push_back(pose_of(pose));
+    if (result.empty() && count == 1) result.push_back(Eigen::Isometry3d::Identity());
+    if (result.size() != count)
+      object.fail(key, "expected " + std::to_string(count) + " poses, one for each piece, got " +
+                           std::to_string(result.size()));
+    return result;
+  }
+
+  void add_primitives(const YamlFields& object, const std::string& name,
+                      const Eigen::Isometry3d& map_from_object) {
+    const auto primitives = object.list_of_maps("primitives");
+    const auto object_from = poses(object, "primitive_poses", primitives.size());
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      ForeignSolid solid;
+      solid.object = name;
+      solid.map_from_shape = map_from_object * object_from[i];
+      read_primitive(primitives[i], solid);
+      world_.solids.push_back(std::move(solid));
+    }
+  }
+
+  /// shape_msgs/SolidPrimitive: box x, y, z; sphere radius; cylinder and cone height, radius.
+  static void read_primitive(const YamlFields& primitive, ForeignSolid& solid) {
+    const std::string type = primitive.text("type");
+    const auto dimensions = [&](std::size_t count) { return primitive.numbers("dimensions", sizes, count); };
+    if (type == "1" || type == "box") {
+      const auto d = dimensions(3);
+      solid.kind = "box";
+      solid.shape = Shape::box({d[0], d[1], d[2]});
+    } else if (type == "2" || type == "sphere") {
+      solid.kind = "sphere";
+      solid.shape = Shape::sphere(dimensions(1)[0]);
+    } else if (type == "3" || type == "cylinder") {
+      const auto d = dimensions(2);
+      solid.kind = "cylinder";
+      solid.shape = Shape::cylinder(d[1], d[0]);
+    } else if (type == "4" || type == "cone") {
+      const auto d = dimensions(2);
+      solid.kind = "cone";
+      solid.shape = cone_shape(d[1], d[0]);
+    } else {
+      primitive.fail("type", "expected box, sphere, cylinder or cone (1 to 4), got " + quote(type));
+    }
+  }
+
+  void add_meshes(const YamlFields& object, const std::string& name,
+                  const Eigen::Isometry3d& map_from_object) {
+    const auto meshes = object.list_of_maps("meshes");
+    const auto object_from = poses(object, "mesh_poses", meshes.size());
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+      ForeignSolid solid;
+      solid.object = name;
+      solid.kind = "mesh";
+      solid.map_from_shape = map_from_object * object_from[i];
+      solid.triangles = meshes[i].has("resource") ? mesh_of_file(meshes[i]) : mesh_inside(meshes[i]);
+      world_.solids.push_back(std::move(solid));
+    }
+  }
+
+  std::vector<Eigen::Vector3d> mesh_of_file(const YamlFields& mesh) const {
+    ScaledMesh named;
+    if (mesh.has("dimensions")) {
+      const auto scale = mesh.numbers("dimensions", sizes, 3);
+      named.scale = {scale[0], scale[1], scale[2]};
+    }
+    try {
+      named.file = find_mesh(mesh.file("resource"), file_.parent_path(), context_.packages);
+    } catch (const std::invalid_argument& error) {
+      mesh.fail("resource", error.what());
+    }
+    MeshTriangles triangles = read_mesh_triangles(named);
+    if (!triangles.failure.empty()) mesh.fail("resource", triangles.failure);
+    return std::move(triangles.corners);
+  }
+
+  static std::vector<Eigen::Vector3d> mesh_inside(const YamlFields& mesh) {
+    std::vector<Eigen::Vector3d> vertices, corners;
+    if (!mesh.is_list("vertices") || !mesh.is_list("triangles"))
+      mesh.fail("vertices", "expected a mesh of 'resource', or of lists 'vertices' and 'triangles'");
+    for (const auto& at : mesh.lists_of_numbers("vertices", {-1e3, 1e3}, 3))
+      vertices.emplace_back(at[0], at[1], at[2]);
+    for (const YamlFields& triangle : mesh.list_of_maps("triangles")) {
+      const Bounds indices{0, static_cast<double>(vertices.size()) - 1};
+      for (const double index : triangle.numbers("vertex_indices", indices, 3))
+        corners.push_back(vertices[static_cast<std::size_t>(index)]);
+    }
+    if (corners.empty()) mesh.fail("triangles", "expected at least one");
+    return corners;
+  }
+
+  YamlFields scene_;
+  const std::filesystem::path& file_;
+  const SceneContext& context_;
+  std::vector<std::string>& left_out_;
+  std::map<std::string, Eigen::Isometry3d> frames_;
+  ForeignWorld world_;
+};
+
+void read_start(const YamlFields& request, ForeignState& start) {
+  if (!request.has("start_state")) return;
+  const YamlFields state = request.map("start_state");
+  if (!state.has("joint_state")) return;
+  const YamlFields joints = state.map("joint_state");
+  const auto names = joints.texts("name");
+  const auto values = joints.numbers("position", within_reach);
+  if (names.size() != values.size())
+    joints.fail("position", "expected " + std::to_string(names.size()) + " numbers, one for each name, got " +
+                                std::to_string(values.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) start.by_joint[names[i]] = values[i];
+}
+
+}  // namespace
+
+bool is_request_text(const std::string& text, const std::filesystem::path& file) {
+  const YamlFields fields(text, "file " + called(file));
+  if (fields.has("world")) return false;
+  if (fields.has("goal_constraints") || fields.has("start_state")) return true;
+  fields.fail("world", "expected a scene with 'world', or a request with 'goal_constraints'");
+}
+
+ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
+                                 const SceneContext& context, std::vector<std::string>& left_out) {
+  return SceneReader(text, file, context, left_out).read();
+}
+
+ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
+                                   std::vector<std::string>& left_out) {
+  const YamlFields request(text, "request " + called(file));
+  const auto leave = [&](const std::string& what) {
+    left_out.push_back(file.filename().string() + ": " + what);
+  };
+  ForeignProblem problem;
+  problem.name = file.stem().string();
+  problem.group = request.has("group_name") ? request.text("group_name", "") : "";
+  read_start(request, problem.start);
+  std::size_t goals = 0;
+  for (const YamlFields& goal : request.list_of_maps("goal_constraints")) {
+    const auto joints = goal.list_of_maps("joint_constraints");
+    for (const char* other : {"position_constraints", "orientation_constraints", "visibility_constraints"})
+      if (!goal.list_of_maps(other).empty()) leave(std::string(other) + " of a goal");
+    if (joints.empty() || ++goals > 1) continue;
+    for (const YamlFields& joint : joints)
+      problem.goal.by_joint[joint.text("joint_name")] = joint.number("position", within_reach);
+  }
+  if (goals > 1)
+    leave(std::to_string(goals - 1) + " of " + std::to_string(goals) + " goals: the first counts");
+  if (request.has("path_constraints")) {
+    const YamlFields path = request.map("path_constraints");
+    for (const char* kind : {"joint_constraints", "position_constraints", "orientation_constraints"})
+      if (!path.list_of_maps(kind).empty()) leave(std::string(kind) + " of the path");
+  }
+  return problem;
+}
+
+}  // namespace clearway

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "apps/problem_sets/problem_set.hpp"
+#include "planning/robot_files/mesh_file.hpp"
+
+namespace clearway {
+
+/// What scene files are read with.
+struct SceneContext {
+  std::set<std::string> frames;  ///< that are the map's; "" and "world" always are
+  PackageFolders packages;       ///< of meshes
+};
+
+/// A file of YAML: a scene has `world`, a motion request has `goal_constraints` or `start_state`.
+/// @throws std::invalid_argument when it is neither.
+bool is_request_text(const std::string& text, const std::filesystem::path& file);
+
+/// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
+/// Robowflex write them: world.collision_objects of primitives and meshes. Planes, octomaps, attached bodies,
+/// objects that are not added, and objects in frames that are not the map's are left out, and told.
+/// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
+ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
+                                 const SceneContext& context, std::vector<std::string>& left_out);
+
+/// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state.joint_state, the joint constraints of
+/// the first goal that has some, group_name. A goal of poses alone, path constraints and further goals are
+/// left out, and told; without a goal of joints `goal` is empty.
+ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
+                                   std::vector<std::string>& left_out);
+
+/// Reads MoveIt's text of a scene (.scene), both of its forms: with and without poses of objects.
+/// @throws std::invalid_argument in one sentence naming file, line and what was expected.
+ForeignWorld read_scene_text(const std::string& text, const std::filesystem::path& file,
+                             std::vector<std::string>& left_out);
+
+/// Reads the JSON of problem sets: problems.NAME[] with lists `sphere`, `cylinder`, `box`, and `start`,
+/// `goals`, `valid`, `index`. One world and problem each; experiments are called NAME. Of several goals the
+/// first counts; problems that say `valid: false` are left out.
+/// @throws std::invalid_argument in one sentence naming file, field and what was expected.
+ForeignSet read_problem_json(const std::string& text, const std::filesystem::path& file);
+
+}  // namespace clearway

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "planning/geometry/shape.hpp"
+
+namespace clearway {
+
+/// An object's piece, or a mesh: then its surface alone counts, as collision checkers of meshes have it.
+struct ForeignSolid {
+  std::string object;  ///< its name in the problem set
+  std::string kind;    ///< "box", "sphere", "cylinder", "cone", "mesh"
+  Shape shape = Shape::sphere(1.0);
+  Eigen::Isometry3d map_from_shape = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector3d> triangles;  ///< corners of a mesh, three by three; then `shape` says nothing
+};
+
+struct ForeignWorld {
+  std::string name;
+  std::vector<ForeignSolid> solids;
+};
+
+/// A configuration as a problem set states it: by the joints' names, or in the robot's own order.
+struct ForeignState {
+  std::map<std::string, double> by_joint;
+  std::vector<double> values;
+};
+
+struct ForeignProblem {
+  std::string name, experiment;
+  std::size_t world = 0;  ///< of the set
+  std::string group;      ///< planning group; may be empty
+  ForeignState start, goal;
+};
+
+/// What a foreign file holds, and one sentence for each thing that stays behind.
+struct ForeignSet {
+  std::vector<ForeignWorld> worlds;
+  std::vector<ForeignProblem> problems;
+  std::vector<std::string> left_out;
+};
+
+/// A cone with the tip up, along z about its middle: the pyramid of 64 sides about it, which is at most
+/// 0.13 % of the radius larger.
+Shape cone_shape(double radius, double height);
+
+/// The pose of a position and a quaternion x, y, z, w. @throws std::invalid_argument "expected a unit
+/// quaternion …" unless its length is within 1 % of 1; all zeros mean no turn, as MoveIt has it.
+Eigen::Isometry3d pose_of_quaternion(const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw);
+
+}  // namespace clearway

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "apps/problem_sets/problem_set.hpp"
+#include "mapping/snapshot.hpp"
+
+namespace clearway {
+
+/// Whether a closed triangle and the closed cube about `center` have a point in common, by the 13 axes that
+/// can separate them (Akenine-Moller 2001); nearer to each other than some 1e-9 of their size counts as one.
+bool triangle_meets_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                         const Eigen::Vector3d& center, double edge);
+
+/// A map in which a voxel is occupied when a solid, or the surface of a mesh, meets it, and unknown else.
+/// Deterministic.
+/// @param resolution m, edge of a voxel
+/// @param[out] cells how many voxels each solid meets
+/// @throws std::invalid_argument naming the world and the object with which more than 25,000,000 voxels would
+///         have to be looked at, or for a resolution that is too fine.
+Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std::vector<std::size_t>& cells);
+
+}  // namespace clearway

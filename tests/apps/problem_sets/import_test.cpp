@@ -1,0 +1,228 @@
+// `clearway import`: scenes, requests and problem sets that are written out here by hand.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/descriptions/suite.hpp"
+#include "mapping/files/map_file.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace import_test {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+const std::string arm_request =
+    "start_state:\n"
+    "  joint_state:\n"
+    "    name: [grip, elbow, shoulder]\n"
+    "    position: [0.02, 0.1, 0.0]\n"
+    "group_name: arm\n"
+    "goal_constraints:\n"
+    "  - joint_constraints:\n"
+    "      - {joint_name: shoulder, position: 0.5, tolerance_above: 0.01, weight: 1}\n"
+    "      - {joint_name: left_elbow, position: -0.1}\n";  // a prefix that the robot lacks
+
+class Import : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    using namespace worlds;
+    const std::string ball = "<sphere radius='0.05'/>";
+    robot_ = folder_.write(
+        "arm.urdf",
+        "<robot name='arm'><link name='base'/>" + urdf_link("upper", "0.2 0 0", ball) +
+            urdf_link("lower", "0.2 0 0", ball) + urdf_link("finger", "0.1 0 0", ball) +
+            urdf_joint("shoulder", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
+            urdf_joint("elbow", "revolute", "upper", "lower", "0.4 0 0", "0 0 1", urdf_limit(-2, 2)) +
+            urdf_joint("grip", "prismatic", "lower", "finger", "0.4 0 0", "1 0 0", urdf_limit(0, 0.1)) +
+            "</robot>");
+  }
+
+  CommandRun import(const std::string& kind, const Arguments& files, const Arguments& more = {}) const {
+    Arguments arguments{"import", "--out", folder_.file("out"), "--robot", robot_, "--resolution", "0.1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.push_back(kind);
+    arguments.insert(arguments.end(), files.begin(), files.end());
+    return run_command(arguments);
+  }
+
+  Snapshot map(const std::string& name) const { return load_map(folder_.path() / "out/maps" / name); }
+
+  TemporaryFolder folder_;
+  std::string robot_;
+};
+
+/// Voxels of 0.1 m: a ball of 0.24 m about the middle of one meets those whose nearest point is so near.
+std::size_t cubes_met_by_ball(double radius) {
+  std::size_t count = 0;
+  for (int x = -9; x <= 9; ++x)
+    for (int y = -9; y <= 9; ++y)
+      for (int z = -9; z <= 9; ++z) {
+        const Eigen::Array3d nearest = (0.1 * Eigen::Array3d(x, y, z).abs() - 0.05).max(0.0);
+        count += nearest.matrix().norm() <= radius;
+      }
+  return count;
+}
+
+TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
+  const std::string scene =
+      folder_.write("scene0001.yaml",
+                    "name: s\nrobot_model_name: arm\nfixed_frame_transforms:\n"
+                    "  - header: {frame_id: world}\n    child_frame_id: shelf\n"
+                    "    transform: {translation: [1.0, 0, 0], rotation: [0, 0, 0, 1]}\n"
+                    "robot_state:\n  attached_collision_objects:\n    - {object: {id: mug}}\n"
+                    "world:\n  octomap:\n    octomap: {data: [1, 2]}\n  collision_objects:\n"
+                    "    - id: ball\n      header: {frame_id: shelf}\n"
+                    "      primitives: [{type: sphere, dimensions: [0.24]}]\n"
+                    "      primitive_poses: [{position: [0.05, 3.05, 0.05], orientation: [0, 0, 0, 1]}]\n"
+                    "    - id: post\n      header: {frame_id: /world}\n      pose: {position: {x: 5, z: 1}, "
+                    "orientation: {w: 1}}\n"
+                    "      primitives: [{type: 3, dimensions: [0.98, 0.02]}]\n"
+                    "      primitive_poses: [{position: {x: 0.05, y: 0.05, z: 0.0}, orientation: {x: 0, y: "
+                    "0, z: 0, w: 1}}]\n"
+                    "    - id: floating\n      header: {frame_id: somewhere}\n"
+                    "      primitives: [{type: box, dimensions: [1, 1, 1]}]\n      primitive_poses: "
+                    "[{position: [0, 0, 0]}]\n");
+  const std::string request =
+      folder_.write("request0001.yaml", arm_request +
+                                            "path_constraints:\n"
+                                            "  orientation_constraints: [{link_name: lower}]\n");
+  const CommandRun run = import("mbm", {scene, request}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json said = Json::parse(run.out);
+  EXPECT_EQ(said["worlds"], 1);
+  EXPECT_EQ(said["problems"], 1);
+  const std::string left = said["left_out"].dump();
+  for (const char* what :
+       {"octomap", "'mug'", "'floating' in frame 'somewhere'", "orientation_constraints of the path"})
+    EXPECT_NE(left.find(what), std::string::npos) << left;
+  const Snapshot world = map("scene0001");
+  EXPECT_EQ(world.counts().occupied, cubes_met_by_ball(0.24) + 10);  // the post: ten voxels, one on another
+  EXPECT_EQ(world.state({5.05, 0.05, 1.45}), VoxelState::occupied);
+  EXPECT_EQ(world.state({5.05, 0.05, 1.55}), VoxelState::unknown);
+
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  ASSERT_EQ(suite.experiments.size(), 1U);
+  EXPECT_EQ(suite.experiments[0].name, "arm");
+  EXPECT_EQ(suite.experiments[0].fixed, (std::map<std::string, double>{{"grip", 0.02}}));
+  ASSERT_EQ(suite.experiments[0].problems.size(), 1U);
+  EXPECT_EQ(suite.experiments[0].problems[0].start, (std::vector<double>{0.0, 0.1}));
+  EXPECT_EQ(suite.experiments[0].problems[0].goals, (std::vector<std::vector<double>>{{0.5, -0.1}}));
+  const Json record = Json::parse(read_file(folder_.file("out/import.json")));
+  EXPECT_EQ(record["worlds"][0]["objects"][0]["object"], "ball");
+  EXPECT_EQ(record["problems"][0]["group"], "arm");
+
+  const CommandRun compared = run_command({"compare", folder_.file("out/suite.yaml"), "--planners",
+                                           "rrtconnect,beam", "--out", folder_.file("results"), "--json"});
+  EXPECT_EQ(compared.status, exit_done) << compared.log;
+  const Json planners = Json::parse(compared.out)["experiments"][0]["planners"];
+  ASSERT_EQ(planners.size(), 2U);  // the suite lists rrtconnect alone
+  for (const Json& planner : planners) EXPECT_EQ(planner["valid"], 1) << planner;
+}
+
+TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
+  const std::string old_form = folder_.write(
+      "old.scene", "(noname)\n* the box\n1\nbox\n0.18 0.18 0.18\n1.1 0.1 0.1\n0 0 0 1\n0 0 0 0\n.\n");
+  const std::string new_form = folder_.write(
+      "new.scene",
+      "(noname)\n* the box\n1 0 0\n0 0 0 1\n2\nbox\n0.18 0.18 0.18\n0.1 0.1 0.1\n0 0 0 1\n0 0 0 0\n"
+      "plane\n0 0 1 0\n0 0 0\n0 0 0 1\n0 0 0 0\n1\ntip\n0 0 0\n0 0 0 1\n"
+      "* sheet\n0 0 0\n0 0 0.7071067811865476 0.7071067811865476\n1\nmesh\n3 1\n0.05 0.05 3.05\n0.33 0.05 "
+      "3.05\n0.05 0.33 3.05\n"
+      "0 1 2\n0 0 0\n0 0 0 1\n0 0 0 0\n0\n.\n");
+  ASSERT_EQ(import("scene", {old_form, new_form}).status, exit_done);
+  EXPECT_EQ(map("old").counts().occupied, 8U);
+  const Snapshot world = map("new");
+  EXPECT_EQ(world.counts().occupied, 8U + 10U);  // the triangle turned by 90 degrees: 4 + 3 + 2 + 1 voxels
+  EXPECT_EQ(world.state({1.05, 0.05, 0.05}), VoxelState::occupied);
+  EXPECT_EQ(world.state({-0.35, 0.05, 3.05}), VoxelState::occupied);
+  EXPECT_NE(import("scene", {old_form}).log.find("holds an import already"), std::string::npos);
+}
+
+TEST_F(Import, ProblemsOfJsonAreOneExperimentForEachNameWithAWorldEach) {
+  const Json set = {{"problems",
+                     {{"shelf",
+                       {{{"index", 1},
+                         {"valid", true},
+                         {"start", {0.0, 0.1}},
+                         {"goals", {{0.5, -0.1}, {0.6, 0.0}}},
+                         {"sphere", {{{"position", {1.05, 3.05, 0.05}}, {"radius", 0.24}, {"name", "ball"}}}},
+                         {"box",
+                          {{{"position", {3.0, 0.0, 0.05}},
+                            {"orientation_euler_xyz", {0.0, 0.0, 1.5707963267948966}},
+                            {"half_extents", {0.46, 0.04, 0.04}}}}}},
+                        {{"index", 2}, {"valid", false}, {"start", {0.0, 0.1}}, {"goals", {{0.5, -0.1}}}},
+                        {{"index", 3}, {"start", {0.0, 0.2}}, {"goals", {{0.5, -0.1}}}}}},
+                      {"table", {{{"start", {0.0, 0.1}}, {"goals", {{0.4, -0.1}}}}}}}}};
+  const std::string file = folder_.write("problems.json", set.dump());
+  const CommandRun run = import("json", {file}, {"--fix", "grip=0.03"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  ASSERT_EQ(suite.experiments.size(), 2U);
+  EXPECT_EQ(suite.experiments[0].problems.size(), 2U);
+  EXPECT_EQ(suite.experiments[0].problems[1].world, "shelf_3");
+  EXPECT_EQ(suite.experiments[0].fixed.at("grip"), 0.03);
+  EXPECT_NE(run.out.find("shelf 2: it says that it is not valid"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("shelf 1: 1 of 2 goals, the first counts"), std::string::npos);
+  // The box, turned about z: along y, 10 voxels of y and 2 of x.
+  EXPECT_EQ(map("shelf_1").counts().occupied, cubes_met_by_ball(0.24) + 20);
+  const CommandRun compared =
+      run_command({"compare", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
+  EXPECT_EQ(compared.status, exit_done) << compared.log;
+  EXPECT_NE(compared.out.find("== all experiments"), std::string::npos);
+  EXPECT_NE(compared.out.find("3 / 3 / 3"), std::string::npos) << compared.out;
+  const CommandRun wrong =
+      run_command({"import", "json", file, "--out", folder_.file("other"), "--robot", robot_});
+  EXPECT_EQ(wrong.status, exit_bad_input);
+  EXPECT_NE(wrong.log.find("problem 'shelf 1', start: got 2 values, expected 3"), std::string::npos)
+      << wrong.log;
+}
+
+TEST_F(Import, ARequestForAnotherRobotIsRefusedWithTheJointThatItNames) {
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const std::string request = folder_.write(
+      "b.yaml", "goal_constraints: [{joint_constraints: [{joint_name: shoulder_1, position: 0}]}]");
+  const CommandRun run = import("mbm", {scene, request});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(
+      run.log.find("names joint 'shoulder_1', which robot 'arm' does not have, did you mean 'shoulder'?"),
+      std::string::npos)
+      << run.log;
+}
+
+TEST_F(Import, WhatIsWrongIsToldInOneSentence) {
+  const auto told = [&](const std::string& kind, const std::string& name, const std::string& text,
+                        const std::string& expected) {
+    const CommandRun run = import(kind, {folder_.write(name, text)});
+    EXPECT_EQ(run.status, exit_bad_input) << name;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(expected), std::string::npos) << run.log;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/import.json"));
+  };
+  const std::string object = "world: {collision_objects: [{id: a, ";
+  told("mbm", "a.yaml", "a: [", "a.yaml");
+  told("mbm", "a.yaml", "x: 1", "expected a scene with 'world', or a request");
+  told("mbm", "a.yaml", object + "primitives: [{type: torus, dimensions: [1]}], primitive_poses: [{}]}]}",
+       "torus");
+  told("mbm", "a.yaml", object + "primitives: [{type: box, dimensions: [1, 2]}]}]}", "dimensions");
+  told("mbm", "a.yaml", object + "primitives: [{type: sphere, dimensions: [-1]}]}]}", "dimensions");
+  told("mbm", "a.yaml",
+       object +
+           "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{orientation: [1, 1, 1, 1]}]}]}",
+       "expected a unit quaternion");
+  told("mbm", "a.yaml", object + "meshes: [{resource: no.stl}]}]}", "no.stl");
+  told("mbm", "a.yaml", arm_request, "no file is a scene");
+  told("scene", "a.scene", "name\n* a\n1\nbox\n1 1\n.\n", "line 6: expected a size in metres, got '.'");
+  told("scene", "a.scene", "name\n* a\n1\nbox\n1 1 1\n0 0 0\n0 0 0 1\n0 0 0 0\n",
+       "expected '*' before an object");
+  told("scene", "a.scene", "name\n* a\n1e9\n", "number of shapes");
+  told("json", "a.json", "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": [[1]], \"box\": [{}]}]}}",
+       "position");
+  told("json", "a.json", "{\"problems\": 3}", "problems");
+  told("json", "a.json", "[", "not valid JSON");
+}
+
+}  // namespace import_test
+}  // namespace clearway
