@@ -121,18 +121,13 @@ TEST(RayCast, FewFarRaysPassOctoMapsVoxelsToo) {
 TEST(RayCast, ADepthFramePassesOctoMapsVoxelsOnBothSidesOfTheLargestWindow) {
   RayWorkspace workspace;
   Dice dice(17);
-  for (const bool all_round : {false, true}) {
-    ScanRays rays{Eigen::Vector3f(0.31F, -0.12F, 1.05F), {}};
-    for (int i = 0; i < 100; ++i) {
-      Eigen::Vector3d way(1.0, dice.uniform(-0.6, 0.6), dice.uniform(-0.45, 0.45));
-      if (all_round) way = dice.point(1.0).normalized();
-      const double range =
-          i == 0 ? 9.0 : dice.uniform(0.5, 4.0);  // the first fits no window of its own group
-      rays.ends.push_back({rays.origin + (range * way).cast<float>()});
-    }
-    for (const double resolution : {0.012, 0.007, 0.005, 0.003})
-      expect_stock_cells(rays, resolution, workspace);
+  ScanRays rays{Eigen::Vector3f(0.31F, -0.12F, 1.05F), {}};
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d way(1.0, dice.uniform(-0.6, 0.6), dice.uniform(-0.45, 0.45));
+    const double range = i == 0 ? 9.0 : dice.uniform(0.5, 4.0);  // the first fits no window of its own group
+    rays.ends.push_back({rays.origin + (range * way).cast<float>()});
   }
+  for (const double resolution : {0.012, 0.005}) expect_stock_cells(rays, resolution, workspace);
 }
 
 TEST(RayCast, RaysAtTheBordersOfTheTreePassOctoMapsVoxels) {
