@@ -24,6 +24,7 @@ struct ContinuedMap::State {
   SeenStamps seen;
   ScanInsertion insertion;
   ScanWorkspace workspace;
+  ContestedCells contested;
   Snapshot latest;
   bool is_changed = false;  ///< since `latest`
 };
@@ -39,7 +40,8 @@ ContinuedMap& ContinuedMap::operator=(ContinuedMap&&) noexcept = default;
 
 ScanCounts ContinuedMap::insert(const Scan& scan, const ScanFilter& filter) {
   state_->is_changed = true;
-  const ScanCounts counts = insert_scan(state_->tree, scan, filter, state_->insertion, state_->workspace);
+  const ScanCounts counts =
+      insert_scan(state_->tree, scan, filter, state_->insertion, state_->workspace, &state_->contested);
   if (!counts.origin_invalid) state_->seen.see(state_->workspace.grid, scan.time, state_->insertion.threads);
   return counts;
 }

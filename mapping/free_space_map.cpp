@@ -26,6 +26,7 @@ void check_options(const MapOptions& options) {
   check_map_option("margins.noise_constant", options.margins.noise_constant, 0.0, 100.0);
   check_map_option("margins.noise_quadratic", options.margins.noise_quadratic, 0.0, 100.0);
   check_map_option("margins.noise_limit", options.margins.noise_limit, 0.0, 100.0);
+  check_map_option("margins.most_called_free", options.margins.most_called_free, 0.0, 1.0);
   check_map_option("occupied_probability", options.occupied_probability, options.min_probability,
                    options.max_probability);
 }
@@ -46,6 +47,7 @@ struct FreeSpaceMap::State {
   MapOptions options;
   FusedTree tree;
   ScanWorkspace workspace;
+  ContestedCells contested;
   SeenStamps seen;
   std::shared_ptr<const SeenStamps> seen_shared;  ///< by the snapshots since the last scan
   std::optional<Snapshot> last;                   ///< the next one takes over its blocked spaces
@@ -146,7 +148,8 @@ ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
   ScanInsertion insertion{.discretize = options.discretize, .threads = options.threads};
   insertion.integration = options.integration;
   insertion.margins = options.margins;
-  const ScanCounts counts = insert_scan(state_->tree, scan, filter, insertion, state_->workspace);
+  const ScanCounts counts =
+      insert_scan(state_->tree, scan, filter, insertion, state_->workspace, &state_->contested);
   const int number = state_->scans_inserted++;
   if (counts.origin_invalid) return counts;
   state_->seen.see(state_->workspace.grid, scan.time, options.threads);

@@ -44,6 +44,11 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
                     {"seen_free", counts.seen_free},
                     {"occupied", counts.occupied},
                     {"conflict", counts.conflict}};
+  if (const ScanAgreement& agreement = map.tree().agreement(); agreement.looked_up > 0) {
+    json["hits_called_free"] = {{"share", agreement.share_called_free()},
+                                {"called_free", agreement.called_free},
+                                {"looked_up", agreement.looked_up}};
+  }
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) json["damaged_recording"] = caveat;
   if (!map.bounds().isEmpty()) {
     json["bounds"] = {{"min", to_json(map.bounds().min())}, {"max", to_json(map.bounds().max())}};
@@ -95,6 +100,12 @@ void print_map(const Json& json, std::ostream& out) {
       rows.emplace_back(names[axis], significant(box["min"][axis].get<double>()) + " to " +
                                          significant(box["max"][axis].get<double>()) + " m");
     }
+  }
+  if (json.contains("hits_called_free")) {
+    const Json& told = json["hits_called_free"];
+    rows.emplace_back("hits called free", significant(100.0 * told["share"].get<double>(), 2) + " % of " +
+                                              grouped(told["looked_up"].get<std::size_t>()) +
+                                              " looked up before their scan was integrated");
   }
   if (json.contains("damaged_recording"))
     rows.emplace_back("warning", json["damaged_recording"].get<std::string>());

@@ -5,6 +5,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/pages/map_page.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
 
@@ -112,6 +113,11 @@ std::string report_json(const ReplayReport& report) {
                  {"resolution", report.map.resolution()},
                  {"integration", safe ? "safe" : "compatible"}};
   if (safe) json["map"]["safe_band"] = options.margins.band;
+  if (const ScanAgreement& agreement = report.map.tree().agreement(); agreement.looked_up > 0) {
+    json["map"]["hits_called_free"] = {{"share", agreement.share_called_free()},
+                                       {"called_free", agreement.called_free},
+                                       {"looked_up", agreement.looked_up}};
+  }
   json["voxels"] = {{"painted", voxels.painted},
                     {"seen_free", voxels.seen_free},
                     {"occupied", voxels.occupied},

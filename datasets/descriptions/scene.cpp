@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "datasets/descriptions/probe_motion.hpp"
+#include "datasets/descriptions/scene_sensing.hpp"
 #include "datasets/descriptions/scene_shape.hpp"
 #include "datasets/descriptions/setup_camera.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
@@ -53,7 +54,7 @@ SceneCamera read_scene_camera(const YamlFields& fields) {
   return camera;
 }
 
-SceneDepth read_depth(const YamlFields& fields) {
+SceneDepth read_depth(const YamlFields& fields, uint64_t seed) {
   SceneDepth depth;
   depth.intrinsics = read_camera(fields.map("intrinsics"));
   for (const auto& entry : fields.list_of_maps("poses")) {
@@ -68,6 +69,9 @@ SceneDepth read_depth(const YamlFields& fields) {
   depth.unit = fields.number("unit", {1e-6, 1}, depth.unit);
   if (depth.max_range > 65535 * depth.unit)
     fields.fail("unit", "expected at least max_range / 65535, because ranges are stored in 16 bits");
+  depth.passes = static_cast<size_t>(fields.integer("passes", {1, 1000}, 1));
+  depth.interval = fields.number("interval", {1e-3, 1e3}, depth.interval);
+  read_sensing(fields, seed, depth);
   fields.finish();
   return depth;
 }
@@ -182,11 +186,11 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   scene.setup = parse_setup(scene.setup_text, setup_file.string());
   for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));
   if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"));
-  if (fields.has("depth")) scene.depth = read_depth(fields.map("depth"));
   if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));
   for (const auto& entry : fields.list_of_maps("include"))
     scene.includes.push_back(read_include(entry, folder));
   scene.seed = fields.seed("seed", 1);
+  if (fields.has("depth")) scene.depth = read_depth(fields.map("depth"), scene.seed);
   scene.start_time = fields.number("start_time", {0, 1e10}, default_start_time);
   scene.background = fields.number("background", grey_levels, scene.background);
   check_parts_fit(fields, scene);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "datasets/descriptions/sensing_errors.hpp"
 #include "datasets/descriptions/setup.hpp"
 
 namespace clearway {
@@ -39,7 +40,8 @@ struct SceneCamera {
   double exposure = 0;     ///< s, the probe is smeared over that time
 };
 
-/// The depth camera: one image from each pose, of the shapes alone (not of boards and probe).
+/// The depth camera: one image from each pose, pass after pass, of the shapes alone (not of boards and
+/// probe).
 struct SceneDepth {
   CameraIntrinsics intrinsics;
   std::vector<Eigen::Isometry3d> map_from_sensor;  ///< x forward, y left, z up
@@ -47,6 +49,10 @@ struct SceneDepth {
   double dropout = 0;                              ///< share of pixels without a return
   double max_range = 5;                            ///< m
   double unit = 1e-3;                              ///< m per stored step
+  size_t passes = 1;                               ///< over all poses, one after the other
+  double interval = 0.1;                           ///< s from pose to pose
+  std::optional<DepthNoise> noise;                 ///< instead of the two numbers above and the dropout
+  SequenceErrors errors;
 };
 
 /// How the probe is moved: its ball runs through the waypoints at constant speed (centripetal Catmull-Rom

@@ -14,7 +14,7 @@ DepthImage render_depth(const SceneDepth& depth, size_t index, std::span<const S
   const CameraIntrinsics& camera = depth.intrinsics;
   const size_t width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);
   DepthImage image{camera, std::vector<float>(width * height, 0), depth.unit, depth.max_range,
-                   depth.map_from_sensor[index]};
+                   depth.map_from_sensor[index % depth.map_from_sensor.size()]};
   std::vector<const Surface*> all;
   for (const auto& surface : surfaces) all.push_back(&surface);
   const RandomNumbers noise(seed, 1'000'000'000 + 2 * index), losses(seed, 1'000'000'001 + 2 * index);

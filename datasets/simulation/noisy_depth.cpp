@@ -26,21 +26,40 @@ struct Eye {
 /// Random numbers of one image: a stream for each effect, a counter for each pixel.
 class Chances {
  public:
-  Chances(uint64_t seed, size_t index) : numbers_(seed, 3'000'000'000 + index) {}
+  Chances(uint64_t seed, size_t index)
+      : numbers_(seed, 3'000'000'000 + index), patches_(seed, 9'000'000'000 + index) {}
+  const RandomNumbers& patches() const { return patches_; }
   double uniform(size_t pixel, int effect) const { return numbers_.uniform(16 * pixel + effect); }
   RandomNumbers::Pair gaussian(size_t pixel, int effect) const {
     return numbers_.gaussian(8 * pixel + static_cast<size_t>(effect));  // counters 16 pixel + 2 effect + 0, 1
   }
 
  private:
-  RandomNumbers numbers_;
+  RandomNumbers numbers_, patches_;
 };
 
 constexpr int aim = 0, range_error = 1;                            // pairs: counters 0 to 3
 constexpr int fly = 4, fly_share = 5, lost = 6, lost_grazing = 7;  // single counters
 
 double sigma_of(double depth, const DepthNoise& noise) {
-  return noise.range_scale * (0.0012 + 0.0019 * (depth - 0.4) * (depth - 0.4));
+  const double kinect = noise.range_scale * (0.0012 + 0.0019 * (depth - 0.4) * (depth - 0.4));
+  const double further = noise.constant + noise.proportional * depth + noise.quadratic * depth * depth;
+  return kinect > 0.0 ? std::hypot(kinect, further) : further;
+}
+
+/// Smooth over the image, 0 to 1: between random numbers on a grid of 96 pixels of a focal length of 525.
+double patch_value(const RandomNumbers& numbers, const CameraIntrinsics& camera,
+                   const Eigen::Vector2d& place) {
+  constexpr double patch = 96.0 / 525.0;
+  const double u = (place.x() - camera.cx) / camera.fx / patch + 512.0;
+  const double v = (place.y() - camera.cy) / camera.fy / patch + 512.0;
+  const double x = std::floor(u), y = std::floor(v);
+  const auto corner = [&](double i, double j) {
+    return numbers.uniform(static_cast<uint64_t>(i) * 1024 + static_cast<uint64_t>(j));
+  };
+  const double low = (x + 1 - u) * corner(x, y) + (u - x) * corner(x + 1, y);
+  const double high = (x + 1 - u) * corner(x, y + 1) + (u - x) * corner(x + 1, y + 1);
+  return (y + 1 - v) * low + (v - y) * high;
 }
 
 /// Depth after counting whole steps of disparity; the nearest step, as a matcher finds it.
@@ -77,8 +96,12 @@ double measure(const Eye& eye, const Eigen::Vector2d& place, size_t pixel, const
     return 0.0;
   const double along_axis = eye.pose.linear().col(0).dot(ray);
   double depth = range * along_axis;
-  depth +=
-      sigma_of(depth, noise) * (noise.range_scale > 0.0 ? chances.gaussian(pixel, range_error).first : 0);
+  if (noise.multipath > 0.0) {
+    const double patch = patch_value(chances.patches(), eye.camera, place);
+    depth *= 1.0 + noise.multipath * patch * patch;
+  }
+  const double sigma = sigma_of(depth, noise);
+  if (sigma > 0.0) depth += sigma * chances.gaussian(pixel, range_error).first;
   if (noise.disparity_step > 0.0) depth = quantised(depth, eye.camera.fx, noise);
   return std::max(0.0, depth / along_axis);
 }
@@ -90,8 +113,8 @@ DepthImage render_noisy_depth(const SceneDepth& depth, size_t index, std::span<c
   const CameraIntrinsics& camera = depth.intrinsics;
   const size_t width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);
   DepthImage image{camera, std::vector<float>(width * height, 0), depth.unit, depth.max_range,
-                   depth.map_from_sensor[index]};
-  Eye eye{camera, depth.map_from_sensor[index], {}};
+                   depth.map_from_sensor[index % depth.map_from_sensor.size()]};
+  Eye eye{camera, image.world_from_sensor, {}};
   for (const Surface& surface : surfaces) eye.surfaces.push_back(&surface);
   const Chances chances(seed, index);
   parallel_for(height, [&](size_t row) {

@@ -79,15 +79,45 @@ Eigen::Isometry3d pose_on_walk(double share) {
 
 namespace {
 
-Scene room_scene(std::size_t frames) {
+/// Boards that lie aslant to every axis, and a ramp.
+void add_slanted(std::vector<SceneShape>& shapes) {
+  const auto tilted = [](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& center,
+                         double turn, double tilt) {
+    SceneShape shape = box(name, size, center, turn);
+    shape.map_from_shape.rotate(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()));
+    return shape;
+  };
+  shapes.push_back(tilted("ramp", {0.8, 1.2, 0.03}, {-0.2, -1.3, 0.35}, 0.5, 0.5));
+  shapes.push_back(tilted("easel", {0.7, 0.02, 1.0}, {-1.6, 0.9, 1.0}, 2.1, -0.35));
+  shapes.push_back(tilted("roof", {1.2, 1.6, 0.04}, {1.7, -1.0, 2.2}, -0.4, 0.9));
+}
+
+/// On an oval, near the walls, now looking across the room and now along the wall, at changing heights.
+Eigen::Isometry3d pose_on_wide_walk(double share) {
+  const double turn = 2.0 * std::numbers::pi * share;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translate(
+      Eigen::Vector3d(1.1 * std::cos(turn), 0.9 * std::sin(turn), 1.3 + 0.35 * std::sin(5.0 * turn)));
+  const double across = turn + std::numbers::pi + 1.2 * std::sin(7.0 * turn);
+  pose.rotate(Eigen::AngleAxisd(across, Eigen::Vector3d::UnitZ()));
+  pose.rotate(Eigen::AngleAxisd(0.2 + 0.3 * std::sin(3.0 * turn), Eigen::Vector3d::UnitY()));
+  return pose;
+}
+
+Scene room_scene(std::size_t frames, RoomWalk walk) {
+  const bool is_wide = walk == RoomWalk::wide;
   Scene scene;
   scene.name = "furnished_room";
   scene.shapes = furnish();
   SceneDepth depth;
+  if (is_wide) add_slanted(scene.shapes);
   depth.intrinsics = {640, 480, 525.0, 525.0, 319.5, 239.5};
+  if (is_wide) depth.intrinsics = {320, 240, 262.5, 262.5, 159.5, 119.5};
+  if (is_wide) depth.interval = 2.0;
   depth.max_range = 5.0;
   for (std::size_t i = 0; i < frames; ++i) {
-    depth.map_from_sensor.push_back(pose_on_walk(static_cast<double>(i) / static_cast<double>(frames)));
+    const double share = static_cast<double>(i) / static_cast<double>(frames);
+    depth.map_from_sensor.push_back(is_wide ? pose_on_wide_walk(share) : pose_on_walk(share));
   }
   scene.depth = depth;
   return scene;
@@ -110,38 +140,36 @@ double signed_distance(const SceneShape& shape, const Eigen::Vector3d& point) {
 }  // namespace
 
 FurnishedRoom::FurnishedRoom(std::size_t frames, std::uint64_t seed, double noise)
-    : scene_(room_scene(frames)), seed_(seed) {
+    : scene_(room_scene(frames, RoomWalk::round)), seed_(seed) {
   scene_.depth->noise_constant = 0.0012 * noise;
   scene_.depth->noise_quadratic = 0.0019 * noise;
   scene_.depth->dropout = noise > 0.0 ? 0.01 : 0.0;
   for (const SceneShape& shape : scene_.shapes) surfaces_.emplace_back(shape);
+  state_poses();
 }
 
-FurnishedRoom::FurnishedRoom(std::size_t frames, std::uint64_t seed, const RoomErrors& errors)
-    : scene_(room_scene(frames)), seed_(seed), errors_(errors) {
+FurnishedRoom::FurnishedRoom(std::size_t frames, std::uint64_t seed, const RoomErrors& errors, RoomWalk walk)
+    : scene_(room_scene(frames, walk)), seed_(seed) {
+  scene_.depth->noise = errors.depth;
+  scene_.depth->errors = errors.sequence;
   for (const SceneShape& shape : scene_.shapes) surfaces_.emplace_back(shape);
+  state_poses();
 }
 
-Eigen::Isometry3d FurnishedRoom::stated_pose(std::size_t index) const {
-  Eigen::Isometry3d pose = camera().map_from_sensor[index];
-  if (!errors_) return pose;
-  const RandomNumbers numbers(seed_, 5'000'000'000 + index);
-  const auto a = numbers.gaussian(0), b = numbers.gaussian(1), c = numbers.gaussian(2);
-  const Eigen::Vector3d turn = errors_->pose_turn * Eigen::Vector3d(b.second, c.first, c.second);
-  pose.pretranslate(errors_->pose_shift * Eigen::Vector3d(a.first, a.second, b.first));
-  if (turn.norm() > 0.0) pose.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-  return pose;
+void FurnishedRoom::state_poses() {
+  deliveries_ = deliver_depth(camera(), seed_);
+  SceneDepth all = camera();
+  all.errors.dropped = all.errors.repeated = 0.0;
+  for (const Delivery& delivery : deliver_depth(all, seed_)) stated_.push_back(delivery.map_from_sensor);
 }
 
 CloudFrame FurnishedRoom::frame(std::size_t index) const {
-  DepthImage image = errors_ ? render_noisy_depth(camera(), index, surfaces_, seed_, errors_->depth)
-                             : render_depth(camera(), index, surfaces_, seed_);
-  count_whole_steps(image);
+  const DepthImage image = photograph_depth(camera(), index, surfaces_, seed_);
   CloudFrame cloud;
   cloud.kind = "depth";
   cloud.max_range = camera().max_range;
   cloud.world_from_sensor = stated_pose(index);
-  const CameraIntrinsics& intrinsics = camera().intrinsics;
+  const CameraIntrinsics& intrinsics = image.intrinsics;
   for (int row = 0; row < intrinsics.height; ++row) {
     for (int column = 0; column < intrinsics.width; ++column) {
       const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(intrinsics.width) +

@@ -6,17 +6,23 @@
 #include <vector>
 
 #include "datasets/descriptions/scene.hpp"
-#include "datasets/simulation/noisy_depth.hpp"
+#include "datasets/simulation/delivered_depth.hpp"
 #include "datasets/simulation/surface.hpp"
 #include "datasets/sources/recording.hpp"
 
 namespace clearway {
 
-/// What else a frame's pose and pixels get wrong. Separate from the range noise of FurnishedRoom's own.
+/// What a frame's pixels and pose get wrong, instead of the range noise of FurnishedRoom's own.
 struct RoomErrors {
   DepthNoise depth = DepthNoise::structured_light();
-  double pose_shift = 0.0;  ///< sigma an axis of the error of each frame's stated position, metres
-  double pose_turn = 0.0;   ///< sigma an axis of the error of its stated direction, radians
+  SequenceErrors sequence{};
+};
+
+/// How the camera goes through the room.
+enum class RoomWalk {
+  round,  ///< one round near the middle, looking outwards; 640 x 480 pixels
+  wide,   ///< along the walls and past the things, each seen from several sides; slanted boards stand in the
+          ///< room; 320 x 240 pixels, 2 s from frame to frame
 };
 
 /// A furnished room of 5 x 4 x 2.6 m, seen by a depth camera that walks round it: generated frames with exact
@@ -28,17 +34,21 @@ class FurnishedRoom {
   ///        (sigma = 1.2 mm + 1.9 mm/m^2 * range^2; Nguyen et al. 2012), 0 none.
   FurnishedRoom(std::size_t frames, std::uint64_t seed, double noise);
   /// The same walk with a camera's other errors as well.
-  FurnishedRoom(std::size_t frames, std::uint64_t seed, const RoomErrors& errors);
+  FurnishedRoom(std::size_t frames, std::uint64_t seed, const RoomErrors& errors,
+                RoomWalk walk = RoomWalk::round);
 
   std::size_t frames() const { return scene_.depth->map_from_sensor.size(); }
   const SceneDepth& camera() const { return *scene_.depth; }
 
-  /// Frame `index`: 640 x 480 pixels less those without return, sensor frame (x forward, y left, z up).
+  /// Frame `index`: all pixels less those without return, sensor frame (x forward, y left, z up).
   /// Its pose is the stated one, wrong by the pose errors asked for.
   CloudFrame frame(std::size_t index) const;
 
+  /// The frames in the order in which they arrive (see deliver_depth), with their stated poses.
+  const std::vector<Delivery>& deliveries() const { return deliveries_; }
+
   /// The pose that frame `index` comes with: the camera's own, wrong by the pose errors asked for.
-  Eigen::Isometry3d stated_pose(std::size_t index) const;
+  const Eigen::Isometry3d& stated_pose(std::size_t index) const { return stated_.at(index); }
 
   /// Where the ray of frame `index` through `direction` (sensor frame, unit length) truly meets something:
   /// the range, infinite for nowhere, and the normal in the map frame. From the true pose.
@@ -52,9 +62,12 @@ class FurnishedRoom {
   const std::vector<Surface>& surfaces() const { return surfaces_; }
 
  private:
+  void state_poses();
+
   Scene scene_;
   std::uint64_t seed_;
-  std::optional<RoomErrors> errors_;
+  std::vector<Eigen::Isometry3d> stated_;  ///< of each frame
+  std::vector<Delivery> deliveries_;
   std::vector<Surface> surfaces_;
 };
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "datasets/descriptions/probe_motion.hpp"
-#include "datasets/simulation/depth_renderer.hpp"
+#include "datasets/simulation/delivered_depth.hpp"
 #include "datasets/simulation/image_renderer.hpp"
 #include "datasets/simulation/probe_surfaces.hpp"
 #include "datasets/simulation/truth.hpp"
@@ -15,7 +15,7 @@
 namespace clearway {
 namespace {
 
-constexpr double depth_interval = 0.1;  // s between depth images
+constexpr double after_copies = 0.1;  // s until the first image of our own
 constexpr int exposure_steps = 5;
 
 class Simulation {
@@ -96,21 +96,23 @@ void Simulation::copy_frames(const SceneInclude& include) {
   if (result_.included_frames == 0)
     throw std::invalid_argument("recording '" + include.recording.string() +
                                 "' has no frame to include; expected clouds or images of the named sensors.");
-  time_ += depth_interval;
+  time_ += after_copies;
 }
 
 void Simulation::record_depth() {
   const std::vector<Surface> surfaces(scene_.shapes.begin(), scene_.shapes.end());
-  const size_t count = scene_.depth->map_from_sensor.size();
-  for (size_t i = 0; i < count; ++i) {
-    DepthImage image = render_depth(*scene_.depth, i, surfaces, scene_.seed);
-    count_whole_steps(image);
-    writer_.write(time_, "depth", image);
-    truth_.add_depth(time_, image.world_from_sensor);
-    time_ += depth_interval;
+  const SceneDepth& depth = *scene_.depth;
+  const std::vector<Delivery> deliveries = deliver_depth(depth, scene_.seed);
+  for (const Delivery& delivery : deliveries) {
+    DepthImage image = photograph_depth(depth, delivery.image, surfaces, scene_.seed);
+    const Eigen::Isometry3d true_pose = image.world_from_sensor;
+    image.world_from_sensor = delivery.map_from_sensor;
+    writer_.write(time_ + delivery.time, "depth", image);
+    truth_.add_depth(time_ + delivery.time, true_pose);
     ++result_.depth_images;
-    tell(0.1 * static_cast<double>(i + 1) / static_cast<double>(count));
+    tell(0.1 * static_cast<double>(result_.depth_images) / static_cast<double>(deliveries.size()));
   }
+  time_ += static_cast<double>(depth.map_from_sensor.size() * depth.passes) * depth.interval;
 }
 
 void Simulation::record_images() {

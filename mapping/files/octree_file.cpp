@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
 constexpr std::string_view integration_comment = "# clearway integration ";
+constexpr std::string_view agreement_comment = "# clearway hits_called_free ";
 constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
 constexpr std::string_view painted_comment = "# clearway painted ";
 constexpr std::string_view seen_comment = "# clearway seen_bytes ";
@@ -83,6 +84,21 @@ void restore_damage(FusedTree& tree, std::string_view header, const std::filesys
   tree.set_records_before_damage(records);
 }
 
+/// Two counts: hits called free, and hits looked up.
+void restore_agreement(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, agreement_comment);
+  if (text.empty()) return;
+  ScanAgreement agreement;
+  const char* const last = text.data() + text.size();
+  const auto free = std::from_chars(text.data(), last, agreement.called_free);
+  const bool has_second = free.ec == std::errc() && std::string_view(free.ptr, last).starts_with(" of ");
+  const auto all = has_second ? std::from_chars(free.ptr + 4, last, agreement.looked_up) : free;
+  if (!has_second || all.ec != std::errc() || *all.ptr != '\n' || agreement.called_free > agreement.looked_up)
+    throw DamagedFile("'" + file.string() +
+                      "' is damaged: its header does not say how many hits the map called free");
+  tree.add_agreement(agreement);
+}
+
 }  // namespace
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
@@ -95,6 +111,8 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   std::ostringstream rest;
   rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
   rest << integration_comment << to_string(tree.integration()) << "\n";
+  if (const ScanAgreement& agreement = tree.agreement(); agreement.looked_up > 0)
+    rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";
   if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
@@ -119,6 +137,7 @@ OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& 
   restore_threshold(*tree, checked.header, file);
   restore_integration(*tree, checked.header, file);
   restore_damage(*tree, checked.header, file);
+  restore_agreement(*tree, checked.header, file);
   return {tree, parse_painted(comments(checked.header, painted_comment), file), true, seen};
 }
 

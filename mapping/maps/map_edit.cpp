@@ -114,6 +114,7 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
   for (std::size_t v = places.size(); v < 16; ++v) places.push_back(v);  // of a bare tree: as they are
   const auto tree = empty_like(first, map.resolution());
   tree->set_integration(of_both(first.integration(), second.integration()));
+  tree->add_agreement(second.agreement());
   if (const auto records = second.records_before_damage())
     tree->set_records_before_damage(*records + first.records_before_damage().value_or(0));
   visit_leaf_pairs(first, second, [&](const FusedNode* a, const FusedNode* b, const CellCube& cube) {

@@ -20,60 +20,78 @@ RayWorkspace& RayWorkspace::operator=(RayWorkspace&&) noexcept = default;
 
 namespace {
 
-/// The cells that a window covers, and whether all rays stay in it.
-struct Coverage {
+/// Rays whose cells, from the origin on, lie in one box; a window over it fits.
+struct RayGroup {
   Eigen::AlignedBox3i box;
-  bool whole;
+  std::vector<RayEnd> ends;
+};
+
+/// The rays in groups, each with a window that fits, and those too long for any.
+struct RayGroups {
+  std::vector<RayGroup> groups;
+  std::vector<RayEnd> far;
 };
 
 /// The box of the origin and of all ends.
-Eigen::AlignedBox3f box_of(const ScanRays& rays, std::size_t workers) {
-  std::vector<Eigen::AlignedBox3f> boxes(workers, Eigen::AlignedBox3f(rays.origin));
+Eigen::AlignedBox3f box_of(const Eigen::Vector3f& origin, const std::vector<RayEnd>& ends,
+                           std::size_t workers) {
+  std::vector<Eigen::AlignedBox3f> boxes(workers, Eigen::AlignedBox3f(origin));
   parallel(workers, [&](std::size_t worker) {
     Eigen::AlignedBox3f box = boxes[worker];
-    const std::size_t count = rays.ends.size(), last = count * (worker + 1) / workers;
-    for (std::size_t i = count * worker / workers; i < last; ++i) box.extend(rays.ends[i].point);
+    const std::size_t count = ends.size(), last = count * (worker + 1) / workers;
+    for (std::size_t i = count * worker / workers; i < last; ++i) box.extend(ends[i].point);
     boxes[worker] = box;
   });
   for (const Eigen::AlignedBox3f& box : boxes) boxes[0].extend(box);
   return boxes[0];
 }
 
-/// All cells that the rays cross, when that fits; else those of the rays that end near the origin.
-Coverage choose_coverage(const RayStarter& starter, const Eigen::AlignedBox3f& points,
-                         const std::vector<RayEnd>& ends) {
-  const Eigen::AlignedBox3i all(starter.cell(points.min()),
-                                starter.cell(points.max()));  // cells grow with coordinates
-  if (RayWindow::bytes_of(all) <= RayWindow::most_cells) return {all, true};
-  const Eigen::Vector3i& origin = starter.origin_cell();
-  for (int reach = 32768;; reach /= 2) {
-    const Eigen::AlignedBox3i near(origin.array() - reach, origin.array() + reach);
-    Eigen::AlignedBox3i box(origin);
-    for (const RayEnd& ray : ends) {
-      const Eigen::Vector3i cell = starter.cell(ray.point);
-      if (near.contains(cell)) box.extend(cell);
-    }
-    if (RayWindow::bytes_of(box) <= RayWindow::most_cells) return {box, false};
-  }
+Eigen::AlignedBox3i cells_of(const RayStarter& starter, const Eigen::AlignedBox3f& points) {
+  return {starter.cell(points.min()), starter.cell(points.max())};  // cells grow with coordinates
 }
 
-/// Rays that leave the window, one by one into the grid.
-void cast_far_rays(const RayStarter& starter, const std::vector<RayEnd>& ends, const Eigen::AlignedBox3i& box,
-                   ScanGrid& grid) {
+/// Splits the rays until a window over each group fits: by the sides of the origin on which they end, widest
+/// axis first; then into those that end within half the box's reach and those beyond.
+void split(const RayStarter& starter, std::vector<RayEnd> ends, RayGroups& result) {
+  if (ends.empty()) return;
+  const Eigen::AlignedBox3i box = cells_of(starter, box_of(starter.origin(), ends, 1));
+  if (RayWindow::bytes_of(box) <= RayWindow::most_cells) {
+    result.groups.push_back({box, std::move(ends)});
+    return;
+  }
+  const Eigen::Array3i before = (starter.origin_cell() - box.min()).array();
+  const Eigen::Array3i behind = (box.max() - starter.origin_cell()).array();
+  int axis = 0;
+  const int narrower = before.min(behind).maxCoeff(&axis);
+  const int reach = before.max(behind).maxCoeff();
+  const auto is_first = [&](const RayEnd& ray) {
+    if (narrower > RayWindow::margin) return ray.point[axis] < starter.origin()[axis];
+    return ((starter.cell(ray.point) - starter.origin_cell()).array().abs() <= reach / 2).all();
+  };
+  const auto middle = std::stable_partition(ends.begin(), ends.end(), is_first);
+  std::vector<RayEnd> rest(middle, ends.end());
+  ends.erase(middle, ends.end());
+  split(starter, std::move(ends), result);
+  if (narrower > RayWindow::margin) return split(starter, std::move(rest), result);
+  result.far.insert(result.far.end(), rest.begin(), rest.end());
+}
+
+/// Rays that fit in no window, one by one into the grid.
+void cast_far_rays(const RayStarter& starter, const std::vector<RayEnd>& ends, ScanGrid& grid) {
   for (const RayEnd& ray : ends) {
-    if (box.contains(starter.cell(ray.point))) continue;
+    if (starter.cell(ray.point) == starter.origin_cell()) continue;
     grid.set_free(starter.origin_cell());
     walk_ray(starter.start(ray), [&](const Eigen::Vector3i& cell) { grid.set_free(cell); });
   }
 }
 
-/// Rays first..last of those that end in `box`, through the window.
-void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd* last,
-                    const Coverage& coverage, InstructionSet set, RayWindow& window) {
+/// Rays first..last, through a window that holds all of them.
+void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd* last, InstructionSet set,
+                    RayWindow& window) {
   if (set == InstructionSet::portable) {
     for (; first != last; ++first) {
       const Eigen::Vector3i cell = starter.cell(first->point);
-      if (cell == starter.origin_cell() || !coverage.box.contains(cell)) continue;
+      if (cell == starter.origin_cell()) continue;
       window.cells()[window.index(starter.origin_cell())] = 1;
       walk_ray(starter.start(*first),
                [&](const Eigen::Vector3i& at) { window.cells()[window.index(at)] = 1; });
@@ -84,8 +102,7 @@ void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd
   std::array<RayEnd, RayPack::size> batch;
   while (first != last) {
     std::size_t count = 0;
-    for (; first != last && count < batch.size(); ++first)
-      if (coverage.whole || coverage.box.contains(starter.cell(first->point))) batch[count++] = *first;
+    for (; first != last && count < batch.size(); ++first) batch[count++] = *first;
     std::fill(batch.begin() + static_cast<std::ptrdiff_t>(count), batch.end(), RayEnd{starter.origin()});
     fill_pack(starter, window, batch, set, pack);
     if (pack.active == 0) continue;
@@ -125,6 +142,30 @@ void collect_tiles(std::vector<RayWindow>& windows, const Eigen::Vector3i& corne
   }
 }
 
+/// All rays of one group into the grid.
+void cast_group(const RayStarter& starter, const Eigen::AlignedBox3i& box, const std::vector<RayEnd>& ends,
+                InstructionSet set, std::vector<RayWindow>& windows, ScanGrid& grid) {
+  constexpr std::size_t portion = 1024;  // rays
+  std::atomic<std::size_t> next{0};
+  parallel(windows.size(), [&](std::size_t worker) {
+    windows[worker].cover(box);
+    const std::size_t count = ends.size();
+    for (std::size_t i = next.fetch_add(portion); i < count; i = next.fetch_add(portion))
+      cast_near_rays(starter, ends.data() + i, ends.data() + std::min(i + portion, count), set,
+                     windows[worker]);
+  });
+  std::mutex guard;
+  const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);
+  std::atomic<int> next_pair{0};
+  parallel(windows.size(), [&](std::size_t) {
+    for (int i = next_pair++; i < tiles.prod(); i = next_pair++) {
+      const Eigen::Vector3i place(i % tiles.x(), i / tiles.x() % tiles.y(), i / tiles.x() / tiles.y());
+      collect_tiles(windows, windows[0].corner() + place.cwiseProduct(Eigen::Vector3i(64, 32, 32)), set,
+                    guard, grid);
+    }
+  });
+}
+
 }  // namespace
 
 void cast_rays(const ScanRays& rays, double resolution, int threads, InstructionSet set,
@@ -132,29 +173,15 @@ void cast_rays(const ScanRays& rays, double resolution, int threads, Instruction
   if (rays.ends.empty()) return;
   const RayStarter starter(rays.origin, resolution);
   const auto workers = static_cast<std::size_t>(threads);
-  const Coverage coverage = choose_coverage(starter, box_of(rays, workers), rays.ends);
   std::vector<RayWindow>& windows = workspace.windows().of_thread;
   windows.resize(workers);
-  constexpr std::size_t portion = 1024;  // rays
-  std::atomic<std::size_t> next{0};
-  parallel(workers, [&](std::size_t worker) {
-    windows[worker].cover(coverage.box);
-    const RayEnd* const ends = rays.ends.data();
-    const std::size_t count = rays.ends.size();
-    for (std::size_t i = next.fetch_add(portion); i < count; i = next.fetch_add(portion))
-      cast_near_rays(starter, ends + i, ends + std::min(i + portion, count), coverage, set, windows[worker]);
-  });
-  std::mutex guard;
-  const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);
-  std::atomic<int> next_pair{0};
-  parallel(workers, [&](std::size_t) {
-    for (int i = next_pair++; i < tiles.prod(); i = next_pair++) {
-      const Eigen::Vector3i place(i % tiles.x(), i / tiles.x() % tiles.y(), i / tiles.x() / tiles.y());
-      collect_tiles(windows, windows[0].corner() + place.cwiseProduct(Eigen::Vector3i(64, 32, 32)), set,
-                    guard, grid);
-    }
-  });
-  if (!coverage.whole) cast_far_rays(starter, rays.ends, coverage.box, grid);
+  const Eigen::AlignedBox3i all = cells_of(starter, box_of(rays.origin, rays.ends, workers));
+  if (RayWindow::bytes_of(all) <= RayWindow::most_cells)
+    return cast_group(starter, all, rays.ends, set, windows, grid);
+  RayGroups parts;
+  split(starter, rays.ends, parts);
+  for (const RayGroup& group : parts.groups) cast_group(starter, group.box, group.ends, set, windows, grid);
+  cast_far_rays(starter, parts.far, grid);
 }
 
 }  // namespace clearway

@@ -121,6 +121,13 @@ struct Grower {
     return any != 0;
   }
 
+  void put_into(std::array<std::uint64_t, ScanTile::words>& bits) const {
+    constexpr std::uint8_t middle = 13;
+    for (std::size_t i = 0; i < origins.size(); ++i) {
+      if (origins[i].tile == middle) bits[origins[i].word] = cells[pad + i];
+    }
+  }
+
   void take_out(std::array<std::uint64_t, ScanTile::words>& bits) const {
     constexpr std::uint8_t middle = 13;
     for (std::size_t i = 0; i < origins.size(); ++i) {
@@ -131,9 +138,13 @@ struct Grower {
 
 void spare(const ScanGrid& grid, const SurfaceMargins& margins, ScanTile& tile, Grower& grower) {
   tile.clear = tile.free;
+  if (margins.notes_spared) tile.spared.fill(0);
   const auto is_zero = [](std::uint64_t word) { return word == 0; };
-  if (std::all_of(tile.free.begin(), tile.free.end(), is_zero) || !grower.gather(grid, tile)) return;
+  const bool frees = !std::all_of(tile.free.begin(), tile.free.end(), is_zero);
+  if ((!frees && !margins.notes_spared) || !grower.gather(grid, tile)) return;
   for (const GrowthStep step : margins.spared) grower.grow(step);
+  if (margins.notes_spared) grower.put_into(tile.spared);
+  if (!frees) return;
   if (!margins.spared.empty()) grower.take_out(tile.free);
   for (const GrowthStep step : margins.unclear) grower.grow(step);
   grower.take_out(tile.clear);

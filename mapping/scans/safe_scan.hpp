@@ -27,10 +27,12 @@ std::vector<GrowthStep> clear_growth_of(double band, double resolution);
 struct SurfaceMargins {
   std::vector<GrowthStep> spared;   ///< around a hit: nothing is freed
   std::vector<GrowthStep> unclear;  ///< around what is spared: free, but not seen clearly
+  bool notes_spared = false;        ///< fills ScanTile::spared
 };
 
 /// Takes every cell within the spared neighbourhood of an occupied cell out of `grid`'s free cells: a scan's
 /// hit beats its misses around it. Sets `clear` to those free cells that lie beyond the unclear one, too.
+/// With `notes_spared` it sets `spared` to all cells within the spared neighbourhood.
 /// Occupied cells and their bits stay as they are. Bit-parallel: a few operations for 64 cells.
 /// @param threads >= 1; the result does not depend on it.
 void spare_surfaces(ScanGrid& grid, const SurfaceMargins& margins, int threads);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/scans/compare_hits.hpp"
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"
 #include "mapping/scans/scan_filter.hpp"
@@ -182,17 +183,36 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   return workspace.chosen;
 }
 
+namespace {
+
+/// Hits that count as called free before the first scan, so that a map is in doubt until it has shown better.
+constexpr double first_doubts = 5.0;
+
+/// What of the rays counts, beside what the scan hits and what the map knows.
+void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedCells* contested,
+                     ScanGrid& grid) {
+  const SafeMargins& margins = insertion.margins;
+  const double resolution = tree.getResolution();
+  const ScanAgreement& agreement = tree.agreement();
+  const bool is_in_doubt = static_cast<double>(agreement.called_free) + first_doubts >
+                           margins.most_called_free * static_cast<double>(agreement.looked_up);
+  const bool weighs = contested != nullptr && margins.most_called_free < 1.0 && is_in_doubt;
+  spare_surfaces(grid,
+                 {growth_of(margins.band, resolution), clear_growth_of(margins.band, resolution), weighs},
+                 insertion.threads);
+  if (weighs) contested->weigh(tree, grid, insertion.threads);
+}
+
+}  // namespace
+
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
-                       const ScanInsertion& insertion, ScanWorkspace& workspace) {
+                       const ScanInsertion& insertion, ScanWorkspace& workspace, ContestedCells* contested) {
   ScanCounts counts;
   const ScanRays& rays = choose_rays(tree, scan, filter, insertion, workspace, counts);
+  tree.add_agreement(compare_hits(tree, workspace.grid));
   cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
             workspace.grid);
-  if (insertion.integration == Integration::safe) {
-    const double band = insertion.margins.band, resolution = tree.getResolution();
-    spare_surfaces(workspace.grid, {growth_of(band, resolution), clear_growth_of(band, resolution)},
-                   insertion.threads);
-  }
+  if (insertion.integration == Integration::safe) spare_and_weigh(tree, insertion, contested, workspace.grid);
   tree.update(workspace.grid, insertion.integration, insertion.threads);
   return counts;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mapping/scans/contested_cells.hpp"
 #include "mapping/scans/ray_cast.hpp"
 #include "mapping/scans/safe_margins.hpp"
 #include "mapping/scans/scan.hpp"
@@ -47,10 +48,13 @@ struct ScanWorkspace {
 /// and a voxel in which any ray ends is occupied even where others pass (as computeUpdate). A point beyond
 /// max_range frees its ray up to that range and sets no hit. In safe integration the hits are the same and a
 /// subset is freed: rays that hit end early by margins.trim(length), and nothing is freed within the band
-/// around this scan's hits (see SafeMargins).
+/// around this scan's hits (see SafeMargins). The tree learns how far the scan agrees with it
+/// (FusedTree::agreement).
+/// @param contested the evidence of the scans before about contested voxels; null: none is weighed.
 /// @throws std::invalid_argument for a filter that makes no sense (see filter_points).
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
-                       const ScanInsertion& insertion, ScanWorkspace& workspace);
+                       const ScanInsertion& insertion, ScanWorkspace& workspace,
+                       ContestedCells* contested = nullptr);
 
 /// The first half of insert_scan: which rays to cast, and the end voxels, set occupied in `workspace.grid`
 /// (cleared before). Then follow cast_rays, in safe integration spare_surfaces, and FusedTree::update.

@@ -56,6 +56,11 @@ class FusedNode : public octomap::OcTreeNode {
   void remove_paint(std::uint16_t volumes) { painted_ = static_cast<std::uint16_t>(painted_ & ~volumes); }
   /// Back to what a new node knows: neither observed nor painted.
   void forget();
+  /// Back to never observed; the paint stays.
+  void unobserve() {
+    value = unobserved_log_odds;
+    observed_ = 0;
+  }
   /// Marks as observed; the first time log-odds start from 0.
   void observe();
   void observe(float log_odds);

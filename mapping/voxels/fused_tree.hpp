@@ -12,6 +12,7 @@
 
 #include "mapping/voxels/fused_node.hpp"
 #include "mapping/voxels/integration.hpp"
+#include "mapping/voxels/scan_agreement.hpp"
 #include "mapping/voxels/sphere.hpp"
 #include "mapping/voxels/voxel_state.hpp"
 
@@ -97,6 +98,14 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// @param threads >= 1; the result does not depend on it.
   void update(ScanGrid& grid, Integration integration = Integration::compatible, int threads = 1);
 
+  /// Makes one observed voxel unknown again; its paint stays. Prunes and updates the nodes above.
+  /// Precondition: something is stored there.
+  void take_back(const Eigen::Vector3i& cell);
+
+  /// How the scans agreed with the map before them. A copy has it, too.
+  const ScanAgreement& agreement() const { return agreement_; }
+  void add_agreement(const ScanAgreement& more) { agreement_.add(more); }
+
   /// Which integration the scans in it came by; update() keeps it. A copy has it, too.
   MapIntegration integration() const { return integration_; }
   void set_integration(MapIntegration integration) { integration_ = integration; }
@@ -138,6 +147,7 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   struct Brush;
   class ScanUpdate;
   MapIntegration integration_ = MapIntegration::none;
+  ScanAgreement agreement_;
 
   void release_root();
   FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
@@ -146,6 +156,7 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   struct Repainting;
   void repaint_cube(FusedNode& node, bool just_created, const Repainting& work);
   void repaint_all(FusedNode& node, bool paint, const CellCube& cube, const Repainting& work);
+  void take_back_below(FusedNode& node, int level, const Eigen::Vector3i& cell);
   bool may_be_painted(const FusedNode& node, unsigned index, bool just_created, std::uint16_t bit) const;
   void remove_child(FusedNode& node, unsigned index);
 

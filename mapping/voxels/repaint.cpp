@@ -104,6 +104,24 @@ bool FusedTree::may_be_painted(const FusedNode& node, unsigned index, bool just_
   return nodeChildExists(&node, index);
 }
 
+void FusedTree::take_back(const Eigen::Vector3i& cell) {
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  take_back_below(top, static_cast<int>(tree_depth), cell);
+  if (nothing_known(top)) release_root();
+}
+
+void FusedTree::take_back_below(FusedNode& node, int level, const Eigen::Vector3i& cell) {
+  if (level == 0) return node.unobserve();
+  const auto upper = [&](int axis) { return static_cast<unsigned>(cell[axis] + 32768) >> (level - 1) & 1U; };
+  const unsigned index = upper(0) | upper(1) << 1U | upper(2) << 2U;
+  bool created = false;
+  FusedNode& child = child_for_writing(node, index, false, created);
+  take_back_below(child, level - 1, cell);
+  if (nothing_known(child)) remove_child(node, index);
+  if (node.has_children() && !pruneNode(&node)) node.updateOccupancyChildren();
+}
+
 /// Takes a leaf away, and the child array with the last one.
 void FusedTree::remove_child(FusedNode& node, unsigned index) {
   FusedNode::release(static_cast<FusedNode*>(node.children[index]));

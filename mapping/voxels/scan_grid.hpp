@@ -22,6 +22,8 @@ struct ScanTile {
   /// Which free cells the scan saw through clearly: nothing was hit near them. Only spare_surfaces fills it,
   /// for every tile; before, it holds anything.
   std::array<std::uint64_t, words> clear{};
+  /// Cells near a hit, hits included, in which nothing is freed. Only spare_surfaces fills it, when asked to.
+  std::array<std::uint64_t, words> spared{};
 
   /// Position of a cell's bit in octree order, 0..32767: word `bit >> 6`, bit `bit & 63` of it. Only the
   /// cell's position within its tile counts.

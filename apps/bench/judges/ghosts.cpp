@@ -111,8 +111,8 @@ Json watch_ghosts(const RoomErrors& errors, double resolution) {
     }
   }
   return {{"resolution", resolution},
-          {"pose_shift", errors.pose_shift},
-          {"pose_turn", errors.pose_turn},
+          {"pose_shift", errors.sequence.pose_shift},
+          {"pose_turn", errors.sequence.pose_turn},
           {"looks", looks},
           {"rays", rays},
           {"all", all.json(rays)},

@@ -105,6 +105,35 @@ HeldOutSequence hold_out(const FurnishedRoom& room, const std::vector<CloudFrame
   return sequence;
 }
 
+HeldOutSequence hold_out_wide(const FurnishedRoom& room) {
+  HeldOutSequence sequence;
+  sequence.source = "generated room, wide views; normals: truth";
+  sequence.max_range = room.camera().max_range;
+  std::size_t arrived = 0;
+  for (const Delivery& delivery : room.deliveries()) {
+    Scan scan = scan_of(room.frame(delivery.image));
+    scan.map_from_sensor = delivery.map_from_sensor;
+    if (arrived++ % 2 == 0) {
+      sequence.scans.push_back(std::move(scan));
+      continue;
+    }
+    const Eigen::Isometry3d& truth =
+        room.camera().map_from_sensor[delivery.image % room.camera().map_from_sensor.size()];
+    for (std::size_t i = arrived % judged_every; i < scan.points.size(); i += judged_every) {
+      const Eigen::Vector3d point = scan.points[i].cast<double>(), ray = point.normalized();
+      const Hit hit = room.truth(delivery.image, ray);
+      if (!std::isfinite(hit.along)) continue;
+      HeldOutPoint held;
+      held.measured = scan.map_from_sensor * point;
+      held.exact = truth * (hit.along * ray);
+      held.before = *held.exact + 0.05 * hit.normal;
+      held.grazing = std::abs(hit.normal.dot(truth.linear() * ray)) < 0.5;
+      sequence.held_out.push_back(held);
+    }
+  }
+  return sequence;
+}
+
 HeldOutSequence hold_out(const std::filesystem::path& recording, std::size_t frames) {
   std::size_t clouds = 0;
   for (RecordingReader counter(recording); const auto frame = counter.next();) {

@@ -15,7 +15,8 @@ namespace clearway::bench {
 struct HeldOutPoint {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> exact;  ///< where the ray truly met the surface, when that is known
-  bool grazing = false;                  ///< more than 70 degrees between ray and surface normal
+  bool grazing = false;  ///< ray and surface normal enclose more than 70 degrees, or 60 (wide)
+  std::optional<Eigen::Vector3d> before{};  ///< 5 cm before the surface along its normal, when that is known
 };
 
 /// A sequence of scans, every other one held out.
@@ -29,6 +30,9 @@ struct HeldOutSequence {
 /// Every other frame of the generated room. Normals and exact points are the room's own.
 /// @param exact_poses ignore the pose errors of the room.
 HeldOutSequence hold_out(const FurnishedRoom& room, const std::vector<CloudFrame>& frames, bool exact_poses);
+
+/// Every other frame that the room delivers, as it comes. Normals and points are the room's own.
+HeldOutSequence hold_out_wide(const FurnishedRoom& room);
 
 /// Every other cloud of a recording, at most `frames` of them spread evenly. The normal of a point is that of
 /// the plane fitted (least squares) to its neighbours in the sensor's field of view, within 3 cm or 4 sigma

@@ -26,7 +26,8 @@ double patch_value(const RandomNumbers& numbers, const Eigen::Vector3d& at) {
 
 std::vector<NoiseLaw> noise_laws(double pose_shift, double pose_turn) {
   const auto scaled = [&](double scale) {
-    RoomErrors errors{DepthNoise::structured_light(), pose_shift, pose_turn};
+    RoomErrors errors;
+    errors.sequence = {.pose_shift = pose_shift, .pose_turn = pose_turn};
     errors.depth.range_scale = scale;
     return errors;
   };

@@ -118,6 +118,18 @@ TEST(RayCast, FewFarRaysPassOctoMapsVoxelsToo) {
   expect_stock_cells(rays, 0.01, workspace);
 }
 
+TEST(RayCast, ADepthFramePassesOctoMapsVoxelsOnBothSidesOfTheLargestWindow) {
+  RayWorkspace workspace;
+  Dice dice(17);
+  ScanRays rays{Eigen::Vector3f(0.31F, -0.12F, 1.05F), {}};
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d way(1.0, dice.uniform(-0.6, 0.6), dice.uniform(-0.45, 0.45));
+    const double range = i == 0 ? 9.0 : dice.uniform(0.5, 4.0);  // the first fits no window of its own group
+    rays.ends.push_back({rays.origin + (range * way).cast<float>()});
+  }
+  for (const double resolution : {0.012, 0.005}) expect_stock_cells(rays, resolution, workspace);
+}
+
 TEST(RayCast, RaysAtTheBordersOfTheTreePassOctoMapsVoxels) {
   RayWorkspace workspace;
   ScanRays rays;
