@@ -262,7 +262,7 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       {"check", add_check(app, console)},       {"gate", add_gate(app, console)},
       {"inspect", add_inspect(app, console)},   {"compare", add_compare(app, console)},
       {"simulate", add_simulate(app, console)}, {"track", add_track(app, console)},
-      {"tags", add_tags(app, console)},
+      {"tags", add_tags(app, console)},         {"calibrate", add_calibrate(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);
