@@ -28,6 +28,36 @@ double farthest_move(const std::vector<Eigen::Isometry3d>& base_from_probe, cons
   return most;
 }
 
+/// Covariances of a point by each source of error; `widest` is how far the poses' limits move it.
+CenterBound added_up(const Eigen::Matrix3d& noise, const Eigen::Matrix3d& camera, const Eigen::Matrix3d& tags,
+                     const Eigen::Matrix3d& edges, double widest, int freedom) {
+  const double of_noise = confidence_factor(freedom);
+  const double of_model = confidence_factor(1000000);
+  CenterBound bound;
+  bound.noise = of_noise * largest_sigma(noise);
+  bound.camera = of_model * largest_sigma(camera);
+  bound.tags = of_model * largest_sigma(tags);
+  bound.edges = of_model * largest_sigma(edges);
+  const double linear =
+      largest_sigma(of_noise * of_noise * noise + of_model * of_model * (camera + tags + edges));
+  bound.tilt = std::sqrt(std::max(0.0, widest * widest - bound.noise * bound.noise));
+  bound.total = std::hypot(linear, bound.tilt);
+  return bound;
+}
+
+/// Of a point that the pose alone moves, by `by_motion`; `limits` are the places it may have.
+CenterBound of_one_body(const BodyPose& body, const Matrix36& by_motion,
+                        const std::vector<Eigen::Isometry3d>& limits, const Eigen::Vector3d& point,
+                        const Eigen::Vector3d& found, int noise_freedom) {
+  const auto carried = [&](const Matrix6d& of_pose) -> Eigen::Matrix3d {
+    return by_motion * of_pose * by_motion.transpose();
+  };
+  const auto by_camera = (by_motion * body.errors.by_camera).eval();
+  return added_up(carried(body.errors.noise), by_camera * by_camera.transpose(), carried(body.errors.tags),
+                  carried(body.errors.edges), farthest_move(limits, point, found),
+                  noise_freedom + body.freedom);
+}
+
 }  // namespace
 
 CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_base, bool is_mean,
@@ -47,19 +77,8 @@ CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_
               : base.errors.noise;
   const Eigen::Matrix3d noise = carried(base_noise, probe.errors.noise);
   const auto by_camera = (by_base * base.errors.by_camera + by_probe * probe.errors.by_camera).eval();
-  const Eigen::Matrix3d camera = by_camera * by_camera.transpose();
   const Eigen::Matrix3d tags = carried(base.errors.tags, probe.errors.tags);
   const Eigen::Matrix3d edges = carried(base.errors.edges, probe.errors.edges);
-
-  const double of_noise = confidence_factor(noise_freedom + std::min(base.freedom, probe.freedom));
-  const double of_model = confidence_factor(1000000);
-  CenterBound bound;
-  bound.noise = of_noise * largest_sigma(noise);
-  bound.camera = of_model * largest_sigma(camera);
-  bound.tags = of_model * largest_sigma(tags);
-  bound.edges = of_model * largest_sigma(edges);
-  const double linear =
-      largest_sigma(of_noise * of_noise * noise + of_model * of_model * (camera + tags + edges));
 
   std::vector<Eigen::Isometry3d> turned;
   for (const Eigen::Isometry3d& limit : probe.limits) turned.push_back(base_from_camera * limit);
@@ -68,9 +87,22 @@ CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_
   if (!is_mean)
     for (const Eigen::Isometry3d& limit : base.limits) turned.push_back(limit.inverse() * camera_from_probe);
   const double widest = std::hypot(by_probe_turned, farthest_move(turned, ball, center));
-  bound.tilt = std::sqrt(std::max(0.0, widest * widest - bound.noise * bound.noise));
-  bound.total = std::hypot(linear, bound.tilt);
-  return bound;
+  return added_up(noise, by_camera * by_camera.transpose(), tags, edges, widest,
+                  noise_freedom + std::min(base.freedom, probe.freedom));
+}
+
+CenterBound bound_point(const BodyPose& body, const Eigen::Vector3d& point, int noise_freedom) {
+  const Eigen::Isometry3d& pose = body.camera_from_body.pose;
+  return of_one_body(body, pose.linear() * point_by_motion(point), body.limits, point, pose * point,
+                     noise_freedom);
+}
+
+CenterBound bound_camera(const BodyPose& body, int noise_freedom) {
+  const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d camera = body.camera_from_body.pose.inverse() * origin;
+  std::vector<Eigen::Isometry3d> limits;
+  for (const Eigen::Isometry3d& limit : body.limits) limits.push_back(limit.inverse());
+  return of_one_body(body, -point_by_motion(camera), limits, origin, camera, noise_freedom);
 }
 
 }  // namespace clearway

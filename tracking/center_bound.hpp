@@ -4,9 +4,9 @@
 
 namespace clearway {
 
-/// How far the probe's ball may be from where it was painted, metres: in 99.9 % of cases, when the errors are
-/// what the setup states. The parts are bounds of their own; as independent errors they add up to `total` in
-/// squares or less.
+/// How far a point, such as the probe's ball, may be from where it was found, metres: in 99.9 % of cases,
+/// when the errors are what the setup states. The parts are bounds of their own; as independent errors they
+/// add up to `total` in squares or less.
 struct CenterBound {
   double total = 0.0;
   double noise = 0.0;   ///< of the corners, as large as the residuals show it
@@ -22,5 +22,11 @@ struct CenterBound {
 /// mean's. `noise_freedom` as in BodyPoseOptions.
 CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_base, bool is_mean,
                          const BodyPose& probe, const Eigen::Vector3d& ball, int noise_freedom);
+
+/// The same of a `point` of one body (metres, in its frame), seen from the camera.
+CenterBound bound_point(const BodyPose& body, const Eigen::Vector3d& point, int noise_freedom);
+
+/// The same of the camera's own place, seen from the body.
+CenterBound bound_camera(const BodyPose& body, int noise_freedom);
 
 }  // namespace clearway

@@ -236,6 +236,9 @@ std::optional<BodyPose> estimate_body_pose(const TagBody& body, const std::vecto
   }
   if (!pose) return std::nullopt;
   std::sort(pose->rejected.begin(), pose->rejected.end());
+  for (const SeenTag& tag : seen_tags(body, detections, 0.0))
+    if (!std::ranges::count(pose->tags, tag.id) && !std::ranges::count(pose->rejected, tag.id))
+      pose->oblique.push_back(tag.id);
   const double noise = std::hypot(options.pixel_noise * pose->noise_factor, options.edge_bias);
   pose->limits = tilt_limits(camera, all_corners(seen), pose->camera_from_body.pose, noise,
                              confidence_factor(options.noise_freedom + pose->freedom));

@@ -52,6 +52,7 @@ struct BodyPose {
   double rms_px = 0.0;        ///< root mean square reprojection error over all corners used
   std::vector<int> tags;      ///< ids used, rising
   std::vector<int> rejected;  ///< ids left out because the others contradict them, rising
+  std::vector<int> oblique;   ///< ids left out by `min_facing`, rising
 
   double chi_square = 0.0;    ///< the squared residuals that no stated error explains, over the stated noise
   int freedom = 0;            ///< its degrees of freedom: 2 for each corner used, less 6

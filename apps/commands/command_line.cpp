@@ -272,11 +272,12 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       ->check(CLI::IsMember({"bash", "zsh"}))
       ->type_name("SHELL");
   std::vector<std::pair<std::string, Command>> commands = {
-      {"replay", add_replay(app, console)},   {"plan", add_plan(app, console)},
-      {"check", add_check(app, console)},     {"gate", add_gate(app, console)},
-      {"inspect", add_inspect(app, console)}, {"compare", add_compare(app, console)},
-      {"import", add_import(app, console)},   {"simulate", add_simulate(app, console)},
-      {"track", add_track(app, console)},     {"tags", add_tags(app, console)},
+      {"replay", add_replay(app, console)},       {"plan", add_plan(app, console)},
+      {"check", add_check(app, console)},         {"gate", add_gate(app, console)},
+      {"inspect", add_inspect(app, console)},     {"compare", add_compare(app, console)},
+      {"import", add_import(app, console)},       {"simulate", add_simulate(app, console)},
+      {"track", add_track(app, console)},         {"tags", add_tags(app, console)},
+      {"calibrate", add_calibrate(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);

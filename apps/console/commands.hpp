@@ -66,6 +66,17 @@ struct TrackOptions {
 };
 int run_track(const TrackOptions& options, Console& console);
 
+/// A calibration from images of tags; `setup` names the boards.
+struct CalibrateOptions {
+  std::string what;  ///< camera, board or probe
+  std::filesystem::path source;
+  std::filesystem::path setup;
+  std::string body;           ///< the board's name; empty: the one that is seen most
+  std::filesystem::path out;  ///< copy of the setup with what was measured; empty: none
+  int threads = 0;            ///< for searching images; 0: as many as the machine has, at most 8
+};
+int run_calibrate(const CalibrateOptions& options, Console& console);
+
 struct PlanOptions {
   std::filesystem::path map;
   RobotChoice robot;

@@ -55,5 +55,6 @@ Command add_compare(CLI::App& app, Console& console);
 Command add_import(CLI::App& app, Console& console);
 Command add_gate(CLI::App& app, Console& console);
 Command add_track(CLI::App& app, Console& console);
+Command add_calibrate(CLI::App& app, Console& console);
 
 }  // namespace clearway

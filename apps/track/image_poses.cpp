@@ -34,6 +34,26 @@ std::vector<TagDetection> single_tags(const std::vector<TagDetection>& tags) {
   return single;
 }
 
+bool has(const std::vector<int>& ids, int id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
+
+/// The tags of `body` among `seen` that are not in its pose, and why. @param single those seen once
+std::vector<LeftOutTag> left_out(const TagBody& body, const BodyPose& pose,
+                                 const std::vector<TagDetection>& seen,
+                                 const std::vector<TagDetection>& single) {
+  std::vector<LeftOutTag> tags;
+  for (const TagDetection& tag : seen) {
+    if (!body.tags.contains(tag.id) || has(pose.tags, tag.id)) continue;
+    if (!tags.empty() && tags.back().id == tag.id) continue;  // a second of it
+    const bool is_single =
+        std::any_of(single.begin(), single.end(), [&](const TagDetection& one) { return one.id == tag.id; });
+    tags.push_back({tag.id, !is_single                   ? "seen_twice"
+                            : has(pose.rejected, tag.id) ? "contradicted"
+                            : has(pose.oblique, tag.id)  ? "oblique"
+                                                         : "contradicted_before"});
+  }
+  return tags;
+}
+
 ImagePose refused(ImagePose pose, const std::string& word, const std::string& reason) {
   pose.refusal = word;
   pose.reason = reason;
@@ -60,6 +80,7 @@ const ImagePose* ImagePoses::find(const std::string& kind, const std::string& na
 
 ImagePoseFinder::ImagePoseFinder(const Setup& setup) : setup_(setup), options_(tracking_options(setup)) {
   for (const BoardSetup& board : setup.boards) {
+    if (setup.probe && setup.probe->board == board.name) probe_ = bodies_.size();
     bodies_.push_back(tag_body(board));
     if (base_ == nullptr && board.map_from_board) base_ = &board;
   }
@@ -85,7 +106,7 @@ ImagePoses ImagePoseFinder::find(const Frame& frame, const ImageFrame& image,
     if (!session_) session_.emplace(tracking_setup(setup_, image), options_);
     const cv::Mat gray(poses.height, poses.width, CV_8UC1,
                        const_cast<std::uint8_t*>(image.image.pixels.data()));
-    add_ball(poses, session_->step(gray, single, frame.time).sample);
+    add_ball(poses, single, session_->step(gray, single, frame.time).sample);
   }
   return poses;
 }
@@ -96,6 +117,7 @@ ImagePose ImagePoseFinder::judged(const BodyPose& found, const std::string& kind
   const AcceptanceOptions& acceptance = options_.acceptance;
   ImagePose pose{
       kind, name, "camera", "", "", found.camera_from_body, found.rms_px, found.ambiguity_ratio, found.tags};
+  pose.bound = bound_point(found, Eigen::Vector3d::Zero(), options_.pose.noise_freedom);
   if (!is_explained(found, acceptance))
     return refused(std::move(pose), "reprojection_error",
                    "it reprojects with an rms error of " + significant(found.rms_px) +
@@ -127,7 +149,8 @@ void ImagePoseFinder::add_tags(ImagePoses& poses, const Camera& camera) const {
 }
 
 void ImagePoseFinder::add_bodies(ImagePoses& poses, const std::vector<TagDetection>& single,
-                                 const Camera& camera) const {
+                                 const Camera& camera) {
+  found_.clear();
   for (const TagBody& body : bodies_) {
     const ImagePose none{"body", body.name, "camera", "", "", {}, {}, 0.0, {}};
     const auto found = estimate_body_pose(body, single, camera, options_.pose);
@@ -135,6 +158,8 @@ void ImagePoseFinder::add_bodies(ImagePoses& poses, const std::vector<TagDetecti
     const bool is_seen = std::any_of(single.begin(), single.end(), has);
     if (found) {
       poses.poses.push_back(judged(*found, "body", body.name));
+      poses.poses.back().left_out = left_out(body, *found, poses.tags, single);
+      found_.emplace(body.name, *found);
     } else if (is_seen) {
       poses.poses.push_back(refused(none, "no_pose", "no pose explains the corners of its tags"));
     } else if (std::any_of(poses.tags.begin(), poses.tags.end(), has)) {
@@ -153,11 +178,16 @@ void ImagePoseFinder::add_map_poses(ImagePoses& poses) const {
   const UncertainPose map_from_base{*base_->map_from_board, Matrix6d::Zero()};
   ImagePose camera = in_map(seen_base, compose(map_from_base, inverse(*seen_base.pose)));
   camera.kind = camera.name = "camera";
+  const BodyPose& of_base = found_.at(base_->name);
+  const int freedom = options_.pose.noise_freedom;
+  camera.bound = bound_camera(of_base, freedom);
   std::vector<ImagePose> found{camera};
   for (const ImagePose& body : poses.poses) {
     if (body.kind != "body" || body.name == base_->name || !body.pose) continue;
     const UncertainPose base_from_body = base_from_probe(*seen_base.pose, *body.pose);
     found.push_back(in_map(body, compose(map_from_base, base_from_body)));
+    found.back().bound =
+        bound_center(of_base, *seen_base.pose, false, found_.at(body.name), Eigen::Vector3d::Zero(), freedom);
     if (!seen_base.is_accepted() && body.is_accepted())
       found.back() = refused(found.back(), "base_refused",
                              "the board '" + base_->name + "' is refused: " + seen_base.reason);
@@ -165,7 +195,8 @@ void ImagePoseFinder::add_map_poses(ImagePoses& poses) const {
   poses.poses.insert(poses.poses.end(), found.begin(), found.end());
 }
 
-void ImagePoseFinder::add_ball(ImagePoses& poses, const PaintingSample& sample) const {
+void ImagePoseFinder::add_ball(ImagePoses& poses, const std::vector<TagDetection>& single,
+                               const PaintingSample& sample) const {
   ImagePose ball{"ball", "ball", "map", "", sample.reason, {}, {}, 0.0, {}};
   if (!sample.accepted) ball.refusal = to_string(sample.refusal);
   if (sample.base && sample.probe) {
@@ -176,6 +207,8 @@ void ImagePoseFinder::add_ball(ImagePoses& poses, const PaintingSample& sample) 
     ball.rms_px = sample.probe->rms_px;
     ball.ambiguity = sample.probe->ambiguity_ratio;
     ball.tags = sample.probe->tags;
+    ball.bound = sample.bound;
+    ball.left_out = left_out(bodies_[probe_], *sample.probe, poses.tags, single);
   }
   poses.poses.push_back(std::move(ball));
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,12 @@
 #include "tracking/tracking_session.hpp"
 
 namespace clearway {
+
+/// A tag of a body that was seen and that its pose does without.
+struct LeftOutTag {
+  int id = 0;
+  std::string reason;  ///< contradicted, contradicted_before, oblique or seen_twice
+};
 
 /// Where something is by one image, or why that is not known or not to be trusted.
 struct ImagePose {
@@ -21,6 +28,8 @@ struct ImagePose {
   std::optional<double> rms_px;       ///< reprojection error of its corners
   double ambiguity = 0.0;             ///< BodyPose::ambiguity_ratio
   std::vector<int> tags;              ///< that the pose is made of
+  std::vector<LeftOutTag> left_out{};
+  std::optional<CenterBound> bound{};  ///< of the place: how far it may be off
 
   bool is_accepted() const { return refusal.empty(); }
 };
@@ -53,14 +62,17 @@ class ImagePoseFinder {
  private:
   ImagePose judged(const BodyPose& pose, const std::string& kind, const std::string& name) const;
   void add_tags(ImagePoses& poses, const Camera& camera) const;
-  void add_bodies(ImagePoses& poses, const std::vector<TagDetection>& single, const Camera& camera) const;
+  void add_bodies(ImagePoses& poses, const std::vector<TagDetection>& single, const Camera& camera);
   void add_map_poses(ImagePoses& poses) const;
-  void add_ball(ImagePoses& poses, const PaintingSample& sample) const;
+  void add_ball(ImagePoses& poses, const std::vector<TagDetection>& single,
+                const PaintingSample& sample) const;
 
   const Setup& setup_;
   TrackingOptions options_;
   const BoardSetup* base_ = nullptr;  ///< the board that anchors the map; null without one
   std::vector<TagBody> bodies_;
+  std::size_t probe_ = 0;                  ///< which of them, where the setup has one
+  std::map<std::string, BodyPose> found_;  ///< of the image at hand, by the body's name
   std::optional<TrackingSession> session_;
 };
 

@@ -49,11 +49,29 @@ std::string list_of_tags(const std::vector<int>& tags) {
   return list;
 }
 
+std::string bound_fields(const std::optional<CenterBound>& bound) {
+  if (!bound) return std::string(6, ',');
+  std::string text;
+  for (const double value :
+       {bound->total, bound->noise, bound->tilt, bound->camera, bound->tags, bound->edges})
+    text += "," + to_text(value);
+  return text;
+}
+
+std::string list_of_left_out(const std::vector<LeftOutTag>& tags) {
+  std::string list;
+  for (const LeftOutTag& tag : tags)
+    list += (list.empty() ? "" : " ") + std::to_string(tag.id) + ":" + tag.reason;
+  return list;
+}
+
 Json json_of(const ImagePose& pose) {
   Json json{{"kind", pose.kind}, {"name", pose.name}, {"frame", pose.frame}};
   json["status"] = pose.is_accepted() ? "accepted" : pose.refusal;
   if (!pose.is_accepted()) json["reason"] = pose.reason;
   json["tags"] = pose.tags;
+  for (const LeftOutTag& tag : pose.left_out)
+    json["left_out"].push_back({{"id", tag.id}, {"reason", tag.reason}});
   if (!pose.pose) return json;
   json["pose"] = pose_numbers(pose.pose->pose);
   for (int row = 0; row < 6; ++row) {
@@ -62,6 +80,14 @@ Json json_of(const ImagePose& pose) {
   }
   json["rms_px"] = pose.rms_px.value_or(0.0);
   json["ambiguity"] = std::isfinite(pose.ambiguity) ? Json(pose.ambiguity) : Json(nullptr);
+  if (const auto& bound = pose.bound) {
+    json["bound"] = bound->total;
+    json["bound_by"] = {{"noise", bound->noise},
+                        {"tilt", bound->tilt},
+                        {"camera", bound->camera},
+                        {"tags", bound->tags},
+                        {"edges", bound->edges}};
+  }
   return json;
 }
 
@@ -71,21 +97,23 @@ std::string poses_csv_header() {
   std::string text = "time,file,kind,name,frame,status,reason,tags,rms_px,ambiguity,x,y,z,qw,qx,qy,qz";
   for (int row = 1; row <= 6; ++row)
     for (int column = row; column <= 6; ++column) text += ",c" + std::to_string(row) + std::to_string(column);
-  return text + "\n";
+  return text + ",bound,bound_noise,bound_tilt,bound_camera,bound_tags,bound_edges,left_out\n";
 }
 
 std::string to_csv(const ImagePoses& image) {
   if (image.poses.empty()) {
     const bool is_refused = !image.refusal.empty();
     return line_begin(image) + "image,,," + (is_refused ? "image_refused," : "no_tag,") +
-           field(is_refused ? image.refusal : "no tag is seen") + ",,," + pose_fields({}) + "\n";
+           field(is_refused ? image.refusal : "no tag is seen") + ",,," + pose_fields({}) + bound_fields({}) +
+           ",\n";
   }
   std::string text;
   for (const ImagePose& pose : image.poses) {
     text += line_begin(image) + pose.kind + "," + field(pose.name) + "," + pose.frame + "," +
             (pose.is_accepted() ? "accepted" : pose.refusal) + "," + field(pose.reason) + "," +
             list_of_tags(pose.tags) + "," + (pose.rms_px ? to_text(*pose.rms_px) : "") + "," +
-            (pose.rms_px ? finite(pose.ambiguity) : "") + pose_fields(pose.pose) + "\n";
+            (pose.rms_px ? finite(pose.ambiguity) : "") + pose_fields(pose.pose) + bound_fields(pose.bound) +
+            "," + list_of_left_out(pose.left_out) + "\n";
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/descriptions/camera_file.hpp"
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/setup_camera.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
@@ -300,6 +301,15 @@ QuerySetup read_query(const YamlFields& fields) {
   return query;
 }
 
+/// In the setup itself, or in a file that it names.
+CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder) {
+  if (!fields.has("file")) return read_camera(fields);
+  const CameraIntrinsics camera =
+      load_camera_file(folder / fields.file("file"), fields.has("name") ? fields.text("name") : "");
+  fields.finish();
+  return camera;
+}
+
 }  // namespace
 
 CameraIntrinsics read_camera(const YamlFields& fields) {
@@ -338,7 +348,8 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   Setup setup;
   setup.title = fields.prose("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
-  if (fields.has("camera")) setup.camera = read_camera(fields.map("camera"));
+  if (fields.has("camera"))
+    setup.camera = read_camera_of_setup(fields.map("camera"), std::filesystem::path(name).parent_path());
   if (fields.has("errors")) setup.errors = read_errors(fields.map("errors"));
   setup.boards = read_boards(fields, setup.errors.boards);
   setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());

@@ -16,7 +16,7 @@ struct SafeMargins {
   double noise_limit = 0.05;        ///< metres; a lidar's range does not make it as bad as a camera
   /// While the scans hit more than this share of voxels that the map called free (ScanAgreement), one look
   /// does not free a voxel beside which other scans hit something (ContestedCells). In [0, 1]; 1: never.
-  double most_called_free = 0.003;
+  double most_called_free = 0.01;
 
   /// How far before its end a ray of this length frees nothing, metres.
   double trim(double range) const {

@@ -185,16 +185,13 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
 
 namespace {
 
-/// Hits that count as called free before the first scan, so that a map is in doubt until it has shown better.
-constexpr double first_doubts = 5.0;
-
 /// What of the rays counts, beside what the scan hits and what the map knows.
 void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedCells* contested,
                      ScanGrid& grid) {
   const SafeMargins& margins = insertion.margins;
   const double resolution = tree.getResolution();
   const ScanAgreement& agreement = tree.agreement();
-  const bool is_in_doubt = static_cast<double>(agreement.called_free) + first_doubts >
+  const bool is_in_doubt = static_cast<double>(agreement.called_free) >
                            margins.most_called_free * static_cast<double>(agreement.looked_up);
   const bool weighs = contested != nullptr && margins.most_called_free < 1.0 && is_in_doubt;
   spare_surfaces(grid,

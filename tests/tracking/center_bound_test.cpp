@@ -99,5 +99,41 @@ TEST(CenterBound, is_at_least_each_part_and_at_most_their_sum_in_squares) {
   }
 }
 
+TEST(CenterBound, of_one_body_holds_its_point_and_the_camera_when_tags_and_calibration_are_off_too) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  const TagBody told = scene::board("base", 0, 3, 2, 0.06, 0.09);
+  Camera camera = scene::plain_camera();
+  camera.errors = {0.003, 0.0, 0.0, 0.0};
+  const Eigen::Vector3d point(0.1, 0.05, 0.02);
+  const int trials = 400;
+  int outside = 0;
+  double sum = 0.0;
+  for (int i = 0; i < trials; ++i) {
+    Camera actual = camera;
+    const double longer = 1.0 + camera.errors.focal * normal(random);
+    actual.fx *= longer;
+    actual.fy *= longer;
+    TagBody body = told;
+    for (auto& [id, tag] : body.tags) {
+      tag.size *= 1.0 + told.errors.size * normal(random);
+      for (int axis = 0; axis < 3; ++axis)
+        tag.body_from_tag.translation()[axis] += told.errors.place * normal(random);
+    }
+    const Eigen::Isometry3d pose = tag_before_camera(0.7, 0.7, 0.3 * i, 0.0, 0.05, 0.02);
+    const auto seen = scene::noisy_detections(actual, scene::placed(body, pose), 0.3, random);
+    const auto found = estimate_body_pose(told, seen, camera);
+    ASSERT_TRUE(found);
+    const Eigen::Isometry3d& by_fit = found->camera_from_body.pose;
+    const CenterBound of_point = bound_point(*found, point, 8), of_camera = bound_camera(*found, 8);
+    const double error = (by_fit * point - pose * point).norm();
+    outside += error > of_point.total;
+    outside += (by_fit.inverse().translation() - pose.inverse().translation()).norm() > of_camera.total;
+    sum += error / of_point.total / trials;
+  }
+  EXPECT_LE(outside, 4);
+  EXPECT_GT(sum, 0.05);
+}
+
 }  // namespace center_bound_test
 }  // namespace clearway

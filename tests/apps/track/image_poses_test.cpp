@@ -90,6 +90,11 @@ TEST_F(ImagePosesOfAStroke, CameraProbeAndBallAreWhereTheTruthHasThemWithinTheir
       const Eigen::AngleAxisd turn(off.linear());
       Eigen::Matrix<double, 6, 1> error;  // (v, w): true pose = pose * [Exp(w), v]
       error << off.translation(), turn.angle() * turn.axis();
+      const Json& by = (*found)["bound_by"];
+      EXPECT_LE(off.translation().norm(), (*found)["bound"].get<double>()) << kind;
+      EXPECT_GE((*found)["bound"].get<double>(),
+                0.99 * std::max(by["noise"].get<double>(), by["tilt"].get<double>()))
+          << kind;
       worst = std::max(worst, error.dot(covariance.ldlt().solve(error)));
     }
   }
@@ -126,7 +131,7 @@ TEST_F(ImagePosesOfAStroke, CsvJsonAndTumTellTheSamePosesOnAnyThreads) {
   std::string line;
   std::getline(lines, line);
   const auto columns = std::count(line.begin(), line.end(), ',');
-  EXPECT_EQ(columns, 16 + 21);
+  EXPECT_EQ(columns, 16 + 21 + 7);
   const PoseStream probe = load_tum_poses(folder_ / "probe.txt", 0.5);
   load_tum_poses(folder_ / "camera.txt", 0.5);
   std::size_t accepted = 0;
@@ -169,6 +174,24 @@ TEST_F(ImagePosesOfAStroke, DrawnPicturesAreTheImagesWithColouredMarks) {
   EXPECT_EQ(pictures, 6);
   ASSERT_EQ(track({"--csv", folder_.file("p.csv"), "--draw", folder_.file("drawn")}).status,
             exit_done);  // again
+}
+
+TEST_F(ImagePosesOfAStroke, ATagThatIsNotOnItsBoardIsNamedAsLeftOut) {
+  std::string other = setup_;
+  const std::size_t tag = other.find("- {id: 10,");
+  other.erase(tag, other.find("- {id: 11,") - tag);
+  other.insert(other.find("- {id: 1,"), "- {id: 10, size: 0.04}\n      ");
+  folder_.write("other.yaml", other);
+  const CommandRun run = track({"--setup", folder_.file("other.yaml"), "--json"});
+  int named = 0;
+  for (const Json& image : Json::parse(run.out)["images"]) {
+    const Json* base = find(image, "body", "base", "camera");
+    if (base == nullptr || !base->contains("left_out")) continue;
+    for (const Json& left : (*base)["left_out"])
+      named += left["id"] == 10 && left["reason"] == "contradicted";
+  }
+  EXPECT_GE(named, 4);
+  EXPECT_NE(track({"--setup", folder_.file("other.yaml")}).out.find("10:contradicted"), std::string::npos);
 }
 
 TEST_F(ImagePosesOfAStroke, WhatIsRefusedSaysWhy) {

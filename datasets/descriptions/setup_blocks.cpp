@@ -1,0 +1,123 @@
+#include "datasets/descriptions/setup_blocks.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "mapping/system/number_text.hpp"
+
+namespace clearway {
+namespace {
+
+/// Nine digits: more than any measurement has.
+std::string digits(double value) { return short_text(std::abs(value) < 1e-15 ? 0.0 : value, 9); }
+
+template <typename Numbers>
+std::string flow_list(const Numbers& numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "[" : ", ") + digits(number);
+  return text + "]";
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
+  return result + "\"";
+}
+
+/// {key: value, …} of those that are known; empty for none.
+std::string flow_map(const std::vector<std::pair<std::string, std::optional<double>>>& fields) {
+  std::string text;
+  for (const auto& [key, value] : fields)
+    if (value) text += (text.empty() ? "{" : ", ") + key + ": " + digits(*value);
+  return text.empty() ? text : text + "}";
+}
+
+std::string board_errors(const BoardErrorsSetup& e) {
+  return flow_map({{"scale", e.scale}, {"size", e.size}, {"place", e.place}, {"turn", e.turn}});
+}
+
+/// [x, y, z, roll, pitch, yaw], Rz(yaw) Ry(pitch) Rx(roll).
+std::string pose_list(const Eigen::Isometry3d& pose) {
+  const Eigen::Matrix3d& r = pose.linear();
+  const double level = std::hypot(r(0, 0), r(1, 0)), pitch = std::atan2(-r(2, 0), level);
+  const bool is_upright = level < 1e-9;
+  const double roll = is_upright ? 0.0 : std::atan2(r(2, 1), r(2, 2));
+  const double yaw = is_upright ? std::atan2(-r(0, 1), r(1, 1)) : std::atan2(r(1, 0), r(0, 0));
+  const Eigen::Vector3d& p = pose.translation();
+  return flow_list(std::vector<double>{p.x(), p.y(), p.z(), roll, pitch, yaw});
+}
+
+}  // namespace
+
+std::string camera_block(const CameraIntrinsics& c) {
+  return "camera: {width: " + std::to_string(c.width) + ", height: " + std::to_string(c.height) +
+         ", fx: " + digits(c.fx) + ", fy: " + digits(c.fy) + ", cx: " + digits(c.cx) +
+         ", cy: " + digits(c.cy) + ",\n         distortion: " + flow_list(c.distortion) + "}\n";
+}
+
+std::string errors_block(const ErrorsSetup& errors) {
+  const CameraErrorsSetup& c = errors.camera;
+  const std::string camera = flow_map(
+      {{"focal", c.focal}, {"aspect", c.aspect}, {"center_px", c.center}, {"distortion_px", c.distortion}});
+  const std::string boards = board_errors(errors.boards);
+  std::string text = "errors:\n";
+  if (!camera.empty()) text += "  camera: " + camera + "\n";
+  if (!boards.empty()) text += "  boards: " + boards + "\n";
+  if (errors.edge) text += "  edge_px: " + digits(*errors.edge) + "\n";
+  return text;
+}
+
+std::string boards_block(const std::vector<BoardSetup>& boards) {
+  std::string text = "boards:\n";
+  for (const BoardSetup& board : boards) {
+    text += "  - name: " + quoted(board.name) + "\n";
+    if (board.map_from_board) text += "    map_from_board: " + pose_list(*board.map_from_board) + "\n";
+    if (const std::string errors = board_errors(board.errors); !errors.empty())
+      text += "    errors: " + errors + "\n";
+    text += "    tags:\n";
+    for (const TagSetup& tag : board.tags)
+      text += "      - {id: " + std::to_string(tag.id) + ", size: " + digits(tag.size) +
+              ", pose: " + pose_list(tag.board_from_tag) + "}\n";
+  }
+  return text;
+}
+
+std::string probe_block(const ProbeSetup& probe) {
+  std::string text = "probe:\n  board: " + quoted(probe.board) + "\n  ball_center: " +
+                     flow_list(std::vector<double>(probe.ball_center.begin(), probe.ball_center.end())) +
+                     "\n  ball_radius: " + digits(probe.ball_radius) +
+                     "\n  robot_error: " + digits(probe.robot_error) +
+                     "\n  tracking_error: " + digits(probe.tracking_error) +
+                     "\n  modelling_error: " + digits(probe.modelling_error) +
+                     "\n  tracking: " + (probe.constant_tracking ? "constant" : "bound") + "\n";
+  if (!probe.hand.empty()) text += "  hand:\n";
+  for (const CapsuleSetup& hand : probe.hand)
+    text += "    - {from: " + flow_list(std::vector<double>(hand.from.begin(), hand.from.end())) +
+            ", to: " + flow_list(std::vector<double>(hand.to.begin(), hand.to.end())) +
+            ", radius: " + digits(hand.radius) + "}\n";
+  return text;
+}
+
+std::string with_block(const std::string& setup, const std::string& block) {
+  const std::string key = block.substr(0, block.find(':') + 1);
+  std::istringstream lines(setup);
+  std::string text;
+  bool is_inside = false, is_done = false;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_top = !line.empty() && line[0] != ' ' && line[0] != '\t' && line[0] != '#' &&
+                        line[0] != '-' && line[0] != ']' && line[0] != '}' && line[0] != '\r';
+    if (is_top && line[0] == '{')
+      throw std::invalid_argument("the setup is one map in braces; expected its keys on lines of their own");
+    if (is_top) is_inside = line.starts_with(key);
+    if (is_inside && is_top) {
+      text += block;
+      is_done = true;
+    }
+    if (!is_inside || line.starts_with('#')) text += line + "\n";
+  }
+  return is_done ? text : text + (text.empty() ? "" : "\n") + block;
+}
+
+}  // namespace clearway

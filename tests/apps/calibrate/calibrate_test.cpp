@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "datasets/descriptions/setup.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/calibration_views.hpp"
+
+namespace clearway {
+namespace calibrate_test {
+
+using Json = nlohmann::json;
+
+/// A folder of rendered pictures of the board that `tags print` lays out.
+class CalibratePictures : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(run_command({"tags", "print", "--out", folder_.file("sheets")}).status, exit_done);
+    setup_ = folder_.file("sheets/setup.yaml");
+    const clearway::Setup setup = load_setup(setup_);
+    for (const TagSetup& tag : setup.board("calibration")->tags)
+      board_.tags[tag.id] = {tag.size, tag.board_from_tag};
+    board_.name = "calibration";
+    camera_ = scene::distorted_camera();
+  }
+
+  void render(const std::string& name, int count, double tilt) {
+    std::mt19937 random(12);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::filesystem::create_directory(folder_ / name);
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Isometry3d pose = scene::tag_before_camera(
+          0.42 + 0.06 * unit(random), tilt * std::abs(unit(random)), M_PI * unit(random), M_PI * unit(random),
+          0.09 * unit(random), 0.06 * unit(random));
+      char file[32];
+      std::snprintf(file, sizeof file, "%s/%03d.png", name.c_str(), i);
+      scene::Look look;
+      look.seed = static_cast<unsigned>(i);
+      look.supersample = 1;
+      cv::imwrite(folder_.file(file), scene::render(camera_, scene::placed(board_, pose), look));
+    }
+  }
+
+  TemporaryFolder folder_;
+  std::string setup_;
+  TagBody board_;
+  Camera camera_;
+};
+
+TEST_F(CalibratePictures, CameraIsFoundWithinItsErrorsAndTheCopyOfTheSetupReadsBack) {
+  render("pictures", 16, 0.7);
+  const std::vector<std::string> command{"calibrate", "camera", folder_.file("pictures"), "--board", setup_};
+  std::vector<std::string> with_out = command;
+  with_out.insert(with_out.end(), {"--out", folder_.file("mine.yaml"), "--threads", "2"});
+  const CommandRun run = run_command(with_out);
+  ASSERT_EQ(run.status, exit_done) << run.log << run.out;
+  EXPECT_NE(run.out.find("held out"), std::string::npos) << run.out;
+  const clearway::Setup found = load_setup(folder_.file("mine.yaml"));
+  ASSERT_TRUE(found.camera && found.errors.camera.focal);
+  EXPECT_LT(std::abs(std::log(found.camera->fx / camera_.fx)), 4.0 * *found.errors.camera.focal);
+  EXPECT_LT(std::abs(found.camera->cx - camera_.cx), 4.0 * *found.errors.camera.center + 0.1);
+  EXPECT_LT(*found.errors.camera.focal, 0.005);
+  EXPECT_EQ(found.boards.size(), 4U);  // all else stays
+  std::vector<std::string> as_json = command;
+  as_json.insert(as_json.end(), {"--json", "--threads", "1"});
+  const Json json = Json::parse(run_command(as_json).out);
+  EXPECT_EQ(json["accepted"], true);
+  EXPECT_LT(json["held_out_m"].get<double>(), 0.0005);
+  EXPECT_NE(read_file(folder_.file("mine.yaml")).find(json["setup"].get<std::string>().substr(0, 60)),
+            std::string::npos);  // the same on any threads
+}
+
+TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWriteNothing) {
+  render("frontal", 10, 0.02);
+  const CommandRun frontal = run_command({"calibrate", "camera", folder_.file("frontal"), "--setup", setup_,
+                                          "--out", folder_.file("none.yaml")});
+  EXPECT_EQ(frontal.status, exit_no);
+  EXPECT_NE(frontal.log.find("tilt it by 20 to 45 degrees"), std::string::npos) << frontal.log;
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("none.yaml")));
+  for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"camera", folder_.file("frontal"), "--setup", setup_, "--out", setup_}, "is an input itself"},
+           {{"camera", folder_.file("frontal"), "--setup", setup_, "--body", "nobody"}, "no board 'nobody'"},
+           {{"board", folder_.file("frontal"), "--setup", setup_}, "tell the camera"},
+           {{"probe", folder_.file("frontal"), "--setup", setup_}, "tell the camera"},
+           {{"lens", folder_.file("frontal"), "--setup", setup_}, "calibrate: "},
+           {{"camera", folder_.file("nowhere"), "--setup", setup_}, "nowhere"}}) {
+    std::vector<std::string> command{"calibrate"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const CommandRun run = run_command(command);
+    EXPECT_EQ(run.status, exit_bad_input) << told;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(told), std::string::npos) << run.log;
+  }
+}
+
+TEST_F(CalibratePictures, BoardWhoseSetupStatesAWrongSizeIsNamedAndMeasured) {
+  render("pictures", 16, 0.7);
+  std::string text = read_file(setup_);
+  const std::size_t tag = text.find("- {id: 4, size: ", text.find("name: calibration"));
+  text.replace(tag, std::string("- {id: 4, size: 0.0238").size(), "- {id: 4, size: 0.0214");
+  char camera[300];
+  std::snprintf(camera, sizeof camera,
+                "camera: {width: %d, height: %d, fx: %.9g, fy: %.9g, cx: %.9g, cy: %.9g, distortion: [%.9g, "
+                "%.9g, %.9g, %.9g, %.9g]}\nerrors: {camera: {focal: 0.0005, center_px: 0.3, distortion_px: "
+                "0.1}}\n",
+                camera_.width, camera_.height, camera_.fx, camera_.fy, camera_.cx, camera_.cy,
+                camera_.distortion[0], camera_.distortion[1], camera_.distortion[2], camera_.distortion[3],
+                camera_.distortion[4]);
+  folder_.write("wrong.yaml", camera + text);
+  const CommandRun run = run_command({"calibrate", "board", folder_.file("pictures"), "--setup",
+                                      folder_.file("wrong.yaml"), "--out", folder_.file("right.yaml")});
+  ASSERT_EQ(run.status, exit_done) << run.log << run.out;
+  EXPECT_NE(run.out.find("NOT AS STATED: 21.4 mm"), std::string::npos) << run.out;
+  const clearway::Setup right = load_setup(folder_.file("right.yaml"));
+  for (const TagSetup& one : right.board("calibration")->tags)
+    EXPECT_NEAR(one.size, 0.0238, 0.0238 * 0.004) << one.id;
+  EXPECT_LT(*right.board("calibration")->errors.place, 0.0005);
+}
+
+}  // namespace calibrate_test
+}  // namespace clearway

@@ -1,0 +1,88 @@
+#include "datasets/descriptions/camera_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "datasets/descriptions/setup.hpp"
+#include "tests/datasets/complaint.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace camera_file_test {
+
+const std::string kalibr = R"(cam0:
+  cam_overlaps: []
+  camera_model: pinhole
+  distortion_coeffs: [-0.28, 0.07, 0.0001, -0.0002]
+  distortion_model: radtan
+  intrinsics: [458.6, 457.2, 367.2, 248.3]
+  resolution: [752, 480]
+  rostopic: /cam0/image_raw
+)";
+const std::string ros = R"(image_width: 752
+image_height: 480
+camera_name: narrow_stereo
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [458.6, 0, 367.2, 0, 457.2, 248.3, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.28, 0.07, 0.0001, -0.0002, 0]
+rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+projection_matrix: {rows: 3, cols: 4, data: [400, 0, 360, 0, 0, 400, 240, 0, 0, 0, 1, 0]}
+)";
+
+std::string with(std::string text, const std::string& old, const std::string& by) {
+  return text.replace(text.find(old), old.size(), by);
+}
+
+std::string refusal_of(const std::string& text, const std::string& camera = "") {
+  try {
+    parse_camera_file(text, "c.yaml", camera);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CameraFile, kalibr_and_ros_tell_the_same_camera) {
+  const CameraIntrinsics expected{752, 480, 458.6, 457.2, 367.2, 248.3, {-0.28, 0.07, 0.0001, -0.0002, 0}};
+  EXPECT_EQ(parse_camera_file(kalibr, "c.yaml", ""), expected);
+  EXPECT_EQ(parse_camera_file(kalibr, "c.yaml", "cam0"), expected);
+  EXPECT_EQ(parse_camera_file(ros, "c.yaml", ""), expected);
+  const std::string rational =
+      with(with(ros, "plumb_bob", "rational_polynomial"), "-0.0002, 0]", "-0.0002, 0, 0, 0, 0]");
+  EXPECT_EQ(parse_camera_file(rational, "c.yaml", ""), expected);
+}
+
+TEST(CameraFile, a_setup_takes_it_relative_to_its_own_folder) {
+  const TemporaryFolder folder;
+  folder.write("ros.yaml", ros);
+  folder.write("setup.yaml", "camera: {file: ros.yaml}\n");
+  EXPECT_EQ(load_setup(folder.file("setup.yaml")).camera, parse_camera_file(ros, "", ""));
+}
+
+TEST(CameraFile, other_lenses_and_damaged_files_are_refused_in_a_sentence) {
+  for (const auto& [text, told] : std::vector<std::pair<std::string, std::string>>{
+           {with(kalibr, "radtan", "equidistant"), "the lens 'equidistant' is not known"},
+           {with(kalibr, "model: pinhole", "model: omni"), "the lens 'omni' is not known"},
+           {with(ros, "plumb_bob", "fisheye"), "the lens 'fisheye' is not known"},
+           {with(ros, "-0.0002, 0]", "-0.0002, 0, 0.1, 0, 0]"), "k4, k5, k6"},
+           {with(ros, "[458.6, 0,", "[458.6, 3,"), "expected [fx, 0, cx"},
+           {with(ros, "[458.6, 0,", "[.nan, 0,"), "c.yaml"},
+           {with(kalibr, "[458.6, ", "["), "intrinsics"},
+           {with(kalibr, "[752, 480]", "[752, 4]"), "resolution"},
+           {kalibr + with(kalibr, "cam0:", "cam1:"), "it has 2 cameras"},
+           {"title: a\n", "expected kalibr's camchain"}}) {
+    const std::string sentence = refusal_of(text);
+    EXPECT_NE(sentence.find(told), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("c.yaml"), std::string::npos) << sentence;
+  }
+  EXPECT_EQ(refusal_of(kalibr + with(kalibr, "cam0:", "cam1:"), "cam1"), "");
+  EXPECT_NE(refusal_of(kalibr, "cam7"), "");
+}
+
+}  // namespace camera_file_test
+}  // namespace clearway

@@ -1,0 +1,101 @@
+#include "tracking/calibration/calibrate_camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/worlds/calibration_views.hpp"
+
+namespace clearway {
+namespace calibrate_camera_test {
+
+using scene::DrawnViews;
+
+TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_noise) {
+  const int trials = 50;
+  double focal = 0.0, centre = 0.0, aspect = 0.0, joint = 0.0, claimed = 0.0, actual = 0.0;
+  for (unsigned seed = 1; seed <= trials; ++seed) {
+    const DrawnViews drawn = scene::draw_views(seed, 16);
+    const Camera& truth = drawn.camera;
+    CameraCalibrationOptions options;
+    options.folds = 2;
+    const CameraCalibration found =
+        calibrate_camera(truth.width, truth.height, drawn.told_board, drawn.views, options);
+    ASSERT_EQ(found.refusal, "") << seed;
+    Eigen::Vector4d off(std::log(found.camera.fx * found.camera.fy / (truth.fx * truth.fy)) / 2.0,
+                        std::log(found.camera.fx / found.camera.fy * truth.fy / truth.fx),
+                        found.camera.cx - truth.cx, found.camera.cy - truth.cy);
+    const Eigen::Matrix4d covariance = found.covariance.topLeftCorner<4, 4>();
+    focal += off[0] * off[0] / covariance(0, 0);
+    aspect += off[1] * off[1] / covariance(1, 1);
+    centre += 0.5 * (off[2] * off[2] / covariance(2, 2) + off[3] * off[3] / covariance(3, 3));
+    joint += off.dot(covariance.ldlt().solve(off));
+    claimed += covariance(0, 0);
+    actual += off[0] * off[0];
+    EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
+  }
+  // Chi-square of 50 and of 200 degrees of freedom: once in a thousand above 86.7 and 267.5.
+  EXPECT_LT(focal, 86.7);
+  EXPECT_LT(aspect, 86.7);
+  EXPECT_LT(centre, 80.0);
+  EXPECT_LT(joint, 267.5);
+  EXPECT_GT(joint, 50.0);  // not many times too careful
+  EXPECT_LT(claimed, 4.0 * actual);
+}
+
+TEST(CalibrateCamera, stated_errors_cover_how_the_image_moves) {
+  int outside = 0, asked = 0;
+  for (unsigned seed = 101; seed <= 110; ++seed) {
+    const DrawnViews drawn = scene::draw_views(seed, 16);
+    const CameraCalibration found =
+        calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.told_board, drawn.views);
+    ASSERT_EQ(found.refusal, "") << seed;
+    for (int i = 0; i < 49; ++i) {
+      const Eigen::Vector2d pixel(drawn.camera.width * (0.08 + 0.14 * (i % 7)),
+                                  drawn.camera.height * (0.08 + 0.14 * (i / 7)));
+      const auto ray = drawn.camera.undistort(pixel);
+      ASSERT_TRUE(ray);
+      const auto seen = found.camera.project(ray->homogeneous());
+      ASSERT_TRUE(seen);
+      const auto shifts = found.camera.shift_by_errors(pixel);
+      const Eigen::Matrix2d covariance = shifts * shifts.transpose();
+      ++asked;
+      outside += (*seen - pixel).dot(covariance.ldlt().solve(*seen - pixel)) > 11.8;  // 3 sigma of two
+    }
+  }
+  EXPECT_LE(outside, asked / 100);
+}
+
+TEST(CalibrateCamera, moved_images_and_wrong_tags_are_left_out_and_named) {
+  DrawnViews drawn = scene::draw_views(7, 30);
+  std::mt19937 random(3);
+  std::normal_distribution<double> smear(0.0, 4.0);
+  for (const std::size_t v : {3, 11, 19})
+    for (TagDetection& tag : drawn.views[v].tags)
+      for (Eigen::Vector2d& corner : tag.corners) corner += Eigen::Vector2d(smear(random), smear(random));
+  drawn.views[5].tags[1].corners[2].x() += 25.0;
+  const CameraCalibration found =
+      calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.told_board, drawn.views);
+  ASSERT_EQ(found.refusal, "");
+  std::set<std::string> names;
+  for (const RefusedView& view : found.refused) names.insert(view.name);
+  EXPECT_EQ(names, (std::set<std::string>{"view 3", "view 11", "view 19"}));
+  EXPECT_LT(std::abs(found.camera.fx / drawn.camera.fx - 1.0), 4.0 * found.camera.errors.focal);
+  EXPECT_LT(found.rms_px, 3.0 * drawn.noise + 0.2);
+}
+
+TEST(CalibrateCamera, frontal_views_few_views_one_corner_and_cubes_are_refused_with_the_reason) {
+  const DrawnViews frontal = scene::draw_views(9, 24, {.tilt = 0.02});
+  const auto refusal = [](const DrawnViews& drawn) {
+    return calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.told_board, drawn.views).refusal;
+  };
+  EXPECT_NE(refusal(frontal).find("focal length"), std::string::npos) << refusal(frontal);
+  EXPECT_NE(refusal(frontal).find("tilt it by 20 to 45 degrees"), std::string::npos) << refusal(frontal);
+  EXPECT_NE(refusal(scene::draw_views(9, 5)).find("5 images show two tags"), std::string::npos);
+  const std::string cornered = refusal(scene::draw_views(9, 40, {.spread = 0.05, .share = 0.25}));
+  EXPECT_NE(cornered.find("parts of the image"), std::string::npos) << cornered;
+  EXPECT_THROW(calibrate_camera(640, 480, scene::cube("cube", 0, 0.04, 0.06), {}), std::invalid_argument);
+}
+
+}  // namespace calibrate_camera_test
+}  // namespace clearway

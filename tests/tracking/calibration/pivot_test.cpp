@@ -1,0 +1,100 @@
+#include "tracking/calibration/pivot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/worlds/calibration_views.hpp"
+
+namespace clearway {
+namespace pivot_test {
+
+/// A cube on a stick that turns about its ball, before a camera that stands still or with a board.
+struct Turning {
+  Camera camera = scene::plain_camera();
+  TagBody probe = scene::cube("probe", 30, 0.03, 0.042), base = scene::board("base", 0, 3, 2, 0.05, 0.07);
+  TagBody true_probe = probe;
+  Eigen::Vector3d ball{0.0, 0.0, -0.1};
+  double tilt = 0.6;
+  bool with_base = true;
+  double slips = 0.0;  ///< share of looks in which the ball has moved
+
+  std::vector<PivotLook> looks(int count, std::mt19937& random) const {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::vector<PivotLook> looks;
+    const Eigen::Vector3d place(0.03, 0.05, 0.0);
+    for (int i = 0; i < 20 * count && static_cast<int>(looks.size()) < count; ++i) {
+      const Eigen::Isometry3d camera_from_base =
+          scene::tag_before_camera(0.6 + 0.05 * unit(random), 0.75, 1.2 + 0.2 * unit(random));
+      const Eigen::Vector3d axis(unit(random), unit(random), unit(random));
+      Eigen::Isometry3d base_from_probe(Eigen::AngleAxisd(tilt * unit(random), axis.normalized()));
+      const Eigen::Vector3d slip =
+          unit(random) < 2.0 * slips - 1.0 ? Eigen::Vector3d(0.03, -0.02, 0.0) : Eigen::Vector3d::Zero();
+      base_from_probe.translation() = place + slip - base_from_probe.linear() * ball;
+      const auto see = [&](const TagBody& told, const TagBody& body, const Eigen::Isometry3d& pose) {
+        const auto seen = scene::look_at_body(camera, body, pose, 0.2, random);
+        return seen.size() < 2 ? std::nullopt : estimate_body_pose(told, seen, camera, {.pixel_noise = 0.2});
+      };
+      const auto base_pose = see(base, base, camera_from_base);
+      const Eigen::Isometry3d fixed = scene::tag_before_camera(0.6, 0.75, 1.2);
+      const auto probe_pose =
+          see(probe, true_probe, (with_base ? camera_from_base : fixed) * base_from_probe);
+      if (!base_pose || !probe_pose || probe_pose->separation < 36.0) continue;
+      looks.push_back({*probe_pose, with_base ? base_pose : std::nullopt});
+    }
+    return looks;
+  }
+};
+
+TEST(Pivot, covariance_covers_the_true_error_of_drawn_motions) {
+  const int trials = 60;
+  double joint = 0.0, worst = 0.0;
+  for (int seed = 1; seed <= trials; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    Turning turning;
+    turning.with_base = seed % 2 == 0;
+    turning.probe.errors = {0.0, 0.001, 0.0002, 0.003};
+    turning.true_probe = scene::true_body(turning.probe, random);
+    const PivotCalibration found = calibrate_pivot(turning.looks(40, random), {.most_sigma = 0.01});
+    ASSERT_EQ(found.refusal, "") << seed;
+    const Eigen::Vector3d off = found.ball - turning.ball;
+    joint += off.dot(found.covariance.ldlt().solve(off));
+    worst = std::max(worst, off.norm());
+  }
+  EXPECT_LT(joint, 242.0);  // chi-square of 180 degrees of freedom: above it once in a thousand
+  EXPECT_GT(joint, 18.0);   // and the claim is not ten times too careful
+  EXPECT_LT(worst, 0.006);
+}
+
+TEST(Pivot, looks_in_which_the_ball_slipped_are_left_out) {
+  std::mt19937 random(4);
+  Turning turning;
+  turning.slips = 0.15;
+  const PivotCalibration found = calibrate_pivot(turning.looks(60, random), {.most_sigma = 0.01});
+  ASSERT_EQ(found.refusal, "");
+  EXPECT_GT(found.left_out, 3U);
+  EXPECT_LT((found.ball - turning.ball).norm(), 0.002);
+}
+
+TEST(Pivot, small_turns_one_axis_and_few_looks_are_refused_with_the_reason) {
+  std::mt19937 random(5);
+  Turning still;
+  still.tilt = 0.1;
+  const PivotCalibration small = calibrate_pivot(still.looks(30, random));
+  EXPECT_NE(small.refusal.find("turned by at most"), std::string::npos) << small.refusal;
+  Turning turning;
+  std::vector<PivotLook> looks = turning.looks(1, random);
+  const PivotLook first = looks.front();
+  for (int i = 1; i < 30; ++i) {  // about the probe's own z alone: how far the ball is down it, nobody sees
+    PivotLook next = first;
+    next.probe.camera_from_body.pose.rotate(Eigen::AngleAxisd(0.05 * i, Eigen::Vector3d::UnitZ()));
+    looks.push_back(next);
+  }
+  const PivotCalibration axis = calibrate_pivot(looks);
+  EXPECT_NE(axis.refusal.find("turn the probe to all sides"), std::string::npos) << axis.refusal;
+  looks.resize(5);
+  EXPECT_NE(calibrate_pivot(looks).refusal.find("5 images"), std::string::npos);
+}
+
+}  // namespace pivot_test
+}  // namespace clearway

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/worlds/tag_scene.hpp"
+#include "tracking/calibration/bundle.hpp"
+
+/// Views of a flat board for calibrations, drawn from a seed: camera, board, its errors, poses and noise.
+namespace clearway::scene {
+
+struct DrawnViews {
+  Camera camera;  ///< the true one
+  TagBody told_board, true_board;
+  std::vector<BoardView> views;
+  std::vector<Eigen::Isometry3d> true_poses;
+  double noise = 0.2;
+};
+
+struct ViewsLook {
+  double tilt = 0.7;     ///< radians, at most
+  double spread = 0.85;  ///< of the image that the board's middle may be in
+  double share = 0.7;    ///< of the image's width that the board takes, at most
+};
+
+inline Camera drawn_camera(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Camera camera;
+  const int widths[] = {640, 800, 1280}, heights[] = {480, 600, 720};
+  const std::size_t size = random() % 3;
+  camera.width = widths[size];
+  camera.height = heights[size];
+  camera.fx = camera.width * (0.95 + 0.25 * unit(random));
+  camera.fy = camera.fx * (1.0 + 0.01 * unit(random));
+  camera.cx = 0.5 * camera.width + 0.02 * camera.width * unit(random);
+  camera.cy = 0.5 * camera.height + 0.02 * camera.height * unit(random);
+  camera.distortion = {-0.12 + 0.12 * unit(random), 0.04 + 0.04 * unit(random), 0.001 * unit(random),
+                       0.001 * unit(random), 0.0};
+  return camera;
+}
+
+/// `told` with errors of the size that it states.
+inline TagBody true_body(const TagBody& told, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  TagBody body = told;
+  for (auto& [id, tag] : body.tags) {
+    tag.size *= 1.0 + told.errors.size * normal(random);
+    Eigen::Vector3d turn;
+    for (int i = 0; i < 3; ++i) {
+      tag.body_from_tag.translation()[i] += told.errors.place * normal(random);
+      turn[i] = told.errors.turn * normal(random);
+    }
+    if (turn.norm() > 0.0) tag.body_from_tag.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  }
+  return body;
+}
+
+/// All tags of `body` whose corners are in the image.
+inline std::vector<TagDetection> look_at_body(const Camera& camera, const TagBody& body,
+                                              const Eigen::Isometry3d& camera_from_body, double noise,
+                                              std::mt19937& random) {
+  std::vector<PlacedTag> seen;
+  for (const PlacedTag& tag : placed(body, camera_from_body)) {
+    bool is_inside = true;
+    const double h = 0.5 * tag.size;
+    for (const auto& [x, y] : {std::pair{-h, h}, {h, h}, {h, -h}, {-h, -h}}) {
+      const auto pixel = camera.project(tag.camera_from_tag * Eigen::Vector3d(x, y, 0.0));
+      is_inside = is_inside && pixel && camera.sees(*pixel, 3.0);
+    }
+    if (is_inside) seen.push_back(tag);
+  }
+  return noisy_detections(camera, seen, noise, random);
+}
+
+inline DrawnViews draw_views(unsigned seed, std::size_t count, const ViewsLook& look = {}) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  DrawnViews drawn;
+  do drawn.camera = drawn_camera(random);
+  while ([&] {
+    try {
+      drawn.camera.validate();
+      return false;
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+  }());
+  drawn.noise = 0.15 + 0.1 * unit(random);
+  drawn.told_board = board("calibration", 0, 4, 5, 0.024, 0.034);
+  drawn.told_board.errors = {0.0, 0.003, 0.0001, 0.002};
+  drawn.true_board = true_body(drawn.told_board, random);
+  const double width = 5 * 0.034;
+  while (drawn.views.size() < count) {
+    const double share = look.share * (0.8 + 0.2 * unit(random));
+    const double distance = width * drawn.camera.fx / (share * drawn.camera.width);
+    const double x = 0.5 * look.spread * unit(random) * drawn.camera.width / drawn.camera.fx * distance;
+    const double y = 0.5 * look.spread * unit(random) * drawn.camera.height / drawn.camera.fy * distance;
+    const Eigen::Isometry3d pose = tag_before_camera(distance, look.tilt * std::abs(unit(random)),
+                                                     M_PI * unit(random), M_PI * unit(random), x, y);
+    const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
+    if (tags.size() < 4) continue;
+    drawn.views.push_back({"view " + std::to_string(drawn.views.size()), tags});
+    drawn.true_poses.push_back(pose);
+  }
+  return drawn;
+}
+
+}  // namespace clearway::scene

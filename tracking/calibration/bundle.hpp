@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tracking/camera.hpp"
+#include "tracking/tag_body.hpp"
+
+namespace clearway {
+
+/// One image of a board.
+struct BoardView {
+  std::string name;                ///< what a report calls it
+  std::vector<TagDetection> tags;  ///< of the board, each id once
+  Eigen::Isometry3d camera_from_board = Eigen::Isometry3d::Identity();
+};
+
+/// log f (fx and fy together), log(fx / fy), cx, cy, k1, k2, p1, p2, k3; pixels where a length.
+constexpr int kCameraUnknowns = 9;
+/// Of each tag: log size, place in the board (metres), turn about the tag's axes (radians).
+constexpr int kTagUnknowns = 7;
+
+/// How well camera and board are known before: standard deviations; 0: exactly; infinity: not at all.
+struct BundlePriors {
+  std::array<double, kCameraUnknowns> camera{};
+  std::vector<std::array<double, kTagUnknowns>> tags;  ///< in the order of TagBody::tags
+};
+
+/// Camera, board and views that explain each other.
+struct Bundle {
+  Camera camera;
+  TagBody board;
+  std::vector<BoardView> views;
+};
+
+struct BundleFit {
+  bool is_converged = false;
+  double noise_px = 0.0;       ///< standard deviation of a corner per axis, as the residuals show it
+  double rms_px = 0.0;         ///< root mean square distance of the corners
+  double chi_square = 0.0;     ///< whitened squares of residuals and priors, for the noise that was given
+  int freedom = 0;             ///< corner coordinates and priors, less unknowns
+  Eigen::MatrixXd covariance;  ///< of the camera's unknowns, then each tag's; 0 for what is known exactly
+  std::vector<std::vector<double>> tag_squares;  ///< whitened squares of each tag of each view; 8 expected
+};
+
+/// Standard deviations of a known camera's unknowns by its `errors`.
+std::array<double, kCameraUnknowns> camera_priors(const Camera& camera);
+
+/// Bundle adjustment (Triggs et al. 2000, section 6: the views' poses are eliminated): Levenberg-Marquardt
+/// over all poses, and over camera and tags about where they are given, held by `priors`. A corner's noise is
+/// `noise_px` per axis; `edge_bias` shifts whole edges of a tag (see view_tag). Deterministic.
+/// @pre each view shows tags of the board alone, and its pose sees their corners
+BundleFit adjust(Bundle& bundle, const BundlePriors& priors, double noise_px, double edge_bias);
+
+/// The same, the noise estimated from the residuals: so that chi_square is what `freedom` makes expect.
+BundleFit adjust_with_noise(Bundle& bundle, const BundlePriors& priors, double edge_bias);
+
+}  // namespace clearway

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tracking/calibration/bundle.hpp"
+
+namespace clearway {
+
+struct BoardCalibrationOptions {
+  double edge_bias = 0.1;    ///< see BodyPoseOptions
+  double pixel_noise = 0.3;  ///< of the poses to begin with, pixels
+  std::size_t least_views = 10;
+  double most_place_sigma = 0.0005;  ///< metres, of a tag's middle
+};
+
+/// What became of one tag.
+struct TagChange {
+  int id = 0;
+  std::size_t views = 0;
+  double size_ratio = 1.0;     ///< measured over stated
+  double size_sigma = 0.0;     ///< relative
+  double moved = 0.0;          ///< metres, from the place that was stated
+  double place_sigma = 0.0;    ///< metres, worst axis
+  double turned = 0.0;         ///< radians
+  double turn_sigma = 0.0;     ///< radians, worst axis
+  bool is_size_wrong = false;  ///< off by more than five times what is stated and measured
+};
+
+struct BoardCalibration {
+  std::string refusal;  ///< one sentence; empty: the board is good
+  TagBody board;        ///< as measured, in the frame that was stated; its errors are what is left
+  std::vector<TagChange> tags;
+  double noise_px = 0.0, rms_px = 0.0;
+  std::size_t views = 0;
+};
+
+/// Sizes, places and turns of a board's tags from views by a known camera: bundle adjustment in which places
+/// are hardly held and sizes are held by what is stated, one that the others contradict by less and less
+/// (Cauchy weights): the stated sizes of the majority tell the scale. The board's frame stays where most
+/// tags' stated places have it. The common scale of all sizes cannot be seen: it stays as stated.
+/// @param camera its errors count
+BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std::vector<BoardView> views,
+                                 const BoardCalibrationOptions& options = {});
+
+}  // namespace clearway

@@ -1,0 +1,411 @@
+#include "tracking/calibration/calibrate_camera.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <opencv2/calib3d.hpp>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "tracking/pose_errors.hpp"
+#include "tracking/pose_refinement.hpp"
+#include "tracking/tag_pose.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kCells = 4;
+
+template <typename... Parts>
+std::string words(const Parts&... parts) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  (text << ... << parts);
+  return text.str();
+}
+
+/// The plane of all tags of a board.
+struct BoardPlane {
+  Eigen::Isometry3d board_from_plane = Eigen::Isometry3d::Identity();
+  double thickness = 0.0;  ///< metres
+};
+
+BoardPlane plane_of(const TagBody& board) {
+  std::vector<Eigen::Vector3d> points;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& [id, tag] : board.tags)
+    for (const Eigen::Vector3d& corner : tag_corners(tag.size))
+      points.push_back(tag.body_from_tag * corner), middle += points.back();
+  middle /= static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points) spread += (point - middle) * (point - middle).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  BoardPlane plane;
+  Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  if (normal.dot(board.tags.begin()->second.body_from_tag.linear().col(2)) < 0.0) normal = -normal;
+  const Eigen::Vector3d along = solver.eigenvectors().col(2);
+  plane.board_from_plane.linear() << along, normal.cross(along), normal;
+  plane.board_from_plane.translation() = middle;
+  for (const Eigen::Vector3d& point : points)
+    plane.thickness = std::max(plane.thickness, std::abs(normal.dot(point - middle)));
+  return plane;
+}
+
+bool is_plausible(const Camera& camera) {
+  try {
+    camera.validate();
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  return camera.fx > 0.2 * camera.width && camera.fx < 20.0 * camera.width;
+}
+
+/// Camera and poses by OpenCV; the poses alone, of a usual camera, when `is_guess`. False when it finds none.
+bool begin_by_opencv(Bundle& bundle, const BoardPlane& plane, bool is_guess) {
+  std::vector<std::vector<cv::Point3f>> objects;
+  std::vector<std::vector<cv::Point2f>> images;
+  const Eigen::Isometry3d plane_from_board = plane.board_from_plane.inverse();
+  for (const BoardView& view : bundle.views) {
+    objects.emplace_back();
+    images.emplace_back();
+    for (const TagDetection& tag : view.tags) {
+      const MountedTag& mounted = bundle.board.tags.at(tag.id);
+      const auto corners = tag_corners(mounted.size);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Eigen::Vector3d at = plane_from_board * (mounted.body_from_tag * corners[i]);
+        objects.back().emplace_back(static_cast<float>(at.x()), static_cast<float>(at.y()), 0.0F);
+        images.back().emplace_back(static_cast<float>(tag.corners[i].x()),
+                                   static_cast<float>(tag.corners[i].y()));
+      }
+    }
+  }
+  cv::Mat matrix = cv::Mat::eye(3, 3, CV_64F), distortion;
+  std::vector<cv::Mat> turns, places;
+  Camera& camera = bundle.camera;
+  int flags = cv::CALIB_FIX_K3;
+  if (is_guess) {
+    matrix.at<double>(0, 0) = matrix.at<double>(1, 1) = camera.width;
+    matrix.at<double>(0, 2) = 0.5 * (camera.width - 1);
+    matrix.at<double>(1, 2) = 0.5 * (camera.height - 1);
+    distortion = cv::Mat::zeros(1, 5, CV_64F);
+    flags |= cv::CALIB_USE_INTRINSIC_GUESS | cv::CALIB_FIX_FOCAL_LENGTH | cv::CALIB_FIX_PRINCIPAL_POINT |
+             cv::CALIB_FIX_TANGENT_DIST | cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2;
+  }
+  try {
+    cv::calibrateCamera(objects, images, {camera.width, camera.height}, matrix, distortion, turns, places,
+                        cv::CALIB_FIX_K3, cv::TermCriteria(cv::TermCriteria::COUNT, 8, 0.0));
+  } catch (const cv::Exception&) {
+    return false;
+  }
+  camera.fx = matrix.at<double>(0, 0);
+  camera.fy = matrix.at<double>(1, 1);
+  camera.cx = matrix.at<double>(0, 2);
+  camera.cy = matrix.at<double>(1, 2);
+  for (int i = 0; i < 4; ++i) camera.distortion[static_cast<std::size_t>(i)] = distortion.at<double>(i);
+  for (std::size_t v = 0; v < bundle.views.size(); ++v) {
+    const Eigen::Vector3d by(turns[v].at<double>(0), turns[v].at<double>(1), turns[v].at<double>(2));
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    if (by.norm() > 0.0) pose.linear() = Eigen::AngleAxisd(by.norm(), by.normalized()).toRotationMatrix();
+    pose.translation() =
+        Eigen::Vector3d(places[v].at<double>(0), places[v].at<double>(1), places[v].at<double>(2));
+    bundle.views[v].camera_from_board = pose * plane_from_board;
+  }
+  return is_plausible(camera);
+}
+
+/// The camera as free as lenses differ, so that only what the images do not tell at all is told by it; k3 as
+/// asked; the board as well known as it says.
+BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3) {
+  BundlePriors priors;
+  camera.errors = {0.5, 0.5, 0.5 * camera.width, 0.5 * std::hypot(camera.width, camera.height)};
+  priors.camera = camera_priors(camera);
+  priors.camera.back() = priors.camera[5];
+  if (!with_k3) priors.camera.back() = 0.0;
+  const TagErrors& e = board.errors;
+  priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
+  return priors;
+}
+
+bool has_sight(const Bundle& bundle, const BoardView& view) {
+  for (const TagDetection& tag : view.tags)
+    for (const Eigen::Vector3d& corner : tag_corners(bundle.board.tags.at(tag.id).size))
+      if (!bundle.camera.project(view.camera_from_board *
+                                 (bundle.board.tags.at(tag.id).body_from_tag * corner)))
+        return false;
+  return true;
+}
+
+/// Takes views and tags out that stand out of the others, worst first. True when it found any.
+bool leave_out(Bundle& bundle, const BundleFit& fit, std::size_t& may, std::vector<RefusedView>& refused) {
+  std::vector<double> shares;
+  for (std::size_t v = 0; v < bundle.views.size(); ++v) {
+    double sum = 0.0;
+    for (const double squares : fit.tag_squares[v]) sum += squares / 8.0;
+    shares.push_back(sum / static_cast<double>(fit.tag_squares[v].size()));
+  }
+  std::vector<double> sorted = shares;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  constexpr double times = 6.0;  // squares of a view's corners over the usual ones
+  const double limit = 4.0 * usual * std::max(times, chi_square_limit(8) / 8.0);
+  bool found = false;
+  for (std::size_t v = bundle.views.size(); v-- > 0;) {
+    BoardView& view = bundle.views[v];
+    std::vector<TagDetection> kept;
+    double sum = 0.0;
+    for (std::size_t t = 0; t < view.tags.size(); ++t) {
+      if (fit.tag_squares[v][t] / 8.0 > limit) continue;
+      kept.push_back(view.tags[t]);
+      sum += fit.tag_squares[v][t] / 8.0;
+    }
+    // Where a tag goes, the others are asked again without it.
+    const bool is_whole = kept.size() == view.tags.size();
+    const bool is_bad = (is_whole && sum > times * usual * static_cast<double>(kept.size())) ||
+                        kept.size() < std::max<std::size_t>(2, (view.tags.size() + 1) / 2);
+    if (is_bad && may > 0) {
+      refused.push_back({view.name, "its corners contradict those of the other images (moved, blurred)"});
+      bundle.views.erase(bundle.views.begin() + static_cast<std::ptrdiff_t>(v));
+      --may;
+      found = true;
+    } else if (!is_bad && kept.size() < view.tags.size()) {
+      view.tags = kept;
+      found = true;
+    }
+  }
+  return found;
+}
+
+/// Bundle adjustment that leaves out what contradicts. The board given stays what priors are about.
+BundleFit fit_all(Bundle& bundle, const BundlePriors& priors, const CameraCalibrationOptions& options,
+                  std::size_t may, std::vector<RefusedView>& refused) {
+  for (int round = 0;; ++round) {
+    Bundle again = bundle;
+    BundleFit fit = adjust_with_noise(again, priors, options.edge_bias);
+    if (!fit.is_converged) return fit;
+    Bundle less = again;
+    less.board = bundle.board;
+    if (round == 4 || !leave_out(less, fit, may, refused) || less.views.size() < options.least_views) {
+      bundle = again;
+      return fit;
+    }
+    bundle = less;
+  }
+}
+
+double coverage_of(const Bundle& bundle) {
+  std::set<int> cells;
+  const Camera& camera = bundle.camera;
+  for (const BoardView& view : bundle.views)
+    for (const TagDetection& tag : view.tags)
+      for (const Eigen::Vector2d& corner : tag.corners) {
+        const int column =
+            std::clamp(static_cast<int>(kCells * (corner.x() + 0.5) / camera.width), 0, kCells - 1);
+        const int row =
+            std::clamp(static_cast<int>(kCells * (corner.y() + 0.5) / camera.height), 0, kCells - 1);
+        cells.insert(kCells * row + column);
+      }
+  return static_cast<double>(cells.size()) / (kCells * kCells);
+}
+
+/// The tilt against the image that one in ten views exceeds.
+double widest_tilt(const Bundle& bundle, const BoardPlane& plane) {
+  std::vector<double> tilts;
+  for (const BoardView& view : bundle.views) {
+    const Eigen::Vector3d normal = view.camera_from_board.linear() * plane.board_from_plane.linear().col(2);
+    tilts.push_back(std::acos(std::clamp(std::abs(normal.z()), 0.0, 1.0)));
+  }
+  std::sort(tilts.begin(), tilts.end());
+  return tilts[tilts.size() * 9 / 10];
+}
+
+/// Errors of the camera that move the image as the covariance does, or more.
+CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) {
+  CameraErrors errors;
+  errors.focal = std::sqrt(covariance(0, 0));
+  errors.aspect = std::sqrt(covariance(1, 1));
+  errors.center = std::sqrt(std::max(covariance(2, 2), covariance(3, 3)));
+  // Distortion: its covariance alone, what centre and focal length explain of it taken away (Schur).
+  const Eigen::MatrixXd own = covariance.bottomRightCorner<5, 5>();
+  const Eigen::MatrixXd cross = covariance.block<5, 4>(4, 0);
+  const Eigen::MatrixXd left = own - cross * covariance.topLeftCorner<4, 4>().ldlt().solve(cross.transpose());
+  errors.distortion = 1.0;
+  Camera unit = camera;
+  unit.errors = {0.0, 0.0, 0.0, 1.0};
+  double most = 0.0;
+  const double f = std::sqrt(camera.fx * camera.fy);
+  for (int i = 0; i <= 12; ++i)
+    for (int j = 0; j <= 12; ++j) {
+      const Eigen::Vector2d pixel(camera.width * i / 12.0 - 0.5, camera.height * j / 12.0 - 0.5);
+      const auto ray = camera.undistort(pixel);
+      if (!ray || ray->norm() < 1e-3) continue;
+      const double x = ray->x(), y = ray->y(), r2 = ray->squaredNorm();
+      Eigen::Matrix<double, 2, 5> by;
+      by << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2,  //
+          y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
+      const double actual = f * f * (by * left * by.transpose()).trace();
+      const double stated = unit.shift_by_errors(pixel).squaredNorm();
+      if (stated > 1e-4) most = std::max(most, actual / stated);
+    }
+  errors.distortion = std::sqrt(most);
+  return errors;
+}
+
+std::vector<CornerMatch> matches(const TagBody& board, const BoardView& view) {
+  std::vector<CornerMatch> corners;
+  for (const TagDetection& tag : view.tags) {
+    const auto points = tag_corners(board.tags.at(tag.id).size);
+    for (std::size_t i = 0; i < 4; ++i)
+      corners.push_back({board.tags.at(tag.id).body_from_tag * points[i], tag.corners[i]});
+  }
+  return corners;
+}
+
+/// Sums over views that a calibration has not seen.
+struct HeldOut {
+  double squared_px = 0.0, squared_mm = 0.0, freedom = 0.0;
+
+  void add(const Camera& camera, const TagBody& board, const BoardView& view) {
+    const std::vector<CornerMatch> corners = matches(board, view);
+    const auto pose = refine_pose(camera, corners, view.camera_from_board);
+    if (!pose || corners.size() < 4) return;
+    for (const CornerMatch& corner : corners) {
+      const Eigen::Vector3d at = pose->camera_from_body * corner.in_body;
+      const auto pixel = camera.project(at);
+      if (!pixel) return;
+      const double squared = (*pixel - corner.pixel).squaredNorm();
+      squared_px += squared;
+      squared_mm += squared * std::pow(1e3 * at.z() / std::sqrt(camera.fx * camera.fy), 2);
+    }
+    freedom += static_cast<double>(corners.size()) - 3.0;  // corners, less half the pose's unknowns
+  }
+};
+
+void test_held_out(const Bundle& fitted, const TagBody& told, const BundlePriors& priors,
+                   const CameraCalibrationOptions& options, CameraCalibration& calibration) {
+  HeldOut sums;
+  const std::size_t folds = static_cast<std::size_t>(std::max(2, options.folds));
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    Bundle others = fitted;
+    others.board = told;
+    others.views.clear();
+    for (std::size_t v = 0; v < fitted.views.size(); ++v)
+      if (v % folds != fold) others.views.push_back(fitted.views[v]);
+    if (!adjust(others, priors, calibration.noise_px, options.edge_bias).is_converged) continue;
+    for (std::size_t v = fold; v < fitted.views.size(); v += folds)
+      sums.add(others.camera, others.board, fitted.views[v]);
+  }
+  if (sums.freedom <= 0.0) return;
+  calibration.held_out_px = std::sqrt(sums.squared_px / sums.freedom);
+  calibration.held_out_mm = std::sqrt(sums.squared_mm / sums.freedom);
+}
+
+constexpr double kLeastTilt = 0.35;  // radians
+
+/// What would make the focal length better known.
+std::string advice(const CameraCalibration& c) {
+  if (c.widest_tilt >= kLeastTilt)
+    return ": take more images, nearer to the camera and to the image's corners";
+  return words(": the board is tilted by at most ", std::lround(180.0 / M_PI * c.widest_tilt),
+               " degrees in 9 of 10 images; tilt it by 20 to 45 degrees to all sides");
+}
+
+std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOptions& options) {
+  if (c.coverage < options.least_coverage)
+    return words("the board was seen in ", std::lround(kCells * kCells * c.coverage), " of ", kCells * kCells,
+                 " parts of the image, expected ", std::ceil(kCells * kCells * options.least_coverage),
+                 " or more: hold it into the corners, too");
+  return "";
+}
+
+std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& options) {
+  if (!(c.camera.errors.focal <= options.most_focal_sigma))
+    return words("the focal length is known to ", 100.0 * c.camera.errors.focal, " % only, expected ",
+                 100.0 * options.most_focal_sigma, " % or better", advice(c));
+  if (const std::string unseen = judge_coverage(c, options); !unseen.empty()) return unseen;
+  try {
+    c.camera.validate();
+  } catch (const std::invalid_argument&) {
+    return "the distortion that fits the images does not hold in the image's corners, where the board was "
+           "not seen: hold it into the corners, too";
+  }
+  return "";
+}
+
+}  // namespace
+
+CameraCalibration calibrate_camera(int width, int height, const TagBody& board, std::vector<BoardView> views,
+                                   const CameraCalibrationOptions& options) {
+  if (width < 32 || height < 32) throw std::invalid_argument("camera: expected images of 32 pixels or more");
+  board.validate();
+  const BoardPlane plane = plane_of(board);
+  if (plane.thickness > 0.005)
+    throw std::invalid_argument("board '" + board.name + "': its tags are up to " +
+                                words(1e3 * plane.thickness) +
+                                " mm off a plane; expected a flat board to calibrate a camera with");
+  CameraCalibration calibration;
+  calibration.camera.width = width;
+  calibration.camera.height = height;
+  std::erase_if(views, [&](const BoardView& view) { return view.tags.size() < 2; });
+  if (views.size() < options.least_views) {
+    calibration.refusal = words(views.size(), " images show two tags of the board or more, expected ",
+                                options.least_views, " or more");
+    return calibration;
+  }
+  const std::size_t may = views.size() / 3;
+  Bundle bundle{calibration.camera, board, std::move(views)};
+  const std::string nothing =
+      "no camera explains the images: expected 8 or more sharp images of the board, tilted to all sides";
+  if (!begin_by_opencv(bundle, plane, false) && !begin_by_opencv(bundle, plane, true)) {
+    calibration.refusal = nothing;
+    return calibration;
+  }
+  std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
+  BundlePriors priors = priors_of(bundle.camera, board, false);
+  BundleFit fit = fit_all(bundle, priors, options, may, calibration.refused);
+  if (!fit.is_converged || bundle.views.size() < options.least_views) {
+    if (bundle.views.empty()) {
+      calibration.refusal = nothing;
+      return calibration;
+    }
+    calibration.widest_tilt = widest_tilt(bundle, plane);
+    calibration.coverage = coverage_of(bundle);
+    const bool is_frontal = calibration.widest_tilt < kLeastTilt;
+    const std::string unseen = judge_coverage(calibration, options);
+    calibration.refusal = is_frontal       ? "the focal length cannot be told" + advice(calibration)
+                          : unseen.empty() ? nothing
+                                           : unseen;
+    return calibration;
+  }
+  {
+    Bundle with_k3 = bundle;
+    with_k3.board = board;
+    const BundlePriors free_k3 = priors_of(with_k3.camera, board, true);
+    const BundleFit other = adjust(with_k3, free_k3, fit.noise_px, options.edge_bias);
+    const double sigma = other.is_converged ? std::sqrt(other.covariance(8, 8)) : kInfinity;
+    if (std::abs(with_k3.camera.distortion[4]) > 4.0 * sigma) {
+      bundle = with_k3;
+      fit = other;
+      priors = free_k3;
+    }
+  }
+  calibration.camera = bundle.camera;
+  calibration.covariance = fit.covariance.topLeftCorner<kCameraUnknowns, kCameraUnknowns>();
+  calibration.noise_px = fit.noise_px;
+  calibration.rms_px = fit.rms_px;
+  calibration.views = bundle.views.size();
+  calibration.coverage = coverage_of(bundle);
+  calibration.widest_tilt = widest_tilt(bundle, plane);
+  calibration.camera.errors = errors_of(calibration.camera, calibration.covariance);
+  calibration.refusal = judge(calibration, options);
+  if (calibration.refusal.empty()) test_held_out(bundle, board, priors, options, calibration);
+  return calibration;
+}
+
+}  // namespace clearway

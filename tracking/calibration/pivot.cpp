@@ -1,0 +1,184 @@
+#include "tracking/calibration/pivot.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <locale>
+#include <sstream>
+
+namespace clearway {
+namespace {
+
+using Matrix36d = Eigen::Matrix<double, 3, 6>;
+using Matrix38d = Eigen::Matrix<double, 3, kCameraModes>;
+
+Matrix36d moved_point(const Eigen::Vector3d& point) {
+  Matrix36d by;
+  by << Eigen::Matrix3d::Identity(), -cross_matrix(point);
+  return by;
+}
+
+Eigen::Isometry3d reference_from_probe(const PivotLook& look) {
+  const Eigen::Isometry3d& probe = look.probe.camera_from_body.pose;
+  return look.base ? look.base->camera_from_body.pose.inverse() * probe : probe;
+}
+
+/// The ball of one look in the reference, and what moves it.
+struct BallPlace {
+  Eigen::Vector3d place;
+  Eigen::Matrix3d noise, tags;
+  Matrix38d by_camera;
+};
+
+BallPlace place_of(const PivotLook& look, const Eigen::Vector3d& ball) {
+  const Eigen::Isometry3d pose = reference_from_probe(look);
+  BallPlace at{pose * ball, {}, {}, {}};
+  const Matrix36d by_probe = pose.linear() * moved_point(ball);
+  const PoseErrors& probe = look.probe.errors;
+  at.noise = by_probe * (probe.noise + probe.edges) * by_probe.transpose();
+  at.tags = by_probe * probe.tags * by_probe.transpose();
+  at.by_camera = by_probe * probe.by_camera;
+  if (look.base) {
+    const Matrix36d by_base = -moved_point(at.place);
+    const PoseErrors& base = look.base->errors;
+    at.noise += by_base * (base.noise + base.edges) * by_base.transpose();
+    at.tags += by_base * base.tags * by_base.transpose();
+    at.by_camera += by_base * base.by_camera;
+  }
+  return at;
+}
+
+/// Normal equations of (ball, pivot) at `ball`.
+struct PivotFit {
+  Vector6d found = Vector6d::Zero();  ///< ball, pivot
+  Matrix6d inverse = Matrix6d::Zero();
+  std::vector<double> squares;  ///< of each look, 3 expected
+  double rms = 0.0;
+  bool is_solved = false;
+};
+
+PivotFit fit_pivot(const std::vector<PivotLook>& looks, Eigen::Vector3d ball) {
+  PivotFit fit;
+  for (int round = 0; round < 4; ++round) {
+    Matrix6d normal = Matrix6d::Zero();
+    Vector6d pull = Vector6d::Zero();
+    for (const PivotLook& look : looks) {
+      const Eigen::Isometry3d pose = reference_from_probe(look);
+      Matrix36d by;
+      by << pose.linear(), -Eigen::Matrix3d::Identity();
+      const Eigen::LLT<Eigen::Matrix3d> weight(place_of(look, ball).noise);
+      normal += by.transpose() * weight.solve(by);
+      pull -= by.transpose() * weight.solve(pose.translation());
+    }
+    const Eigen::LLT<Matrix6d> solver(normal);
+    if (solver.info() != Eigen::Success) return fit;
+    fit.found = solver.solve(pull);
+    fit.inverse = solver.solve(Matrix6d::Identity());
+    ball = fit.found.head<3>();
+  }
+  double sum = 0.0;
+  for (const PivotLook& look : looks) {
+    const BallPlace at = place_of(look, ball);
+    const Eigen::Vector3d off = at.place - fit.found.tail<3>();
+    fit.squares.push_back(off.dot(at.noise.llt().solve(off)));
+    sum += off.squaredNorm();
+  }
+  fit.rms = std::sqrt(sum / static_cast<double>(looks.size()));
+  fit.is_solved = fit.found.allFinite() && fit.inverse.allFinite();
+  return fit;
+}
+
+/// Takes out looks whose squares are far above the usual ones. True when it found any.
+bool leave_out_looks(std::vector<PivotLook>& looks, const PivotFit& fit, std::size_t& may) {
+  std::vector<double> sorted = fit.squares;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const double limit = 20.0 * sorted[sorted.size() / 2] / 2.37;  // 2.37: the median of chi-square(3)
+  bool found = false;
+  for (std::size_t i = looks.size(); i-- > 0 && may > 0;) {
+    if (fit.squares[i] <= limit) continue;
+    looks.erase(looks.begin() + static_cast<std::ptrdiff_t>(i));
+    --may;
+    found = true;
+  }
+  return found;
+}
+
+double widest_turn(const std::vector<PivotLook>& looks) {
+  double widest = 0.0;
+  for (std::size_t i = 0; i < looks.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      widest = std::max(widest, Eigen::AngleAxisd(reference_from_probe(looks[i]).linear().transpose() *
+                                                  reference_from_probe(looks[j]).linear())
+                                    .angle());
+  return widest;
+}
+
+/// Noise as the residuals show it, and what all looks share.
+Eigen::Matrix3d covariance_of(const std::vector<PivotLook>& looks, const PivotFit& fit) {
+  double squares = 0.0;
+  for (const double of_look : fit.squares) squares += of_look;
+  const double freedom = std::max(1.0, 3.0 * static_cast<double>(looks.size()) - 6.0);
+  Eigen::Matrix<double, 6, kCameraModes> by_camera = Eigen::Matrix<double, 6, kCameraModes>::Zero();
+  Eigen::Matrix3d tags = Eigen::Matrix3d::Zero();
+  for (const PivotLook& look : looks) {
+    const BallPlace at = place_of(look, fit.found.head<3>());
+    const Eigen::Matrix3d turn = reference_from_probe(look).linear();
+    Matrix36d by;
+    by << turn, -Eigen::Matrix3d::Identity();
+    by_camera -= by.transpose() * at.noise.llt().solve(at.by_camera);
+    tags += turn.transpose() * at.tags * turn / static_cast<double>(looks.size());
+  }
+  const Matrix38d camera = (fit.inverse * by_camera).topRows<3>();
+  return std::max(1.0, squares / freedom) * fit.inverse.topLeftCorner<3, 3>() + camera * camera.transpose() +
+         tags;
+}
+
+std::string figure(double value, const char* unit) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  text << value << unit;
+  return text.str();
+}
+
+}  // namespace
+
+PivotCalibration calibrate_pivot(const std::vector<PivotLook>& given, const PivotOptions& options) {
+  PivotCalibration found;
+  std::vector<PivotLook> looks = given;
+  found.looks = looks.size();
+  if (looks.size() < options.least_looks) {
+    found.refusal = std::to_string(looks.size()) + " images tell the probe's pose, expected " +
+                    std::to_string(options.least_looks) + " or more";
+    return found;
+  }
+  found.turn = widest_turn(looks);
+  const std::string turn_more = "turn the probe to all sides by 30 degrees or more, its ball in a cup";
+  if (found.turn < options.least_turn) {
+    found.refusal =
+        "the probe turned by at most " + figure(180.0 / M_PI * found.turn, " degrees: ") + turn_more;
+    return found;
+  }
+  std::size_t may = looks.size() / 3;
+  PivotFit fit = fit_pivot(looks, Eigen::Vector3d::Zero());
+  for (int round = 0; round < 5 && fit.is_solved && leave_out_looks(looks, fit, may); ++round)
+    fit = fit_pivot(looks, fit.found.head<3>());
+  if (!fit.is_solved) {
+    found.refusal = "the images do not tell the ball's centre: " + turn_more;
+    return found;
+  }
+  found.left_out = found.looks - looks.size();
+  found.looks = looks.size();
+  found.ball = fit.found.head<3>();
+  found.rms = fit.rms;
+  found.covariance = covariance_of(looks, fit);
+  const double sigma = UncertainPoint{found.ball, found.covariance}.largest_sigma();
+  if (!(sigma <= options.most_sigma))
+    found.refusal = "the ball's centre is known to " + figure(1e3 * sigma, " mm only, expected ") +
+                    figure(1e3 * options.most_sigma, " mm or better: ") + turn_more;
+  return found;
+}
+
+}  // namespace clearway
