@@ -360,8 +360,12 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   }
   const std::size_t may = views.size() / 3;
   Bundle bundle{calibration.camera, board, std::move(views)};
+  calibration.coverage = coverage_of(bundle);
+  const std::string unseen = judge_coverage(calibration, options);
   const std::string nothing =
-      "no camera explains the images: expected 8 or more sharp images of the board, tilted to all sides";
+      unseen.empty()
+          ? "no camera explains the images: expected 8 or more sharp images of the board, tilted to all sides"
+          : unseen;
   if (!begin_by_opencv(bundle, plane, false) && !begin_by_opencv(bundle, plane, true)) {
     calibration.refusal = nothing;
     return calibration;
@@ -375,12 +379,8 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
       return calibration;
     }
     calibration.widest_tilt = widest_tilt(bundle, plane);
-    calibration.coverage = coverage_of(bundle);
     const bool is_frontal = calibration.widest_tilt < kLeastTilt;
-    const std::string unseen = judge_coverage(calibration, options);
-    calibration.refusal = is_frontal       ? "the focal length cannot be told" + advice(calibration)
-                          : unseen.empty() ? nothing
-                                           : unseen;
+    calibration.refusal = is_frontal ? "the focal length cannot be told" + advice(calibration) : nothing;
     return calibration;
   }
   {

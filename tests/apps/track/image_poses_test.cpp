@@ -183,8 +183,9 @@ TEST_F(ImagePosesOfAStroke, ATagThatIsNotOnItsBoardIsNamedAsLeftOut) {
   other.insert(other.find("- {id: 1,"), "- {id: 10, size: 0.04}\n      ");
   folder_.write("other.yaml", other);
   const CommandRun run = track({"--setup", folder_.file("other.yaml"), "--json"});
+  const Json json = Json::parse(run.out);
   int named = 0;
-  for (const Json& image : Json::parse(run.out)["images"]) {
+  for (const Json& image : json["images"]) {
     const Json* base = find(image, "body", "base", "camera");
     if (base == nullptr || !base->contains("left_out")) continue;
     for (const Json& left : (*base)["left_out"])
