@@ -54,7 +54,8 @@ CalibrationReport report_of(const CalibrateOptions& options, const Setup& setup,
 int run_calibrate(const CalibrateOptions& options, Console& console) {
   const std::filesystem::path file = shipped_file("setups", options.setup);
   require_output(options, file);
-  const Setup setup = load_setup(file);
+  Setup setup = load_setup(file);
+  setup.source.camera_seconds = options.camera_seconds;
   if (setup.boards.empty())
     throw std::invalid_argument("setup " + quote_path(file.string()) +
                                 ": expected `boards` whose tags are to be seen (see clearway tags print)");

@@ -19,9 +19,8 @@ Command add_calibrate(CLI::App& app, Console& console) {
       ->required()
       ->check(CLI::IsMember({"camera", "board", "probe"}))
       ->type_name("camera|board|probe");
-  command->add_option("source", options->source, "a recording with images; see replay")
-      ->required()
-      ->type_name("SOURCE");
+  add_source(*command, options->source, options->camera_seconds, "source",
+             "a recording with images; see replay");
   command
       ->add_option("--setup,--board", options->setup,
                    "the boards, as `tags print` writes them; for board and probe also the camera")

@@ -34,13 +34,9 @@ Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
       app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
-  command
-      ->add_option(
-          "recording", options->recording,
-          "MRPT rawlog; ROS bag (.bag, .mcap); video; .pcd, .ply, .png or .jpg: a file, or a folder of "
-          "them; folder of depth pictures")
-      ->required()
-      ->type_name("RECORDING");
+  add_source(*command, options->recording, options->camera_seconds, "recording",
+             "MRPT rawlog; ROS bag (.bag, .mcap); video; .pcd, .ply, .png or .jpg: a file, or a folder of "
+             "them; folder of depth pictures");
   command
       ->add_option("--setup", options->setup,
                    "tag boards, probe, robot and queries, by file or name; default: the recording's own")

@@ -241,7 +241,7 @@ int run_replay(const ReplayOptions& options, Console& console) {
   Fusion fusion =
       fuse(options.recording,
            {options.setup.empty() ? options.setup : shipped_file("setups", options.setup), options.resolution,
-            options.integration, options.threads, record ? &*record : nullptr},
+            options.integration, options.threads, record ? &*record : nullptr, options.camera_seconds},
            console.bar("fusing"));
   report.fusion = &fusion;
   report.timings = {{"read", fusion.counts.read_s},

@@ -165,8 +165,9 @@ void require_outputs(const TrackOptions& options) {
 
 int run_track(const TrackOptions& options, Console& console) {
   require_outputs(options);
-  const ChosenSetup chosen = choose_setup(
+  ChosenSetup chosen = choose_setup(
       options.source, options.setup.empty() ? options.setup : shipped_file("setups", options.setup));
+  chosen.setup.source.camera_seconds = options.camera_seconds;
   const Setup& setup = chosen.setup;
   if (setup.boards.empty())
     throw std::invalid_argument(

@@ -10,9 +10,8 @@ Command add_track(CLI::App& app, Console& console) {
   auto options = std::make_shared<TrackOptions>();
   CLI::App* command =
       add_command(app, "track", "poses of tags and boards in images, with their covariance", console);
-  command->add_option("source", options->source, "a recording with images; see replay")
-      ->required()
-      ->type_name("SOURCE");
+  add_source(*command, options->source, options->camera_seconds, "source",
+             "a recording with images; see replay");
   command
       ->add_option("--setup", options->setup,
                    "camera, boards and probe, by file or name; default: the recording's own")

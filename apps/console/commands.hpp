@@ -41,6 +41,7 @@ struct CostChoice {
 
 struct ReplayOptions {
   std::filesystem::path recording;
+  double camera_seconds = 10.0;       ///< of a live camera
   std::filesystem::path setup;        ///< empty: the one embedded in the recording, if any
   std::filesystem::path out;          ///< folder, created
   double resolution = 0.0;            ///< metres; 0: the setup's, else 0.02
@@ -57,8 +58,9 @@ int run_replay(const ReplayOptions& options, Console& console);
 
 struct TrackOptions {
   std::filesystem::path source;
-  std::filesystem::path setup;  ///< empty: the one embedded in the recording, if any
-  std::filesystem::path csv;    ///< empty: none, as the others
+  double camera_seconds = 10.0;  ///< of a live camera
+  std::filesystem::path setup;   ///< empty: the one embedded in the recording, if any
+  std::filesystem::path csv;     ///< empty: none, as the others
   std::filesystem::path json;
   std::filesystem::path tum_probe, tum_camera;
   std::filesystem::path draw;  ///< folder, created
@@ -70,6 +72,7 @@ int run_track(const TrackOptions& options, Console& console);
 struct CalibrateOptions {
   std::string what;  ///< camera, board or probe
   std::filesystem::path source;
+  double camera_seconds = 10.0;  ///< of a live camera
   std::filesystem::path setup;
   std::string body;           ///< the board's name; empty: the one that is seen most
   std::filesystem::path out;  ///< copy of the setup with what was measured; empty: none

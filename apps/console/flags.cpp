@@ -1,6 +1,8 @@
 #include "apps/console/flags.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <limits>
 
@@ -38,6 +40,28 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   command->add_flag("--json", console.json, "print one JSON object on stdout and nothing else there");
   command->get_formatter()->column_width(36);
   return command;
+}
+
+void add_source(CLI::App& command, std::filesystem::path& source, double& seconds, const std::string& name,
+                const std::string& text) {
+  std::string type = name;
+  std::transform(type.begin(), type.end(), type.begin(), [](unsigned char c) { return std::toupper(c); });
+  CLI::Option* positional = command.add_option(name, source, text)->required()->type_name(type);
+  command
+      .add_option_function<int>(
+          "--camera",
+          [&source, positional](int camera) {
+            positional->required(false);
+            source = "/dev/video" + std::to_string(camera);
+          },
+          "a live camera instead, by its number; its pictures go in as they come, and are not kept")
+      ->trigger_on_parse()
+      ->check(number("a whole number from 0 to 255", 0, 255))
+      ->excludes(positional)
+      ->type_name("N");
+  command.add_option("--seconds", seconds, "how long a live camera is watched")
+      ->check(number("a number from 0.1 to 86400", 0.1, 86400.0))
+      ->type_name("S");
 }
 
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note) {

@@ -36,6 +36,10 @@ struct RobotFlagNotes {
   std::string group = {}, fixed = {}, scale = {}, base = {}, policy = {}, padding = {}, seen_within = {};
 };
 
+/// The positional SOURCE, or --camera N in its place, and --seconds of it.
+void add_source(CLI::App& command, std::filesystem::path& source, double& seconds, const std::string& name,
+                const std::string& text);
+
 /// --seen-within, seconds. @param note of its default
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
 

@@ -87,6 +87,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   ChosenSetup chosen = choose_setup(recording, options.setup_file);
   fusion.setup = std::move(chosen.setup);
   fusion.setup_source = std::move(chosen.source);
+  fusion.setup.source.camera_seconds = options.camera_seconds;
   const std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
   fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
   fusion.map.keep_scans();

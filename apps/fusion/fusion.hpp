@@ -61,6 +61,7 @@ struct FusionOptions {
   std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
   int threads = 0;  ///< for images and scans, in [1, 64]; 0: the setup's, else the machine's, at most 8
   FusionObserver* observer = nullptr;  ///< may be null
+  double camera_seconds = 10.0;        ///< how long a live camera is watched
 };
 
 /// A recording turned into a map.

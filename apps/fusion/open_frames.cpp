@@ -127,6 +127,7 @@ void take_as_rendered(Setup& setup) {
 std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const SourceOptions& options) {
   std::error_code error;
   if (fs::is_directory(recording, error)) return open_folder(recording, options);
+  if (is_camera_name(recording)) return open_camera(recording, options);
   const bool is_file = fs::is_regular_file(recording, error);
   if (is_file && is_cloud_file(recording))
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
@@ -139,6 +140,7 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
 
 ChosenSetup choose_setup(const fs::path& recording, const fs::path& setup_file) {
   if (!setup_file.empty()) return {load_setup(setup_file), setup_file.string()};
+  if (is_camera_name(recording)) throw std::invalid_argument("a camera tells no setup; expected --setup");
   const std::optional<Frame> first = open_frames(recording, {})->next();
   if (!first) return {};
   const auto* comment = std::get_if<CommentFrame>(&first->content);

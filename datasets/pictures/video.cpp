@@ -1,11 +1,15 @@
 #include "datasets/pictures/video.hpp"
 
 #include <dlfcn.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <new>
 #include <opencv2/videoio.hpp>
 #include <optional>
@@ -44,8 +48,8 @@ GrayImage luma(const cv::Mat& picture) {
 /// functions of the class that are called are virtual.
 class LoadedCapture {
  public:
-  /// @throws std::runtime_error a clause that says why the file cannot be decoded.
-  explicit LoadedCapture(const std::string& file) {
+  /// @throws std::runtime_error a clause that says why videos cannot be decoded.
+  LoadedCapture() {
     void* const library = ::dlopen(CLEARWAY_VIDEOIO, RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) throw std::runtime_error("OpenCV's library for videos is not installed");
     using Construct = void (*)(void*);
@@ -53,7 +57,6 @@ class LoadedCapture {
     if (construct == nullptr) throw std::runtime_error("OpenCV's library for videos is of another version");
     construct(memory_);
     capture_ = std::launder(reinterpret_cast<cv::VideoCapture*>(memory_));
-    if (!capture_->open(file, cv::CAP_FFMPEG)) throw std::runtime_error("it cannot be decoded");
   }
   LoadedCapture(const LoadedCapture&) = delete;
   LoadedCapture& operator=(const LoadedCapture&) = delete;
@@ -65,34 +68,34 @@ class LoadedCapture {
   cv::VideoCapture* capture_ = nullptr;
 };
 
+void send_picture(const ChildReport& report, double time, const cv::Mat& picture, double share) {
+  DecodedFrame decoded;
+  decoded.frame.time = time;
+  ImageFrame image;
+  image.image = luma(picture);
+  decoded.frame.content = std::move(image);
+  report.send(ChildMessage::frame, static_cast<std::uint64_t>(1e6 * share), frame_to_bytes(decoded));
+}
+
 /// What reads the video, in the child. `offset` of its messages is the share that is read, in millionths.
+/// @throws std::runtime_error a clause that says why it cannot be decoded.
 void decode_video(const ChildReport& report, const std::string& file, std::optional<double> rate) {
-  std::optional<LoadedCapture> video;
-  try {
-    video.emplace(file);
-  } catch (const std::runtime_error& error) {
-    return report.send(ChildMessage::damage, 0, error.what());
-  }
-  LoadedCapture& capture = *video;
+  LoadedCapture capture;
+  if (!capture->open(file, cv::CAP_FFMPEG)) throw std::runtime_error("it cannot be decoded");
   const double count = capture->get(cv::CAP_PROP_FRAME_COUNT);
   const double own_rate = std::max(capture->get(cv::CAP_PROP_FPS), 1e-3);
   double last = -1.0;
   std::uint64_t number = 0;
   cv::Mat picture;
   for (; capture->read(picture) && !picture.empty(); ++number) {
-    DecodedFrame decoded;
     const double told = capture->get(cv::CAP_PROP_POS_MSEC) / 1000.0;
     // Some containers tell no times: then those of a constant rate.
     const bool is_rising = std::isfinite(told) && told > last && (number == 0 || told > 0.0);
     last = is_rising ? told : static_cast<double>(number) / own_rate;
-    decoded.frame.time = rate ? static_cast<double>(number) / *rate : last;
-    ImageFrame image;
-    image.image = luma(picture);
-    decoded.frame.content = std::move(image);
-    const double share = count > 0.0 ? std::min(1.0, static_cast<double>(number) / count) : 0.0;
-    report.send(ChildMessage::frame, static_cast<std::uint64_t>(1e6 * share), frame_to_bytes(decoded));
+    send_picture(report, rate ? static_cast<double>(number) / *rate : last, picture,
+                 count > 0.0 ? std::min(1.0, static_cast<double>(number) / count) : 0.0);
   }
-  if (number == 0) return report.send(ChildMessage::damage, 0, "it holds no picture that can be decoded");
+  if (number == 0) throw std::runtime_error("it holds no picture that can be decoded");
   if (static_cast<double>(number) < count - 1.0)
     report.send(ChildMessage::skipped, 0,
                 "it says that it holds " + std::to_string(std::llround(count)) + " pictures, and " +
@@ -100,15 +103,59 @@ void decode_video(const ChildReport& report, const std::string& file, std::optio
   report.send(ChildMessage::end, 1'000'000, "");
 }
 
+/// What watches a camera, in the child. Whoever takes long with a picture loses those that come meanwhile.
+/// @throws std::runtime_error a clause that says why it gives no pictures.
+void watch_camera(const ChildReport& report, const std::string& device, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto elapsed = [begin = Clock::now()] {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  LoadedCapture capture;
+  if (!capture->open(device, cv::CAP_V4L2)) throw std::runtime_error("it cannot be opened as a camera");
+  capture->set(cv::CAP_PROP_BUFFERSIZE, 1);  // where the driver can: nothing waits in line
+  const double period = 1.0 / std::max(capture->get(cv::CAP_PROP_FPS), 1.0);
+  cv::Mat picture;
+  bool is_any = false;
+  while (elapsed() < seconds && capture->grab()) {
+    const double time =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    if (!capture->retrieve(picture) || picture.empty()) continue;
+    const double sent = elapsed();
+    send_picture(report, time, picture, std::min(1.0, sent / seconds));
+    is_any = true;
+    if (elapsed() - sent > period) capture->grab();  // taken before somebody had time for it
+  }
+  if (!is_any) throw std::runtime_error("it gave no picture");
+  if (elapsed() < seconds) throw std::runtime_error("it stopped giving pictures");
+  report.send(ChildMessage::end, 1'000'000, "");
+}
+
+/// True for a device of Video4Linux.
+bool is_camera(const std::filesystem::path& device) {
+  constexpr unsigned video4linux = 81;
+  struct stat status {};
+  return ::stat(device.c_str(), &status) == 0 && S_ISCHR(status.st_mode) &&
+         major(status.st_rdev) == video4linux;
+}
+
+/// The pictures that a child makes.
 class Video final : public FrameSource {
  public:
-  Video(const std::filesystem::path& file, const SourceOptions& options)
-      : name_("video " + quote_path(file.string())),
+  using Work = std::function<void(const ChildReport&)>;
+
+  /// @param kind what the source is, in sentences. @param work throws std::runtime_error.
+  Video(const std::string& kind, const std::filesystem::path& file, const SourceOptions& options,
+        std::uint64_t seconds, const Work& work)
+      : name_(kind + " " + quote_path(file.string())),
         sensor_(file.stem().string()),
         camera_(options.camera),
-        child_({.memory = video_memory, .seconds = DecodingLimits::of_file(file_size(file)).seconds}, -1,
-               [path = std::filesystem::absolute(file).string(), rate = options.rate](
-                   const ChildReport& report, int) { decode_video(report, path, rate); }) {}
+        child_({.memory = video_memory, .seconds = seconds}, -1, [work](const ChildReport& report, int) {
+          try {
+            work(report);
+          } catch (const std::runtime_error& error) {
+            report.send(ChildMessage::damage, 0, error.what());
+          }
+        }) {}
 
   std::optional<Frame> next() override {
     while (!ended_) {
@@ -137,12 +184,9 @@ class Video final : public FrameSource {
   double progress() const override { return std::min(1.0, progress_); }
 
  private:
-  static std::uint64_t file_size(const std::filesystem::path& file) {
-    return InputFile(file, "video").size();
-  }
   void end(const std::string& why) {
     ended_ = true;
-    if (!why.empty()) damage_ = name_ + " is damaged: " + why;
+    if (!why.empty()) damage_ = name_ + (name_.starts_with("camera") ? ": " : " is damaged: ") + why;
   }
 
   std::string name_, sensor_;
@@ -170,7 +214,24 @@ bool is_video_file(const std::filesystem::path& file) {
 }
 
 std::unique_ptr<FrameSource> open_video(const std::filesystem::path& file, const SourceOptions& options) {
-  return std::make_unique<Video>(file, options);
+  return std::make_unique<Video>(
+      "video", file, options, DecodingLimits::of_file(InputFile(file, "video").size()).seconds,
+      [path = std::filesystem::absolute(file).string(), rate = options.rate](const ChildReport& report) {
+        decode_video(report, path, rate);
+      });
+}
+
+bool is_camera_name(const std::filesystem::path& path) {
+  return path.parent_path() == "/dev" && path.filename().string().starts_with("video");
+}
+
+std::unique_ptr<FrameSource> open_camera(const std::filesystem::path& device, const SourceOptions& options) {
+  if (!is_camera(device))
+    throw std::invalid_argument("camera " + quote_path(device.string()) + ": there is no such camera");
+  const double seconds = options.camera_seconds;
+  return std::make_unique<Video>(
+      "camera", device, options, 60 + 10 * static_cast<std::uint64_t>(seconds),
+      [path = device.string(), seconds](const ChildReport& report) { watch_camera(report, path, seconds); });
 }
 
 }  // namespace clearway

@@ -195,6 +195,20 @@ TEST_F(ImagePosesOfAStroke, ATagThatIsNotOnItsBoardIsNamedAsLeftOut) {
   EXPECT_NE(track({"--setup", folder_.file("other.yaml")}).out.find("10:contradicted"), std::string::npos);
 }
 
+// No camera is on build machines; see video_test for how its pictures are read.
+TEST_F(ImagePosesOfAStroke, ACameraThatIsNotThereIsOneSentence) {
+  const CommandRun run =
+      run_command({"track", "--camera", "217", "--seconds", "1", "--setup", folder_.file("setup.yaml")});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(run.log.find("camera '/dev/video217': there is no such camera"), std::string::npos) << run.log;
+  const CommandRun bare = run_command({"track", "--camera", "217"});
+  EXPECT_EQ(bare.status, exit_bad_input);
+  EXPECT_NE(bare.log.find("a camera tells no setup; expected --setup"), std::string::npos) << bare.log;
+  const CommandRun both = run_command({"track", folder_.file("r.rawlog"), "--camera", "0"});
+  EXPECT_EQ(both.status, exit_bad_input) << both.out;
+  EXPECT_EQ(run_command({"track"}).status, exit_bad_input);
+}
+
 TEST_F(ImagePosesOfAStroke, WhatIsRefusedSaysWhy) {
   std::string other = setup_;
   other.replace(other.find("id: 10,"), 7, "id: 99,");  // the probe's tag 10 is on no board
