@@ -153,6 +153,27 @@ Term<std::string> group_of(const CheckOptions& options, const Robot& robot) {
   return {robot.group, is_own ? TermSource::by_default : TermSource::plan};
 }
 
+/// One note for each joint that the plan holds elsewhere than the robot's own files do.
+void note_held(const CheckOptions& options, const Contract& contract, const Robot& robot,
+               std::vector<std::string>& notes) {
+  const auto is_plans = [](const auto& joint) { return joint.second.source == TermSource::plan; };
+  if (std::none_of(contract.held.begin(), contract.held.end(), is_plans)) return;
+  RobotRequest request = robot_request(options.robot);
+  request.group = robot.group;
+  const Robot own = load_robot(request);
+  for (const auto& [name, term] : contract.held) {
+    if (term.source != TermSource::plan) continue;
+    const auto by_default = std::find_if(own.held.begin(), own.held.end(),
+                                         [&](const HeldJoint& joint) { return joint.name == name; });
+    if (by_default == own.held.end())
+      notes.push_back("joint " + name + " stands at " + significant(term.value) +
+                      " by the plan; by default it moves");
+    else if (by_default->value != term.value)
+      notes.push_back("joint " + name + " stands at " + significant(term.value) +
+                      " by the plan; by default at " + significant(by_default->value));
+  }
+}
+
 TermSource source_of(const CheckOptions& options, const Plan& plan, const HeldJoint& joint) {
   if (joint.source != HoldSource::asked) return TermSource::by_default;
   return robot_request(options.robot).fixed.contains(joint.name) || !plan.held.contains(joint.name)
@@ -164,8 +185,9 @@ TermSource source_of(const CheckOptions& options, const Plan& plan, const HeldJo
 
 Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
   RobotRequest request = robot_request(options.robot);
-  const bool is_stated = !request.group.empty() || !request.fixed.empty();
   Robot robot = load_robot(request);
+  const bool is_stated =
+      !request.group.empty() || !robot.group.empty();  // by flag, or by the robot's settings
   if (plan.held.empty()) return robot;
   const auto is_free_to_stand = [&](const std::string& name) {
     for (const HeldJoint& joint : robot.held) {
@@ -208,6 +230,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.group = group_of(options, robot);
   for (const HeldJoint& joint : robot.held)
     contract.held[joint.name] = {joint.value, source_of(options, plan, joint)};
+  note_held(options, contract, robot, contract.notes);
   contract.scale = statement.scale();
   contract.map_from_base = statement.base(contract.notes);
   contract.policies = statement.policies(contract.notes);

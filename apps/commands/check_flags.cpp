@@ -19,8 +19,8 @@ Command add_check(CLI::App& app, Console& console) {
       ->type_name("MAP");
   const std::string otherwise = "; default: the map's own query, else ";
   add_robot_flags(*command, options->robot,
-                  {.group = otherwise + "the plan's",
-                   .fixed = otherwise + "the robot's own, else the plan's",
+                  {.group = "; default: the settings' own, else the plan's",
+                   .fixed = "; default: the robot's own, else the plan's",
                    .scale = otherwise + "the robot's own",
                    .base = otherwise + "the plan's",
                    .policy = otherwise + "the plan's",

@@ -1,6 +1,7 @@
 #include "apps/problem_sets/import_suite.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -62,12 +63,29 @@ class SuiteWriter {
  public:
   SuiteWriter(const ForeignSet& set, const SuiteImport& import)
       : set_(set), import_(import), whole_(load_robot(without_motion(import.robot))) {
+    if (!whole_.map_from_base.isApprox(Eigen::Isometry3d::Identity(), 1e-9) || whole_.scale != 1.0)
+      throw std::invalid_argument(
+          "import: robot " + quote(whole_.name) +
+          " is moved or scaled by its settings, expected one of full size whose base is "
+          "the sets' origin");
     outcome_.left_out = set.left_out;
     if (!whole_.srdf.empty()) srdf_ = read_srdf(whole_.srdf);
   }
 
   ImportOutcome write() {
-    for (const ForeignProblem& problem : set_.problems) add(problem);
+    std::string refusal;  // the first
+    for (const ForeignProblem& problem : set_.problems) {
+      try {
+        add(problem);
+      } catch (const std::invalid_argument& error) {
+        const std::string why = error.what();
+        if (refusal.empty()) refusal = why;
+        outcome_.left_out.push_back(why.starts_with("problem ") ? why : problem.name + ": " + why);
+      }
+    }
+    if (outcome_.problems == 0 && !set_.problems.empty())
+      throw std::invalid_argument("import: no problem is for robot " + quote(whole_.name) +
+                                  (refusal.empty() ? "" : ": " + refusal));
     fs::create_directories(import_.out / "maps");
     write_maps();
     if (!experiments_.empty()) write_files();
@@ -108,11 +126,17 @@ class SuiteWriter {
       const auto start = problem.start.by_joint.find(joint.name);
       if (planned.contains(joint.name) || motion.fixed.contains(joint.name)) continue;
       if (start != problem.start.by_joint.end())
-        motion.fixed[joint.name] = start->second;
+        motion.fixed[joint.name] = near_limits(joint, start->second);
       else if (motion.group.empty())
         motion.fixed[joint.name] = std::clamp(0.0, joint.lower, joint.upper);
     }
     return motion;
+  }
+
+  /// Foreign files round: what is a thousandth beyond a limit stands at it.
+  static double near_limits(const Joint& joint, double value) {
+    const double nearest = std::clamp(value, joint.lower, joint.upper);
+    return std::abs(nearest - value) <= 1e-3 ? nearest : value;
   }
 
   void require_joint(const ForeignProblem& problem, const std::string& name) const {
@@ -173,7 +197,11 @@ class SuiteWriter {
 
   ForeignState with_own_names(const ForeignState& state) const {
     ForeignState own{{}, state.values};
-    for (const auto& [joint, value] : state.by_joint) own.by_joint[own_name(joint)] = value;
+    for (const auto& [joint, value] : state.by_joint)
+      if (!own.by_joint.emplace(own_name(joint), value).second)
+        throw std::invalid_argument("joint " + quote(joint) + " and another one both stand for joint " +
+                                    quote(own_name(joint)) + " of robot " + quote(whole_.name) +
+                                    ", expected one name for each");
     return own;
   }
 

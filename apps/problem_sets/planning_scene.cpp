@@ -47,6 +47,14 @@ std::string frame_of(const YamlFields& fields) {
   return frame;
 }
 
+/// @param state of a robot, as MoveIt has it.
+void require_base_at_origin(const YamlFields& state) {
+  if (!state.has("multi_dof_joint_state")) return;
+  for (const YamlFields& pose : state.map("multi_dof_joint_state").list_of_maps("transforms"))
+    if (!pose_of(pose, "translation", "rotation").isApprox(Eigen::Isometry3d::Identity(), 1e-9))
+      pose.fail("translation", "expected the robot's base at the map's origin, as the robot stands there");
+}
+
 class SceneReader {
  public:
   SceneReader(const std::string& text, const std::filesystem::path& file, const SceneContext& context,
@@ -76,7 +84,11 @@ class SceneReader {
       if (parent == frames_.end() || !entry.has("transform")) continue;
       std::string child = entry.text("child_frame_id", "");
       if (child.starts_with('/')) child.erase(0, 1);
-      frames_.emplace(child, parent->second * pose_of(entry.map("transform"), "translation", "rotation"));
+      const Eigen::Isometry3d pose =
+          parent->second * pose_of(entry.map("transform"), "translation", "rotation");
+      const auto [known, is_new] = frames_.emplace(child, pose);
+      if (!is_new && !known->second.isApprox(pose, 1e-9))
+        entry.fail("transform", "expected none for frame " + quote(child) + ", which is the map's own");
     }
   }
 
@@ -88,6 +100,7 @@ class SceneReader {
   }
 
   void leave_attached(const YamlFields& state) {
+    require_base_at_origin(state);
     for (const YamlFields& attached : state.list_of_maps("attached_collision_objects")) {
       const std::string name = attached.has("object") ? attached.map("object").text("id", "") : std::string();
       leave("attached body " + quote(name));
@@ -107,6 +120,8 @@ class SceneReader {
         known->second * (object.has("pose") ? pose_of(object.map("pose")) : Eigen::Isometry3d::Identity());
     add_primitives(object, name, map_from_object);
     add_meshes(object, name, map_from_object);
+    if (!object.has("primitives") && !object.has("meshes") && !object.has("planes"))
+      leave("object " + quote(name) + ", which has neither primitives nor meshes");
     const auto planes = object.list_of_maps("planes");
     if (!planes.empty()) leave("planes of object " + quote(name));
   }
@@ -213,9 +228,13 @@ class SceneReader {
   ForeignWorld world_;
 };
 
-void read_start(const YamlFields& request, ForeignState& start) {
+void read_start(const YamlFields& request, ForeignState& start, std::vector<std::string>& left) {
   if (!request.has("start_state")) return;
   const YamlFields state = request.map("start_state");
+  for (const YamlFields& attached : state.list_of_maps("attached_collision_objects"))
+    left.push_back("attached body " +
+                   quote(attached.has("object") ? attached.map("object").text("id", "") : std::string()));
+  require_base_at_origin(state);
   if (!state.has("joint_state")) return;
   const YamlFields joints = state.map("joint_state");
   const auto names = joints.texts("name");
@@ -249,7 +268,9 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
   ForeignProblem problem;
   problem.name = file.stem().string();
   problem.group = request.has("group_name") ? request.text("group_name", "") : "";
-  read_start(request, problem.start);
+  std::vector<std::string> left;
+  read_start(request, problem.start, left);
+  for (const std::string& what : left) leave(what);
   std::size_t goals = 0;
   for (const YamlFields& goal : request.list_of_maps("goal_constraints")) {
     const auto joints = goal.list_of_maps("joint_constraints");

@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "apps/problem_sets/planning_scene.hpp"
@@ -71,8 +72,9 @@ void add_problem(const std::string& experiment, std::size_t number, const JsonFi
       problem.has("index") ? std::to_string(problem.at("index").count()) : std::to_string(number);
   const std::string name = experiment + " " + index;
   for (const auto& [key, value] : problem.members()) {
-    for (const char* other : {"mesh", "pointcloud", "heightfield", "capsule", "attach", "attachment"})
-      if (key == other && !value.is_null()) set.left_out.push_back(name + ": " + quote(key));
+    const std::set<std::string> known{"sphere", "cylinder", "box",  "start", "goals",      "valid",
+                                      "index",  "problem",  "name", "robot", "description"};
+    if (!value.is_null() && !known.contains(key)) set.left_out.push_back(name + ": " + quote(key));
   }
   if (problem.has("valid") && !problem.at("valid").flag()) {
     set.left_out.push_back(name + ": it says that it is not valid");

@@ -48,7 +48,7 @@ struct SourceOptions {
   BagTopics bag = {};
   DepthOptions depth;
   double camera_seconds = 10.0;  ///< how long a live camera is watched
-  bool places_depth = false;  ///< the setup's sensors say where the sensor "depth" is
+  bool places_depth = false;     ///< the setup's sensors say where the sensor "depth" is
 };
 
 }  // namespace clearway

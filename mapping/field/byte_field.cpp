@@ -65,8 +65,7 @@ void ByteField::make(std::size_t tile) const {
           static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y);
       std::uint8_t* out =
           &memory_[row * static_cast<std::size_t>(size.x()) + static_cast<std::size_t>(box.low.x())];
-      for (int i = 0; i < box.high.x() - box.low.x();
-           ++i)  // others may be reading: each byte once, and whole
+      for (int i = 0; i < box.high.x() - box.low.x(); ++i)  // others may be reading: each byte once, whole
         std::atomic_ref(out[i]).store(numbers_[squared[i]], std::memory_order_relaxed);
     }
   }

@@ -166,6 +166,19 @@ double KdlArm::approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs
   return chains_->sum(a, chains_->body_link[b], abs_dq) + chains_->sum(b, chains_->body_link[a], abs_dq);
 }
 
+bool KdlArm::may_touch(std::size_t a, std::size_t b) const {
+  const KdlLinks& links = chains_->links;
+  std::vector<int> between(links.segments.size(), 0);  // a link above both counts twice
+  for (const std::size_t body : {a, b})
+    for (int i = chains_->body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)])
+      ++between[static_cast<std::size_t>(i)];
+  for (std::size_t link = 0; link < between.size(); ++link)
+    if (between[link] == 1 &&
+        (links.is_held[link] || (links.joint[link] >= 0 && links.multiplier[link] != 0.0)))
+      return true;
+  return false;
+}
+
 bool KdlArm::is_policed(std::size_t body) const {
   for (int i = chains_->body_link[body]; i >= 0; i = chains_->links.parent[static_cast<std::size_t>(i)]) {
     const auto link = static_cast<std::size_t>(i);

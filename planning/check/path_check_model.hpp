@@ -47,6 +47,8 @@ class KdlArm {
   double motion(std::size_t body, const Eigen::VectorXd& abs_dq) const;
   /// The same for the approach of two bodies to each other.
   double approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs_dq) const;
+  /// A joint moves them against each other, or one that is held could.
+  bool may_touch(std::size_t a, std::size_t b) const;
   /// A joint moves it, or one that is held could: its place in the map counts.
   bool is_policed(std::size_t body) const;
 

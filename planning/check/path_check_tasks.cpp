@@ -19,12 +19,11 @@ Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::st
     if (known == tasks.groups.end()) known = tasks.groups.insert(tasks.groups.end(), group);
     tasks.items.push_back({i, std::nullopt, static_cast<std::size_t>(known - tasks.groups.begin())});
   }
-  const Eigen::VectorXd one = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(robot.dof()));
   for (std::size_t a = 0; a < robot.bodies.size(); ++a) {
     for (std::size_t b = a + 1; b < robot.bodies.size(); ++b) {
       const auto pair = std::pair(static_cast<int>(a), static_cast<int>(b));
       const bool exempt = std::find(robot.exempt.begin(), robot.exempt.end(), pair) != robot.exempt.end();
-      if (!exempt && arm.approach(a, b, one) > 0.0) tasks.items.push_back({a, b, 0});
+      if (!exempt && arm.may_touch(a, b)) tasks.items.push_back({a, b, 0});
     }
   }
   return tasks;

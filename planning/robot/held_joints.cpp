@@ -68,6 +68,7 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
     link.offset = 0.0;
     link.is_held = true;
   }
+  if (!held.empty()) result.inverse_kinematics = "numeric";  // geometric ones ask for all joints
   std::sort(result.held.begin(), result.held.end(),
             [](const HeldJoint& a, const HeldJoint& b) { return a.name < b.name; });
   return result;

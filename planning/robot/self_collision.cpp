@@ -24,6 +24,15 @@ void add_levers(const Robot& robot, const Body& body, const Body& other, Eigen::
   }
 }
 
+/// Whether a joint that is held still hangs between `body` and what it shares with `other`.
+bool is_held_apart(const Robot& robot, const Body& body, const Body& other) {
+  const std::vector<bool> shared = is_above(robot, other.link);
+  for (int i = body.link; i >= 0 && !shared[static_cast<std::size_t>(i)];
+       i = robot.links[static_cast<std::size_t>(i)].parent)
+    if (robot.links[static_cast<std::size_t>(i)].is_held) return true;
+  return false;
+}
+
 Eigen::Isometry3d placed(const Body& body, const LinkPoses& map_from_link) {
   return map_from_link[static_cast<std::size_t>(body.link)] * body.link_from_shape;
 }
@@ -41,7 +50,9 @@ std::vector<BodyPair> self_collision_pairs(const Robot& robot) {
       const Body& second = robot.bodies[static_cast<std::size_t>(b)];
       add_levers(robot, first, second, pair.approach);
       add_levers(robot, second, first, pair.approach);
-      if ((pair.approach.array() > 0.0).any()) pairs.push_back(std::move(pair));
+      const bool may_touch = (pair.approach.array() > 0.0).any() || is_held_apart(robot, first, second) ||
+                             is_held_apart(robot, second, first);
+      if (may_touch) pairs.push_back(std::move(pair));
     }
   }
   return pairs;

@@ -13,7 +13,8 @@ struct BodyPair {
   Eigen::VectorXd approach;   ///< sum over the links between them of their levers
 };
 
-/// All pairs of bodies that are not exempt and that some joint moves against each other, in order.
+/// All pairs of bodies that are not exempt and that some joint moves against each other, or one that is held
+/// still could, in order.
 std::vector<BodyPair> self_collision_pairs(const Robot& robot);
 
 /// Bounds of the distance between the bodies of a pair; stops early once `lower > enough`.

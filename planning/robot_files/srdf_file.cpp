@@ -33,13 +33,13 @@ class SrdfReader {
     each(robot, "group", [&](const XmlElement& e) { add_group(e); });
     each(robot, "group_state", [&](const XmlElement& e) { add_state(e); });
     each(robot, "end_effector", [&](const XmlElement& e) {
-      srdf_.end_effectors.push_back({attribute(e, "name"), attribute(e, "parent_link"), attribute(e, "group"),
+      srdf_.end_effectors.push_back({attribute(e, "name"), attribute(e, "parent_link"), optional(e, "group"),
                                      optional(e, "parent_group")});
     });
     each(robot, "passive_joint",
          [&](const XmlElement& e) { srdf_.passive_joints.insert(attribute(e, "name")); });
     each(robot, "virtual_joint",
-         [&](const XmlElement& e) { srdf_.virtual_joints[attribute(e, "name")] = attribute(e, "type"); });
+         [&](const XmlElement& e) { srdf_.virtual_joints[attribute(e, "name")] = optional(e, "type"); });
     each(robot, "disable_collisions", [&](const XmlElement& e) {
       if (!e.Attribute("link1") || !e.Attribute("link2"))
         refuse_srdf(file_, "<disable_collisions> needs link1 and link2");
@@ -87,7 +87,10 @@ class SrdfReader {
   void add_group(const XmlElement& element) {
     const std::string name = attribute(element, "name");
     const auto [group, is_new] = srdf_.groups.try_emplace(name);
-    if (!is_new) refuse_srdf(file_, "group " + quote(name) + " is defined twice");
+    if (!is_new) {
+      group->second.fault = "group " + quote(name) + " is defined twice";
+      return;
+    }
     if (srdf_.groups.size() > most_srdf_groups) refuse_srdf(file_, "has more than 1000 groups");
     for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
       const std::string kind = child->Name();
@@ -101,8 +104,8 @@ class SrdfReader {
       else if (kind == "group")
         group->second.groups.push_back(attribute(*child, "name"));
       else
-        refuse_srdf(file_, "group " + quote(name) + " holds <" + shortened(kind) +
-                               ">, expected link, joint, chain or group");
+        group->second.fault =
+            "group " + quote(name) + " holds <" + shortened(kind) + ">, expected link, joint, chain or group";
     }
   }
 
@@ -112,9 +115,13 @@ class SrdfReader {
     state.group = attribute(element, "group");
     each(element, "joint", [&](const XmlElement& joint) {
       count_entry();
-      const std::string name = attribute(joint, "name"), text = attribute(joint, "value");
+      const std::string name = attribute(joint, "name"), written = attribute(joint, "value");
       const std::string where = "joint " + quote(name) + " of state " + quote(state.name);
-      if (text.find_first_of(" \t\n") != std::string::npos) return;  // of a virtual joint, several values
+      constexpr const char* blanks = " \t\r\n";
+      const std::size_t begin = std::min(written.find_first_not_of(blanks), written.size());
+      const std::string text = written.substr(begin, written.find_last_not_of(blanks) + 1 - begin);
+      if (text.find_first_of(blanks) != std::string::npos) return;  // of a virtual joint, several values
+      if (text.empty()) refuse_srdf(file_, where + " has no value, expected a finite number");
       double value = 0.0;
       const char* first = text.data() + (text.front() == '+' ? 1 : 0);
       const auto [stop, error] = std::from_chars(first, text.data() + text.size(), value);
@@ -155,6 +162,7 @@ class GroupJoints {
       refuse_srdf(file_, "there is no group " + quote(name) +
                              (list.empty() ? ", nor any other" : ", expected one of " + shortened(list)));
     }
+    if (!group->second.fault.empty()) refuse_srdf(file_, group->second.fault);
     if (!seen_.insert(name).second) return;  // twice, or within itself: nothing new
     for (const std::string& link : group->second.links) add_link(link_index(name, link));
     for (const std::string& joint : group->second.joints) add_joint(name, joint);

@@ -101,6 +101,28 @@ TEST(HeldJoints, ABodyThatStandsStillAtAHeldJointIsPolicedByPlannersAndCheck) {
   }
 }
 
+TEST(HeldJoints, TwoBodiesThatAreHeldAgainstEachOtherTouchInPlannersAndCheck) {
+  const std::string ball =
+      "<collision><origin xyz='0.3 0 0'/><geometry><sphere radius='0.1'/></geometry></collision>";
+  const auto arm = [&](const std::string& name, const std::string& y) {
+    return "<link name='" + name + "'>" + ball + "</link><joint name='" + name +
+           "_turn' type='revolute'><parent link='base'/><child link='" + name + "'/><origin xyz='0 " + y +
+           " 0'/><axis xyz='0 0 1'/><limit lower='-2' upper='2' velocity='1' effort='1'/></joint>";
+  };
+  const UrdfRobot arms("r", "<link name='base'/>" + arm("left", "2") + arm("a", "0") + arm("b", "0.3"));
+  const Configuration q = Configuration::Zero(1);
+  for (const bool touch : {true, false}) {
+    const double turn = touch ? 0.6 : -0.6;
+    const Robot held = with_held_joints(
+        arms.robot(), {{"a_turn", turn, HoldSource::asked}, {"b_turn", -turn, HoldSource::zero}}, "r.urdf");
+    ASSERT_EQ(held.dof(), 1u);
+    EXPECT_EQ(ConfigurationSpace(held, Snapshot(), {}, {}).is_free(q), !touch);
+    const PathVerdict verdict = check_path(held, Snapshot(), {}, 0.0, {q, q});
+    EXPECT_EQ(verdict.valid, !touch) << verdict.first_contact;
+    EXPECT_EQ(verdict.first_contact.find("a touches b") != std::string::npos, touch) << verdict.first_contact;
+  }
+}
+
 TEST(HeldJoints, WhatCannotBeHeldIsRefusedInOneSentence) {
   const UrdfRobot telescope = worlds::telescope();
   const auto refusal = [&](const std::vector<HeldJoint>& joints) -> std::string {

@@ -185,6 +185,16 @@ TEST_F(SrdfFile, WhatIsWrongIsToldInOneSentence) {
   EXPECT_EQ(holding("<group name='g'/><group name='g'/>"), "other.srdf: group 'g' is defined twice");
   EXPECT_EQ(holding("<group_state name='s' group='g'><joint name='lj1' value='1e'/></group_state>"),
             "other.srdf: joint 'lj1' of state 's' has the value '1e', expected a finite number");
+  EXPECT_EQ(holding("<group_state name='s' group='g'><joint name='lj1' value=' '/></group_state>"),
+            "other.srdf: joint 'lj1' of state 's' has no value, expected a finite number");
+  // What nobody asks for stops nobody.
+  const std::string odd = folder_.write(
+      "odd.srdf",
+      "<robot name='two'><group name='g'/><group name='g'/><group name='h'><other/></group>"
+      "<end_effector name='e' parent_link='base'/><virtual_joint name='v' child_link='base'/>"
+      "<group_state name='s' group='g'><joint name='lj1' value=' 0.25 '/></group_state></robot>");
+  EXPECT_EQ(refusal(RobotRequest{urdf_, odd}), "accepted");
+  EXPECT_EQ(read_srdf(odd).states.front().values.at("lj1"), 0.25);
   folder_.write("two.srdf", "<robot");
   EXPECT_EQ(asked("left"), "two.srdf: is not a SRDF, expected XML with a <robot> element");
   std::filesystem::remove(srdf_);
