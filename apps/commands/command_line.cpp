@@ -30,6 +30,27 @@ std::string meant(const std::string& word, std::vector<std::string> candidates) 
   return nearest_name(word, candidates, 3);
 }
 
+/// What a recording's map is like.
+void add_map_flags(CLI::App& command, double& resolution, std::string& integration, int& threads) {
+  command.add_option("--resolution", resolution, "edge of a voxel, metres; default: the setup's, else 0.02")
+      ->check(number("a number from 0.0001 to 100", 1e-4, 100.0))
+      ->type_name("M");
+  command
+      .add_option("--integration", integration,
+                  "what a scan frees: safe (nothing beside a surface), or compatible with OctoMap; "
+                  "default: the setup's, else safe")
+      ->check([](const std::string& text) {
+        return text == "safe" || text == "compatible" ? std::string{}
+                                                      : "expected safe or compatible, got '" + text + "'";
+      })
+      ->type_name("MODE");
+  command
+      .add_option("--threads", threads,
+                  "for images and scans; the map does not depend on it; default: all, at most 8")
+      ->check(number("a whole number from 1 to 64", 1, 64))
+      ->type_name("N");
+}
+
 Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
@@ -46,25 +67,7 @@ Command add_replay(CLI::App& app, Console& console) {
       ->required()
       ->check(file_name)
       ->type_name("DIR");
-  command
-      ->add_option("--resolution", options->resolution,
-                   "edge of a voxel, metres; default: the setup's, else 0.02")
-      ->check(number("a number from 0.0001 to 100", 1e-4, 100.0))
-      ->type_name("M");
-  command
-      ->add_option("--integration", options->integration,
-                   "what a scan frees: safe (nothing beside a surface), or compatible with OctoMap; "
-                   "default: the setup's, else safe")
-      ->check([](const std::string& text) {
-        return text == "safe" || text == "compatible" ? std::string{}
-                                                      : "expected safe or compatible, got '" + text + "'";
-      })
-      ->type_name("MODE");
-  command
-      ->add_option("--threads", options->threads,
-                   "for images and scans; the map does not depend on it; default: all, at most 8")
-      ->check(number("a whole number from 1 to 64", 1, 64))
-      ->type_name("N");
+  add_map_flags(*command, options->resolution, options->integration, options->threads);
   command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")
       ->type_name("NAME")
       ->allow_extra_args(false)
@@ -82,6 +85,35 @@ Command add_replay(CLI::App& app, Console& console) {
       ->check(positive())
       ->type_name("S");
   return [options](Console& c) { return run_replay(*options, c); };
+}
+
+Command add_teach(CLI::App& app, Console& console) {
+  auto options = std::make_shared<TeachCommand>();
+  CLI::App* command =
+      add_command(app, "teach",
+                  "a person paints, picks start and goal with a probe, has it planned and approves", console);
+  add_source(*command, options->source, options->camera_seconds, "source",
+             "a recording with images, see replay; or the folder of a recorded session");
+  command
+      ->add_option(
+          "--setup", options->setup,
+          "tag boards, ball probe, gripper probe and robot, by file or name; default: the recording's own")
+      ->type_name("SETUP.yaml");
+  command
+      ->add_option("--events", options->events, "what the person does: one JSON object a line, with its time")
+      ->type_name("FILE.jsonl");
+  command
+      ->add_option("--out", options->out,
+                   "folder for what replay writes, approved/, and session/ to do it again")
+      ->required()
+      ->check(file_name)
+      ->type_name("DIR");
+  add_map_flags(*command, options->resolution, options->integration, options->threads);
+  command->add_option("--seed", options->seed, "of the planners")->type_name("N")->check(whole_number);
+  command->add_option("--time-limit", options->time_limit, "seconds for each leg of a plan")
+      ->check(positive())
+      ->type_name("S");
+  return [options](Console& c) { return run_teach(*options, c); };
 }
 
 Command add_plan(CLI::App& app, Console& console) {
@@ -268,12 +300,12 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       ->check(CLI::IsMember({"bash", "zsh"}))
       ->type_name("SHELL");
   std::vector<std::pair<std::string, Command>> commands = {
-      {"replay", add_replay(app, console)},       {"plan", add_plan(app, console)},
-      {"check", add_check(app, console)},         {"gate", add_gate(app, console)},
-      {"inspect", add_inspect(app, console)},     {"compare", add_compare(app, console)},
-      {"import", add_import(app, console)},       {"simulate", add_simulate(app, console)},
-      {"track", add_track(app, console)},         {"tags", add_tags(app, console)},
-      {"calibrate", add_calibrate(app, console)},
+      {"replay", add_replay(app, console)},     {"teach", add_teach(app, console)},
+      {"plan", add_plan(app, console)},         {"check", add_check(app, console)},
+      {"gate", add_gate(app, console)},         {"inspect", add_inspect(app, console)},
+      {"compare", add_compare(app, console)},   {"import", add_import(app, console)},
+      {"simulate", add_simulate(app, console)}, {"track", add_track(app, console)},
+      {"tags", add_tags(app, console)},         {"calibrate", add_calibrate(app, console)},
   };
   add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);

@@ -51,6 +51,7 @@ int run_simulate(const SimulateOptions&, Console&) { hand_over(); }
 int inspect_bag(const InspectOptions&, Console&) { hand_over(); }
 int run_tags_print(const TagsPrintOptions&, Console&) { hand_over(); }
 int run_calibrate(const CalibrateOptions&, Console&) { hand_over(); }
+int run_teach(const TeachCommand&, Console&) { hand_over(); }
 int run_track(const TrackOptions&, Console&) { hand_over(); }
 
 ParsedCloud parse_cloud(const std::filesystem::path&) { hand_over(); }

@@ -13,6 +13,7 @@
 #include "apps/inspect/map_folder.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/query/query.hpp"
+#include "apps/teach/session_folder.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/files/query_record.hpp"
@@ -229,6 +230,13 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
 }  // namespace
 
 int run_replay(const ReplayOptions& options, Console& console) {
+  if (is_session_folder(options.recording)) {
+    TeachCommand session;
+    session.source = options.recording;
+    session.out = options.out;
+    session.threads = options.threads;
+    return run_teach(session, console);
+  }
   for (const std::string& planner : options.planners) make_planner(planner);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
   std::filesystem::create_directory(folder.path() / "plans");

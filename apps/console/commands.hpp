@@ -56,6 +56,20 @@ struct ReplayOptions {
 };
 int run_replay(const ReplayOptions& options, Console& console);
 
+struct TeachCommand {
+  std::filesystem::path source;   ///< a recording, or the folder of a recorded session
+  double camera_seconds = 600.0;  ///< of a live camera
+  std::filesystem::path setup;    ///< empty: the one embedded in the recording
+  std::filesystem::path events;   ///< what the person does, one action a line
+  std::filesystem::path out;      ///< folder, created
+  double resolution = 0.0;        ///< metres; 0: the setup's, else 0.02
+  std::string integration{};      ///< "safe" or "compatible"; empty: the setup's, else safe
+  int threads = 0;                ///< for images and scans; 0: as many as the machine has, at most 8
+  std::uint64_t seed = 1;
+  double time_limit = 60.0;  ///< seconds for each leg
+};
+int run_teach(const TeachCommand& command, Console& console);
+
 struct TrackOptions {
   std::filesystem::path source;
   double camera_seconds = 10.0;  ///< of a live camera

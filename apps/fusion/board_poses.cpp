@@ -28,8 +28,11 @@ BoardPoses::BoardPoses(const Setup& setup) : setup_(setup), options_(tracking_op
     probe_board_ = setup.probe->board;
     follow(probe_board_, probe_gap);
   }
+  if (setup.gripper) follow(setup.gripper->board, probe_gap);
   if (boards_.empty()) return;
-  const BoardSetup& base = fixed_board(setup, setup.probe ? "a probe" : "a sensor on a board");
+  const BoardSetup& base = fixed_board(setup, setup.probe     ? "a probe"
+                                              : setup.gripper ? "a gripper"
+                                                              : "a sensor on a board");
   base_ = tag_body(base);
   map_from_base_ = *base.map_from_board;
 }
@@ -60,6 +63,12 @@ std::optional<Eigen::Isometry3d> BoardPoses::at(const std::string& board, double
 
 std::optional<Eigen::Isometry3d> BoardPoses::nearest(const std::string& board, double time) const {
   return boards_.at(board).poses.nearest(time);
+}
+
+std::optional<Eigen::Isometry3d> BoardPoses::gripper_at(double time) const {
+  if (!setup_.gripper) return std::nullopt;
+  const PoseStream& poses = boards_.at(setup_.gripper->board).poses;
+  return poses.last_time() == time ? poses.at(time) : std::nullopt;
 }
 
 bool BoardPoses::is_told(const std::string& board, double time) const {

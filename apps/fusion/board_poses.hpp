@@ -12,8 +12,8 @@
 
 namespace clearway {
 
-/// Where the boards that carry sensors or the probe were, image by image: map_from_board over time. A pose
-/// counts when it passes the setup's acceptance of reprojection error and ambiguity.
+/// Where the boards that carry sensors, the probe or the gripper were, image by image: map_from_board over
+/// time. A pose counts when it passes the setup's acceptance of reprojection error and ambiguity.
 class BoardPoses {
  public:
   /// @throws std::invalid_argument when a sensor is on a board and no board is fixed in the map.
@@ -33,6 +33,9 @@ class BoardPoses {
   std::optional<Eigen::Isometry3d> at(const std::string& board, double time) const;
   /// The one nearest in time.
   std::optional<Eigen::Isometry3d> nearest(const std::string& board, double time) const;
+
+  /// The board of the setup's gripper in an image of that very time; empty without one.
+  std::optional<Eigen::Isometry3d> gripper_at(double time) const;
 
   /// False while an image to come may still tell more about the board at `time`.
   bool is_told(const std::string& board, double time) const;

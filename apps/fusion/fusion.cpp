@@ -9,6 +9,7 @@
 #include "apps/fusion/moving_robot.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "apps/fusion/painter.hpp"
+#include "apps/fusion/recorded_frames.hpp"
 #include "apps/fusion/scan_inserter.hpp"
 #include "apps/fusion/tag_search.hpp"
 #include "datasets/ros/bag_source.hpp"
@@ -84,14 +85,19 @@ std::optional<MovingRobot> moving_robot(const Setup& setup, const std::filesyste
 Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
             const std::function<void(double)>& progress) {
   Fusion fusion;
-  ChosenSetup chosen = choose_setup(recording, options.setup_file);
+  ChosenSetup chosen = options.setup ? ChosenSetup{*options.setup, options.setup_file.string()}
+                                     : choose_setup(recording, options.setup_file);
   fusion.setup = std::move(chosen.setup);
   fusion.setup_source = std::move(chosen.source);
   fusion.setup.source.camera_seconds = options.camera_seconds;
-  const std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
+  std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
+  if (!options.frames_file.empty())
+    frames = std::make_unique<RecordedFrames>(std::move(frames), options.frames_file);
   fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
   fusion.map.keep_scans();
 
+  for (const VolumeSetup& volume : fusion.setup.volumes)
+    if (fusion.setup.probe) fusion.map.add_volume(volume.label, volume.critical_parts);
   std::optional<Painter> painter;
   if (fusion.setup.probe) painter.emplace(fusion.setup, fusion.map, fusion.counts);
   BoardPoses boards(fusion.setup);
@@ -101,6 +107,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));
   std::optional<double> start;
   FusionCounts& counts = fusion.counts;
+  if (options.guide != nullptr) options.guide->begin(fusion.setup, fusion.map, counts);
   while (true) {
     std::optional<SearchedFrame> searched;
     {
@@ -109,18 +116,23 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     }
     if (!searched) break;
     const Frame* frame = &searched->frame;
-    ++counts.frames;
     if (!start && !std::holds_alternative<CommentFrame>(frame->content)) start = frame->time;
     const double since_start = start ? frame->time - *start : 0.0;
+    if (options.guide != nullptr && start && !options.guide->before(since_start)) break;
+    ++counts.frames;
     counts.duration = std::max(counts.duration, since_start);
     if (const auto* image = std::get_if<ImageFrame>(&frame->content)) {
       ++counts.images;
       std::optional<TrackedImage> tracked;
       count_tags(searched->tags, counts);
-      if (painter) tracked = painter->take(*frame, *image, searched->tags, since_start);
+      const auto brush = options.guide != nullptr ? std::optional(options.guide->brush()) : std::nullopt;
+      if (painter) tracked = painter->take(*frame, *image, searched->tags, since_start, brush);
       if (tracked && options.observer != nullptr)
         options.observer->see(tracked->sample, *fixed_board(fusion.setup, "a probe").map_from_board);
       boards.take(*frame, *image, searched->tags, tracked ? &*tracked : nullptr);
+      if (options.guide != nullptr)
+        options.guide->see({*frame, searched->tags, tracked ? &tracked->sample : nullptr,
+                            boards.gripper_at(frame->time), since_start});
       scans.release();
     } else if (const auto* cloud = std::get_if<CloudFrame>(&frame->content)) {
       scans.take(*frame, *cloud);

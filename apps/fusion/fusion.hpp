@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "datasets/descriptions/setup.hpp"
+#include "datasets/sources/recording.hpp"
 #include "mapping/free_space_map.hpp"
 #include "tracking/probe.hpp"
 
@@ -25,7 +26,8 @@ struct FusionCounts {
   std::map<std::string, std::string> first_refusals;  ///< by reason, the first sentence
   std::size_t accepted_outside_volumes = 0;           ///< accepted, but outside every volume's time span
   std::size_t spheres = 0;
-  ScanCounts points;  ///< summed over the scans
+  std::size_t erasers = 0;  ///< accepted samples that erased
+  ScanCounts points;        ///< summed over the scans
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
   std::size_t scans_without_pose = 0;    ///< at their time nothing tells where their sensor was: left out
@@ -53,6 +55,36 @@ class FusionObserver {
   virtual void see(const Scan& scan) = 0;
 };
 
+/// What the ball does at the moment.
+struct Brush {
+  enum class Use { none, paints, erases };
+  Use use = Use::none;
+  int volume = 0;  ///< number in the map
+};
+
+/// What an image said.
+struct SeenImage {
+  const Frame& frame;
+  const std::vector<TagDetection>& tags;
+  const PaintingSample* sample;                       ///< of the ball; null without a probe
+  std::optional<Eigen::Isometry3d> map_from_gripper;  ///< the board of the gripper, when it passes acceptance
+  double since_start;                                 ///< s
+};
+
+/// Leads a fusion: instead of the times of the setup's volumes it says when the ball paints, and into which
+/// volume. A teaching session is one.
+class FusionGuide {
+ public:
+  virtual ~FusionGuide() = default;
+  /// Before the first frame; all three outlive the fusion.
+  virtual void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) = 0;
+  /// Before a frame is used, `since_start` seconds after the first one. False ends the fusion there.
+  virtual bool before(double since_start) = 0;
+  virtual Brush brush() const = 0;
+  /// After the ball of an image has painted.
+  virtual void see(const SeenImage& image) = 0;
+};
+
 /// What the caller decides about a fusion; what is left out is the setup's, else the default that is named.
 struct FusionOptions {
   std::filesystem::path
@@ -60,8 +92,11 @@ struct FusionOptions {
   double resolution = 0.0;    ///< metres; 0: the setup's, else 0.02
   std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
   int threads = 0;  ///< for images and scans, in [1, 64]; 0: the setup's, else the machine's, at most 8
-  FusionObserver* observer = nullptr;  ///< may be null
-  double camera_seconds = 10.0;        ///< how long a live camera is watched
+  FusionObserver* observer = nullptr;   ///< may be null
+  double camera_seconds = 10.0;         ///< how long a live camera is watched
+  FusionGuide* guide = nullptr;         ///< may be null
+  std::optional<Setup> setup{};         ///< as read from setup_file, which is then not read again
+  std::filesystem::path frames_file{};  ///< rawlog that takes every frame before it is used; empty: none
 };
 
 /// A recording turned into a map.

@@ -88,11 +88,10 @@ Painter::Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts)
     : setup_(setup), map_(map), counts_(counts) {
   base_ = &fixed_board(setup, "a probe");
   volumes_ = setup.volumes;
-  for (const VolumeSetup& volume : volumes_) map_.add_volume(volume.label, volume.critical_parts);
 }
 
 TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
-                           double since_start) {
+                           double since_start, const std::optional<Brush>& brush) {
   if (!session_) session_.emplace(tracking_setup(setup_, image), tracking_options(setup_));
   const cv::Mat gray(image.image.height, image.image.width, CV_8UC1,
                      const_cast<std::uint8_t*>(image.image.pixels.data()));
@@ -103,7 +102,8 @@ TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, const st
   }
   if (!tracked.sample.accepted)
     counts_.first_refusals.try_emplace(to_string(tracked.sample.refusal), tracked.sample.reason);
-  if (tracked.sample.accepted) paint(tracked.sample, frame.sensor, since_start);
+  if (tracked.sample.accepted && brush) use(*brush, tracked.sample, since_start);
+  if (tracked.sample.accepted && !brush) paint(tracked.sample, frame.sensor, since_start);
   return tracked;
 }
 
@@ -123,22 +123,43 @@ void Painter::continue_stroke(const std::string& sensor, double since_start) {
   if (!goes_on) map_.begin_stroke("stroke " + std::to_string(++strokes_), sensor);
 }
 
-/// The sphere in the map frame, into the volumes whose time it is.
+Sphere Painter::sphere_of(const PaintingSample& sample) const {
+  const Eigen::Isometry3d map_from_base = base_->map_from_board.value_or(Eigen::Isometry3d::Identity());
+  return {map_from_base * sample.sphere.center, sample.sphere.radius};
+}
+
+/// Into the volumes whose time it is.
 void Painter::paint(const PaintingSample& sample, const std::string& sensor, double since_start) {
   const Stopwatch watch(counts_.paint_s);
   continue_stroke(sensor, since_start);
-  const Eigen::Isometry3d map_from_base = base_->map_from_board.value_or(Eigen::Isometry3d::Identity());
-  const Sphere sphere{map_from_base * sample.sphere.center, sample.sphere.radius};
+  const Sphere sphere = sphere_of(sample);
   bool used = false;
   for (std::size_t v = 0; v < volumes_.size(); ++v) {
     if (since_start < volumes_[v].from || since_start > volumes_[v].to) continue;
     map_.paint(static_cast<int>(v), sphere, since_start);
     used = true;
   }
-  if (!used) {
+  if (used)
+    count(sample, sphere);
+  else
     ++counts_.accepted_outside_volumes;
-    return;
+}
+
+/// What is erased is the whole ball and what it may be off: nothing that it touches stays painted.
+void Painter::use(const Brush& brush, const PaintingSample& sample, double since_start) {
+  const Stopwatch watch(counts_.paint_s);
+  Sphere sphere = sphere_of(sample);
+  if (brush.use == Brush::Use::paints) {
+    map_.paint(brush.volume, sphere, since_start);
+    count(sample, sphere);
+  } else if (brush.use == Brush::Use::erases) {
+    sphere.radius = setup_.probe->ball_radius + sample.bound.total;
+    map_.erase(brush.volume, sphere, since_start);
+    ++counts_.erasers;
   }
+}
+
+void Painter::count(const PaintingSample& sample, const Sphere& sphere) {
   counts_.smallest_radius =
       counts_.spheres == 0 ? sphere.radius : std::min(counts_.smallest_radius, sphere.radius);
   ++counts_.spheres;

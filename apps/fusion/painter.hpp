@@ -32,17 +32,22 @@ const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by);
 /// Image -> painted sphere: a tracking session, made when the first image tells the camera.
 class Painter {
  public:
-  /// @pre setup.probe
+  /// @pre setup.probe, and the map has the setup's volumes
   Painter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts);
 
-  /// Tracks the probe by the tags in its image, and paints when the sample is accepted.
+  /// Tracks the probe by the tags in its image, and paints when the sample is accepted: as `brush` says (its
+  /// strokes are then the caller's), else into the volumes whose time it is, a stroke ending when the hand
+  /// pauses.
   TrackedImage take(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags,
-                    double since_start);
+                    double since_start, const std::optional<Brush>& brush = {});
   void finish();
 
  private:
   void continue_stroke(const std::string& sensor, double since_start);
+  Sphere sphere_of(const PaintingSample& sample) const;
   void paint(const PaintingSample& sample, const std::string& sensor, double since_start);
+  void use(const Brush& brush, const PaintingSample& sample, double since_start);
+  void count(const PaintingSample& sample, const Sphere& sphere);
 
   const Setup& setup_;
   FreeSpaceMap& map_;

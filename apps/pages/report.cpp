@@ -86,6 +86,21 @@ Json plan_json(const ReplayPlan& entry) {
   return json;
 }
 
+/// Each event, what came of it, and the state after it.
+PageTable teaching_table(const Json& teaching) {
+  PageTable table{"teaching", {"s", "action", "what came of it", "state"}, {}};
+  for (const Json& event : teaching["events"]) {
+    const auto text = [&](const char* key) {
+      return event.contains(key) ? event[key].get<std::string>() : "";
+    };
+    const std::string name = text("action") == "volume" ? text("label") : text("name");
+    table.rows.push_back(
+        {significant(event["time"].get<double>(), 5), text("action") + (name.empty() ? "" : " " + name),
+         event.contains("refused") ? "refused: " + text("refused") : text("remark"), text("state")});
+  }
+  return table;
+}
+
 }  // namespace
 
 std::string report_json(const ReplayReport& report) {
@@ -134,6 +149,7 @@ std::string report_json(const ReplayReport& report) {
   json["plans"] = Json::array();
   for (const ReplayPlan& plan : report.plans) json["plans"].push_back(plan_json(plan));
   json["planning_problem"] = report.planning_problem;
+  if (!report.teaching.empty()) json["teaching"] = Json::parse(report.teaching);
   json["warnings"] = report.fusion->warnings;
   for (const auto& [stage, seconds] : report.timings) json["timings_s"][stage] = seconds;
   return json.dump(2) + "\n";
@@ -208,6 +224,7 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
     const auto table = plan_table(report);
     page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});
   }
+  if (!report.teaching.empty()) page.tables.push_back(teaching_table(Json::parse(report.teaching)));
   PageTable timings{"time per stage", {"stage", "s"}, {}};
   for (const auto& [stage, seconds] : report.timings)
     timings.rows.push_back({stage, significant(seconds, 3)});

@@ -30,6 +30,7 @@ struct ReplayReport {
   Provenance provenance;
   std::vector<ReplayPlan> plans;
   std::string planning_problem;  ///< why queries could not be asked at all; empty when they could
+  std::string teaching{};        ///< JSON of what a person did; empty: nobody taught
   std::vector<std::pair<std::string, double>> timings;  ///< stage, seconds
 };
 

@@ -1,5 +1,6 @@
 #include "datasets/descriptions/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -99,6 +100,20 @@ SceneStroke read_stroke(const YamlFields& fields) {
   return stroke;
 }
 
+SceneGripper read_gripper_motion(const YamlFields& fields) {
+  SceneGripper gripper;
+  for (const auto& entry : fields.list_of_maps("waypoints")) {
+    const double time = entry.number("time", {0, 3600});
+    if (!gripper.waypoints.empty() && time <= gripper.waypoints.back().time)
+      entry.fail("time", "expected a time after the waypoint's before");
+    gripper.waypoints.push_back({time, entry.pose("tip", Eigen::Isometry3d::Identity())});
+    entry.finish();
+  }
+  if (gripper.waypoints.empty()) fields.fail("waypoints", "expected at least one");
+  fields.finish();
+  return gripper;
+}
+
 std::filesystem::path expanded(std::string path, const std::filesystem::path& folder) {
   const std::string variable = "${MRPT_DATASETS}";
   if (const auto at = path.find(variable); at != std::string::npos) {
@@ -134,10 +149,10 @@ void check_sizes(const YamlFields& fields, const Scene& scene) {
   if (scene.stroke->waypoints.size() > most_waypoints)
     fields.fail("stroke",
                 "expected at most 10,000 waypoints, got " + std::to_string(scene.stroke->waypoints.size()));
-  const double pictures = ProbeMotion(*scene.stroke, *scene.setup.probe).duration() * scene.camera->rate_hz;
+  const double pictures = duration_of_pictures(scene) * scene.camera->rate_hz;
   if (!(pictures <= most_pictures))
-    fields.fail("stroke", "expected a stroke of at most 100,000 pictures at " +
-                              std::to_string(scene.camera->rate_hz) + " Hz, got " + std::to_string(pictures));
+    fields.fail("stroke", "expected at most 100,000 pictures at " + std::to_string(scene.camera->rate_hz) +
+                              " Hz, got " + std::to_string(pictures));
 }
 
 void check_parts_fit(const YamlFields& fields, const Scene& scene) {
@@ -147,6 +162,8 @@ void check_parts_fit(const YamlFields& fields, const Scene& scene) {
   if (scene.camera && !scene.setup.probe) fields.fail("setup", "expected a setup with a probe");
   if (scene.camera && scene.setup.board(scene.setup.probe->board)->map_from_board)
     fields.fail("setup", "expected the probe's board to have no map_from_board");
+  if (scene.gripper && !scene.camera) fields.fail("gripper", "expected a camera that sees it");
+  if (scene.gripper && !scene.setup.gripper) fields.fail("setup", "expected a setup with a gripper");
   std::set<std::string> names;
   for (const auto& shape : scene.shapes)
     if (!names.insert(shape.name).second)
@@ -154,6 +171,26 @@ void check_parts_fit(const YamlFields& fields, const Scene& scene) {
 }
 
 }  // namespace
+
+std::optional<Eigen::Isometry3d> SceneGripper::at(double time) const {
+  if (time < waypoints.front().time || time > waypoints.back().time) return std::nullopt;
+  const auto after = std::find_if(waypoints.begin(), waypoints.end(),
+                                  [&](const Waypoint& waypoint) { return waypoint.time >= time; });
+  if (after->time == time) return after->map_from_tip;
+  const Waypoint &from = *(after - 1), &to = *after;
+  const double part = (time - from.time) / (to.time - from.time);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(from.map_from_tip.linear())
+                      .slerp(part, Eigen::Quaterniond(to.map_from_tip.linear()))
+                      .toRotationMatrix();
+  pose.translation() = (1.0 - part) * from.map_from_tip.translation() + part * to.map_from_tip.translation();
+  return pose;
+}
+
+double duration_of_pictures(const Scene& scene) {
+  const double stroke = scene.stroke ? ProbeMotion(*scene.stroke, *scene.setup.probe).duration() : 0.0;
+  return std::max(stroke, scene.gripper ? scene.gripper->waypoints.back().time : 0.0);
+}
 
 SceneShape read_scene_shape(const YamlFields& fields) {
   SceneShape shape;
@@ -187,6 +224,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));
   if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"));
   if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));
+  if (fields.has("gripper")) scene.gripper = read_gripper_motion(fields.map("gripper"));
   for (const auto& entry : fields.list_of_maps("include"))
     scene.includes.push_back(read_include(entry, folder));
   scene.seed = fields.seed("seed", 1);

@@ -68,6 +68,19 @@ struct SceneStroke {
   double wobble_hz = 0.5;
 };
 
+/// How the gripper probe is moved: its tip goes from pose to pose, in a straight line and turning evenly. It
+/// is out of sight before the first time and after the last one.
+struct SceneGripper {
+  struct Waypoint {
+    double time;  ///< s after the first picture
+    Eigen::Isometry3d map_from_tip;
+  };
+  std::vector<Waypoint> waypoints;  ///< one at least, times rising
+
+  /// map_from_tip at a time; empty when it is out of sight.
+  std::optional<Eigen::Isometry3d> at(double time) const;
+};
+
 /// Frames copied from another recording.
 struct SceneInclude {
   std::filesystem::path recording;
@@ -84,11 +97,15 @@ struct Scene {
   std::optional<SceneCamera> camera;
   std::optional<SceneDepth> depth;
   std::optional<SceneStroke> stroke;
+  std::optional<SceneGripper> gripper;  ///< with it, the ball is out of sight once its stroke has ended
   std::vector<SceneInclude> includes;
   uint64_t seed = 1;
   double start_time = 0;   ///< s since 1970 of the first frame
   double background = 40;  ///< grey where no ray meets anything
 };
+
+/// How long its pictures go on, s: until stroke and gripper have ended.
+double duration_of_pictures(const Scene& scene);
 
 /// Reads a scene and the setup it names. See datasets/FORMATS.md for the file. `${MRPT_DATASETS}` in the path
 /// of an included recording is the environment's CLEARWAY_MRPT_DATASETS, or /usr/share/mrpt/datasets.

@@ -174,6 +174,20 @@ ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   return probe;
 }
 
+GripperSetup read_gripper(const YamlFields& fields, const Setup& setup) {
+  GripperSetup gripper;
+  gripper.board = fields.text("board");
+  const BoardSetup* board = setup.board(gripper.board);
+  if (board == nullptr)
+    fields.fail("board", "expected the name of one of the boards, got '" + gripper.board + "'");
+  if (board->map_from_board) fields.fail("board", "expected a board that moves");
+  if (setup.probe && setup.probe->board == gripper.board)
+    fields.fail("board", "expected another board than the probe's");
+  gripper.board_from_tip = fields.pose("tip", gripper.board_from_tip);
+  fields.finish();
+  return gripper;
+}
+
 std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
   std::vector<VolumeSetup> volumes;
   std::set<std::string> labels;
@@ -354,6 +368,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   setup.boards = read_boards(fields, setup.errors.boards);
   setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());
   if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
+  if (fields.has("gripper")) setup.gripper = read_gripper(fields.map("gripper"), setup);
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
   if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));

@@ -104,6 +104,13 @@ struct ProbeSetup {
   double painted_radius() const { return ball_radius - robot_error - tracking_error - modelling_error; }
 };
 
+/// A second probe, shaped like the robot's hand: it leads the virtual robot and picks start and goals.
+struct GripperSetup {
+  std::string board;
+  /// W_T_W' of Chong 2008, eq. 1: where the board has the robot's tip.
+  Eigen::Isometry3d board_from_tip = Eigen::Isometry3d::Identity();
+};
+
 /// A painted volume (CFV) and when in the recording it was painted.
 struct VolumeSetup {
   std::string label;
@@ -172,6 +179,7 @@ struct Setup {
   std::vector<BoardSetup> boards;
   std::vector<SensorSetup> sensors;  ///< those that are not where the recording says
   std::optional<ProbeSetup> probe;
+  std::optional<GripperSetup> gripper;
   std::vector<VolumeSetup> volumes;  ///< never empty: by default one, "free", over everything
   AcceptanceSetup acceptance;
   DetectorSetup detector;

@@ -13,6 +13,17 @@ void add_tags(const BoardSetup& board, const Eigen::Isometry3d& map_from_board,
     surfaces.emplace_back(TagShape{tag.size, tag36h11_cells(tag.id)}, map_from_board * tag.board_from_tag);
 }
 
+/// From the origin of a board to a point of its frame.
+void add_stick(const Eigen::Isometry3d& map_from_board, const Eigen::Vector3d& end, double radius,
+               std::vector<Surface>& surfaces) {
+  const double length = end.norm();
+  if (length <= 1e-6) return;
+  SceneShape stick{"stick", CylinderShape{radius, length}, map_from_board, 90};
+  stick.map_from_shape.translate(0.5 * end);
+  stick.map_from_shape.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), end));
+  surfaces.emplace_back(stick);
+}
+
 }  // namespace
 
 std::vector<Surface> still_surfaces(const Scene& scene) {
@@ -29,15 +40,27 @@ std::vector<Surface> probe_surfaces(const Setup& setup, const Eigen::Isometry3d&
   SceneShape ball{"ball", SphereShape{probe.ball_radius}, map_from_probe, 150};
   ball.map_from_shape.translate(probe.ball_center);
   surfaces.emplace_back(ball);
-  const double length = probe.ball_center.norm();
-  if (length > 1e-6) {
-    SceneShape stick{"stick", CylinderShape{std::min(0.1 * probe.ball_radius, 0.01), length}, map_from_probe,
-                     90};
-    stick.map_from_shape.translate(0.5 * probe.ball_center);
-    stick.map_from_shape.rotate(
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), probe.ball_center));
-    surfaces.emplace_back(stick);
-  }
+  add_stick(map_from_probe, probe.ball_center, std::min(0.1 * probe.ball_radius, 0.01), surfaces);
+  return surfaces;
+}
+
+MovingThings moving_things(const Scene& scene, const ProbeMotion& motion, double time) {
+  MovingThings moving;
+  if (!scene.gripper || time <= motion.duration()) moving.probe = motion.at(time);
+  if (scene.gripper) moving.map_from_tip = scene.gripper->at(time);
+  return moving;
+}
+
+std::vector<Surface> surfaces_of(const Setup& setup, const MovingThings& moving) {
+  std::vector<Surface> surfaces;
+  if (moving.probe) surfaces = probe_surfaces(setup, moving.probe->map_from_probe);
+  if (!moving.map_from_tip) return surfaces;
+  const GripperSetup& gripper = *setup.gripper;
+  const BoardSetup& board = *setup.board(gripper.board);
+  const Eigen::Isometry3d map_from_board = *moving.map_from_tip * gripper.board_from_tip.inverse();
+  add_tags(board, map_from_board, surfaces);
+  const Eigen::Vector3d tip = gripper.board_from_tip.translation();
+  add_stick(map_from_board, tip, 0.02 * tip.norm(), surfaces);
   return surfaces;
 }
 

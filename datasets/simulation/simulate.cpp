@@ -123,7 +123,7 @@ void Simulation::record_images() {
   result_.duration = motion.duration();
   result_.stroke_length = motion.length();
   const double interval = 1 / scene_.camera->rate_hz;
-  const size_t count = static_cast<size_t>(motion.duration() / interval + 1e-9) + 1;
+  const size_t count = static_cast<size_t>(duration_of_pictures(scene_) / interval + 1e-9) + 1;
   const size_t batch = 4 * thread_count();
   for (size_t begin = 0; begin < count; begin += batch) {
     std::vector<GrayImage> images(std::min(batch, count - begin));
@@ -132,8 +132,8 @@ void Simulation::record_images() {
     });
     for (size_t i = 0; i < images.size(); ++i) {
       const double since = static_cast<double>(begin + i) * interval;
-      const auto probe = motion.at(since);
-      truth_.add_image(time_ + since, probe, still, probe_surfaces(scene_.setup, probe.map_from_probe));
+      const MovingThings moving = moving_things(scene_, motion, since);
+      truth_.add_image(time_ + since, moving, still, surfaces_of(scene_.setup, moving));
       // The pose is left at the origin: where the camera stands is for the boards to say.
       writer_.write(
           Frame{time_ + since, "camera",
@@ -152,7 +152,7 @@ GrayImage Simulation::photograph(const ImageRenderer& renderer, const ProbeMotio
   Radiance sum;
   for (int step = 0; step < steps; ++step) {
     const double instant = time + camera.exposure * ((step + 0.5) / steps - 0.5);
-    Radiance picture = renderer.draw(probe_surfaces(scene_.setup, motion.at(instant).map_from_probe));
+    Radiance picture = renderer.draw(surfaces_of(scene_.setup, moving_things(scene_, motion, instant)));
     if (step == 0) {
       sum = std::move(picture);
     } else {

@@ -110,31 +110,49 @@ Truth::Truth(const Scene& scene) : state_(new State{scene, {}}) {
 
 Truth::~Truth() = default;
 
-void Truth::add_image(double time, const ProbeMotion::State& probe, std::span<const Surface> still,
-                      std::span<const Surface> moving) {
+namespace {
+
+/// Where a board is; empty when it is out of sight, or moves in no way that is known.
+std::optional<Eigen::Isometry3d> map_from(const BoardSetup& board, const Setup& setup,
+                                          const MovingThings& moving) {
+  if (board.name == setup.probe->board)
+    return moving.probe ? std::optional(moving.probe->map_from_probe) : std::nullopt;
+  if (setup.gripper && board.name == setup.gripper->board) {
+    if (!moving.map_from_tip) return std::nullopt;
+    return *moving.map_from_tip * setup.gripper->board_from_tip.inverse();
+  }
+  return board.map_from_board;
+}
+
+}  // namespace
+
+void Truth::add_image(double time, const MovingThings& moving, std::span<const Surface> still,
+                      std::span<const Surface> surfaces_of_moving) {
   const Scene& scene = state_->scene;
   std::vector<const Surface*> surfaces;
   for (const auto& surface : still) surfaces.push_back(&surface);
-  for (const auto& surface : moving) surfaces.push_back(&surface);
+  for (const auto& surface : surfaces_of_moving) surfaces.push_back(&surface);
   Json tags = Json::array();
   for (const auto& board : scene.setup.boards) {
-    const bool on_probe = board.name == scene.setup.probe->board;
-    if (!on_probe && !board.map_from_board) continue;
-    const Eigen::Isometry3d map_from_board = on_probe ? probe.map_from_probe : *board.map_from_board;
+    const auto map_from_board = map_from(board, scene.setup, moving);
+    if (!map_from_board) continue;
     for (const auto& tag : board.tags) {
       const SeenTag seen{*scene.setup.camera, scene.camera->map_from_camera,
-                         map_from_board * tag.board_from_tag, tag.size};
+                         *map_from_board * tag.board_from_tag, tag.size};
       tags.push_back({{"id", tag.id},
                       {"board", board.name},
                       {"fully_visible", seen.fully_visible(surfaces)},
                       {"corners", seen.corners()}});
     }
   }
-  state_->json["frames"].push_back({{"time", time},
-                                    {"map_from_camera", to_json(scene.camera->map_from_camera)},
-                                    {"map_from_probe", to_json(probe.map_from_probe)},
-                                    {"ball", to_json(probe.map_ball)},
-                                    {"tags", tags}});
+  Json frame{{"time", time}, {"map_from_camera", to_json(scene.camera->map_from_camera)}};
+  if (moving.probe) {
+    frame["map_from_probe"] = to_json(moving.probe->map_from_probe);
+    frame["ball"] = to_json(moving.probe->map_ball);
+  }
+  if (moving.map_from_tip) frame["map_from_tip"] = to_json(*moving.map_from_tip);
+  frame["tags"] = std::move(tags);
+  state_->json["frames"].push_back(std::move(frame));
 }
 
 void Truth::add_depth(double time, const Eigen::Isometry3d& map_from_sensor) {

@@ -4,8 +4,7 @@
 #include <span>
 #include <string>
 
-#include "datasets/descriptions/probe_motion.hpp"
-#include "datasets/simulation/surface.hpp"
+#include "datasets/simulation/probe_surfaces.hpp"
 
 namespace clearway {
 
@@ -16,8 +15,9 @@ class Truth {
   explicit Truth(const Scene& scene);
   ~Truth();
 
-  void add_image(double time, const ProbeMotion::State& probe, std::span<const Surface> still,
-                 std::span<const Surface> moving);
+  /// @param surfaces of `moving`
+  void add_image(double time, const MovingThings& moving, std::span<const Surface> still,
+                 std::span<const Surface> surfaces);
   void add_depth(double time, const Eigen::Isometry3d& map_from_sensor);
   std::string json() const;
 

@@ -116,6 +116,9 @@ class RecordingReader {
   std::unique_ptr<State> state_;
 };
 
+/// What a rawlog keeps of a time, s: its clock has steps of 100 ns.
+double recorded_time(double time);
+
 /// Writes a gz rawlog, each record under a checksum of its own (record_seal.hpp), whole or not at all
 /// (AtomicFile): an interrupted recording leaves nothing under its name. Each frame is flushed as it is
 /// written: what a crash leaves under a temporary name can be read up to the last frame, until the next file

@@ -125,6 +125,8 @@ struct RecordingWriter::State {
   std::uint32_t count = 0;
 };
 
+double recorded_time(double time) { return mrpt::Clock::toDouble(mrpt::Clock::fromDouble(time)); }
+
 RecordingWriter::RecordingWriter(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
 RecordingWriter::~RecordingWriter() = default;
 

@@ -11,25 +11,6 @@
 namespace clearway {
 namespace {
 
-double fold_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
-
-/// Which of the eight branches `near` itself stands on: the one that its own tip pose leads back to.
-std::size_t branch_of(const Robot& robot, const Configuration& near) {
-  const auto branches = puma_branches(robot, tip_pose(robot, near), near[3]);
-  std::size_t best = 0;
-  double least = 1e300;
-  for (std::size_t i = 0; i < branches.size(); ++i) {
-    if (!branches[i]) continue;
-    double error = 0.0;
-    for (Eigen::Index j = 0; j < near.size(); ++j) error += std::abs(fold_angle((*branches[i])[j] - near[j]));
-    if (error < least) {
-      least = error;
-      best = i;
-    }
-  }
-  return best;
-}
-
 /// Position error in the first three rows, rotation vector of the orientation error in the last three, map
 /// frame.
 Eigen::Matrix<double, 6, 1> pose_error(const Eigen::Isometry3d& wanted, const Eigen::Isometry3d& is) {
@@ -123,7 +104,7 @@ std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen:
   if (robot.inverse_kinematics != "puma" || options.position_only) {
     return numeric_inverse_kinematics(robot, map_from_tip, near, options);
   }
-  const auto solution = puma_branches(robot, map_from_tip, near[3])[branch_of(robot, near)];
+  const auto solution = puma_branches(robot, map_from_tip, near[3])[puma_branch_of(robot, near)];
   return solution ? unwrapped_within_limits(robot, *solution, near) : std::nullopt;
 }
 

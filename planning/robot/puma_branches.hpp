@@ -14,6 +14,9 @@ std::array<std::optional<Configuration>, 8> puma_branches(const Robot& robot,
                                                           const Eigen::Isometry3d& map_from_tip,
                                                           double theta4_hint);
 
+/// Which of the eight `q` itself stands on: the one that its own tip pose leads back to.
+std::size_t puma_branch_of(const Robot& robot, const Configuration& q);
+
 /// The same configuration with each revolute joint turned by whole turns to lie nearest to `near` within its
 /// limits; empty when a joint cannot.
 std::optional<Configuration> unwrapped_within_limits(const Robot& robot, Configuration q,

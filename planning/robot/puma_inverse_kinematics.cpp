@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -131,6 +132,23 @@ std::array<std::optional<Configuration>, 8> puma_branches(const Robot& robot,
     branches[i] = q;
   }
   return branches;
+}
+
+std::size_t puma_branch_of(const Robot& robot, const Configuration& q) {
+  const auto branches = puma_branches(robot, tip_pose(robot, q), q[3]);
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < branches.size(); ++i) {
+    if (!branches[i]) continue;
+    double error = 0.0;
+    for (Eigen::Index j = 0; j < q.size(); ++j)
+      error += std::abs(std::remainder((*branches[i])[j] - q[j], 2.0 * std::numbers::pi));
+    if (error < least) {
+      least = error;
+      best = i;
+    }
+  }
+  return best;
 }
 
 std::optional<Configuration> unwrapped_within_limits(const Robot& robot, Configuration q,

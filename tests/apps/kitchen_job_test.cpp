@@ -10,6 +10,8 @@
 
 #include "mapping/files/map_file.hpp"
 #include "planning/geometry/shape.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -79,6 +81,15 @@ void for_each_voxel(const Voxel& leaf, double resolution, const Visit& visit) {
       for (int z = 0; z < count; ++z) visit(Eigen::Vector3d(low + resolution * Eigen::Vector3d(x, y, z)));
     }
   }
+}
+
+/// Plans, but for times.
+std::string without_times(const std::string& text) {
+  Json json = Json::parse(text);
+  for (const char* key : {"time_s", "timings_s"}) json.erase(key);
+  if (json.contains("plans"))
+    for (Json& plan : json["plans"]) plan.erase("time_s");
+  return json.dump();
 }
 
 class KitchenJob : public ::testing::Test {
@@ -287,6 +298,45 @@ TEST_F(KitchenJob, a_second_replay_writes_the_same_map_and_paths_byte_for_byte) 
               Json::parse(read_file(folder_->path() / "again" / name))["waypoints"])
         << name;
   }
+}
+
+TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_byte_for_byte) {
+  const TemporaryFolder folder;
+  const std::string recording = folder_->file("recording.rawlog");
+  const std::string events = std::string(CLEARWAY_SOURCE_DIR) + "/datasets/scenes/miniature_kitchen.jsonl";
+  const CommandRun run =
+      run_command({"teach", recording, "--events", events, "--out", folder.file("taught"), "--threads", "1"});
+  ASSERT_EQ(run.status, exit_done) << run.log << run.out;
+  const Json report = Json::parse(read_file(folder / "taught/report.json"));
+  const Json& taught = report["teaching"];
+  EXPECT_EQ(taught["plans"][0]["approved"], true);
+  EXPECT_EQ(taught["plans"][0]["map"], "map.ot");
+  EXPECT_GT(taught["images_leading_the_robot"], 100);
+  EXPECT_GT(taught["of_these_warned"], 5);  // the probe ends beyond the arm's reach
+  EXPECT_EQ(taught["events"].back()["refused"], "goal: the tip is beyond the arm's reach");
+
+  // Start and goals are where the probe was held, within what tracking may be off.
+  const Robot robot = load_robot("puma560_miniature");
+  const Json plan = Json::parse(read_file(folder / "taught/plans/over_the_box.json"));
+  const auto values = plan["start"].get<std::vector<double>>();
+  const Eigen::Isometry3d tip = tip_pose(robot, Eigen::Map<const Configuration>(values.data(), 6));
+  const Json& held = truth_["frames"][135]["map_from_tip"];  // 9 s
+  EXPECT_LT((tip.translation() - Eigen::Vector3d(held[0], held[1], held[2])).norm(), 0.003);
+
+  EXPECT_EQ(run_command({"check", folder.file("taught/plans/over_the_box.json"), "--map",
+                         folder.file("taught"), "--robot", "puma560_miniature"})
+                .status,
+            exit_done);
+  const CommandRun again =
+      run_command({"replay", folder.file("taught/session"), "--out", folder.file("again"), "--threads", "2"});
+  ASSERT_EQ(again.status, exit_done) << again.log << again.out;
+  for (const char* file : {"map.ot", "painted.csv", "provenance.bin", "queries.json",
+                           "approved/over_the_box.yaml", "session/events.jsonl", "session/session.json"})
+    EXPECT_EQ(read_file(folder / "taught" / file), read_file(folder / "again" / file)) << file;
+  for (const char* file : {"report.json", "plans/over_the_box.json"})
+    EXPECT_EQ(without_times(read_file(folder / "taught" / file)),
+              without_times(read_file(folder / "again" / file)))
+        << file;
 }
 
 TEST_F(KitchenJob, a_truncated_recording_is_told_as_damage_and_what_came_before_is_kept) {

@@ -1,0 +1,102 @@
+#include "apps/teach/session_folder.hpp"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "mapping/files/map_digest.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/files/json_field.hpp"
+#include "planning/files/json_text.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* format = "clearway session 1";
+
+/// A hard link, else a copy.
+void take_file(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_hard_link(fs::canonical(from), to, error);
+  if (!error) return;
+  fs::copy_file(from, to, error);
+  if (error) throw std::runtime_error("'" + to.string() + "' cannot be written: " + error.message());
+}
+
+void take_source(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to.parent_path());
+  if (!fs::is_directory(from)) return take_file(from, to);
+  fs::create_directory(to);
+  for (const auto& entry : fs::recursive_directory_iterator(from)) {
+    const fs::path place = to / fs::relative(entry.path(), from);
+    if (entry.is_directory())
+      fs::create_directories(place);
+    else if (entry.is_regular_file())
+      take_file(entry.path(), place);
+  }
+}
+
+}  // namespace
+
+bool is_session_folder(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_regular_file(folder / "session.json", error);
+}
+
+void save_session(const RecordedSession& session, const fs::path& folder) {
+  const fs::path source = fs::path("source") / fs::weakly_canonical(session.source).filename();
+  if (!fs::exists(folder / source)) take_source(session.source, folder / source);
+  const Json json{{"format", format},
+                  {"source", source.string()},
+                  {"setup_file", session.setup_file.empty() ? "" : fs::absolute(session.setup_file).string()},
+                  {"resolution", session.resolution},
+                  {"integration", session.integration},
+                  {"seed", session.seed},
+                  {"time_limit", session.time_limit}};
+  save_file(folder / "session.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  if (!session.setup_text.empty()) save_file(folder / "setup.yaml", session.setup_text);
+}
+
+void save_session_events(const std::vector<TaughtEvent>& events, const fs::path& folder) {
+  std::string text;
+  for (const TaughtEvent& event : events)
+    if (!event.is_late) text += to_json_line(event.event) + "\n";
+  save_file(folder / "events.jsonl", text);
+}
+
+RecordedSession load_session(const fs::path& folder) {
+  const fs::path file = folder / "session.json";
+  const std::string text = read_input(file, "session", 1U << 20U);
+  require_json(text, quote_path(file.string()));
+  const Json json = Json::parse(text);
+  const JsonField field(json, "session " + quote_path(file.string()));
+  if (field.at("format").text() != format) field.at("format").refuse("'" + std::string(format) + "'");
+  RecordedSession session;
+  const fs::path source = field.at("source").text();
+  if (source.is_absolute() || source.lexically_normal().string().starts_with(".."))
+    field.at("source").refuse("a file in this folder");
+  session.source = folder / source;
+  session.setup_file = field.at("setup_file").text();
+  session.resolution = field.at("resolution").number();
+  if (session.resolution != 0.0 && !(session.resolution >= 1e-4 && session.resolution <= 100.0))
+    field.at("resolution").refuse("0, or 0.0001 to 100 (metres)");
+  session.integration = field.at("integration").text();
+  if (!session.integration.empty() && session.integration != "safe" && session.integration != "compatible")
+    field.at("integration").refuse("safe or compatible");
+  session.seed = field.at("seed").count();
+  session.time_limit = field.at("time_limit").number();
+  if (!(session.time_limit > 0.0)) field.at("time_limit").refuse("seconds, more than 0");
+  if (!session.setup_file.empty()) session.setup_text = read_text(folder / "setup.yaml", "setup");
+  return session;
+}
+
+ChosenSetup setup_of(const RecordedSession& session) {
+  if (session.setup_file.empty()) return choose_setup(session.source, {});
+  return {parse_setup(session.setup_text, session.setup_file.string()), session.setup_file.string()};
+}
+
+}  // namespace clearway

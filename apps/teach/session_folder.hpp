@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/fusion/open_frames.hpp"
+#include "apps/teach/teach_session.hpp"
+
+namespace clearway {
+
+/// What a teaching session was made from, kept in DIR/session so that it can be done again: the source, the
+/// setup's text and the settings; the events are beside them, in events.jsonl.
+struct RecordedSession {
+  std::filesystem::path source;      ///< once loaded, in the folder
+  std::filesystem::path setup_file;  ///< where the setup's text came from; empty: embedded in the source
+  std::string setup_text;
+  double resolution = 0.0;    ///< m; 0: the setup's
+  std::string integration{};  ///< empty: the setup's
+  std::uint64_t seed = 1;
+  double time_limit = 60.0;  ///< s
+};
+
+/// Whether a folder holds a recorded session.
+bool is_session_folder(const std::filesystem::path& folder);
+
+/// Writes session.json and setup.yaml, and takes the source into the folder: as a hard link where the disk
+/// allows it, else as a copy. A camera's frames have to be there already.
+/// @throws std::runtime_error naming the file that cannot be written
+void save_session(const RecordedSession& session, const std::filesystem::path& folder);
+
+/// events.jsonl: what was done or refused, but for what came too late, in order.
+void save_session_events(const std::vector<TaughtEvent>& events, const std::filesystem::path& folder);
+
+/// @throws std::invalid_argument naming the file and the field that is wrong
+RecordedSession load_session(const std::filesystem::path& folder);
+
+/// Its setup, which is read as if it lay where it came from.
+ChosenSetup setup_of(const RecordedSession& session);
+
+}  // namespace clearway

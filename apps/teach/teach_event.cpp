@@ -1,0 +1,182 @@
+#include "apps/teach/teach_event.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/files/json_field.hpp"
+#include "planning/files/json_text.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, teach_actions> action_names = {
+    "paint_on", "paint_off", "erase_on", "erase_off", "volume",  "robot", "start", "via",
+    "goal",     "clear",     "plan",     "play",      "approve", "undo",  "save",  "quit"};
+
+std::set<std::string> fields_of(TeachAction action) {
+  std::set<std::string> fields = {"time", "action"};
+  if (action == TeachAction::volume) fields.merge(std::set<std::string>{"label", "critical_parts"});
+  if (action == TeachAction::robot)
+    fields.merge(
+        std::set<std::string>{"robot", "scale", "base", "group", "fixed", "policies", "padding", "near"});
+  if (action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal)
+    fields.insert("q");
+  if (action == TeachAction::plan) fields.merge(std::set<std::string>{"name", "planner", "options"});
+  if (action == TeachAction::save) fields.insert("name");
+  return fields;
+}
+
+std::vector<double> numbers_of(const JsonField& field) {
+  std::vector<double> values;
+  for (const JsonField& item : field.items()) values.push_back(item.number());
+  return values;
+}
+
+std::vector<std::string> texts_of(const JsonField& field) {
+  std::vector<std::string> texts;
+  for (const JsonField& item : field.items()) texts.push_back(item.text());
+  return texts;
+}
+
+/// A plan's or map's name becomes the name of its file.
+std::string file_name_of(const JsonField& field) {
+  const std::string name = field.text();
+  const bool is_plain = !name.empty() && name.size() <= 80 && name.front() != '.' &&
+                        std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                          return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+                        });
+  if (!is_plain) field.refuse("1 to 80 letters, digits, '_', '-' and '.'");
+  return name;
+}
+
+TeachAction action_of(const JsonField& field) {
+  const std::string name = field.text();
+  const auto found = std::find(action_names.begin(), action_names.end(), name);
+  if (found == action_names.end()) {
+    const std::vector<std::string> known(action_names.begin(), action_names.end());
+    field.refuse("an action, did you mean " + quote(nearest_name(name.substr(0, 100), known)) + "?");
+  }
+  return static_cast<TeachAction>(found - action_names.begin());
+}
+
+RobotChoice robot_of(const JsonField& line) {
+  RobotChoice robot;
+  robot.robot = line.at("robot").text();
+  if (line.has("scale")) robot.scale = scale_of(line.at("scale"));
+  if (line.has("base")) {
+    robot.base = numbers_of(line.at("base"));
+    if (robot.base.size() != 3 && robot.base.size() != 6)
+      line.at("base").refuse("x, y, z or x, y, z, roll, pitch, yaw (m, rad)");
+  }
+  if (line.has("group")) robot.group = line.at("group").text();
+  if (line.has("fixed"))
+    for (const auto& [joint, value] : line.at("fixed").members())
+      robot.fixed.push_back(joint + "=" + to_text(value.number()));
+  if (line.has("policies"))
+    for (const auto& [part, policy] : line.at("policies").members())
+      robot.policies.push_back(part == "default" ? policy.text() : part + "=" + policy.text());
+  if (line.has("padding")) robot.padding = padding_of(line.at("padding"));
+  return robot;
+}
+
+PlannerOptions options_of(const JsonField& field) {
+  PlannerOptions options;
+  for (const auto& [key, value] : field.members()) options[key] = value.text();
+  return options;
+}
+
+TeachEvent event_of(const JsonField& line) {
+  TeachEvent event;
+  event.time = line.at("time").number();
+  if (event.time < 0.0) line.at("time").refuse("seconds after the first frame, 0 or more");
+  event.action = action_of(line.at("action"));
+  const std::set<std::string> known = fields_of(event.action);
+  for (const auto& [key, value] : line.members()) {
+    if (known.contains(key)) continue;
+    const std::vector<std::string> names(known.begin(), known.end());
+    value.refuse("no such field with action " + quote(to_string(event.action)) + ", did you mean " +
+                 quote(nearest_name(key.substr(0, 100), names)) + "?");
+  }
+  if (line.has("name")) event.name = file_name_of(line.at("name"));
+  if (event.action == TeachAction::volume) event.name = line.at("label").text();
+  if (line.has("critical_parts")) event.critical_parts = texts_of(line.at("critical_parts"));
+  if (event.action == TeachAction::robot) event.robot = robot_of(line);
+  if (line.has("near")) event.near = numbers_of(line.at("near"));
+  if (line.has("q")) event.q = line.at("q").text();
+  if (line.has("planner")) event.planner = line.at("planner").text();
+  if (line.has("options")) event.options = options_of(line.at("options"));
+  return event;
+}
+
+/// "part=policy" texts as an object again.
+Json policies_json(const std::vector<std::string>& texts) {
+  Json json = Json::object();
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos)
+      json["default"] = text;
+    else
+      json[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return json;
+}
+
+void add_robot(const TeachEvent& event, Json& json) {
+  const RobotChoice& robot = event.robot;
+  json["robot"] = robot.robot;
+  if (robot.scale) json["scale"] = *robot.scale;
+  if (!robot.base.empty()) json["base"] = robot.base;
+  if (!robot.group.empty()) json["group"] = robot.group;
+  for (const std::string& text : robot.fixed)
+    json["fixed"][text.substr(0, text.find('='))] = std::stod(text.substr(text.find('=') + 1));
+  if (!robot.policies.empty()) json["policies"] = policies_json(robot.policies);
+  if (robot.padding) json["padding"] = *robot.padding;
+  if (!event.near.empty()) json["near"] = event.near;
+}
+
+}  // namespace
+
+std::string_view to_string(TeachAction action) { return action_names.at(static_cast<std::size_t>(action)); }
+
+std::vector<TeachEvent> load_teach_events(const std::filesystem::path& file) {
+  std::istringstream lines(read_input(file, "events file", 64U << 20U));
+  std::vector<TeachEvent> events;
+  std::size_t number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const std::string name = "events file " + quote_path(file.string()) + ", line " + std::to_string(number);
+    require_json(line, name);
+    const Json json = Json::parse(line);
+    const JsonField field(json, name);
+    events.push_back(event_of(field));
+    if (events.size() > 1 && events.back().time < events[events.size() - 2].time)
+      field.at("time").refuse("a time not before the last line's");
+  }
+  return events;
+}
+
+std::string to_json_line(const TeachEvent& event) {
+  Json json{{"time", event.time}, {"action", to_string(event.action)}};
+  if (event.action == TeachAction::volume) json["label"] = event.name;
+  if (!event.critical_parts.empty()) json["critical_parts"] = event.critical_parts;
+  if (event.action == TeachAction::robot) add_robot(event, json);
+  if (!event.q.empty()) json["q"] = event.q;
+  if (event.action == TeachAction::plan) {
+    json["planner"] = event.planner;
+    if (!event.options.empty()) json["options"] = event.options;
+  }
+  if (event.action != TeachAction::volume && !event.name.empty()) json["name"] = event.name;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace clearway

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/console/commands.hpp"
+#include "planning/problem/planner.hpp"
+
+namespace clearway {
+
+/// What a person may do in a teaching session.
+enum class TeachAction {
+  paint_on,   ///< the ball paints from here on: a stroke begins
+  paint_off,  ///< the stroke ends
+  erase_on,   ///< the ball erases from here on
+  erase_off,
+  volume,  ///< paint goes into the volume of that label from here on; made when there is none
+  robot,   ///< which robot, at what scale and place, under which policies
+  start,   ///< of the query: where the virtual robot is, or a configuration
+  via,     ///< one more goal on the way
+  goal,    ///< the last goal; given again, it replaces the one before
+  clear,   ///< forget start and goals
+  plan,
+  play,
+  approve,
+  undo,  ///< the last of the above that changed something
+  save,  ///< the map as it is, under maps/
+  quit
+};
+constexpr int teach_actions = 16;
+
+std::string_view to_string(TeachAction action);
+
+/// An action at its time; what an action does not use stays empty.
+struct TeachEvent {
+  double time = 0.0;  ///< s after the first frame
+  TeachAction action = TeachAction::quit;
+  std::string name{};                         ///< of a plan or a saved map; of a volume its label
+  std::vector<std::string> critical_parts{};  ///< of a volume
+  RobotChoice robot{};
+  std::vector<double> near{};  ///< of a robot: a configuration on the arm configuration to keep, rad or m
+  std::string q{};             ///< of start, via and goal: joint values, comma-separated, or a state's name
+  std::string planner = "auto";
+  PlannerOptions options{};  ///< of the planner
+};
+
+/// One line for each event, each a JSON object with `time`, `action` and the fields of its action
+/// (datasets/FORMATS.md). Times do not fall. @throws std::invalid_argument in one sentence naming file, line,
+/// field and what was expected; unknown fields and actions with the nearest known one.
+std::vector<TeachEvent> load_teach_events(const std::filesystem::path& file);
+
+/// The line of an event, without its end; `load_teach_events` reads the same event from it.
+std::string to_json_line(const TeachEvent& event);
+
+}  // namespace clearway

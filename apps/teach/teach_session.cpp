@@ -1,0 +1,416 @@
+#include "apps/teach/teach_session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "apps/query/query.hpp"
+#include "mapping/files/map_digest.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/path/trajectory.hpp"
+#include "planning/plan_and_check.hpp"
+#include "planning/planner_table.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::array<std::string_view, 9> state_names = {
+    "ready", "painting", "erasing", "selecting", "planning", "planned", "playing", "approved", "ended"};
+
+[[noreturn]] void refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
+
+}  // namespace
+
+std::string_view to_string(TeachState state) { return state_names.at(static_cast<std::size_t>(state)); }
+
+TeachSession::TeachSession(EventSource next_events, const TeachOptions& options)
+    : next_events_(std::move(next_events)), options_(options) {}
+
+TeachSession::~TeachSession() = default;
+
+void TeachSession::begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) {
+  setup_ = &setup;
+  map_ = &map;
+  counts_ = &counts;
+  if (!setup.robot) return;
+  RobotChoice choice;
+  choice.robot = setup.robot->name;
+  choice.scale = setup.robot->scale;
+  robot_ = std::make_shared<VirtualRobot>(choice, setup.robot->joints, setup.robot->map_from_base);
+  choice_.robot = robot_;
+}
+
+bool TeachSession::before(double since_start) {
+  for (const TeachEvent& event : next_events_(since_start)) apply(event);
+  now_ = std::max(now_, since_start);
+  if (!options_.waits_for_plans) take_plan(false);
+  if (doing_ == Doing::playing && now_ > play_begin_ + play_seconds_) doing_ = Doing::nothing;
+  return doing_ != Doing::ended;
+}
+
+Brush TeachSession::brush() const {
+  const Brush::Use use = doing_ == Doing::painting  ? Brush::Use::paints
+                         : doing_ == Doing::erasing ? Brush::Use::erases
+                                                    : Brush::Use::none;
+  return {use, choice_.volume};
+}
+
+void TeachSession::see(const SeenImage& image) {
+  if (!robot_ || !image.map_from_gripper) return;
+  robot_->lead(*image.map_from_gripper * setup_->gripper->board_from_tip, image.since_start);
+  ++led_images_;
+  warning_.clear();
+  if (doing_ == Doing::painting || doing_ == Doing::erasing) return;
+  warning_ = robot_->not_there(image.since_start);
+  if (warning_.empty()) warning_ = robot_->space(present_map(), map_version())->check(robot_->q()).sentence();
+  if (!warning_.empty()) ++warned_images_;
+}
+
+void TeachSession::finish() {
+  for (const TeachEvent& event : next_events_(std::numeric_limits<double>::infinity()))
+    if (doing_ != Doing::ended) apply(event);
+  take_plan(true);
+  if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
+  doing_ = Doing::ended;
+}
+
+TeachState TeachSession::resting_state() const {
+  if (choice_.is_approved) return TeachState::approved;
+  if (choice_.plan) return TeachState::planned;
+  return choice_.start ? TeachState::selecting : TeachState::ready;
+}
+
+TeachState TeachSession::state() const {
+  switch (doing_) {
+    case Doing::painting:
+      return TeachState::painting;
+    case Doing::erasing:
+      return TeachState::erasing;
+    case Doing::planning:
+      return TeachState::planning;
+    case Doing::playing:
+      return TeachState::playing;
+    case Doing::ended:
+      return TeachState::ended;
+    case Doing::nothing:
+      break;
+  }
+  return resting_state();
+}
+
+Configuration TeachSession::shown_configuration() const {
+  if (doing_ == Doing::playing && !motion_.empty()) {
+    const auto after = std::upper_bound(motion_.begin(), motion_.end(), now_ - play_begin_,
+                                        [](double time, const auto& point) { return time < point.first; });
+    return after == motion_.begin() ? motion_.front().second : std::prev(after)->second;
+  }
+  return robot_ ? robot_->q() : Configuration();
+}
+
+std::vector<Configuration> TeachSession::goals() const {
+  std::vector<Configuration> goals = choice_.vias;
+  if (choice_.goal) goals.push_back(*choice_.goal);
+  return goals;
+}
+
+/// Rises with whatever changes the map.
+std::size_t TeachSession::map_version() const {
+  return counts_->spheres + counts_->erasers + counts_->scans + undone_;
+}
+
+const Snapshot& TeachSession::present_map() {
+  if (!snapshot_ || snapshot_version_ != map_version()) snapshot_ = map_->snapshot();
+  snapshot_version_ = map_version();
+  return *snapshot_;
+}
+
+void TeachSession::apply(const TeachEvent& event) {
+  now_ = std::max(now_, event.time);
+  if (options_.waits_for_plans) take_plan(true);
+  TaughtEvent told{event, TeachState::ready, {}, {}, false};
+  told.refusal = refusal_of_state(event.action);
+  told.is_late = doing_ == Doing::planning && !told.refusal.empty();
+  if (told.refusal.empty()) {
+    try {
+      act(event, told.remark);
+    } catch (const std::invalid_argument& error) {
+      told.refusal = std::string(to_string(event.action)) + ": " + error.what();
+    }
+  }
+  told.state = state();
+  told_.push_back(std::move(told));
+  if (options_.tell) options_.tell(told_.back());
+}
+
+std::string TeachSession::refusal_of_state(TeachAction action) const {
+  const std::string name(to_string(action));
+  const bool always = action == TeachAction::save || action == TeachAction::quit;
+  const bool ends = action == TeachAction::undo || always;
+  switch (doing_) {
+    case Doing::ended:
+      return name + ": the session has ended";
+    case Doing::planning:
+      return always ? "" : name + ": a plan is being made; wait for it";
+    case Doing::painting:
+      return ends || action == TeachAction::paint_off
+                 ? ""
+                 : name + ": a stroke is being painted; 'paint_off' ends it";
+    case Doing::erasing:
+      return ends || action == TeachAction::erase_off ? ""
+                                                      : name + ": the ball erases; 'erase_off' ends that";
+    case Doing::playing:
+    case Doing::nothing:
+      break;
+  }
+  if (action == TeachAction::paint_off)
+    return name + ": nothing is being painted; 'paint_on' begins a stroke";
+  if (action == TeachAction::erase_off) return name + ": nothing is being erased; 'erase_on' begins that";
+  return {};
+}
+
+void TeachSession::act(const TeachEvent& event, std::string& remark) {
+  if (doing_ == Doing::playing && event.action != TeachAction::save) doing_ = Doing::nothing;
+  switch (event.action) {
+    case TeachAction::paint_on:
+    case TeachAction::erase_on:
+      begin_stroke(event);
+      break;
+    case TeachAction::paint_off:
+    case TeachAction::erase_off:
+      end_stroke();
+      break;
+    case TeachAction::volume:
+      choose_volume(event);
+      break;
+    case TeachAction::robot:
+      choose_robot(event);
+      break;
+    case TeachAction::start:
+    case TeachAction::via:
+    case TeachAction::goal:
+      choose_place(event, remark);
+      break;
+    case TeachAction::clear:
+      remember("clear");
+      choice_.start.reset();
+      choice_.goal.reset();
+      choice_.vias.clear();
+      choice_.plan.reset();
+      choice_.is_approved = false;
+      break;
+    case TeachAction::plan:
+      begin_plan(event);
+      break;
+    case TeachAction::play: {
+      if (!choice_.plan) refuse("there is no plan; 'plan' makes one");
+      const Plan& plan = plans_[*choice_.plan].plan;
+      const Trajectory motion = time_parameterize(plans_[*choice_.plan].space->robot(), plan.waypoints());
+      motion_.clear();
+      for (const TrajectoryPoint& point : motion.points) motion_.emplace_back(point.time, point.position);
+      play_begin_ = now_;
+      play_seconds_ = motion.points.back().time;
+      remark = "it lasts " + short_text(play_seconds_, 3) + " s";
+      doing_ = Doing::playing;
+      break;
+    }
+    case TeachAction::approve:
+      approve(remark);
+      break;
+    case TeachAction::undo:
+      undo(remark);
+      break;
+    case TeachAction::save:
+      if (!options_.save) refuse("this session saves nothing before its end");
+      if (event.name.empty()) refuse("expected a name");
+      options_.save(event.name, present_map());
+      break;
+    case TeachAction::quit:
+      take_plan(true);
+      if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
+      doing_ = Doing::ended;
+      break;
+  }
+}
+
+void TeachSession::remember(const std::string& what, std::optional<int> stroke) {
+  undos_.push_back({what, choice_, stroke});
+}
+
+void TeachSession::begin_stroke(const TeachEvent& event) {
+  if (!setup_->probe) refuse("the setup has no probe");
+  const bool paints = event.action == TeachAction::paint_on;
+  stroke_ =
+      map_->begin_stroke((paints ? "stroke at " : "eraser at ") + short_text(event.time, 6) + " s", "hand");
+  remember(paints ? "stroke" : "eraser", stroke_);
+  choice_.plan.reset();
+  choice_.is_approved = false;
+  doing_ = paints ? Doing::painting : Doing::erasing;
+}
+
+void TeachSession::end_stroke() {
+  map_->end_stroke();
+  doing_ = Doing::nothing;
+}
+
+void TeachSession::choose_volume(const TeachEvent& event) {
+  if (!setup_->probe) refuse("the setup has no probe");
+  const auto& volumes = map_->volumes();
+  const auto found = std::find_if(volumes.begin(), volumes.end(),
+                                  [&](const PaintedVolume& volume) { return volume.label == event.name; });
+  if (found != volumes.end() && !event.critical_parts.empty() &&
+      found->critical_parts != event.critical_parts)
+    refuse("volume " + quote(event.name) + " is there already, with other critical parts");
+  const int number = found != volumes.end() ? static_cast<int>(found - volumes.begin())
+                                            : map_->add_volume(event.name, event.critical_parts);
+  remember("volume");
+  choice_.volume = number;
+}
+
+void TeachSession::choose_robot(const TeachEvent& event) {
+  auto robot = std::make_shared<VirtualRobot>(event.robot, event.near);
+  remember("robot");
+  choice_.robot = robot_ = std::move(robot);
+  choice_.start.reset();
+  choice_.goal.reset();
+  choice_.vias.clear();
+  choice_.plan.reset();
+  choice_.is_approved = false;
+}
+
+void TeachSession::require_robot() const {
+  if (!robot_) refuse("no robot is chosen; 'robot' chooses one");
+}
+
+Configuration TeachSession::place_of(const TeachEvent& event) const {
+  const std::string name(to_string(event.action));
+  if (!event.q.empty()) return choose_configuration(event.q, name, robot_->robot(), false);
+  if (!setup_->gripper) refuse("the setup has no gripper to show it with, and the event no 'q'");
+  if (const std::string why = robot_->not_there(event.time); !why.empty()) refuse(why);
+  return robot_->q();
+}
+
+void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
+  require_robot();
+  if (event.action != TeachAction::start && !choice_.start) refuse("no start is chosen; 'start' comes first");
+  const Configuration q = place_of(event);
+  const Verdict verdict = robot_->space(present_map(), map_version())->check(q);
+  if (!verdict.is_free()) refuse(verdict.sentence());
+  remember(std::string(to_string(event.action)));
+  if (event.action == TeachAction::start) {
+    choice_.start = q;
+    choice_.goal.reset();
+    choice_.vias.clear();
+  } else if (event.action == TeachAction::via) {
+    choice_.vias.push_back(q);
+  } else {
+    choice_.goal = q;
+  }
+  choice_.plan.reset();
+  choice_.is_approved = false;
+  for (const double value : q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
+}
+
+void TeachSession::begin_plan(const TeachEvent& event) {
+  require_robot();
+  if (!choice_.start) refuse("no start is chosen; 'start' chooses one");
+  if (!choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
+  Job job;
+  job.time = event.time;
+  TaughtPlan& plan = job.plan;
+  plan.name = event.name.empty() ? "plan_" + std::to_string(plans_.size() + 1) : event.name;
+  for (const TaughtPlan& other : plans_)
+    if (other.name == plan.name)
+      refuse("there is a plan " + quote(plan.name) + " already, expected another name");
+  plan.start = *choice_.start;
+  plan.robot = robot_->choice();
+  plan.space = robot_->space(present_map(), map_version());
+  job.result = std::async(
+      std::launch::async,
+      [space = plan.space,
+       planner = std::shared_ptr<const Planner>(make_planner(event.planner, event.options)),
+       start = plan.start, goals = goals(), name = plan.name, robot = plan.robot.robot, seed = options_.seed,
+       limit = options_.time_limit, payload = setup_->robot ? setup_->robot->payload : 0.0,
+       gravity = setup_->robot ? setup_->robot->gravity : Eigen::Vector3d(0.0, 0.0, -9.81)] {
+        return plan_and_check({.space = *space,
+                               .start = start,
+                               .goals = goals,
+                               .planner = planner,
+                               .seed = seed,
+                               .time_limit = limit,
+                               .payload = payload,
+                               .gravity = gravity,
+                               .robot_name = robot,
+                               .map_file = "map.ot",
+                               .map_digest = map_sha256(space->map()),
+                               .name = name});
+      });
+  remember("plan");
+  choice_.plan.reset();
+  choice_.is_approved = false;
+  job_ = std::move(job);
+  doing_ = Doing::planning;
+}
+
+void TeachSession::take_plan(bool wait) {
+  if (!job_) return;
+  if (!wait && job_->result.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  Job job = std::move(*job_);
+  job_.reset();
+  doing_ = Doing::nothing;
+  const auto asked = std::find_if(told_.rbegin(), told_.rend(), [](const TaughtEvent& told) {
+    return told.event.action == TeachAction::plan;
+  });
+  try {
+    job.plan.plan = job.result.get();
+    const Plan& plan = job.plan.plan;
+    job.plan.map_digest = plan.map_sha256;
+    asked->remark = plan.is_proved()                      ? "solved and proved by " + plan.planner
+                    : plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
+                                                          : plan.explanation();
+    if (plan.is_proved()) choice_.plan = plans_.size();
+    plans_.push_back(std::move(job.plan));
+  } catch (const std::invalid_argument& error) {
+    asked->refusal = std::string("plan: ") + error.what();
+  }
+  asked->state = state();
+  if (options_.tell) options_.tell(*asked);
+}
+
+void TeachSession::approve(std::string& remark) {
+  if (!choice_.plan) refuse("there is no plan that is proved; 'plan' makes one");
+  TaughtPlan& plan = plans_[*choice_.plan];
+  if (map_sha256(present_map()) != plan.map_digest) {
+    const ConfigurationSpace& space = *plan.space;
+    const PathVerdict verdict =
+        check_path(space.robot(), present_map(), space.policies(), space.options().padding,
+                   plan.plan.waypoints(), 0.0, space.options().seen_within);
+    if (!verdict.valid)
+      refuse("the map has changed since it was planned: " + verdict.first_contact + "; plan again");
+    remark = "the map has changed since it was planned; checked on the present one: valid";
+  }
+  remember("approval");
+  plan.is_approved = choice_.is_approved = true;
+}
+
+void TeachSession::undo(std::string& remark) {
+  if (undos_.empty()) refuse("nothing was done");
+  if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
+  Undo last = std::move(undos_.back());
+  undos_.pop_back();
+  if (choice_.is_approved && !last.before.is_approved && choice_.plan)
+    plans_[*choice_.plan].is_approved = false;
+  if (last.stroke) {
+    map_->undo_stroke(*last.stroke);
+    ++undone_;
+  }
+  choice_ = std::move(last.before);
+  robot_ = choice_.robot;
+  remark = last.what + " is undone";
+}
+
+}  // namespace clearway

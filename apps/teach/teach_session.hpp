@@ -1,0 +1,177 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/fusion/fusion.hpp"
+#include "apps/teach/teach_event.hpp"
+#include "apps/teach/virtual_robot.hpp"
+#include "planning/files/plan_file.hpp"
+
+namespace clearway {
+
+/// What a session does; each refuses what does not belong, see TeachSession.
+enum class TeachState {
+  ready,      ///< nothing is chosen
+  painting,   ///< the ball paints
+  erasing,    ///< the ball erases
+  selecting,  ///< a start is chosen
+  planning,   ///< a planner works on a map of its own; frames go on
+  planned,    ///< a plan is proved, and nothing that it rests on was changed by hand since
+  playing,    ///< the virtual robot moves along it
+  approved,   ///< a person has approved it
+  ended
+};
+std::string_view to_string(TeachState state);
+
+/// An event and what became of it.
+struct TaughtEvent {
+  TeachEvent event;
+  TeachState state = TeachState::ready;  ///< afterwards
+  std::string refusal;                   ///< one sentence with its cure; empty: it was done
+  std::string remark;                    ///< what was done, where that is worth a sentence
+  bool is_late = false;  ///< refused only because a planner still worked: a replay leaves it out
+};
+
+/// A plan of a session and the map that it rests on.
+struct TaughtPlan {
+  std::string name;
+  Plan plan;
+  Configuration start;
+  std::shared_ptr<const ConfigurationSpace> space;
+  RobotChoice robot;
+  std::string map_digest;
+  bool is_approved = false;
+};
+
+struct TeachOptions {
+  std::uint64_t seed = 1;       ///< of the planners
+  double time_limit = 60.0;     ///< s for each leg
+  bool waits_for_plans = true;  ///< an event that needs a plan waits for it; else it is refused as late
+  /// Saves the map of that name; empty: an event `save` is refused.
+  std::function<void(const std::string& name, const Snapshot& map)> save = {};
+  /// Is told each event when it is done or refused; may be empty.
+  std::function<void(const TaughtEvent&)> tell = {};
+};
+
+/// A teaching session (Chong et al. 2008, sections 3 and 4) as a state machine: frames come by the fusion
+/// that it guides, actions from `next_events`, be it a file, keys or a test; the same frames and events give
+/// the same map, plans and report. Strokes go into the active volume. The virtual robot follows the gripper
+/// probe and keeps its arm configuration; start and goals are taken where it stands, or as values, and only
+/// where its policies call it free. Plans are made beside the frames, on the map as it is when `plan` comes.
+/// A plan is approved only if the independent check proves it on the map as it is then.
+///
+/// | state | takes |
+/// |---|---|
+/// | ready, selecting, planned, approved | all but paint_off and erase_off |
+/// | painting | paint_off, undo, save, quit |
+/// | erasing | erase_off, undo, save, quit |
+/// | planning | save, quit; undo gives the plan up |
+/// | playing | approve, undo, save, quit, clear, start, via, goal, plan, play |
+/// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start` and what follows a
+/// robot.
+class TeachSession final : public FusionGuide {
+ public:
+  /// Events that are due at a time (s after the first frame), in order, each handed out once; the time may be
+  /// infinite: all that are left.
+  using EventSource = std::function<std::vector<TeachEvent>(double until)>;
+
+  TeachSession(EventSource next_events, const TeachOptions& options);
+  ~TeachSession() override;
+
+  // FusionGuide
+  void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) override;
+  bool before(double since_start) override;
+  Brush brush() const override;
+  void see(const SeenImage& image) override;
+
+  /// After the last frame: the events that are left, and the plan that is being made.
+  void finish();
+
+  TeachState state() const;
+  /// Where the virtual robot is to be drawn: led by the probe, or along the plan that is played.
+  const VirtualRobot* robot() const { return robot_.get(); }
+  Configuration shown_configuration() const;
+  /// Why the virtual robot may not be where the probe has it (unreachable, or outside of what its policies
+  /// call free), by the last image; empty when it may.
+  const std::string& warning() const { return warning_; }
+  const std::optional<Configuration>& start() const { return choice_.start; }
+  std::vector<Configuration> goals() const;
+  const std::vector<TaughtEvent>& events() const { return told_; }
+  const std::vector<TaughtPlan>& plans() const { return plans_; }
+  /// Images in which a robot was led, and of these, in which `warning` was not empty.
+  std::size_t led_images() const { return led_images_; }
+  std::size_t warned_images() const { return warned_images_; }
+
+ private:
+  /// What a person chose: undone as a whole.
+  struct Choice {
+    int volume = 0;
+    std::shared_ptr<VirtualRobot> robot;
+    std::optional<Configuration> start, goal;
+    std::vector<Configuration> vias;
+    std::optional<std::size_t> plan;  ///< in plans_, of this very choice
+    bool is_approved = false;
+  };
+  struct Undo {
+    std::string what;
+    Choice before;
+    std::optional<int> stroke;
+  };
+  struct Job {
+    TaughtPlan plan;
+    std::future<Plan> result;
+    double time = 0.0;
+  };
+
+  void apply(const TeachEvent& event);
+  std::string refusal_of_state(TeachAction action) const;
+  void act(const TeachEvent& event, std::string& remark);
+  void begin_stroke(const TeachEvent& event);
+  void end_stroke();
+  void choose_volume(const TeachEvent& event);
+  void choose_robot(const TeachEvent& event);
+  void choose_place(const TeachEvent& event, std::string& remark);
+  Configuration place_of(const TeachEvent& event) const;
+  void begin_plan(const TeachEvent& event);
+  void take_plan(bool wait);
+  void approve(std::string& remark);
+  void undo(std::string& remark);
+  void remember(const std::string& what, std::optional<int> stroke = {});
+  void require_robot() const;
+  TeachState resting_state() const;
+  std::size_t map_version() const;
+  const Snapshot& present_map();
+
+  EventSource next_events_;
+  TeachOptions options_;
+  const Setup* setup_ = nullptr;
+  FreeSpaceMap* map_ = nullptr;
+  const FusionCounts* counts_ = nullptr;
+  double now_ = 0.0;
+  std::size_t undone_ = 0;
+  std::optional<Snapshot> snapshot_;
+  std::size_t snapshot_version_ = 0;
+
+  enum class Doing { nothing, painting, erasing, planning, playing, ended };
+  Doing doing_ = Doing::nothing;
+  int stroke_ = -1;
+  std::shared_ptr<VirtualRobot> robot_;
+  Choice choice_;
+  std::vector<Undo> undos_;
+  std::optional<Job> job_;
+  std::vector<TaughtPlan> plans_;
+  std::vector<TaughtEvent> told_;
+  double play_begin_ = 0.0, play_seconds_ = 0.0;
+  std::vector<std::pair<double, Configuration>> motion_;
+  std::string warning_;
+  std::size_t led_images_ = 0, warned_images_ = 0;
+};
+
+}  // namespace clearway

@@ -1,0 +1,76 @@
+#include "apps/teach/virtual_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/query/query.hpp"
+#include "mapping/system/number_text.hpp"
+#include "planning/robot/follow_tip.hpp"
+#include "planning/robot/goal_configurations.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double longest_gap = 0.5;  ///< s: a probe not seen for longer says nothing
+
+Configuration middle_of_limits(const Robot& robot) {
+  Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  return q;
+}
+
+}  // namespace
+
+VirtualRobot::VirtualRobot(const RobotChoice& choice, const std::vector<double>& near,
+                           const std::optional<Eigen::Isometry3d>& map_from_base)
+    : choice_(choice), robot_(choose_robot(choice)), policies_(choose_policies(choice.policies, robot_)) {
+  if (map_from_base && choice.base.empty()) robot_.map_from_base = *map_from_base;
+  if (near.empty()) {
+    near_ = middle_of_limits(robot_);
+    return;
+  }
+  near_ = Eigen::Map<const Configuration>(near.data(), static_cast<Eigen::Index>(near.size()));
+  if (near.size() != robot_.dof())
+    throw std::invalid_argument("near: got " + std::to_string(near.size()) + " values, expected " +
+                                std::to_string(robot_.dof()) + ", one for each joint of robot '" +
+                                robot_.name + "'");
+  if (const std::string beyond = limit_violation(robot_, near_); !beyond.empty())
+    throw std::invalid_argument("near: " + beyond);
+  q_ = near_;
+  is_led_ = true;
+}
+
+double VirtualRobot::padding() const { return choose_padding(choice_, robot_); }
+
+void VirtualRobot::lead(const Eigen::Isometry3d& map_from_tip, double time) {
+  led_at_ = time;
+  if (!is_led_) {
+    const std::vector<Configuration> found = goal_configurations(robot_, map_from_tip, near_);
+    reason_ = found.empty() ? "no configuration of robot '" + robot_.name + "' puts its tip there" : "";
+    if (found.empty()) return;
+    q_ = found.front();
+    is_led_ = true;
+    return;
+  }
+  FollowedTip followed = follow_tip(robot_, map_from_tip, q_);
+  q_ = std::move(followed.q);
+  reason_ = std::move(followed.reason);
+}
+
+std::string VirtualRobot::not_there(double time) const {
+  if (!led_at_) return "the gripper probe was not seen yet";
+  if (time - *led_at_ > longest_gap)
+    return "the gripper probe was not seen for " + short_text(time - *led_at_, 2) + " s";
+  return reason_;
+}
+
+std::shared_ptr<const ConfigurationSpace> VirtualRobot::space(const Snapshot& map, std::size_t version) {
+  if (!space_ || version != version_)
+    space_ = std::make_shared<const ConfigurationSpace>(padded_space(robot_, map, policies_, padding(), 0.0));
+  version_ = version;
+  return space_;
+}
+
+}  // namespace clearway

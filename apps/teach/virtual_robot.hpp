@@ -1,0 +1,49 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/console/commands.hpp"
+#include "planning/space/configuration_space.hpp"
+
+namespace clearway {
+
+/// The robot that a person leads by the gripper probe, in its place in the map, under its policies.
+class VirtualRobot {
+ public:
+  /// @param near on the arm configuration to keep; empty: the first pose decides
+  /// @param map_from_base instead of the choice's; may be empty
+  /// @throws std::invalid_argument as choose_robot and choose_policies do; a `near` that is no configuration
+  VirtualRobot(const RobotChoice& choice, const std::vector<double>& near,
+               const std::optional<Eigen::Isometry3d>& map_from_base = {});
+
+  const RobotChoice& choice() const { return choice_; }
+  const Robot& robot() const { return robot_; }
+  double padding() const;
+
+  /// Leads the tip there. @param time s after the first frame
+  void lead(const Eigen::Isometry3d& map_from_tip, double time);
+  /// Where it is by now; of no size before it was led, when nothing says where it stands.
+  const Configuration& q() const { return q_; }
+  /// Why the tip is not where the probe has it at `time`, in one sentence; empty when it is.
+  std::string not_there(double time) const;
+
+  /// What is free in this map. Made anew when `version` differs from the last call's.
+  std::shared_ptr<const ConfigurationSpace> space(const Snapshot& map, std::size_t version);
+
+ private:
+  RobotChoice choice_;
+  Robot robot_;
+  Policies policies_;
+  Configuration near_, q_;
+  bool is_led_ = false;
+  std::optional<double> led_at_;
+  std::string reason_;
+  std::shared_ptr<const ConfigurationSpace> space_;
+  std::size_t version_ = 0;
+};
+
+}  // namespace clearway

@@ -1,0 +1,224 @@
+#include "apps/teach/teach_session.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mapping/files/map_digest.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace clearway {
+namespace teach_session_test {
+
+/// A session without pictures: a setup with a probe, spheres painted as the fusion would.
+class TeachSessionOf : public testing::Test {
+ protected:
+  TeachSessionOf() {
+    setup_.probe.emplace();
+    setup_.volumes = {{.label = "free", .critical_parts = {}}};
+    map_.add_volume("free", {});
+    RobotSetup robot;
+    robot.name = "planar2";
+    setup_.robot = robot;
+    session_.begin(setup_, map_, counts_);
+  }
+  /// Does it now and tells why not; empty when it was done.
+  std::string act(TeachAction action, const std::string& text = "") {
+    TeachEvent event;
+    event.time = time_ += 1.0;
+    event.action = action;
+    if (action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal)
+      event.q = text;
+    else if (action == TeachAction::robot)
+      event.robot.robot = text;
+    else
+      event.name = text;
+    if (action == TeachAction::plan) event.planner = "rrtconnect";
+    due_ = {event};
+    session_.before(time_);
+    return session_.events().back().refusal;
+  }
+  /// All that the arm can reach.
+  void paint_everything() {
+    EXPECT_EQ(act(TeachAction::paint_on), "");
+    EXPECT_EQ(session_.brush().use, Brush::Use::paints);
+    map_.paint(session_.brush().volume, {Eigen::Vector3d::Zero(), 3.0}, time_);
+    ++counts_.spheres;
+    EXPECT_EQ(act(TeachAction::paint_off), "");
+  }
+  std::string remark() const { return session_.events().back().remark; }
+
+  double time_ = 0.0;
+  std::vector<TeachEvent> due_;
+  clearway::Setup setup_;
+  FreeSpaceMap map_{MapOptions{.resolution = 0.05}};
+  FusionCounts counts_;
+  TeachSession session_{[this](double) { return std::exchange(due_, {}); }, TeachOptions{.seed = 3}};
+};
+
+TEST_F(TeachSessionOf, EachStateTakesWhatBelongsAndRefusesTheRestWithACure) {
+  EXPECT_EQ(session_.state(), TeachState::ready);
+  EXPECT_EQ(act(TeachAction::paint_off), "paint_off: nothing is being painted; 'paint_on' begins a stroke");
+  EXPECT_EQ(act(TeachAction::erase_off), "erase_off: nothing is being erased; 'erase_on' begins that");
+  EXPECT_EQ(act(TeachAction::goal, "0,0"), "goal: no start is chosen; 'start' comes first");
+  EXPECT_EQ(act(TeachAction::plan), "plan: no start is chosen; 'start' chooses one");
+  EXPECT_EQ(act(TeachAction::play), "play: there is no plan; 'plan' makes one");
+  EXPECT_EQ(act(TeachAction::approve), "approve: there is no plan that is proved; 'plan' makes one");
+  EXPECT_EQ(act(TeachAction::undo), "undo: nothing was done");
+  EXPECT_EQ(act(TeachAction::save, "x"), "save: this session saves nothing before its end");
+  EXPECT_EQ(act(TeachAction::start), "start: the setup has no gripper to show it with, and the event no 'q'");
+  EXPECT_EQ(act(TeachAction::paint_on), "");
+  EXPECT_EQ(session_.state(), TeachState::painting);
+  for (const TeachAction action : {TeachAction::paint_on, TeachAction::erase_on, TeachAction::start,
+                                   TeachAction::plan, TeachAction::volume, TeachAction::robot})
+    EXPECT_EQ(act(action, "x"),
+              std::string(to_string(action)) + ": a stroke is being painted; 'paint_off' ends it");
+  EXPECT_EQ(act(TeachAction::paint_off), "");
+  EXPECT_EQ(act(TeachAction::erase_on), "");
+  EXPECT_EQ(session_.state(), TeachState::erasing);
+  EXPECT_EQ(session_.brush().use, Brush::Use::erases);
+  EXPECT_EQ(act(TeachAction::paint_off), "paint_off: the ball erases; 'erase_off' ends that");
+  EXPECT_EQ(act(TeachAction::erase_off), "");
+  EXPECT_EQ(act(TeachAction::quit), "");
+  EXPECT_EQ(session_.state(), TeachState::ended);
+  EXPECT_EQ(act(TeachAction::paint_on), "paint_on: the session has ended");
+}
+
+TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsApproved) {
+  EXPECT_NE(act(TeachAction::start, "0,0").find("start: "), std::string::npos);  // nothing is painted yet
+  EXPECT_EQ(session_.state(), TeachState::ready);
+  paint_everything();
+  EXPECT_NE(act(TeachAction::start, "0").find("start: got 1 values, expected 2"), std::string::npos);
+  EXPECT_EQ(act(TeachAction::start, "0,0.3"), "");
+  EXPECT_EQ(session_.state(), TeachState::selecting);
+  EXPECT_EQ(act(TeachAction::plan), "plan: no goal is chosen; 'goal' chooses one");
+  EXPECT_EQ(act(TeachAction::via, "0.5,0.3"), "");
+  EXPECT_EQ(act(TeachAction::goal, "1,1"), "");
+  EXPECT_EQ(act(TeachAction::goal, "1,0.5"), "");  // replaces
+  EXPECT_EQ(session_.goals().size(), 2u);
+  EXPECT_EQ(act(TeachAction::plan, "first"), "");
+  EXPECT_EQ(act(TeachAction::plan, "first"), "plan: there is a plan 'first' already, expected another name");
+  EXPECT_EQ(session_.state(), TeachState::planned);
+  ASSERT_EQ(session_.plans().size(), 1u);
+  EXPECT_TRUE(session_.plans()[0].plan.is_proved());
+  EXPECT_EQ(session_.plans()[0].map_digest, map_sha256(map_.snapshot()));
+  EXPECT_EQ(act(TeachAction::play), "");
+  EXPECT_EQ(session_.state(), TeachState::playing);
+  const auto waypoints = session_.plans()[0].plan.waypoints();
+  EXPECT_EQ(session_.shown_configuration(), waypoints.front());
+  EXPECT_EQ(act(TeachAction::approve), "");
+  EXPECT_EQ(session_.state(), TeachState::approved);
+  EXPECT_TRUE(session_.plans()[0].is_approved);
+}
+
+TEST_F(TeachSessionOf, AllThatWasDoneIsUndoneStepByStep) {
+  const std::string empty = map_sha256(map_.snapshot());
+  paint_everything();
+  ASSERT_EQ(act(TeachAction::start, "0,0.3"), "");
+  ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
+  ASSERT_EQ(act(TeachAction::plan), "");
+  ASSERT_EQ(act(TeachAction::approve), "");
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(remark(), "approval is undone");
+  EXPECT_EQ(session_.state(), TeachState::planned);
+  EXPECT_FALSE(session_.plans()[0].is_approved);
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(session_.state(), TeachState::selecting);
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_TRUE(session_.goals().empty());
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(session_.state(), TeachState::ready);
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(remark(), "stroke is undone");
+  EXPECT_EQ(map_.snapshot().counts().painted, 0u);
+  EXPECT_NE(act(TeachAction::start, "0,0.3"), "");  // no paint is left
+  EXPECT_EQ(act(TeachAction::undo), "undo: nothing was done");
+}
+
+TEST_F(TeachSessionOf, APlanIsNotApprovedOnceWhatItRestsOnIsBlocked) {
+  paint_everything();
+  ASSERT_EQ(act(TeachAction::start, "0,0.3"), "");
+  ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
+  ASSERT_EQ(act(TeachAction::plan), "");
+  ASSERT_EQ(act(TeachAction::play), "");
+  // A scan that sees something right where the arm goes.
+  const Robot& robot = session_.robot()->robot();
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0, 0, 2);
+  const Eigen::Vector3d tip = tip_pose(robot, session_.plans()[0].plan.waypoints().back()).translation();
+  for (double dx = -0.1; dx <= 0.1; dx += 0.02)
+    for (double dy = -0.1; dy <= 0.1; dy += 0.02)
+      scan.points.push_back((tip + Eigen::Vector3d(dx, dy, -2)).cast<float>());
+  map_.insert(scan);
+  ++counts_.scans;
+  const std::string why = act(TeachAction::approve);
+  EXPECT_NE(why.find("approve: the map has changed since it was planned: "), std::string::npos) << why;
+  EXPECT_EQ(session_.state(), TeachState::planned);
+  EXPECT_FALSE(session_.plans()[0].is_approved);
+}
+
+TEST_F(TeachSessionOf, AFailedPlanSaysWhyAndTheChoiceStays) {
+  paint_everything();
+  ASSERT_EQ(act(TeachAction::start, "0,0.3"), "");
+  ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
+  TeachEvent event;
+  event.time = ++time_;
+  event.action = TeachAction::plan;
+  event.planner = "nosuch";
+  due_ = {event};
+  session_.before(time_);
+  EXPECT_NE(session_.events().back().refusal.find("nosuch"), std::string::npos);
+  EXPECT_EQ(session_.state(), TeachState::selecting);
+  EXPECT_EQ(act(TeachAction::robot, "nosuch").substr(0, 7), "robot: ");
+  EXPECT_EQ(act(TeachAction::robot, "arm6"), "");
+  EXPECT_EQ(session_.state(), TeachState::ready);  // another robot: start and goals are gone
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(session_.state(), TeachState::selecting);
+}
+
+TEST(Teach, WhatIsWrongIsToldInOneSentence) {
+  const TemporaryFolder folder;
+  const std::string recording = "/usr/share/mrpt/datasets/localization_demo.rawlog";
+  const auto refusal = [&](const std::string& line) {
+    folder.write("e.jsonl", line);
+    const CommandRun run =
+        run_command({"teach", recording, "--events", folder.file("e.jsonl"), "--out", folder.file("out")});
+    EXPECT_EQ(run.status, exit_bad_input) << line;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+    return run.log;
+  };
+  const auto expect = [&](const std::string& line, const std::string& part) {
+    const std::string told = refusal(line);
+    EXPECT_NE(told.find(part), std::string::npos) << told;
+  };
+  expect("{\"time\": 0}", "e.jsonl', line 1: field 'action'");
+  expect("{\"time\": 0, \"action\": \"pant_on\"}", "an action, did you mean 'paint_on'?");
+  expect("{\"time\": -1, \"action\": \"paint_on\"}", "seconds after the first frame, 0 or more");
+  expect("{\"time\": 0, \"action\": \"paint_on\", \"lable\": \"x\"}", "no such field with action 'paint_on'");
+  expect("{\"time\": 2, \"action\": \"paint_on\"}\n{\"time\": 1, \"action\": \"paint_off\"}",
+         "line 2: field 'time': expected a time not before the last line's");
+  expect("{\"time\": 0, \"action\": \"plan\", \"name\": \"../x\"}", "letters, digits");
+  expect("{\"time\": 0, \"action\": \"plan\", \"planner\": \"bem\"}", "bem");
+  expect("nothing", "is not valid JSON at line 1");
+}
+
+TEST(Teach, EventsAreReadBackAsTheyWere) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "{\"time\":0.0,\"action\":\"robot\",\"robot\":\"arm6\",\"scale\":0.5,\"base\":[0.0,1.0,2.0],\"group\":"
+      "\"g\","
+      "\"fixed\":{\"j\":0.25},\"policies\":{\"default\":\"known_free\",\"tool\":\"painted\"},\"padding\":0."
+      "001,"
+      "\"near\":[0.0,1.0]}\n"
+      "{\"time\":1.0,\"action\":\"volume\",\"label\":\"a\",\"critical_parts\":[\"tool\"]}\n"
+      "{\"time\":2.5,\"action\":\"start\",\"q\":\"0,1,2\"}\n"
+      "{\"time\":3.0,\"action\":\"plan\",\"planner\":\"beam\",\"options\":{\"width\":\"20\"},\"name\":\"p\"}"
+      "\n"
+      "{\"time\":3.0,\"action\":\"quit\"}\n";
+  folder.write("e.jsonl", text);
+  std::string again;
+  for (const TeachEvent& event : load_teach_events(folder / "e.jsonl")) again += to_json_line(event) + "\n";
+  EXPECT_EQ(again, text);
+}
+
+}  // namespace teach_session_test
+}  // namespace clearway
