@@ -8,6 +8,7 @@
 #include "apps/fusion/emptiness.hpp"
 #include "apps/fusion/moving_robot.hpp"
 #include "apps/fusion/open_frames.hpp"
+#include "apps/fusion/paced_frames.hpp"
 #include "apps/fusion/painter.hpp"
 #include "apps/fusion/recorded_frames.hpp"
 #include "apps/fusion/scan_inserter.hpp"
@@ -91,8 +92,13 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.setup_source = std::move(chosen.source);
   fusion.setup.source.camera_seconds = options.camera_seconds;
   std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
-  if (!options.frames_file.empty())
-    frames = std::make_unique<RecordedFrames>(std::move(frames), options.frames_file);
+  if (options.is_paced && !frames->is_live()) frames = std::make_unique<PacedFrames>(std::move(frames));
+  RecordedFrames* recorded = nullptr;
+  if (!options.frames_file.empty()) {
+    auto recording_frames = std::make_unique<RecordedFrames>(std::move(frames), options.frames_file);
+    recorded = recording_frames.get();
+    frames = std::move(recording_frames);
+  }
   fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
   fusion.map.keep_scans();
 
@@ -143,6 +149,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   }
   boards.finish();
   scans.finish();
+  if (recorded != nullptr) recorded->finish();
   counts.read_s -= search.waited();
   counts.track_s += search.waited();
   progress(1.0);

@@ -92,10 +92,12 @@ struct FusionOptions {
   double resolution = 0.0;    ///< metres; 0: the setup's, else 0.02
   std::string integration{};  ///< "safe" or "compatible"; empty: the setup's, else safe
   int threads = 0;  ///< for images and scans, in [1, 64]; 0: the setup's, else the machine's, at most 8
-  FusionObserver* observer = nullptr;   ///< may be null
-  double camera_seconds = 10.0;         ///< how long a live camera is watched
-  FusionGuide* guide = nullptr;         ///< may be null
-  std::optional<Setup> setup{};         ///< as read from setup_file, which is then not read again
+  FusionObserver* observer = nullptr;  ///< may be null
+  double camera_seconds = 10.0;        ///< how long a live camera is watched
+  FusionGuide* guide = nullptr;        ///< may be null
+  std::optional<Setup> setup{};        ///< as read from setup_file, which is then not read again
+  bool is_paced =
+      false;  ///< frames come at the recording's own pace, and images that come too late are left out
   std::filesystem::path frames_file{};  ///< rawlog that takes every frame before it is used; empty: none
 };
 

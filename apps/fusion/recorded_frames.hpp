@@ -1,29 +1,51 @@
 #pragma once
 
+#include <condition_variable>
+#include <deque>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
 
 #include "datasets/sources/frame_source.hpp"
 
 namespace clearway {
 
-/// The frames of a source, each written to a rawlog before it is handed on, with its time as the rawlog keeps
-/// it (100 ns): whoever reads the rawlog gets the same images and times. Clouds keep their points and places
+/// The frames of a source, each with its time as a rawlog keeps it (100 ns), and written to one by a thread
+/// of its own: whoever reads the rawlog gets the same images and times. Clouds keep their points and places
 /// alone.
 class RecordedFrames final : public FrameSource {
  public:
   /// @throws std::runtime_error when the file cannot be written.
   RecordedFrames(std::unique_ptr<FrameSource> frames, const std::filesystem::path& file);
 
+  ~RecordedFrames() override;
+  RecordedFrames(const RecordedFrames&) = delete;
+  RecordedFrames& operator=(const RecordedFrames&) = delete;
+
   std::optional<Frame> next() override;
   std::optional<std::string> damage() const override { return frames_->damage(); }
   std::vector<std::string> warnings() const override { return frames_->warnings(); }
   double progress() const override { return frames_->progress(); }
+  bool is_live() const override { return frames_->is_live(); }
+
+  /// Waits until all is written. Nothing may be asked for afterwards.
+  /// @throws std::runtime_error when the disk refuses; `next` may throw it, too.
+  void finish();
 
  private:
+  void write_frames();
+  void hand_over(std::optional<Frame> frame);
+
   std::unique_ptr<FrameSource> frames_;
   RecordingWriter writer_;
-  bool is_finished_ = false;
+  std::mutex guard_;  ///< of what follows
+  std::condition_variable wake_;
+  std::deque<std::optional<Frame>> unwritten_;  ///< empty: the end
+  std::exception_ptr failure_;
+  std::jthread worker_;
 };
 
 }  // namespace clearway

@@ -50,7 +50,8 @@ std::optional<SearchedFrame> TagSearch::next() {
 }
 
 void TagSearch::read_ahead() {
-  const std::size_t most_images = 2 * threads_, most_frames = 2 * most_images + 1;
+  const std::size_t most_images = frames_.is_live() ? 1 : 2 * threads_;
+  const std::size_t most_frames = frames_.is_live() ? 1 : 2 * most_images + 1;
   while (!ended_ && waiting_.size() < most_frames && (images_ < most_images || threads_ == 0) &&
          pixels_ < most_pixels) {
     std::optional<Frame> frame = frames_.next();

@@ -21,7 +21,7 @@ struct SearchedFrame {
 
 /// The frames of a source in their order, their images searched for tags by several threads ahead of the one
 /// that asks: the same tags for any number of threads. At most two images a thread and 64 million pixels
-/// (more only of one image) are held ahead.
+/// (more only of one image) are held ahead; of a live source none.
 class TagSearch {
  public:
   /// @param frames is read on the asking thread alone; it must outlive this

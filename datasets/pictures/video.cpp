@@ -182,6 +182,7 @@ class Video final : public FrameSource {
   std::optional<std::string> damage() const override { return damage_; }
   std::vector<std::string> warnings() const override { return warnings_; }
   double progress() const override { return std::min(1.0, progress_); }
+  bool is_live() const override { return name_.starts_with("camera"); }
 
  private:
   void end(const std::string& why) {

@@ -20,6 +20,8 @@ class FrameSource {
   /// One sentence for each kind of thing that was left out.
   virtual std::vector<std::string> warnings() const = 0;
   virtual double progress() const = 0;  ///< how much has been read, 0 to 1
+  /// Whether frames come as they are taken: who reads ahead waits for what has not happened yet.
+  virtual bool is_live() const { return false; }
 };
 
 /// Which topics of a bag of ROS messages become frames. All may be empty, but not at once.

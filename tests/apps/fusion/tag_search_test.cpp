@@ -7,28 +7,12 @@
 
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/simulation/simulate.hpp"
+#include "tests/worlds/memory_frames.hpp"
 #include "tests/worlds/small_scene.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace tag_search_test {
-
-/// Frames from memory; counts how many were asked for.
-class Frames final : public FrameSource {
- public:
-  explicit Frames(std::vector<Frame> frames) : frames_(std::move(frames)) {}
-  std::optional<Frame> next() override {
-    if (given == frames_.size()) return std::nullopt;
-    return frames_[given++];
-  }
-  std::optional<std::string> damage() const override { return std::nullopt; }
-  std::vector<std::string> warnings() const override { return {}; }
-  double progress() const override { return 0.0; }
-  std::size_t given = 0;
-
- private:
-  std::vector<Frame> frames_;
-};
 
 /// The images of a stroke three times, with scans among them and an image too small for any tag.
 std::vector<Frame> stroke_frames() {
@@ -52,7 +36,7 @@ TEST(TagSearch, GivesEveryFrameInOrderWithTheTagsThatOneDetectorFindsForAnyNumbe
   const std::vector<Frame> frames = stroke_frames();
   for (const std::size_t threads : {1U, 2U, 5U}) {
     TagDetector detector;
-    Frames source(frames);
+    MemoryFrames source(frames);
     TagSearch search(source, {}, threads);
     std::size_t tags = 0;
     for (const Frame& frame : frames) {
@@ -85,7 +69,7 @@ TEST(TagSearch, HoldsAtMostOneImageMoreWhenTheyAreHuge) {
   const GrayImage huge{8000, 6000, std::vector<uint8_t>(48'000'000)};
   std::vector<Frame> frames;
   for (int i = 0; i < 5; ++i) frames.push_back({1.0 * i, "", ImageFrame{huge, {}}});
-  Frames source(std::move(frames));
+  MemoryFrames source(std::move(frames));
   TagSearch search(source, {.decimate = 2}, 8);
   ASSERT_TRUE(search.next());
   EXPECT_LE(source.given, 2U);
@@ -93,14 +77,24 @@ TEST(TagSearch, HoldsAtMostOneImageMoreWhenTheyAreHuge) {
 
 TEST(TagSearch, LooksForNoTagsWithoutThreadsAndMayBeDroppedHalfway) {
   const std::vector<Frame> frames = stroke_frames();
-  Frames source(frames);
+  MemoryFrames source(frames);
   TagSearch none(source, {}, 0);
   while (const auto searched = none.next()) EXPECT_TRUE(searched->tags.empty());
   EXPECT_EQ(source.given, frames.size());
-  Frames again(frames);
+  MemoryFrames again(frames);
   TagSearch dropped(again, {}, 3);
   dropped.next();
   EXPECT_THROW(TagSearch(again, {.decimate = 7}, 1), std::invalid_argument);
+}
+
+TEST(TagSearch, NothingIsReadAheadOfALiveSource) {
+  MemoryFrames source(stroke_frames());
+  source.live = true;
+  TagSearch search(source, {}, 2);
+  for (std::size_t asked = 1; asked <= 6; ++asked) {
+    ASSERT_TRUE(search.next());
+    EXPECT_EQ(source.given, asked);
+  }
 }
 
 }  // namespace tag_search_test

@@ -1,0 +1,77 @@
+#include "apps/teach/teach_keys.hpp"
+
+#include <array>
+#include <string_view>
+
+namespace clearway {
+namespace {
+
+struct Key {
+  char key;
+  TeachAction action;
+  std::string_view word;
+};
+
+constexpr std::array<Key, 12> keys = {{{' ', TeachAction::paint_on, "paint"},
+                                       {'e', TeachAction::erase_on, "erase"},
+                                       {'s', TeachAction::start, "start"},
+                                       {'v', TeachAction::via, "via"},
+                                       {'g', TeachAction::goal, "goal"},
+                                       {'c', TeachAction::clear, "clear"},
+                                       {'p', TeachAction::plan, "plan"},
+                                       {'l', TeachAction::play, "play"},
+                                       {'a', TeachAction::approve, "approve"},
+                                       {'u', TeachAction::undo, "undo"},
+                                       {'w', TeachAction::save, "save"},
+                                       {'q', TeachAction::quit, "quit"}}};
+
+std::string spelled(char key) { return key == ' ' ? "space" : std::string(1, key); }
+
+/// Whether it makes sense to offer the action; others are refused with their reason when the key is pressed.
+bool is_offered(TeachAction action, TeachState state) {
+  const bool strokes = state == TeachState::painting || state == TeachState::erasing;
+  const bool has_plan = state == TeachState::planned || state == TeachState::playing;
+  switch (action) {
+    case TeachAction::quit:
+    case TeachAction::save:
+      return true;
+    case TeachAction::undo:
+      return state != TeachState::planning;
+    case TeachAction::play:
+      return has_plan || state == TeachState::approved;
+    case TeachAction::approve:
+      return has_plan;
+    case TeachAction::via:
+    case TeachAction::goal:
+    case TeachAction::clear:
+    case TeachAction::plan:
+      return state == TeachState::selecting || has_plan;
+    default:
+      return !strokes && state != TeachState::planning && state != TeachState::playing;
+  }
+}
+
+}  // namespace
+
+std::optional<TeachAction> action_of_key(int key, TeachState state) {
+  constexpr int escape = 27;
+  if (key == escape) return TeachAction::quit;
+  if (key == ' ' && state == TeachState::painting) return TeachAction::paint_off;
+  if (key == 'e' && state == TeachState::erasing) return TeachAction::erase_off;
+  for (const Key& known : keys)
+    if (known.key == key) return known.action;
+  return std::nullopt;
+}
+
+std::string keys_of(TeachState state) {
+  if (state == TeachState::ended) return {};
+  std::string text;
+  if (state == TeachState::painting) text = "space: stop painting";
+  if (state == TeachState::erasing) text = "e: stop erasing";
+  for (const Key& key : keys)
+    if (is_offered(key.action, state))
+      text += (text.empty() ? "" : ", ") + spelled(key.key) + ": " + std::string(key.word);
+  return text;
+}
+
+}  // namespace clearway

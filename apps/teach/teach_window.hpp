@@ -1,0 +1,29 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+namespace clearway {
+
+/// Whether a window can be opened here: X11 or Wayland is told by the environment.
+bool has_display();
+
+/// A window of OpenCV's HighGUI, whose library is loaded by the first one. Used by one thread.
+class TeachWindow {
+ public:
+  /// @throws std::runtime_error in one clause when the library is missing
+  explicit TeachWindow(const std::string& title);
+  ~TeachWindow();
+  TeachWindow(const TeachWindow&) = delete;
+  TeachWindow& operator=(const TeachWindow&) = delete;
+
+  /// @param picture CV_8UC3 (BGR) or CV_8UC1
+  void show(const cv::Mat& picture);
+  /// The key that was pressed in the window, waiting for it so long, ms at least 1; -1: none.
+  int key(int milliseconds);
+
+ private:
+  std::string title_;
+};
+
+}  // namespace clearway
