@@ -84,6 +84,21 @@ constexpr double kUnknownDistortion = 0.01;  // of half the diagonal
 
 }  // namespace
 
+LensDistortion::LensDistortion(const std::array<double, 5>& coefficients)
+    : coefficients_(coefficients),
+      is_none_(is_free_of_distortion(coefficients)),
+      fold_squared_(is_none_ ? std::numeric_limits<double>::infinity() : fold_radius_squared(coefficients)) {}
+
+std::optional<Eigen::Vector2d> LensDistortion::distort(const Eigen::Vector2d& ray,
+                                                       Eigen::Matrix2d& by_ray) const {
+  by_ray.setIdentity();
+  if (is_none_) return ray;
+  if (ray.squaredNorm() > fold_squared_) return std::nullopt;
+  const Eigen::Vector2d seen = clearway::distort(coefficients_, ray, by_ray);
+  if (!(by_ray.determinant() > 0.0)) return std::nullopt;
+  return seen;
+}
+
 void CameraErrors::validate() const {
   const auto check = [](const std::string& field, double value) {
     if (!(std::isfinite(value) && value >= 0.0)) refuse("errors: " + field, value, "0 or more");
@@ -141,17 +156,13 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point,
                                                Eigen::Matrix<double, 2, 3>& pixel_by_point) const {
   if (!(point.z() > kNearest) || !point.allFinite()) return std::nullopt;
   const Eigen::Vector2d ray = point.head<2>() / point.z();
-  Eigen::Vector2d seen = ray;
-  Eigen::Matrix2d seen_by_ray = Eigen::Matrix2d::Identity();
-  if (!is_free_of_distortion(distortion)) {
-    if (ray.squaredNorm() > fold_radius_squared(distortion)) return std::nullopt;
-    seen = distort(distortion, ray, seen_by_ray);
-    if (!(seen_by_ray.determinant() > 0.0)) return std::nullopt;
-  }
+  Eigen::Matrix2d seen_by_ray;
+  const auto seen = LensDistortion(distortion).distort(ray, seen_by_ray);
+  if (!seen) return std::nullopt;
   Eigen::Matrix<double, 2, 3> ray_by_point;
   ray_by_point << 1.0, 0.0, -ray.x(), 0.0, 1.0, -ray.y();
   pixel_by_point = Eigen::Vector2d(fx, fy).asDiagonal() * (seen_by_ray * ray_by_point) / point.z();
-  return Eigen::Vector2d(fx * seen.x() + cx, fy * seen.y() + cy);
+  return Eigen::Vector2d(fx * seen->x() + cx, fy * seen->y() + cy);
 }
 
 std::optional<Eigen::Vector2d> Camera::undistort(const Eigen::Vector2d& pixel) const {

@@ -6,6 +6,27 @@
 
 namespace clearway {
 
+/// Brown-Conrady ("plumb bob") distortion of normalised points, for many points of one lens: where it folds
+/// back is found once.
+class LensDistortion {
+ public:
+  /// @param coefficients k1, k2, p1, p2, k3 (OpenCV's order), finite
+  explicit LensDistortion(const std::array<double, 5>& coefficients);
+
+  /// The distorted point, and its derivative by `ray` = (x/z, y/z). Empty beyond the angle at which the
+  /// polynomial folds back, where the formula gives a point but the lens sees nothing.
+  std::optional<Eigen::Vector2d> distort(const Eigen::Vector2d& ray, Eigen::Matrix2d& by_ray) const;
+
+  bool is_none() const { return is_none_; }  ///< all coefficients are zero
+  /// The square of the radius at which the radial polynomial stops growing; infinity when it never does.
+  double fold_squared() const { return fold_squared_; }
+
+ private:
+  std::array<double, 5> coefficients_;
+  bool is_none_;
+  double fold_squared_;
+};
+
 /// What a calibration does not know of its camera: one standard deviation each.
 struct CameraErrors {
   double focal = 0.003;              ///< relative, of fx and fy together

@@ -77,6 +77,18 @@ Command add_replay(CLI::App& app, Console& console) {
                    "poses, scans, spheres, voxels and plans as ROS 2 messages, for Foxglove and rosbag2")
       ->check(file_name)
       ->type_name("FILE.mcap");
+  command
+      ->add_option(
+          "--overlay", options->overlay,
+          "folder for stills of each plan in the camera's image: robot at start, goal and tightest point, "
+          "or where to paint more")
+      ->check(file_name)
+      ->type_name("DIR");
+  command
+      ->add_option("--video-out", options->video,
+                   "the recording with paint, ball and refusals, then the robot's motion")
+      ->check(file_name)
+      ->type_name("FILE.mp4");
   add_seen_within(*command, options->seen_within, "; default: the queries' own");
   command->add_flag_callback(
       "--no-plan", [options] { options->plan = false; }, "stop after the map");

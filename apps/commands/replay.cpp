@@ -11,6 +11,7 @@
 #include "apps/fusion/fusion.hpp"
 #include "apps/fusion/replay_record.hpp"
 #include "apps/inspect/map_folder.hpp"
+#include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/query/query.hpp"
 #include "apps/teach/session_folder.hpp"
@@ -238,6 +239,8 @@ int run_replay(const ReplayOptions& options, Console& console) {
     return run_teach(session, console);
   }
   for (const std::string& planner : options.planners) make_planner(planner);
+  const PictureOptions pictures{options.overlay, options.video};
+  require_pictures(pictures, options.recording, options.out);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
   std::filesystem::create_directory(folder.path() / "plans");
   ReplayReport report;
@@ -280,6 +283,8 @@ int run_replay(const ReplayOptions& options, Console& console) {
   save_file(folder.path() / "report.html", report_html(report, json));
   if (record) finish_record(report, *record);
   publish_map_folder(folder, report.map);
+  if (pictures.are_asked())
+    draw_replay(options.recording, fusion, report.map, report.plans, pictures, console.bar("drawing"));
   print_report(options, report, json, console);
 
   if (fusion.damage) return exit_damaged;

@@ -51,8 +51,10 @@ struct ReplayOptions {
   std::optional<double> seen_within;  ///< seconds; replaces the queries' own
   bool plan = true;
   std::uint64_t seed = 1;
-  double time_limit = 60.0;      ///< seconds for each leg
-  std::filesystem::path record;  ///< .mcap file of what was seen and made; empty: none
+  double time_limit = 60.0;       ///< seconds for each leg
+  std::filesystem::path record;   ///< .mcap file of what was seen and made; empty: none
+  std::filesystem::path overlay;  ///< folder of stills: plans in the camera's image; empty: none
+  std::filesystem::path video;  ///< .mp4 file of the recording with what was painted and planned; empty: none
 };
 int run_replay(const ReplayOptions& options, Console& console);
 

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+namespace clearway {
+
+/// An .mp4 file that appears under its name whole or not at all. H.264 where the system's OpenCV can write
+/// it, else MPEG-4.
+class VideoFile {
+ public:
+  /// @param rate pictures per second
+  /// @throws std::runtime_error when there is no encoder or no room
+  VideoFile(const std::filesystem::path& file, cv::Size size, double rate);
+  ~VideoFile();
+  VideoFile(const VideoFile&) = delete;
+  VideoFile& operator=(const VideoFile&) = delete;
+
+  /// @param picture CV_8UC3 (BGR) of the size; an odd last row or column is left out
+  void add(const cv::Mat& picture);
+  /// Nothing may be added afterwards. @throws std::runtime_error naming the file and the reason
+  void finish();
+
+ private:
+  struct State;
+  std::filesystem::path file_;
+  cv::Size size_;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace clearway
