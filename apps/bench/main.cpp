@@ -42,6 +42,9 @@ std::vector<Entry> all_entries() {
        4, bench_live},
       {"gate", "verdicts on chunks beside a thread that fuses depth frames; FCL on samples of the same", 15,
        bench_gate},
+      {"teach",
+       "tags, poses and paint of large images, and their pictures, against Chong 2008's ten a second", 3,
+       bench_teach},
   };
 }
 

@@ -112,8 +112,18 @@ Command add_teach(CLI::App& app, Console& console) {
           "tag boards, ball probe, gripper probe and robot, by file or name; default: the recording's own")
       ->type_name("SETUP.yaml");
   command
-      ->add_option("--events", options->events, "what the person does: one JSON object a line, with its time")
+      ->add_option("--events", options->events,
+                   "what the person does: one JSON object a line, with its time; default: keys in the window")
       ->type_name("FILE.jsonl");
+  command->add_flag("--headless", options->headless, "no window");
+  command
+      ->add_option("--overlay", options->overlay,
+                   "folder for stills of each plan in the camera's image: start, goal, tightest point")
+      ->type_name("DIR")
+      ->check(file_name);
+  command->add_option("--video-out", options->video, "the session's pictures as a video")
+      ->type_name("FILE.mp4")
+      ->check(file_name);
   command
       ->add_option("--out", options->out,
                    "folder for what replay writes, approved/, and session/ to do it again")

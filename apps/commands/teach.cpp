@@ -1,23 +1,33 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/console/quantile.hpp"
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
 #include "apps/inspect/map_folder.hpp"
+#include "apps/overlay/replay_pictures.hpp"
+#include "apps/overlay/video_file.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/query/query.hpp"
 #include "apps/teach/session_folder.hpp"
+#include "apps/teach/teach_keys.hpp"
+#include "apps/teach/teach_picture.hpp"
+#include "apps/teach/teach_screen.hpp"
 #include "apps/teach/teach_session.hpp"
+#include "apps/teach/teach_window.hpp"
 #include "datasets/pictures/video.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/files/query_record.hpp"
@@ -165,41 +175,150 @@ RecordedSession session_of(const TeachCommand& command) {
 }
 
 fs::path events_file(const TeachCommand& command) {
-  if (is_session_folder(command.source)) return command.source / "events.jsonl";
-  if (command.events.empty())
-    throw std::invalid_argument("teach: expected --events FILE, one action a line (see datasets/FORMATS.md)");
-  return command.events;
+  return is_session_folder(command.source) ? command.source / "events.jsonl" : command.events;
+}
+
+/// What keys mean, at the frame before which they are asked for.
+std::vector<TeachEvent> events_of_keys(const std::vector<int>& keys, const TeachSession& session,
+                                       double time) {
+  std::vector<TeachEvent> events;
+  for (const int key : keys) {
+    const auto action = action_of_key(key, session.state());
+    if (!action) continue;
+    TeachEvent event;
+    event.time = time;
+    event.action = *action;
+    if (*action == TeachAction::save) event.name = "saved_at_" + significant(time, 6);
+    events.push_back(std::move(event));
+  }
+  return events;
+}
+
+/// A session with its pictures: in a window, and as a video.
+class ShownSession final : public FusionGuide {
+ public:
+  ShownSession(TeachSession& session, TeachScreen* screen, const fs::path& video)
+      : session_(session), screen_(screen), video_file_(video) {}
+
+  void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) override {
+    session_.begin(setup, map, counts);
+    viewer_.emplace(session_, setup, map, counts);
+  }
+  bool before(double since_start) override { return session_.before(since_start); }
+  Brush brush() const override { return session_.brush(); }
+
+  void see(const SeenImage& image) override {
+    session_.see(image);
+    if (screen_ == nullptr && video_file_.empty()) return;
+    TeachView view = viewer_->view(image, std::get<ImageFrame>(image.frame.content));
+    if (!video_file_.empty()) add_to_video(view);
+    if (screen_ != nullptr) screen_->show(std::move(view));
+  }
+
+  void finish() {
+    if (video_file_.empty()) return;
+    if (!video_ && first_) open_video(*first_, 15.0);
+    if (video_) video_->finish();
+  }
+
+ private:
+  /// The second image tells the rate.
+  void add_to_video(const TeachView& view) {
+    const cv::Mat picture = painter_.draw(view);
+    if (video_) return video_->add(picture);
+    if (first_) {
+      open_video(*first_, std::clamp(std::round(1.0 / (view.since_start - first_time_)), 1.0, 60.0));
+      return video_->add(picture);
+    }
+    first_ = picture;
+    first_time_ = view.since_start;
+  }
+  void open_video(const cv::Mat& first, double rate) {
+    video_.emplace(video_file_, first.size(), rate);
+    video_->add(first);
+  }
+
+  TeachSession& session_;
+  TeachScreen* screen_;
+  const fs::path video_file_;
+  std::optional<TeachViewer> viewer_;
+  TeachPainter painter_{thread_count()};
+  std::optional<cv::Mat> first_;
+  double first_time_ = 0.0;
+  std::optional<VideoFile> video_;
+};
+
+/// The window, where one is wanted and can be.
+std::unique_ptr<TeachScreen> open_screen(const TeachCommand& command, Console& console) {
+  if (command.headless || is_session_folder(command.source)) return nullptr;
+  std::string why = "there is no display";
+  if (has_display()) {
+    try {
+      return std::make_unique<TeachScreen>("clearway teach");
+    } catch (const std::runtime_error& error) {
+      why = error.what();
+    }
+  }
+  console.log("note: no window: " + why + "; the session goes on without one (--headless)");
+  return nullptr;
+}
+
+void tell_times(const ScreenTimes& times, Console& console) {
+  if (times.latencies.empty()) return;
+  console.log("window: " + grouped(times.latencies.size()) + " pictures, " + grouped(times.dropped) +
+              " left out; from image to picture " + significant(1e3 * quantile(times.latencies, 0.5), 3) +
+              " ms (median), " + significant(1e3 * quantile(times.latencies, 0.95), 3) + " ms (95 %)");
 }
 
 }  // namespace
 
 int run_teach(const TeachCommand& command, Console& console) {
   RecordedSession recorded = session_of(command);
-  std::vector<TeachEvent> events = load_teach_events(events_file(command));
+  const fs::path file = events_file(command);
+  std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
   for (const TeachEvent& event : events)
     if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
   ChosenSetup setup = setup_of(recorded);
+  const PictureOptions stills{command.overlay, {}};
+  const bool is_camera = is_camera_name(recorded.source);
+  require_pictures(stills, recorded.source, command.out);
+  if (!command.video.empty()) require_writable(command.video);
+  const std::unique_ptr<TeachScreen> screen = open_screen(command, console);
+  if (!screen && file.empty())
+    throw std::invalid_argument(
+        "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
   AtomicFolder folder(command.out, is_in_map_folder);  // refuses before the work what cannot be written
   for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);
 
-  TeachSession session(script(std::move(events)),
+  TeachSession* keyed = nullptr;
+  const TeachSession::EventSource keys = [&](double until) {
+    return std::isfinite(until) ? events_of_keys(screen->keys(), *keyed, until) : std::vector<TeachEvent>{};
+  };
+  TeachSession session(file.empty() ? keys : script(std::move(events)),
                        {.seed = recorded.seed,
                         .time_limit = recorded.time_limit,
+                        .waits_for_plans = !file.empty(),
                         .save = [&](const std::string& name,
                                     const Snapshot& map) { save_map(map, folder.path() / "maps" / name); },
                         .tell = [&](const TaughtEvent& told) { console.log(line_of(told)); }});
+  keyed = &session;
+  ShownSession shown(session, screen.get(), command.video);
   FusionOptions options{.setup_file = setup.source,
                         .resolution = recorded.resolution,
                         .integration = recorded.integration,
                         .threads = command.threads,
                         .camera_seconds = command.camera_seconds,
-                        .guide = &session,
-                        .setup = setup.setup};
-  const bool is_camera = is_camera_name(recorded.source);
-  if (is_camera) options.frames_file = folder.path() / "session" / "source" / "frames.rawlog";
+                        .guide = &shown,
+                        .setup = setup.setup,
+                        .is_paced = screen != nullptr};
+  const bool is_live = is_camera || screen != nullptr;
+  if (is_live) options.frames_file = folder.path() / "session" / "source" / "frames.rawlog";
   Fusion fusion = fuse(recorded.source, options, console.bar("teaching"));
   session.finish();
-  if (is_camera) recorded.source = options.frames_file;
+  shown.finish();
+  if (screen) tell_times(screen->times(), console);
+  const fs::path source = recorded.source;
+  if (is_live) recorded.source = options.frames_file;
   save_session(recorded, folder.path() / "session");
   save_session_events(session.events(), folder.path() / "session");
 
@@ -214,7 +333,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   save_map(report.map, folder.path());
   report.provenance = fusion.map.provenance();
   save_provenance(report.provenance, folder.path());
-  std::vector<TaughtPlan> plans = session.plans();
+  std::vector<TaughtPlan> plans(session.plans().begin(), session.plans().end());
   TaughtFolder taught(folder.path(), report.map, plans);
   report.plans = taught.save();
   fusion.warnings.insert(fusion.warnings.end(), taught.broken().begin(), taught.broken().end());
@@ -224,6 +343,8 @@ int run_teach(const TeachCommand& command, Console& console) {
   save_file(folder.path() / "report.json", json);
   save_file(folder.path() / "report.html", report_html(report, json));
   publish_map_folder(folder, report.map);
+  if (stills.are_asked())
+    draw_replay(source, fusion, report.map, report.plans, stills, console.bar("drawing"));
 
   const auto approved =
       std::count_if(plans.begin(), plans.end(), [](const TaughtPlan& p) { return p.is_approved; });

@@ -62,7 +62,10 @@ struct TeachCommand {
   std::filesystem::path source;   ///< a recording, or the folder of a recorded session
   double camera_seconds = 600.0;  ///< of a live camera
   std::filesystem::path setup;    ///< empty: the one embedded in the recording
-  std::filesystem::path events;   ///< what the person does, one action a line
+  std::filesystem::path events;   ///< what the person does, one action a line; empty: keys in the window
+  bool headless = false;          ///< no window
+  std::filesystem::path overlay;  ///< folder of stills of the plans in the camera's image; empty: none
+  std::filesystem::path video;    ///< .mp4 file of the session's pictures; empty: none
   std::filesystem::path out;      ///< folder, created
   double resolution = 0.0;        ///< metres; 0: the setup's, else 0.02
   std::string integration{};      ///< "safe" or "compatible"; empty: the setup's, else safe

@@ -138,7 +138,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
       boards.take(*frame, *image, searched->tags, tracked ? &*tracked : nullptr);
       if (options.guide != nullptr)
         options.guide->see({*frame, searched->tags, tracked ? &tracked->sample : nullptr,
-                            boards.gripper_at(frame->time), since_start});
+                            boards.gripper_at(frame->time), since_start, searched->read});
       scans.release();
     } else if (const auto* cloud = std::get_if<CloudFrame>(&frame->content)) {
       scans.take(*frame, *cloud);

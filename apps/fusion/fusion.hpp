@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -69,6 +70,7 @@ struct SeenImage {
   const PaintingSample* sample;                       ///< of the ball; null without a probe
   std::optional<Eigen::Isometry3d> map_from_gripper;  ///< the board of the gripper, when it passes acceptance
   double since_start;                                 ///< s
+  std::chrono::steady_clock::time_point read;         ///< when the source gave it
 };
 
 /// Leads a fusion: instead of the times of the setup's volumes it says when the ball paints, and into which

@@ -45,6 +45,7 @@ std::optional<SearchedFrame> TagSearch::next() {
     pixels_ -= image->image.pixels.size();
   }
   searched.frame = std::move(first.frame);
+  searched.read = first.read;
   waiting_.pop_front();
   return searched;
 }
@@ -59,7 +60,7 @@ void TagSearch::read_ahead() {
       ended_ = true;
       return;
     }
-    waiting_.push_back({std::move(*frame), {}});
+    waiting_.push_back({std::move(*frame), {}, std::chrono::steady_clock::now()});
     const auto* image = std::get_if<ImageFrame>(&waiting_.back().frame.content);
     if (image == nullptr || threads_ == 0) continue;
     ++images_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <future>
@@ -17,6 +18,7 @@ namespace clearway {
 struct SearchedFrame {
   Frame frame;
   std::vector<TagDetection> tags;
+  std::chrono::steady_clock::time_point read;  ///< when the source gave it
 };
 
 /// The frames of a source in their order, their images searched for tags by several threads ahead of the one
@@ -42,6 +44,7 @@ class TagSearch {
   struct Waiting {
     Frame frame;
     std::promise<std::vector<TagDetection>> tags;
+    std::chrono::steady_clock::time_point read;
   };
   void read_ahead();
   void search();

@@ -54,11 +54,21 @@ void add_path(Canvas& canvas, const OverlayPath& path, double width) {
   }
 }
 
-void add_map(Canvas& canvas, const OverlayMap& map) {
+/// Each with a dark edge, which lies a thousandth farther off.
+void add_dots(Canvas& canvas, const OverlayScene& scene, double radius) {
+  const Eigen::Vector3d eye = canvas.camera_from_map().inverse().translation();
+  for (const Eigen::Vector3d& center : scene.dots) {
+    canvas.add_point(center + 1e-3 * (center - eye), radius + 1.0, dark);
+    canvas.add_point(center, radius, scene.is_outside ? conflict_red : bluish_green);
+  }
+}
+
+void add_map(Canvas& canvas, const OverlayMap& map, bool shows_volumes) {
   canvas.add_occluder(map.occupied);
   if (!map.conflicts.triangles.empty())  // seen through paint that is nearer, too
     canvas.add(map.conflicts, Eigen::Isometry3d::Identity(), {conflict_red, 0.7},
                canvas.add_layer(0.85, true));
+  if (!shows_volumes) return;
   const int layer = canvas.add_layer(0.45);
   for (std::size_t i = 0; i < map.volumes.size(); ++i)
     canvas.add(map.volumes[i].faces, Eigen::Isometry3d::Identity(),
@@ -140,7 +150,8 @@ RobotSurface::RobotSurface(const Robot& robot) {
 cv::Mat draw_overlay(const cv::Mat& image, const Camera& camera, const Eigen::Isometry3d& camera_from_map,
                      const OverlayScene& scene, std::size_t threads) {
   Canvas canvas(camera, camera_from_map);
-  if (scene.map != nullptr) add_map(canvas, *scene.map);
+  if (scene.map != nullptr) add_map(canvas, *scene.map, scene.dots.empty());
+  add_dots(canvas, scene, std::max(1.5, camera.height / 300.0));
   add_ghost(canvas, scene, scene.start_pose, sky_blue);
   add_ghost(canvas, scene, scene.goal_pose, yellow);
   if (scene.robot != nullptr && !scene.robot_pose.empty())

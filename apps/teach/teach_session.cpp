@@ -24,6 +24,23 @@ constexpr std::array<std::string_view, 9> state_names = {
 
 [[noreturn]] void refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
 
+/// The query's answer, with what is drawn of it.
+TaughtPlan answered(TaughtPlan taught, PlanQuery query) {
+  const ConfigurationSpace& space = *taught.space;
+  query.map_digest = taught.map_digest = map_sha256(space.map());
+  taught.plan = plan_and_check(query);
+  if (!taught.plan.is_proved()) return taught;
+  const auto points = time_parameterize(space.robot(), taught.plan.waypoints()).points;
+  constexpr std::size_t shown = 160;
+  const std::size_t last = points.size() - 1, pieces = std::min(last, shown);
+  for (std::size_t i = 0; i <= pieces; ++i) {
+    const Configuration& q = points[pieces == 0 ? 0 : i * last / pieces].position;
+    taught.tip_path.push_back(tip_pose(space.robot(), q).translation());
+    taught.tip_clearance.push_back(space.clearance(q));
+  }
+  return taught;
+}
+
 }  // namespace
 
 std::string_view to_string(TeachState state) { return state_names.at(static_cast<std::size_t>(state)); }
@@ -118,7 +135,6 @@ std::vector<Configuration> TeachSession::goals() const {
   return goals;
 }
 
-/// Rises with whatever changes the map.
 std::size_t TeachSession::map_version() const {
   return counts_->spheres + counts_->erasers + counts_->scans + undone_;
 }
@@ -200,8 +216,7 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       choice_.start.reset();
       choice_.goal.reset();
       choice_.vias.clear();
-      choice_.plan.reset();
-      choice_.is_approved = false;
+      forget_plan();
       break;
     case TeachAction::plan:
       begin_plan(event);
@@ -237,6 +252,17 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
   }
 }
 
+void TeachSession::forget_plan() {
+  choice_.plan.reset();
+  choice_.failed.reset();
+  choice_.is_approved = false;
+}
+
+const TaughtPlan* TeachSession::last_plan() const {
+  if (choice_.plan) return &plans_[*choice_.plan];
+  return choice_.failed ? &plans_[*choice_.failed] : nullptr;
+}
+
 void TeachSession::remember(const std::string& what, std::optional<int> stroke) {
   undos_.push_back({what, choice_, stroke});
 }
@@ -247,8 +273,7 @@ void TeachSession::begin_stroke(const TeachEvent& event) {
   stroke_ =
       map_->begin_stroke((paints ? "stroke at " : "eraser at ") + short_text(event.time, 6) + " s", "hand");
   remember(paints ? "stroke" : "eraser", stroke_);
-  choice_.plan.reset();
-  choice_.is_approved = false;
+  forget_plan();
   doing_ = paints ? Doing::painting : Doing::erasing;
 }
 
@@ -278,8 +303,7 @@ void TeachSession::choose_robot(const TeachEvent& event) {
   choice_.start.reset();
   choice_.goal.reset();
   choice_.vias.clear();
-  choice_.plan.reset();
-  choice_.is_approved = false;
+  forget_plan();
 }
 
 void TeachSession::require_robot() const {
@@ -310,8 +334,7 @@ void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   } else {
     choice_.goal = q;
   }
-  choice_.plan.reset();
-  choice_.is_approved = false;
+  forget_plan();
   for (const double value : q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
 }
 
@@ -319,9 +342,7 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   require_robot();
   if (!choice_.start) refuse("no start is chosen; 'start' chooses one");
   if (!choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
-  Job job;
-  job.time = event.time;
-  TaughtPlan& plan = job.plan;
+  TaughtPlan plan;
   plan.name = event.name.empty() ? "plan_" + std::to_string(plans_.size() + 1) : event.name;
   for (const TaughtPlan& other : plans_)
     if (other.name == plan.name)
@@ -329,29 +350,24 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   plan.start = *choice_.start;
   plan.robot = robot_->choice();
   plan.space = robot_->space(present_map(), map_version());
-  job.result = std::async(
-      std::launch::async,
-      [space = plan.space,
-       planner = std::shared_ptr<const Planner>(make_planner(event.planner, event.options)),
-       start = plan.start, goals = goals(), name = plan.name, robot = plan.robot.robot, seed = options_.seed,
-       limit = options_.time_limit, payload = setup_->robot ? setup_->robot->payload : 0.0,
-       gravity = setup_->robot ? setup_->robot->gravity : Eigen::Vector3d(0.0, 0.0, -9.81)] {
-        return plan_and_check({.space = *space,
-                               .start = start,
-                               .goals = goals,
-                               .planner = planner,
-                               .seed = seed,
-                               .time_limit = limit,
-                               .payload = payload,
-                               .gravity = gravity,
-                               .robot_name = robot,
-                               .map_file = "map.ot",
-                               .map_digest = map_sha256(space->map()),
-                               .name = name});
-      });
+  PlanQuery query{.space = *plan.space,
+                  .start = plan.start,
+                  .goals = goals(),
+                  .planner = make_planner(event.planner, event.options),
+                  .seed = options_.seed,
+                  .time_limit = options_.time_limit,
+                  .robot_name = plan.robot.robot,
+                  .map_file = "map.ot",
+                  .name = plan.name};
+  if (setup_->robot) {
+    query.payload = setup_->robot->payload;
+    query.gravity = setup_->robot->gravity;
+  }
+  Job job;
+  job.result =
+      std::async(std::launch::async, [plan, query]() mutable { return answered(std::move(plan), query); });
   remember("plan");
-  choice_.plan.reset();
-  choice_.is_approved = false;
+  forget_plan();
   job_ = std::move(job);
   doing_ = Doing::planning;
 }
@@ -366,14 +382,12 @@ void TeachSession::take_plan(bool wait) {
     return told.event.action == TeachAction::plan;
   });
   try {
-    job.plan.plan = job.result.get();
-    const Plan& plan = job.plan.plan;
-    job.plan.map_digest = plan.map_sha256;
+    plans_.push_back(job.result.get());
+    const Plan& plan = plans_.back().plan;
     asked->remark = plan.is_proved()                      ? "solved and proved by " + plan.planner
                     : plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
                                                           : plan.explanation();
-    if (plan.is_proved()) choice_.plan = plans_.size();
-    plans_.push_back(std::move(job.plan));
+    (plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;
   } catch (const std::invalid_argument& error) {
     asked->refusal = std::string("plan: ") + error.what();
   }

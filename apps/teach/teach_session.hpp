@@ -48,6 +48,8 @@ struct TaughtPlan {
   RobotChoice robot;
   std::string map_digest;
   bool is_approved = false;
+  std::vector<Eigen::Vector3d> tip_path;  ///< map frame, of a proved plan
+  std::vector<double> tip_clearance;      ///< of the robot at each of its points, m
 };
 
 struct TeachOptions {
@@ -104,7 +106,11 @@ class TeachSession final : public FusionGuide {
   const std::optional<Configuration>& start() const { return choice_.start; }
   std::vector<Configuration> goals() const;
   const std::vector<TaughtEvent>& events() const { return told_; }
-  const std::vector<TaughtPlan>& plans() const { return plans_; }
+  const std::deque<TaughtPlan>& plans() const { return plans_; }
+  /// The plan of the present start and goals, proved or not; null when there is none.
+  const TaughtPlan* last_plan() const;
+  /// Rises with whatever changes the map.
+  std::size_t map_version() const;
   /// Images in which a robot was led, and of these, in which `warning` was not empty.
   std::size_t led_images() const { return led_images_; }
   std::size_t warned_images() const { return warned_images_; }
@@ -116,7 +122,8 @@ class TeachSession final : public FusionGuide {
     std::shared_ptr<VirtualRobot> robot;
     std::optional<Configuration> start, goal;
     std::vector<Configuration> vias;
-    std::optional<std::size_t> plan;  ///< in plans_, of this very choice
+    std::optional<std::size_t> plan;    ///< in plans_, of this very choice, proved
+    std::optional<std::size_t> failed;  ///< the same, not proved
     bool is_approved = false;
   };
   struct Undo {
@@ -125,9 +132,7 @@ class TeachSession final : public FusionGuide {
     std::optional<int> stroke;
   };
   struct Job {
-    TaughtPlan plan;
-    std::future<Plan> result;
-    double time = 0.0;
+    std::future<TaughtPlan> result;
   };
 
   void apply(const TeachEvent& event);
@@ -143,10 +148,10 @@ class TeachSession final : public FusionGuide {
   void take_plan(bool wait);
   void approve(std::string& remark);
   void undo(std::string& remark);
+  void forget_plan();
   void remember(const std::string& what, std::optional<int> stroke = {});
   void require_robot() const;
   TeachState resting_state() const;
-  std::size_t map_version() const;
   const Snapshot& present_map();
 
   EventSource next_events_;
@@ -166,7 +171,7 @@ class TeachSession final : public FusionGuide {
   Choice choice_;
   std::vector<Undo> undos_;
   std::optional<Job> job_;
-  std::vector<TaughtPlan> plans_;
+  std::deque<TaughtPlan> plans_;  ///< which stay where they are
   std::vector<TaughtEvent> told_;
   double play_begin_ = 0.0, play_seconds_ = 0.0;
   std::vector<std::pair<double, Configuration>> motion_;

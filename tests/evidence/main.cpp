@@ -4,6 +4,7 @@
 //   clearway_evidence altered --count 2000 --seed 1 --jobs 2
 //   clearway_evidence gate --count 1000000 --seed 1 --jobs 2
 //   clearway_evidence poses --count 1000 --seed 1 --jobs 2
+//   clearway_evidence people --count 50 --seed 1 --jobs 2
 // Prints one JSON object; exit status 1 when a promise is broken. The same seed draws the same problems.
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@
 
 #include "tests/evidence/gate_evidence.hpp"
 #include "tests/evidence/path_evidence.hpp"
+#include "tests/evidence/people_evidence.hpp"
 #include "tests/evidence/pose_evidence.hpp"
 
 namespace {
@@ -123,6 +125,25 @@ int run_poses(std::uint64_t count, std::uint64_t seed, double severity, unsigned
   return outside <= 0.003 && evidence.voxels_beyond == 0 && evidence.accepted > 0 ? 0 : 1;
 }
 
+int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
+  using clearway::evidence::PeopleEvidence;
+  const PeopleEvidence evidence = in_parts<PeopleEvidence>(
+      count, jobs, [&](std::uint64_t i) { return clearway::evidence::teach_session(seed * 1000003 + i); });
+  const nlohmann::ordered_json json{{"name", "people"},
+                                    {"seed", seed},
+                                    {"sessions", evidence.sessions},
+                                    {"approved", evidence.approved},
+                                    {"told_why_not", evidence.told},
+                                    {"strokes_through_an_obstacle", evidence.mistakes},
+                                    {"of_these_met_by_sensors", evidence.mistakes_met},
+                                    {"painted_voxels", evidence.painted},
+                                    {"deep_inside_of_obstacles", evidence.painted_inside},
+                                    {"refused_events", evidence.refused},
+                                    {"broken", evidence.broken}};
+  std::cout << json.dump(2) << std::endl;
+  return evidence.broken.empty() && evidence.approved > 0 ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -131,15 +152,16 @@ int main(int argc, char** argv) {
   std::uint64_t count = 240, seed = 1;
   unsigned jobs = 1;
   double severity = 1.0;
-  app.add_option("WHAT", what, "problems, altered, gate or poses")
+  app.add_option("WHAT", what, "problems, altered, gate, poses or people")
       ->required()
-      ->check(CLI::IsMember({"problems", "altered", "gate", "poses"}));
+      ->check(CLI::IsMember({"problems", "altered", "gate", "poses", "people"}));
   app.add_option("--count", count, "Problems, altered paths that are violated, chunks, or sessions");
   app.add_option("--severity", severity, "poses: multiplies all errors that the tracker is not told");
   app.add_option("--seed", seed, "The same seed draws the same");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1U, 64U));
   CLI11_PARSE(app, argc, argv);
   if (what == "gate") return run_gate(count, seed, jobs);
+  if (what == "people") return run_people(count, seed, jobs);
   if (what == "poses") return run_poses(count, seed, severity, jobs);
   const std::uint64_t chunk = what == "problems" ? 24 : 25;
   const Evidence evidence = in_parts<Evidence>((count + chunk - 1) / chunk, jobs, [&](std::uint64_t i) {

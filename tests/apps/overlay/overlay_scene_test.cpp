@@ -136,6 +136,22 @@ LinkPoses at(const Vector3d& place) {
   return {pose};
 }
 
+TEST(OverlayScene, dots_stand_for_a_volume_and_are_red_outside_of_it) {
+  const FreeSpaceMap map = map_of({{{0.5, 0.0, 0.0}, 0.12}}, {});
+  const OverlayMap shown = overlay_map(map.snapshot());
+  OverlayScene scene;
+  scene.map = &shown;
+  scene.dots = {{0.5, 0.0, 0.0}};
+  const cv::Vec3b inside = pixel_at(drawn(scene), scene.dots[0]);
+  EXPECT_TRUE(shows_image(pixel_at(drawn(scene), {0.5, 0.05, 0.0})));  // of the volume nothing else is seen
+  EXPECT_FALSE(shows_image(inside));
+  scene.is_outside = true;
+  const cv::Vec3b outside = pixel_at(drawn(scene), scene.dots[0]);
+  EXPECT_GT(outside[2], 180);  // red
+  EXPECT_LT(outside[1], 60);
+  EXPECT_NE(inside, outside);
+}
+
 TEST(OverlayScene, robots_are_solid_and_ghosts_are_not) {
   const RobotSurface robot(one_box());
   OverlayScene scene;

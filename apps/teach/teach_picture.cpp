@@ -1,0 +1,184 @@
+#include "apps/teach/teach_picture.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <opencv2/core.hpp>
+
+#include "apps/fusion/painter.hpp"
+#include "apps/overlay/strip.hpp"
+#include "apps/teach/teach_keys.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double told_for = 3.0;      ///< s that a refused event stays in the strip
+constexpr double sensed_every = 1.0;  ///< s between two pictures of what sensors saw
+
+/// Whether `now` is `before` with spheres added at the ends.
+bool goes_on(const std::vector<PaintedVolume>& before, const std::vector<PaintedVolume>& now) {
+  if (before.size() > now.size()) return false;
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    const auto &old = before[v].spheres, &all = now[v].spheres;
+    if (old.size() > all.size()) return false;
+    const auto same = [](const Sphere& a, const Sphere& b) {
+      return a.center == b.center && a.radius == b.radius;
+    };
+    if (!std::equal(old.begin(), old.end(), all.begin(), same)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TeachView TeachViewer::view(const SeenImage& image, const ImageFrame& frame) {
+  TeachView view;
+  view.image = cv::Mat(frame.image.height, frame.image.width, CV_8UC1,
+                       const_cast<std::uint8_t*>(frame.image.pixels.data()))
+                   .clone();
+  view.camera = camera_of(setup_, frame);
+  view.since_start = image.since_start;
+  view.taken = image.read;
+  view.state = session_.state();
+  view.balls = counts_.spheres;
+  view.is_led = image.map_from_gripper && session_.robot() != nullptr;
+  view.resolution = map_.options().resolution;
+  const Eigen::Isometry3d map_from_base = *fixed_board(setup_, "teaching").map_from_board;
+  if (const PaintingSample* sample = image.sample; sample != nullptr && sample->base) {
+    view.camera_from_map = sample->base->camera_from_body.pose * map_from_base.inverse();
+    if (sample->probe)
+      view.ball = OverlayBall{map_from_base * sample->sphere.center, setup_.probe->ball_radius,
+                              sample->bound.total, sample->accepted};
+  }
+  add_map(view);
+  add_robot(view);
+  add_sentences(image, view);
+  return view;
+}
+
+void TeachViewer::add_map(TeachView& view) {
+  const auto& volumes = map_.volumes();
+  const std::size_t active = static_cast<std::size_t>(session_.brush().volume);
+  if (active < volumes.size()) view.volume = volumes[active].label;
+  if (session_.map_version() != painted_version_)
+    view.volumes = std::make_shared<std::vector<PaintedVolume>>(volumes);
+  painted_version_ = session_.map_version();
+  if (counts_.scans == scans_ || view.since_start < sensed_at_ + sensed_every) return;
+  scans_ = counts_.scans;
+  sensed_at_ = view.since_start;
+  view.sensed = map_.snapshot();
+}
+
+void TeachViewer::add_robot(TeachView& view) {
+  const VirtualRobot* robot = session_.robot();
+  if (robot == nullptr) return;
+  if (robot != drawn_) robot_ = std::make_shared<Robot>(robot->robot());
+  drawn_ = robot;
+  view.robot = robot_;
+  const auto place = [&](const Configuration& q, LinkPoses& poses) {
+    if (q.size() == static_cast<Eigen::Index>(robot_->dof())) poses = forward_kinematics(*robot_, q);
+  };
+  place(session_.shown_configuration(), view.robot_pose);
+  if (session_.start()) {
+    place(*session_.start(), view.start_pose);
+    view.start_tip = tip_pose(*robot_, *session_.start()).translation();
+  }
+  if (const auto goals = session_.goals(); !goals.empty()) {
+    place(goals.back(), view.goal_pose);
+    view.goal_tip = tip_pose(*robot_, goals.back()).translation();
+  }
+  const TaughtPlan* plan = session_.last_plan();
+  if (plan == nullptr) return;
+  if (!plan->plan.is_proved())
+    for (const PaintHint& hint : plan->plan.paint) view.to_paint.push_back(hint.sphere);
+  if (&plan->plan != planned_)
+    path_ = std::make_shared<OverlayPath>(OverlayPath{plan->tip_path, plan->tip_clearance});
+  planned_ = &plan->plan;
+  if (!path_->points.empty()) view.path = path_;
+}
+
+void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
+  if (view.state != TeachState::playing) view.warning = session_.warning();
+  const bool uses_ball = session_.brush().use != Brush::Use::none;
+  if (uses_ball && image.sample != nullptr && !image.sample->accepted) {
+    view.refusal = (session_.brush().use == Brush::Use::paints ? "Not painted: " : "Not erased: ") +
+                   image.sample->reason;
+    view.cure = cure_of(to_string(image.sample->refusal));
+    return;
+  }
+  if (session_.events().empty()) return;
+  const TaughtEvent& last = session_.events().back();
+  if (!last.refusal.empty() && image.since_start <= last.event.time + told_for) view.refusal = last.refusal;
+}
+
+std::string state_line(const TeachView& view) {
+  char time[32];
+  std::snprintf(time, sizeof time, "%.1f s", view.since_start);
+  std::string line = std::string(time) + ", " + std::string(to_string(view.state));
+  if (!view.volume.empty()) line += ", volume " + view.volume + ", " + std::to_string(view.balls) + " balls";
+  return line;
+}
+
+/// Paint is drawn from spheres of its own: the map of a session is not to be copied at every image.
+void TeachPainter::take_paint(const TeachView& view) {
+  if (!view.volumes) return;
+  if (!paint_ || !goes_on(painted_, *view.volumes)) {
+    MapOptions options;
+    options.resolution = view.resolution;
+    paint_.emplace(options);
+    painted_.clear();
+  }
+  for (std::size_t v = 0; v < view.volumes->size(); ++v) {
+    const PaintedVolume& volume = (*view.volumes)[v];
+    if (v == painted_.size()) {
+      paint_->add_volume(volume.label, volume.critical_parts);
+      painted_.emplace_back();
+    }
+    for (std::size_t i = painted_[v].spheres.size(); i < volume.spheres.size(); ++i)
+      paint_->paint(static_cast<int>(v), volume.spheres[i], 0.0);
+    painted_[v].spheres = volume.spheres;
+  }
+  shown_.volumes = overlay_map(paint_->snapshot()).volumes;
+}
+
+cv::Mat TeachPainter::draw(const TeachView& view) {
+  if (view.sensed) {
+    OverlayMap sensed = overlay_map(*view.sensed);
+    shown_.conflicts = std::move(sensed.conflicts);
+    shown_.occupied = std::move(sensed.occupied);
+  }
+  take_paint(view);
+  if (view.robot != robot_) {
+    surface_.reset();
+    if (view.robot) surface_.emplace(*view.robot);
+    robot_ = view.robot;
+  }
+  const std::string refusal = view.refusal.empty() ? view.warning : view.refusal;
+  const Strip strip{state_line(view), refusal, view.cure, keys_of(view.state), 0.0};
+  if (!view.camera_from_map) {
+    cv::Mat picture;
+    cv::merge(std::vector<cv::Mat>{view.image, view.image, view.image}, picture);
+    draw_strip(picture, strip);
+    return picture;
+  }
+  OverlayScene scene;
+  scene.map = &shown_;
+  scene.robot = surface_ ? &*surface_ : nullptr;
+  scene.robot_pose = view.robot_pose;
+  scene.start_pose = view.start_pose;
+  scene.goal_pose = view.goal_pose;
+  scene.start_tip = view.start_tip;
+  scene.goal_tip = view.goal_tip;
+  if (view.path) scene.path = *view.path;
+  scene.to_paint = view.to_paint;
+  const bool is_choosing = view.state == TeachState::ready || view.state == TeachState::selecting;
+  if (is_choosing && view.is_led) {
+    for (const PaintedVolume& volume : painted_)
+      for (const Sphere& sphere : volume.spheres) scene.dots.push_back(sphere.center);
+    scene.is_outside = !view.warning.empty();
+  }
+  scene.ball = view.ball;
+  scene.strip = strip;
+  return draw_overlay(view.image, view.camera, *view.camera_from_map, scene, threads_);
+}
+
+}  // namespace clearway

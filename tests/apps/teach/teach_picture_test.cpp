@@ -1,0 +1,93 @@
+#include "apps/teach/teach_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "planning/robot_files/load_robot.hpp"
+
+namespace clearway {
+namespace teach_picture_test {
+
+/// A camera above the plane of a two-link arm, an arm's length away.
+TeachView view_of_arm() {
+  TeachView view;
+  view.image = cv::Mat(240, 320, CV_8UC1, cv::Scalar(120));
+  view.camera = Camera{320, 240, 100.0, 100.0, 159.5, 119.5, {}};
+  Eigen::Isometry3d camera_from_map = Eigen::Isometry3d::Identity();
+  camera_from_map.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  camera_from_map.translation() = Eigen::Vector3d(0, 0, 3);
+  view.camera_from_map = camera_from_map;
+  view.resolution = 0.05;
+  auto volumes = std::make_shared<std::vector<PaintedVolume>>(1);
+  volumes->front().label = "tool";
+  volumes->front().spheres = {{{0.8, 0.5, 0.0}, 0.3}};
+  view.volumes = volumes;
+  view.volume = "tool";
+  return view;
+}
+
+cv::Vec3b at(const cv::Mat& picture, const TeachView& view, const Eigen::Vector3d& point) {
+  const auto pixel = view.camera.project(*view.camera_from_map * point);
+  return picture.at<cv::Vec3b>(static_cast<int>(std::lround(pixel->y())),
+                               static_cast<int>(std::lround(pixel->x())));
+}
+
+const cv::Vec3b grey(120, 120, 120);
+
+TEST(TeachPicture, ShowsThePaintAndTheRobotWhereTheyAre) {
+  TeachView view = view_of_arm();
+  const auto robot = std::make_shared<const Robot>(load_robot("planar2"));
+  view.robot = robot;
+  view.robot_pose = forward_kinematics(*robot, Configuration::Zero(2));
+  TeachPainter painter(1);
+  const cv::Mat picture = painter.draw(view);
+  EXPECT_NE(at(picture, view, {0.8, 0.5, 0.0}), grey);  // paint
+  EXPECT_NE(at(picture, view, {0.5, 0.0, 0.0}), grey);  // upper arm
+  EXPECT_EQ(at(picture, view, {-0.5, 0.5, 0.0}), grey);
+  view.volumes = nullptr;  // as before
+  EXPECT_EQ(cv::norm(painter.draw(view), picture, cv::NORM_INF), 0.0);
+  auto none = std::make_shared<std::vector<PaintedVolume>>(1);
+  none->front().label = "tool";
+  view.volumes = none;  // the stroke was undone
+  EXPECT_EQ(at(painter.draw(view), view, {0.8, 0.5, 0.0}), grey);
+}
+
+TEST(TeachPicture, WhileAHandChoosesThePaintIsDotsThatAreRedOutside) {
+  TeachView view = view_of_arm();
+  view.is_led = true;
+  view.state = TeachState::selecting;
+  TeachPainter painter(1);
+  const cv::Vec3b inside = at(painter.draw(view), view, {0.8, 0.5, 0.0});
+  EXPECT_EQ(at(painter.draw(view), view, {0.8, 0.65, 0.0}), grey);
+  view.warning = "tool leaves its painted volume";
+  const cv::Vec3b outside = at(painter.draw(view), view, {0.8, 0.5, 0.0});
+  EXPECT_GT(outside[2], 180);
+  EXPECT_LT(outside[1], 60);
+  EXPECT_NE(inside, outside);
+  view.state = TeachState::painting;
+  EXPECT_NE(at(painter.draw(view), view, {0.8, 0.65, 0.0}), grey);  // the volume itself
+}
+
+TEST(TeachPicture, WithoutTheCamerasPoseItIsTheImageWithTheStrip) {
+  TeachView view = view_of_arm();
+  view.camera_from_map.reset();
+  const cv::Mat picture = TeachPainter(1).draw(view);
+  cv::Mat upper;
+  cv::extractChannel(picture.rowRange(0, 150), upper, 0);
+  EXPECT_EQ(cv::norm(upper, view.image.rowRange(0, 150), cv::NORM_INF), 0.0);
+  cv::Mat lower;
+  cv::extractChannel(picture.rowRange(215, 240), lower, 0);
+  EXPECT_GT(cv::norm(lower, view.image.rowRange(215, 240), cv::NORM_INF), 50.0);
+}
+
+TEST(TeachPicture, TheStateIsOneLine) {
+  TeachView view = view_of_arm();
+  view.since_start = 12.34;
+  view.balls = 56;
+  view.state = TeachState::painting;
+  EXPECT_EQ(state_line(view), "12.3 s, painting, volume tool, 56 balls");
+}
+
+}  // namespace teach_picture_test
+}  // namespace clearway
