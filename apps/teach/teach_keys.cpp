@@ -33,8 +33,9 @@ bool is_offered(TeachAction action, TeachState state) {
   const bool has_plan = state == TeachState::planned || state == TeachState::playing;
   switch (action) {
     case TeachAction::quit:
-    case TeachAction::save:
       return true;
+    case TeachAction::save:
+      return state == TeachState::ready || state == TeachState::approved;
     case TeachAction::undo:
       return state != TeachState::planning;
     case TeachAction::play:
@@ -45,7 +46,7 @@ bool is_offered(TeachAction action, TeachState state) {
     case TeachAction::goal:
     case TeachAction::clear:
     case TeachAction::plan:
-      return state == TeachState::selecting || has_plan;
+      return state == TeachState::selecting;
     default:
       return !strokes && state != TeachState::planning && state != TeachState::playing;
   }

@@ -82,9 +82,9 @@ void TeachViewer::add_robot(TeachView& view) {
     place(*session_.start(), view.start_pose);
     view.start_tip = tip_pose(*robot_, *session_.start()).translation();
   }
-  if (const auto goals = session_.goals(); !goals.empty()) {
-    place(goals.back(), view.goal_pose);
-    view.goal_tip = tip_pose(*robot_, goals.back()).translation();
+  if (session_.goal()) {
+    place(*session_.goal(), view.goal_pose);
+    view.goal_tip = tip_pose(*robot_, *session_.goal()).translation();
   }
   const TaughtPlan* plan = session_.last_plan();
   if (plan == nullptr) return;

@@ -84,7 +84,10 @@ void TeachSession::see(const SeenImage& image) {
   warning_.clear();
   if (doing_ == Doing::painting || doing_ == Doing::erasing) return;
   warning_ = robot_->not_there(image.since_start);
-  if (warning_.empty()) warning_ = robot_->space(present_map(), map_version())->check(robot_->q()).sentence();
+  if (warning_.empty()) {
+    const Verdict verdict = robot_->space(present_map(), map_version())->check(robot_->q());
+    if (!verdict.is_free()) warning_ = verdict.sentence();
+  }
   if (!warning_.empty()) ++warned_images_;
 }
 

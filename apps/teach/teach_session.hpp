@@ -104,7 +104,8 @@ class TeachSession final : public FusionGuide {
   /// call free), by the last image; empty when it may.
   const std::string& warning() const { return warning_; }
   const std::optional<Configuration>& start() const { return choice_.start; }
-  std::vector<Configuration> goals() const;
+  const std::optional<Configuration>& goal() const { return choice_.goal; }  ///< the last one
+  std::vector<Configuration> goals() const;                                  ///< all, in order
   const std::vector<TaughtEvent>& events() const { return told_; }
   const std::deque<TaughtPlan>& plans() const { return plans_; }
   /// The plan of the present start and goals, proved or not; null when there is none.

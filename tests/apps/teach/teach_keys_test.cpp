@@ -23,9 +23,9 @@ TEST(TeachKeys, EveryStateOffersAWayOnAndAWayOut) {
   for (const TeachState state : states) {
     const std::string keys = keys_of(state);
     EXPECT_NE(keys.find("q: quit"), std::string::npos) << to_string(state);
-    EXPECT_LT(keys.size(), 120u) << keys;
+    EXPECT_LT(keys.size(), 100u) << keys;
   }
-  EXPECT_EQ(keys_of(TeachState::painting), "space: stop painting, u: undo, w: save, q: quit");
+  EXPECT_EQ(keys_of(TeachState::painting), "space: stop painting, u: undo, q: quit");
   EXPECT_NE(keys_of(TeachState::planned).find("a: approve"), std::string::npos);
   EXPECT_EQ(keys_of(TeachState::selecting).find("a: approve"), std::string::npos);
   EXPECT_EQ(keys_of(TeachState::ended), "");
