@@ -205,10 +205,12 @@ TagBoards lay_out_boards(const TagBoardsOptions& options) {
           "boards:\n";
   for (const Board& board : parts) write_board(board, text);
   const double edge = std::ceil(options.probe_tag * 1.4);
-  text << "\nprobe:  # with the gripper probe: `board: gripper`, and its own ball_center\n  board: probe\n"
+  text << "\nprobe:\n  board: probe\n"
        << "  ball_center: [0, 0, " << -1e-3 * (0.5 * edge + options.stem) << "]\n"
        << "  ball_radius: " << 1e-3 * options.ball_radius << '\n'
-       << "  robot_error: 0.001\n  modelling_error: 0.001  # of the ball and its stem\n";
+       << "  robot_error: 0.001\n  modelling_error: 0.001  # of the ball and its stem\n"
+       << "\ngripper:  # for `clearway teach`\n  board: gripper\n"
+       << "  tip_deg: [0, 0, -0.1, 180, 0, 0]  # measure it: where the board has the robot's tip\n";
   boards.setup = text.str();
   return boards;
 }
