@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <ostream>
 #include <stdexcept>
 
@@ -209,11 +210,18 @@ class ShownSession final : public FusionGuide {
 
   void see(const SeenImage& image) override {
     session_.see(image);
-    if (screen_ == nullptr && video_file_.empty()) return;
+    const std::string moment = new_moment();
+    if (screen_ == nullptr && video_file_.empty() && moment.empty()) return;
     TeachView view = viewer_->view(image, std::get<ImageFrame>(image.frame.content));
-    if (!video_file_.empty()) add_to_video(view);
+    if (!video_file_.empty() || !moment.empty()) {
+      const cv::Mat picture = painter_.draw(view);
+      if (!video_file_.empty()) add_to_video(picture, view.since_start);
+      if (!moment.empty()) keep(picture, moment);
+    }
     if (screen_ != nullptr) screen_->show(std::move(view));
   }
+
+  const std::vector<PagePicture>& pictures() const { return pictures_; }
 
   void finish() {
     if (video_file_.empty()) return;
@@ -222,16 +230,36 @@ class ShownSession final : public FusionGuide {
   }
 
  private:
+  /// What was done since the last image and is worth a picture; empty for nothing.
+  std::string new_moment() {
+    constexpr std::size_t most_pictures = 16;
+    std::string moment;
+    for (; told_ < session_.events().size(); ++told_) {
+      const TaughtEvent& told = session_.events()[told_];
+      const TeachAction action = told.event.action;
+      const bool is_worth_it = action == TeachAction::paint_off || action == TeachAction::start ||
+                               action == TeachAction::goal || action == TeachAction::play ||
+                               action == TeachAction::approve;
+      if (is_worth_it && pictures_.size() < most_pictures) moment = line_of(told);
+    }
+    return moment;
+  }
+
+  void keep(const cv::Mat& picture, const std::string& caption) {
+    std::vector<unsigned char> bytes;
+    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
+    pictures_.push_back({caption, std::string(bytes.begin(), bytes.end())});
+  }
+
   /// The second image tells the rate.
-  void add_to_video(const TeachView& view) {
-    const cv::Mat picture = painter_.draw(view);
+  void add_to_video(const cv::Mat& picture, double since_start) {
     if (video_) return video_->add(picture);
     if (first_) {
-      open_video(*first_, std::clamp(std::round(1.0 / (view.since_start - first_time_)), 1.0, 60.0));
+      open_video(*first_, std::clamp(std::round(1.0 / (since_start - first_time_)), 1.0, 60.0));
       return video_->add(picture);
     }
     first_ = picture;
-    first_time_ = view.since_start;
+    first_time_ = since_start;
   }
   void open_video(const cv::Mat& first, double rate) {
     video_.emplace(video_file_, first.size(), rate);
@@ -246,6 +274,8 @@ class ShownSession final : public FusionGuide {
   std::optional<cv::Mat> first_;
   double first_time_ = 0.0;
   std::optional<VideoFile> video_;
+  std::size_t told_ = 0;
+  std::vector<PagePicture> pictures_;
 };
 
 /// The window, where one is wanted and can be.
@@ -333,6 +363,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   save_map(report.map, folder.path());
   report.provenance = fusion.map.provenance();
   save_provenance(report.provenance, folder.path());
+  report.pictures = shown.pictures();
   std::vector<TaughtPlan> plans(session.plans().begin(), session.plans().end());
   TaughtFolder taught(folder.path(), report.map, plans);
   report.plans = taught.save();

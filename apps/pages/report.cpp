@@ -229,6 +229,7 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
   for (const auto& [stage, seconds] : report.timings)
     timings.rows.push_back({stage, significant(seconds, 3)});
   page.tables.push_back(timings);
+  page.pictures = report.pictures;
   page.json = json;
   return render_report_page(page);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/fusion/fusion.hpp"
+#include "apps/pages/report_page.hpp"
 #include "mapping/history/provenance.hpp"
 #include "mapping/snapshot.hpp"
 #include "planning/files/plan_file.hpp"
@@ -29,8 +30,9 @@ struct ReplayReport {
   Snapshot map;
   Provenance provenance;
   std::vector<ReplayPlan> plans;
-  std::string planning_problem;  ///< why queries could not be asked at all; empty when they could
-  std::string teaching{};        ///< JSON of what a person did; empty: nobody taught
+  std::string planning_problem;         ///< why queries could not be asked at all; empty when they could
+  std::string teaching{};               ///< JSON of what a person did; empty: nobody taught
+  std::vector<PagePicture> pictures{};  ///< of the session
   std::vector<std::pair<std::string, double>> timings;  ///< stage, seconds
 };
 

@@ -265,7 +265,10 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
 json page_json(PageArrays& arrays, const ReportPage& page) {
   const std::size_t links = link_count(page);
   require_links(page.robot_home, links, "robot_home");
-  json robot = json::array(), plans = json::array(), tables = json::array();
+  json robot = json::array(), plans = json::array(), tables = json::array(), pictures = json::array();
+  for (const PagePicture& picture : page.pictures)
+    pictures.push_back(
+        {{"caption", picture.caption}, {"jpeg", place(arrays.add(std::string_view(picture.jpeg)))}});
   for (const PageShape& shape : page.robot) robot.push_back(shape_json(arrays, shape));
   for (const PagePlan& plan : page.plans) plans.push_back(plan_json(arrays, plan, links));
   for (const PageTable& table : page.tables)
@@ -283,6 +286,7 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
           {"home", place_poses(arrays, page.robot_home)},
           {"plans", plans},
           {"tables", tables},
+          {"pictures", pictures},
           {"warnings", page.warnings},
           {"report", place(arrays.add(std::string_view(page.json)))}};
 }

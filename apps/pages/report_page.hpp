@@ -84,6 +84,12 @@ struct PageTable {
   std::vector<std::vector<std::string>> rows;
 };
 
+/// A picture with the sentence below it.
+struct PagePicture {
+  std::string caption;
+  std::string jpeg;  ///< the file's bytes
+};
+
 /// What a report page shows. Everything may be empty but the title.
 struct ReportPage {
   std::string title, subtitle;
@@ -97,6 +103,7 @@ struct ReportPage {
   std::vector<Eigen::Isometry3d> robot_home;  ///< map_from_link, drawn when no plan gives a pose
   std::vector<PagePlan> plans;
   std::vector<PageTable> tables;
+  std::vector<PagePicture> pictures;
   std::vector<std::string> warnings;
   std::string json;  ///< report.json, offered for download byte for byte
 };

@@ -48,13 +48,15 @@ export interface Plan {
 
 export interface Table { name: string; header: string[]; rows: string[][] }
 
+export interface Picture { caption: string; jpeg: Place }
+
 export interface Page {
   title: string; subtitle: string; figures: Figure[];
   resolution: number; origin: number;
   isoAzimuth: number;  // degrees
   voxels: VoxelSet[]; balls: Place; volumes: string[];
   robot: Shape[]; home: Place; plans: Plan[];
-  tables: Table[]; warnings: string[]; report: Place;
+  tables: Table[]; pictures: Picture[]; warnings: string[]; report: Place;
 }
 
 /// The page's binary arrays, unpacked.

@@ -7,7 +7,7 @@ import { failures } from "./errors";
 import { MapView } from "./map_view";
 import { readOptions } from "./options";
 import { isDark } from "./palette";
-import { showFigures, showNames, showPlan, showPlanList, showTables, showWarnings } from "./panels";
+import { showFigures, showNames, showPictures, showPlan, showPlanList, showTables, showWarnings } from "./panels";
 import { Playback } from "./playback";
 import { Plots } from "./plots";
 
@@ -56,6 +56,7 @@ async function show(): Promise<void> {
   const map = arrays && openMap(page, arrays);
   const plots = arrays && new Plots(arrays);
   byId("download").hidden = !arrays || page.report.count === 0;
+  if (arrays) showPictures(page.pictures, arrays);
   if (arrays) byId("download").addEventListener("click", () => download("report.json", "application/json", arrays.u8(page.report)));
   playback.onTime = (time) => { map?.showTime(time); plots?.showTime(time); };
   if (plots) plots.onSeek = (time) => playback.seek(time);

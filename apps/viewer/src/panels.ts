@@ -1,6 +1,6 @@
 // The parts of the page that are text: names, warnings, plans, figures and tables.
 
-import type { Figure, Page, Plan, Table } from "./data";
+import type { Arrays, Figure, Page, Picture, Plan, Table } from "./data";
 import { byId, el } from "./dom";
 
 const statusWords: Record<string, string> = {
@@ -86,4 +86,14 @@ function tableOf(table: Table): HTMLElement {
 export function showTables(tables: Table[]): void {
   byId("tables").hidden = tables.length === 0;
   for (const table of tables) byId("tables").append(el("h2", {}, table.name), tableOf(table));
+}
+
+/// What a camera saw, with what was drawn into it.
+export function showPictures(pictures: Picture[], arrays: Arrays): void {
+  byId("pictures").hidden = pictures.length === 0;
+  if (pictures.length === 0) return;
+  byId("pictures").append(el("h2", {}, "in the camera's image"), el("div", { class: "pictures" },
+    ...pictures.map(({ caption, jpeg }) => el("figure", {},
+      el("img", { src: URL.createObjectURL(new Blob([arrays.u8(jpeg)], { type: "image/jpeg" })), alt: caption }),
+      el("figcaption", {}, caption)))));
 }
