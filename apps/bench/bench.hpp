@@ -52,5 +52,6 @@ BenchResult bench_qp(const BenchOptions& options);
 BenchResult bench_control(const BenchOptions& options);
 BenchResult bench_live(const BenchOptions& options);
 BenchResult bench_gate(const BenchOptions& options);
+BenchResult bench_overlay(const BenchOptions& options);
 
 }  // namespace clearway::bench

@@ -42,6 +42,7 @@ std::vector<Entry> all_entries() {
        4, bench_live},
       {"gate", "verdicts on chunks beside a thread that fuses depth frames; FCL on samples of the same", 15,
        bench_gate},
+      {"overlay", "drawing the live overlay against the time between two pictures", 40, bench_overlay},
   };
 }
 
