@@ -53,5 +53,6 @@ BenchResult bench_control(const BenchOptions& options);
 BenchResult bench_live(const BenchOptions& options);
 BenchResult bench_gate(const BenchOptions& options);
 BenchResult bench_teach(const BenchOptions& options);
+BenchResult bench_overlay(const BenchOptions& options);
 
 }  // namespace clearway::bench

@@ -45,6 +45,7 @@ std::vector<Entry> all_entries() {
       {"teach",
        "tags, poses and paint of large images, and their pictures, against Chong 2008's ten a second", 3,
        bench_teach},
+      {"overlay", "drawing the live overlay against the time between two pictures", 40, bench_overlay},
   };
 }
 

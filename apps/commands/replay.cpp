@@ -283,9 +283,9 @@ int run_replay(const ReplayOptions& options, Console& console) {
   save_file(folder.path() / "report.html", report_html(report, json));
   if (record) finish_record(report, *record);
   publish_map_folder(folder, report.map);
+  print_report(options, report, json, console);
   if (pictures.are_asked())
     draw_replay(options.recording, fusion, report.map, report.plans, pictures, console.bar("drawing"));
-  print_report(options, report, json, console);
 
   if (fusion.damage) return exit_damaged;
   const bool all_solved = std::all_of(report.plans.begin(), report.plans.end(),

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
@@ -116,7 +117,9 @@ void Canvas::add_mesh(const Mesh& mesh, const Eigen::Isometry3d& map_from_mesh, 
   std::vector<Place> places(mesh.corners.size(), Place::not_asked);
   std::vector<CameraCorner> corners(mesh.corners.size());
   std::vector<ScreenCorner> seen(mesh.corners.size());
-  for (std::size_t i = 0; i < corners.size(); ++i) corners[i].point = camera_from_mesh * mesh.corners[i];
+  const Eigen::Matrix3d turn = camera_from_mesh.linear();
+  const Eigen::Vector3d shift = camera_from_mesh.translation();
+  for (std::size_t i = 0; i < corners.size(); ++i) corners[i].point = turn * mesh.corners[i] + shift;
   const auto ask = [&](std::uint32_t i) {
     if (places[i] != Place::not_asked) return places[i];
     corners[i].light = paint.ambient + (1.0 - paint.ambient) * std::max(0.0, mesh.normals[i].dot(light));

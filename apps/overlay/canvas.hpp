@@ -3,11 +3,14 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "apps/overlay/mesh.hpp"
 #include "apps/overlay/projector.hpp"
+
+namespace cv {
+class Mat;
+}
 
 namespace clearway {
 
@@ -41,7 +44,8 @@ class Canvas {
 
   /// A further layer, whose number is returned: 1, 2, ...
   /// @param alpha 0: not seen, 1: hides what is behind. @throws std::invalid_argument outside of [0, 1]
-  /// @param is_over blended over all other layers, also over nearer ones; hidden by layer 0 alone
+  /// @param is_over blended over all that are not, also over nearer ones, in the order in which they were
+  /// added; hidden by layer 0 alone
   int add_layer(double alpha, bool is_over = false);
 
   /// The outside of a closed mesh. @throws std::out_of_range for a layer that was not added, as all others

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace clearway {
 namespace {
@@ -39,18 +40,16 @@ double most_clearance(const OverlayPath& path) {
   return most;
 }
 
-/// A dark edge, and over it pieces in the colours of their ends' mean; a ten-thousandth nearer.
+/// A dark edge, and over it pieces in the colours of their ends' mean; paint would change these.
 void add_path(Canvas& canvas, const OverlayPath& path, double width) {
+  if (path.points.size() < 2) return;
   const double most = most_clearance(path);
-  canvas.add_line(path.points, width + 2.0, dark);
-  const Eigen::Vector3d eye = canvas.camera_from_map().inverse().translation();
+  canvas.add_line(path.points, width + 2.5, dark, canvas.add_layer(1.0, true));
+  const int layer = canvas.add_layer(1.0, true);
   for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
     const double clearance = 0.5 * (path.clearance[i] + path.clearance[i + 1]);
-    const auto nearer = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
-      return point + 1e-3 * (eye - point);
-    };
-    canvas.add_line({nearer(path.points[i]), nearer(path.points[i + 1])}, width,
-                    std::isfinite(clearance) ? clearance_colour(clearance, most) : pale);
+    canvas.add_line({path.points[i], path.points[i + 1]}, width,
+                    std::isfinite(clearance) ? clearance_colour(clearance, most) : pale, layer);
   }
 }
 
@@ -69,7 +68,7 @@ void add_map(Canvas& canvas, const OverlayMap& map, bool shows_volumes) {
     canvas.add(map.conflicts, Eigen::Isometry3d::Identity(), {conflict_red, 0.7},
                canvas.add_layer(0.85, true));
   if (!shows_volumes) return;
-  const int layer = canvas.add_layer(0.45);
+  const int layer = canvas.add_layer(0.38);
   for (std::size_t i = 0; i < map.volumes.size(); ++i)
     canvas.add(map.volumes[i].faces, Eigen::Isometry3d::Identity(),
                {volume_colours[i % volume_colours.size()], 0.78}, layer);
@@ -104,7 +103,7 @@ void write_at(cv::Mat& picture, const Canvas& canvas, const std::optional<Eigen:
             width = static_cast<int>(20 * scale * static_cast<double>(text.size()));
   int x = static_cast<int>(pixel->x()) + aside;
   if (x + width > picture.cols) x = static_cast<int>(pixel->x()) - aside - width;
-  draw_text(picture, text, {x, static_cast<int>(pixel->y()) - aside}, scale, colour);
+  draw_text(picture, text, x, static_cast<int>(pixel->y()) - aside, scale, colour);
 }
 
 }  // namespace

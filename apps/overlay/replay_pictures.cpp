@@ -33,7 +33,7 @@ bool is_still(const std::filesystem::path& relative) {
   const std::string name = relative.string();
   return name.find('/') == std::string::npos &&
          (name.ends_with("-start.png") || name.ends_with("-goal.png") || name.ends_with("-tightest.png") ||
-          name.ends_with("-to_paint.png"));
+          name.ends_with("-to_paint.png") || name == "painted.png");
 }
 
 std::string millimetres(double metres) { return significant(1000.0 * metres, 3) + " mm"; }
@@ -168,6 +168,17 @@ class PlanPictures {
     return draw(scene);
   }
 
+  cv::Mat painted(const Snapshot& map) const {
+    OverlayScene scene;
+    scene.map = &map_;
+    std::size_t balls = 0;
+    for (const PaintedVolume& volume : map.volumes()) balls += volume.spheres.size();
+    scene.strip = Strip{
+        grouped(balls) + " balls painted, " + grouped(map.counts().conflict) + " voxels of them occupied", "",
+        "", "", 0.0};
+    return draw(scene);
+  }
+
   cv::Mat failed(const ReplayPlan& entry) {
     OverlayScene scene = scene_of(entry);
     show_start(scene, entry, entry.start);
@@ -215,10 +226,11 @@ void save_png(const std::filesystem::path& file, const cv::Mat& picture) {
   save_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-void save_stills(const std::filesystem::path& folder, const View& view, const OverlayMap& map,
-                 const std::vector<ReplayPlan>& plans) {
+void save_stills(const std::filesystem::path& folder, const View& view, const Snapshot& map,
+                 const OverlayMap& shown, const std::vector<ReplayPlan>& plans) {
   AtomicFolder stills(folder, is_still);
-  PlanPictures pictures(view, map);
+  PlanPictures pictures(view, shown);
+  if (plans.empty()) save_png(stills.path() / "painted.png", pictures.painted(map));
   for (const ReplayPlan& entry : plans) {
     const std::string name = entry.query + "-" + entry.plan.planner;
     const auto save = [&](const std::string& what, const cv::Mat& picture) {
@@ -326,7 +338,7 @@ class Film {
     for (std::size_t i = 1; i < times_.size(); ++i) gaps.push_back(times_[i] - times_[i - 1]);
     if (const double gap = gaps.empty() ? 0.0 : quantile(gaps, 0.5); gap > 0.0)
       rate_ = std::clamp(std::round(1.0 / gap), 2.0, 60.0);  // what players can show
-    video_.emplace(file_, waiting_.front().size(), rate_);
+    video_.emplace(file_, waiting_.front().cols, waiting_.front().rows, rate_);
     for (const cv::Mat& picture : waiting_) video_->add(picture);
     waiting_.clear();
   }
@@ -422,7 +434,7 @@ void draw_replay(const std::filesystem::path& recording, const Fusion& fusion, c
                                 " tells where the camera is: expected one with the fixed board '" + board +
                                 "'");
   const OverlayMap shown = overlay_map(map);
-  if (!options.stills.empty()) save_stills(options.stills, *last, shown, plans);
+  if (!options.stills.empty()) save_stills(options.stills, *last, map, shown, plans);
   if (!pictures) return;
   add_motions(film, *last, shown, plans);
   film.finish();

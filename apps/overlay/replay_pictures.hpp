@@ -26,7 +26,8 @@ void require_pictures(const PictureOptions& options, const std::filesystem::path
 
 /// Reads the recording once more and draws what became of it.
 /// - Stills QUERY-PLANNER-{start,goal,tightest}.png of each solved plan and QUERY-PLANNER-to_paint.png of the
-///   others, in the last image in which the camera's pose is known: plans come after the recording.
+///   others, in the last image in which the camera's pose is known: plans come after the recording. Without
+///   plans painted.png.
 /// - The video: each image with the paint so far, the ball and what was refused; then, over that last image,
 ///   the motion of each query's first solved plan.
 /// @throws std::invalid_argument in one sentence: no images, no fixed board, no image with a pose;

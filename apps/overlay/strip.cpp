@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
@@ -46,13 +47,13 @@ int draw_scale(cv::Mat& picture, double most, int baseline, double scale) {
   if (room > picture.cols / 2) return 0;
   const int left = picture.cols - room + gap, height = static_cast<int>(14 * scale);
   const Colour bright{235, 235, 235};
-  draw_text(picture, low, {left, baseline}, scale, bright);
+  draw_text(picture, low, left, baseline, scale, bright);
   for (int x = 0; x < bar; ++x) {
     const Colour c = clearance_colour(most * x / bar, most);
     cv::line(picture, {left + low_width + gap + x, baseline - height}, {left + low_width + gap + x, baseline},
              cv::Scalar(c.blue, c.green, c.red));
   }
-  draw_text(picture, high, {left + low_width + bar + 2 * gap, baseline}, scale, bright);
+  draw_text(picture, high, left + low_width + bar + 2 * gap, baseline, scale, bright);
   return room;
 }
 
@@ -90,7 +91,8 @@ std::string fitting_text(std::string_view text, double scale, int width) {
   return cut(low);
 }
 
-void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double scale, Colour colour) {
+void draw_text(cv::Mat& picture, const std::string& text, int x, int y, double scale, Colour colour) {
+  const cv::Point at(x, y);
   const int thick = stroke(scale);
   cv::putText(picture, text, at, font, scale, cv::Scalar(20, 20, 20), thick + 2, cv::LINE_AA);
   cv::putText(picture, text, at, font, scale, cv::Scalar(colour.blue, colour.green, colour.red), thick,
@@ -115,7 +117,7 @@ void draw_strip(cv::Mat& picture, const Strip& strip) {
     int room = 0;
     if (i == 0 && strip.clearance_m > 0.0) room = draw_scale(picture, strip.clearance_m, baseline, scale);
     const TextLine& line = lines[static_cast<std::size_t>(i)];
-    draw_text(picture, fitting_text(line.text, scale, picture.cols - 2 * border - room), {border, baseline},
+    draw_text(picture, fitting_text(line.text, scale, picture.cols - 2 * border - room), border, baseline,
               scale, line.colour);
   }
 }

@@ -1,10 +1,13 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <string_view>
 
 #include "apps/overlay/canvas.hpp"
+
+namespace cv {
+class Mat;
+}
 
 namespace clearway {
 
@@ -25,8 +28,8 @@ std::string cure_of(std::string_view refusal);
 /// The text in the characters that the picture's font has, others as '?', cut to `width` pixels.
 std::string fitting_text(std::string_view text, double scale, int width);
 
-/// Text with a dark edge, legible on dark and bright images. @param at left end of the baseline, pixels
-void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double scale, Colour colour);
+/// Text with a dark edge, legible on dark and bright images. @param x, y left end of the baseline, pixels
+void draw_text(cv::Mat& picture, const std::string& text, int x, int y, double scale, Colour colour);
 
 /// Size of text for a picture of that height: the scale of OpenCV's font.
 double text_scale(int picture_height);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 namespace clearway {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 using FourFloats = float __attribute__((vector_size(16)));
 constexpr FourFloats sample_x = {-0.125F, 0.375F, 0.125F, -0.375F};
 constexpr FourFloats sample_y = {-0.375F, -0.125F, 0.375F, 0.125F};
-constexpr float farthest_sample = 0.375F;
+constexpr double farthest_sample = 0.375;
 
 FourFloats four(float value) { return FourFloats{value, value, value, value}; }
 
@@ -19,6 +20,11 @@ std::uint32_t scaled(std::uint32_t colour, float light) {
   const std::uint32_t red_blue = ((colour & 0xff00ffU) * share >> 8) & 0xff00ffU;
   const std::uint32_t green = ((colour & 0x00ff00U) * share >> 8) & 0x00ff00U;
   return (colour & 0xff000000U) | red_blue | green;
+}
+
+bool any(std::int32_t __attribute__((vector_size(16))) truths) {
+  const auto halves = (std::int64_t __attribute__((vector_size(16))))truths;
+  return (halves[0] | halves[1]) != 0;
 }
 
 struct Vertex {
@@ -41,7 +47,7 @@ void Tile::begin(int x, int y, int width, int height, const std::vector<float>& 
   y_ = y;
   width_ = width;
   height_ = height;
-  for (Layer& layer : layers_) layer.is_touched = false;
+  for (Layer& layer : layers_) layer.is_touched = layer.is_coloured = false;
   if (depth.empty()) return;
   touch(layers_[0]);
   for (int row = 0; row < height; ++row)
@@ -75,9 +81,11 @@ bool Tile::set_up(const Canvas::Drawn& triangle, Setup& setup) const {
     const Vertex &p = is_turned ? to : from, &q = is_turned ? from : to;
     const double a = p.y - q.y, b = q.x - p.x, c = -a * p.x - b * p.y;
     const double sign = is_turned == (area > 0.0) ? -1.0 : 1.0;
-    const double grown = static_cast<double>(triangle.grow) * std::hypot(a, b);
-    setup.edges[i] = {static_cast<float>(sign * a), static_cast<float>(sign * b),
-                      static_cast<float>(sign * c + grown)};
+    const double grown = static_cast<double>(triangle.grow) * std::sqrt(a * a + b * b);
+    const Cut cut{sign * a, sign * b, sign * c + grown, 0.0};
+    setup.edges[i] = {static_cast<float>(cut.a), static_cast<float>(cut.b), static_cast<float>(cut.most)};
+    constexpr double reach = farthest_sample + 1e-3;  // the samples, and more than the rounding of the edge
+    setup.cuts[i] = {cut.a, cut.b, cut.most + reach * (std::abs(a) + std::abs(b)), 1.0 / cut.a};
   }
   const auto plane = [&](float v0, float v1, float v2) {
     const double d1 = static_cast<double>(v1) - v0, d2 = static_cast<double>(v2) - v0;
@@ -90,6 +98,8 @@ bool Tile::set_up(const Canvas::Drawn& triangle, Setup& setup) const {
   setup.light = plane(p.light, q.light, r.light);
   setup.least_depth = std::min({p.inverse_depth, q.inverse_depth, r.inverse_depth});
   setup.most_depth = std::max({p.inverse_depth, q.inverse_depth, r.inverse_depth});
+  setup.is_lit_alike = setup.light.a == 0.0F && setup.light.b == 0.0F;
+  setup.colour = scaled(triangle.colour, setup.light.c);
   const double reach = farthest_sample + static_cast<double>(triangle.grow);
   const auto first = [&](double low) { return static_cast<int>(std::max(0.0, std::ceil(low - reach))); };
   const auto last = [&](double high, int count) {
@@ -107,41 +117,49 @@ void Tile::raster(const Canvas::Drawn& triangle) {
   if (!set_up(triangle, setup)) return;
   Layer& layer = layers_[triangle.layer];
   touch(layer);
+  layer.is_coloured = layer.is_coloured || triangle.colour != 0;
   for (int y = setup.top; y <= setup.bottom; ++y) raster_row(setup, triangle, y, layer);
 }
 
-void Tile::raster_row(const Setup& setup, const Canvas::Drawn& triangle, int y, Layer& layer) const {
-  const Samples ys = four(static_cast<float>(y)) + sample_y;
-  Samples rest[3];
-  double left = setup.left, right = setup.right;
-  for (int i = 0; i < 3; ++i) {  // the pixels that an edge leaves, at least
-    const Line& edge = setup.edges[i];
-    rest[i] = edge.b * ys + edge.c;
-    const float most = std::max({rest[i][0], rest[i][1], rest[i][2], rest[i][3]}) +
-                       std::abs(edge.a) * (farthest_sample + 0.01F);
-    if (edge.a > 0.0F)
-      left = std::max(left, std::floor(-static_cast<double>(most) / edge.a));
-    else if (edge.a < 0.0F)
-      right = std::min(right, std::ceil(-static_cast<double>(most) / edge.a));
-    else if (most < 0.0F)
-      return;
+/// The pixels of a row that no edge leaves out; false for none.
+bool Tile::cut_row(const Setup& setup, int y, int& left, int& right) {
+  double from = setup.left, to = setup.right;
+  for (const Cut& cut : setup.cuts) {
+    const double most = cut.b * y + cut.most;
+    if (cut.a > 0.0)
+      from = std::max(from, -most * cut.inverse);
+    else if (cut.a < 0.0)
+      to = std::min(to, -most * cut.inverse);
+    else if (most < 0.0)
+      return false;
   }
-  if (!(left <= right)) return;
+  if (!(from <= to)) return false;
+  left = static_cast<int>(from);
+  right = std::min(static_cast<int>(to) + 1, setup.right);
+  return true;
+}
+
+void Tile::raster_row(const Setup& setup, const Canvas::Drawn& triangle, int y, Layer& layer) const {
+  int left = 0, right = 0;
+  if (!cut_row(setup, y, left, right)) return;
+  const Samples ys = four(static_cast<float>(y)) + sample_y;
+  const Samples rest[3] = {setup.edges[0].b * ys + setup.edges[0].c, setup.edges[1].b * ys + setup.edges[1].c,
+                           setup.edges[2].b * ys + setup.edges[2].c};
   const Samples depth_rest = setup.depth.b * ys + setup.depth.c;
   const Samples least = four(setup.least_depth), most = four(setup.most_depth);
-  const bool is_lit_alike = setup.light.a == 0.0F && setup.light.b == 0.0F;
-  std::uint32_t colour = scaled(triangle.colour, is_lit_alike ? setup.light.c : 1.0F);
-  for (int x = static_cast<int>(left); x <= static_cast<int>(right); ++x) {
+  std::uint32_t colour = setup.colour;
+  for (int x = left; x <= right; ++x) {
     const Samples xs = four(static_cast<float>(x)) + sample_x;
     Truths is_in = (setup.edges[0].a * xs + rest[0] >= 0.0F) & (setup.edges[1].a * xs + rest[1] >= 0.0F) &
                    (setup.edges[2].a * xs + rest[2] >= 0.0F);
+    if (!any(is_in)) continue;
     Samples depth = setup.depth.a * xs + depth_rest;
     depth = depth < least ? least : depth;
     depth = depth > most ? most : depth;
     const auto place = static_cast<std::size_t>(y * side + x);
     Samples& nearest = layer.depth[place];
     Colours& seen = layer.colour[place];
-    if (!is_lit_alike)
+    if (!setup.is_lit_alike)
       colour = scaled(triangle.colour, setup.light.a * static_cast<float>(x) +
                                            setup.light.b * static_cast<float>(y) + setup.light.c);
     const Colours colours = {colour, colour, colour, colour};
@@ -153,7 +171,7 @@ void Tile::raster_row(const Setup& setup, const Canvas::Drawn& triangle, int y, 
 
 void Tile::blend(const std::vector<Canvas::Layer>& looks, cv::Mat& image) const {
   const bool is_empty =
-      std::none_of(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.is_touched; });
+      std::none_of(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.is_coloured; });
   if (is_empty) return;
   for (int y = 0; y < height_; ++y) {
     auto* row = image.ptr<std::uint8_t>(y_ + y) + static_cast<std::ptrdiff_t>(3) * x_;
@@ -187,7 +205,8 @@ void Tile::blend_pixel(std::size_t place, const std::vector<Canvas::Layer>& look
       const float depth = layers_[visible[i]].depth[place][sample];
       if (!(depth > opaque[sample])) continue;
       const auto is_after = [&](std::size_t other) {
-        if (looks[other].is_over != looks[visible[i]].is_over) return looks[other].is_over;
+        if (looks[visible[i]].is_over) return false;  // in their order
+        if (looks[other].is_over) return true;
         return layers_[other].depth[place][sample] > depth;
       };
       std::size_t at = ordered++;

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "apps/overlay/canvas.hpp"
+
+namespace cv {
+class Mat;
+}
 
 namespace clearway {
 
@@ -29,19 +32,27 @@ class Tile {
   struct Layer {
     std::vector<Samples> depth;
     std::vector<Colours> colour;
-    bool is_touched = false;
+    bool is_touched = false, is_coloured = false;
   };
   struct Line {
     float a = 0.0F, b = 0.0F, c = 0.0F;  ///< a x + b y + c, from the tile's corner on
   };
+  /// Where an edge cuts a row of pixels, at most: -(b y + most) / a.
+  struct Cut {
+    double a = 0.0, b = 0.0, most = 0.0, inverse = 0.0;
+  };
   struct Setup {
     Line edges[3];  ///< >= 0 inside
+    Cut cuts[3];
     Line depth, light;
     float least_depth = 0.0F, most_depth = 0.0F;
+    bool is_lit_alike = false;
+    std::uint32_t colour = 0;                      ///< where it is lit alike
     int left = 0, right = 0, top = 0, bottom = 0;  ///< pixels of the tile, ends included
   };
   bool set_up(const Canvas::Drawn& triangle, Setup& setup) const;
   void touch(Layer& layer);
+  static bool cut_row(const Setup& setup, int y, int& left, int& right);
   void raster_row(const Setup& setup, const Canvas::Drawn& triangle, int y, Layer& layer) const;
   void blend_pixel(std::size_t place, const std::vector<Canvas::Layer>& looks, std::uint8_t* bgr) const;
 

@@ -101,8 +101,8 @@ struct VideoFile::State {
   LoadedWriter writer{};
 };
 
-VideoFile::VideoFile(const std::filesystem::path& file, cv::Size size, double rate)
-    : file_(file), size_(size.width / 2 * 2, size.height / 2 * 2) {
+VideoFile::VideoFile(const std::filesystem::path& file, int width, int height, double rate)
+    : file_(file), width_(width / 2 * 2), height_(height / 2 * 2) {
   const std::string name = quote_path(file.string());
   try {
     state_ = std::make_unique<State>();
@@ -110,7 +110,7 @@ VideoFile::VideoFile(const std::filesystem::path& file, cv::Size size, double ra
     throw std::runtime_error(name + ": no video can be written, " + error.what());
   }
   for (const int code : {h264, mpeg4}) {
-    if (!state_->writer->open(state_->file.name().string(), code, rate, size_, true)) continue;
+    if (!state_->writer->open(state_->file.name().string(), code, rate, {width_, height_}, true)) continue;
     state_->file.take();
     return;
   }
@@ -120,7 +120,9 @@ VideoFile::VideoFile(const std::filesystem::path& file, cv::Size size, double ra
 
 VideoFile::~VideoFile() = default;
 
-void VideoFile::add(const cv::Mat& picture) { state_->writer->write(picture(cv::Rect({0, 0}, size_))); }
+void VideoFile::add(const cv::Mat& picture) {
+  state_->writer->write(picture(cv::Rect(0, 0, width_, height_)));
+}
 
 void VideoFile::finish() {
   state_->writer->release();

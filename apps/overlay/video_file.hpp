@@ -2,7 +2,10 @@
 
 #include <filesystem>
 #include <memory>
-#include <opencv2/core/mat.hpp>
+
+namespace cv {
+class Mat;
+}
 
 namespace clearway {
 
@@ -12,7 +15,7 @@ class VideoFile {
  public:
   /// @param rate pictures per second
   /// @throws std::runtime_error when there is no encoder or no room
-  VideoFile(const std::filesystem::path& file, cv::Size size, double rate);
+  VideoFile(const std::filesystem::path& file, int width, int height, double rate);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
@@ -25,7 +28,7 @@ class VideoFile {
  private:
   struct State;
   std::filesystem::path file_;
-  cv::Size size_;
+  int width_, height_;  ///< even
   std::unique_ptr<State> state_;
 };
 

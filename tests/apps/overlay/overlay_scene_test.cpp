@@ -164,6 +164,21 @@ TEST(OverlayScene, robots_are_solid_and_ghosts_are_not) {
   EXPECT_NE(pixel_at(dark, {0.45, -0.15, 0.0}), cv::Vec3b(10, 10, 10));
 }
 
+TEST(OverlayScene, the_path_keeps_its_colours_in_paint_and_is_hidden_by_the_robot) {
+  const FreeSpaceMap map = map_of({{{0.5, 0.0, 0.0}, 0.12}}, {});
+  const OverlayMap shown = overlay_map(map.snapshot());
+  const RobotSurface robot(one_box());
+  OverlayScene scene;
+  scene.map = &shown;
+  scene.path = {{{0.5, -0.1, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.1, 0.0}}, {0.0, 0.0, 0.02}};
+  const Colour tight = clearance_colour(0.0, 0.02);
+  const Vector3d left(0.5, -0.06, 0.0);
+  EXPECT_EQ(pixel_at(drawn(scene), left), cv::Vec3b(tight.blue, tight.green, tight.red));
+  scene.robot = &robot;
+  scene.robot_pose = at({0.3, -0.06, 0.0});
+  EXPECT_NE(pixel_at(drawn(scene), left), cv::Vec3b(tight.blue, tight.green, tight.red));
+}
+
 TEST(OverlayScene, the_halo_is_as_wide_as_the_bound) {
   for (const double bound : {0.0, 0.03}) {
     OverlayScene scene;

@@ -63,6 +63,11 @@ TEST_F(ReplayPictures, stills_of_each_plan_are_written_and_are_the_same_each_tim
   EXPECT_GT(cv::norm(pictures[0], pictures[3], cv::NORM_INF), 50.0);
 }
 
+TEST_F(ReplayPictures, without_plans_there_is_a_picture_of_the_paint) {
+  ASSERT_EQ(replay({"--overlay", folder_->file("paint"), "--no-plan"}).status, exit_done);
+  EXPECT_FALSE(cv::imread(folder_->file("paint/painted.png")).empty());
+}
+
 TEST_F(ReplayPictures, the_video_holds_the_recording_and_the_motion) {
   const CommandRun run = replay({"--video-out", folder_->file("film.mp4")});
   ASSERT_EQ(run.status, exit_no) << run.log;
