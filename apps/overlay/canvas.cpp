@@ -230,6 +230,9 @@ cv::Mat Canvas::draw(const cv::Mat& image, std::size_t threads) const {
   const auto draw_tiles = [&](std::size_t) {
     Tile tile(layers_.size());
     for (int i = next++; i < lists.count(); i = next++) {
+      bool shows_something = false;
+      lists.visit_tile(i, [&](std::uint32_t at) { shows_something |= triangles_[at].colour != 0; });
+      if (!shows_something) continue;  // what hides has nothing to hide
       const int x = i % lists.columns() * Tile::side, y = i / lists.columns() * Tile::side;
       tile.begin(x, y, std::min(Tile::side, camera.width - x), std::min(Tile::side, camera.height - y),
                  depth_, camera.width);
