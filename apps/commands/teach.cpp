@@ -14,8 +14,8 @@
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
 #include "apps/inspect/map_folder.hpp"
+#include "apps/overlay/film.hpp"
 #include "apps/overlay/replay_pictures.hpp"
-#include "apps/overlay/video_file.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/query/query.hpp"
 #include "apps/teach/session_folder.hpp"
@@ -199,7 +199,7 @@ std::vector<TeachEvent> events_of_keys(const std::vector<int>& keys, const Teach
 class ShownSession final : public FusionGuide {
  public:
   ShownSession(TeachSession& session, TeachScreen* screen, const fs::path& video)
-      : session_(session), screen_(screen), video_file_(video) {}
+      : session_(session), screen_(screen), video_file_(video), film_(video) {}
 
   void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) override {
     session_.begin(setup, map, counts);
@@ -215,7 +215,7 @@ class ShownSession final : public FusionGuide {
     TeachView view = viewer_->view(image, std::get<ImageFrame>(image.frame.content));
     if (!video_file_.empty() || !moment.empty()) {
       const cv::Mat picture = painter_.draw(view);
-      if (!video_file_.empty()) add_to_video(picture, view.since_start);
+      if (!video_file_.empty()) film_.add(view.since_start, picture);
       if (!moment.empty()) keep(picture, moment);
     }
     if (screen_ != nullptr) screen_->show(std::move(view));
@@ -224,9 +224,7 @@ class ShownSession final : public FusionGuide {
   const std::vector<PagePicture>& pictures() const { return pictures_; }
 
   void finish() {
-    if (video_file_.empty()) return;
-    if (!video_ && first_) open_video(*first_, 15.0);
-    if (video_) video_->finish();
+    if (!film_.is_empty()) film_.finish();
   }
 
  private:
@@ -251,29 +249,12 @@ class ShownSession final : public FusionGuide {
     pictures_.push_back({caption, std::string(bytes.begin(), bytes.end())});
   }
 
-  /// The second image tells the rate.
-  void add_to_video(const cv::Mat& picture, double since_start) {
-    if (video_) return video_->add(picture);
-    if (first_) {
-      open_video(*first_, std::clamp(std::round(1.0 / (since_start - first_time_)), 1.0, 60.0));
-      return video_->add(picture);
-    }
-    first_ = picture;
-    first_time_ = since_start;
-  }
-  void open_video(const cv::Mat& first, double rate) {
-    video_.emplace(video_file_, first.size(), rate);
-    video_->add(first);
-  }
-
   TeachSession& session_;
   TeachScreen* screen_;
   const fs::path video_file_;
   std::optional<TeachViewer> viewer_;
   TeachPainter painter_{thread_count()};
-  std::optional<cv::Mat> first_;
-  double first_time_ = 0.0;
-  std::optional<VideoFile> video_;
+  Film film_;
   std::size_t told_ = 0;
   std::vector<PagePicture> pictures_;
 };

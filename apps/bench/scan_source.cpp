@@ -1,4 +1,4 @@
-#include "apps/bench/worlds/scan_source.hpp"
+#include "apps/bench/scan_source.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <ctime>
 
-#include "apps/bench/bench.hpp"
+#include "apps/bench/page/measure.hpp"
+
+#include "apps/console/quantile.hpp"
 
 namespace clearway::bench {
 
