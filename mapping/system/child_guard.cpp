@@ -62,10 +62,10 @@ void let_go_of_handlers() {
 
 }  // namespace
 
-void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
-  if (guard.parent != 0) {
+void leave_parent(std::initializer_list<int*> kept, pid_t parent) {
+  if (parent != 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != guard.parent) ::_exit(0);  // it went before the line above
+    if (::getppid() != parent) ::_exit(0);  // it went before the line above
   }
   let_go_of_handlers();
   std::vector<int> numbers;
@@ -77,6 +77,10 @@ void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
   close_all_but(std::move(numbers));
+}
+
+void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
+  leave_parent(kept, guard.parent);
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   ::setrlimit(RLIMIT_FSIZE, &none);
