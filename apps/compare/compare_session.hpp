@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
 
@@ -30,7 +29,7 @@ class CompareSession {
   AtomicFolder& folder_;
   CompareRecords records_;
   FileDescriptor file_;
-  std::chrono::steady_clock::time_point synced_ = {};
+  int lines_ = 0;  ///< appended
 };
 
 /// Every experiment's table, then their sums where there are several.
