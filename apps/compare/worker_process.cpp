@@ -60,12 +60,15 @@ std::pair<FileDescriptor, FileDescriptor> make_pipe() {
 WorkerProcess::WorkerProcess(const Serve& serve) {
   auto [request_out, request_in] = make_pipe();
   auto [reply_out, reply_in] = make_pipe();
+  const FileDescriptor nowhere(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  if (!nowhere.is_open())
+    throw std::runtime_error(std::string("cannot open /dev/null: ") + std::strerror(errno));
   const pid_t parent = ::getpid();
   process_ = ::fork();
   if (process_ < 0) throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
   if (process_ == 0) {
     int requests = request_out.number(), replies = reply_in.number();
-    leave_parent({&requests, &replies}, parent);
+    leave_parent({&requests, &replies}, parent, nowhere.number());
     serve_until_end(requests, replies, serve);
   }
   requests_ = std::move(request_in);

@@ -23,7 +23,8 @@ struct ChildGuard {
 /// goes on with work of ours. SIGPIPE is ignored, as is what the parent ignores. It dies with the thread of
 /// `parent` that forked. To be called in it alone, first thing.
 /// @param kept as of guard_child
-void leave_parent(std::initializer_list<int*> kept, pid_t parent);
+/// @param nowhere /dev/null, opened by the parent; -1: it is opened here
+void leave_parent(std::initializer_list<int*> kept, pid_t parent, int nowhere = -1);
 
 /// Takes from a forked child the parent's signal handlers, terminal and files (but `kept`), core dumps,
 /// writing files, and what the guard does not allow. SIGPIPE is ignored, as is what the parent ignores. To be
