@@ -1,4 +1,5 @@
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,14 +12,18 @@
 #include <thread>
 
 #include "apps/compare/compare_run.hpp"
-#include "apps/compare/finished_problems.hpp"
+#include "apps/compare/compare_session.hpp"
 #include "apps/console/build_stamp.hpp"
 #include "apps/console/commands.hpp"
+#include "apps/console/parse.hpp"
 #include "apps/console/shipped_file.hpp"
-#include "apps/console/stopwatch.hpp"
 #include "apps/console/table.hpp"
-#include "mapping/system/atomic_file.hpp"
+#include "apps/results/compare_diff.hpp"
+#include "apps/results/compare_files.hpp"
+#include "apps/results/compare_merge.hpp"
+#include "mapping/files/map_digest.hpp"
 #include "mapping/system/atomic_folder.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "planning/planner_table.hpp"
 
@@ -53,8 +58,10 @@ void add_chosen_planners(const std::vector<std::string>& chosen, Suite& suite) {
   }
 }
 
+fs::path suite_file(const CompareOptions& options) { return shipped_file("suites", options.what.front()); }
+
 Suite chosen_suite(const CompareOptions& options) {
-  Suite suite = load_suite(shipped_file("suites", options.suite));
+  Suite suite = load_suite(suite_file(options));
   add_chosen_planners(options.planners, suite);
   std::vector<std::string> names;
   for (const SuiteExperiment& experiment : suite.experiments) names.push_back(experiment.name);
@@ -115,7 +122,7 @@ CompareResults stamped(const Suite& suite, const CompareOptions& options) {
   CompareResults results;
   results.suite = suite.name;
   results.title = suite.title;
-  results.file = options.suite.string();
+  results.file = options.what.front().string();
   results.seed = suite.seed;
   results.jobs = options.jobs;
   results.version = CLEARWAY_VERSION;
@@ -125,24 +132,6 @@ CompareResults stamped(const Suite& suite, const CompareOptions& options) {
   results.processor = processor_name();
   results.date = utc_now();
   return results;
-}
-
-constexpr std::array files = {"results.sqlite", "results.csv", "results.log", "report.html"};
-
-/// For a folder of an older version, which left no list of its files.
-bool is_of_comparison(const fs::path& relative) {
-  if (std::find(files.begin(), files.end(), relative) != files.end()) return true;
-  const fs::path folder = *relative.begin(), kind = relative.extension();
-  if (folder == "maps") return relative.filename() == "map.ot" || relative.filename() == "painted.csv";
-  if (folder == "plans" || folder == "teams") return kind == ".json" || kind == ".html";
-  return folder == "animations" && kind == ".html";
-}
-
-void save_results(const CompareResults& results, const fs::path& out) {
-  save_database(results, out / files[0]);
-  save_file(out / files[1], to_csv(results));
-  save_file(out / files[2], to_ompl_log(results));
-  save_file(out / files[3], to_html(results));
 }
 
 /// Problems and teams that cannot begin or end where they shall, and why; each once, whoever was to plan it.
@@ -161,66 +150,193 @@ std::vector<std::string> invalid_ends(const CompareResults& results) {
   return sentences;
 }
 
-/// Experiment after experiment; what is found is saved after each.
-void run_all(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
-             const CompareOptions& options, AtomicFolder& folder, CompareResults& results, Console& console) {
-  FinishedProblems finished(folder, suite.name);
-  const CompareChoice choice{suite.seed,  options.jobs,      folder.path(),
-                             options.out, options.keep_maps, &finished};
-  for (const PreparedExperiment& experiment : prepared) {
-    {
-      const Stopwatch watch(results.time);
-      results.experiments.push_back(
-          run_experiment(suite, experiment, choice, console.bar(experiment.setup.name)));
-    }
-    console.progress(experiment.setup.name, 1.0);
-    save_results(results, folder.path());
-    if (console.json) continue;
-    const std::string title = experiment.setup.title.empty() ? "" : ": " + experiment.setup.title;
-    console.out() << "== " << experiment.setup.name << title << '\n';
-    print_table(console.out(), summary_table(results.experiments.back()));
-    console.out() << '\n' << std::flush;
-  }
-  if (const auto sums = total_table(results); !console.json && !sums.empty()) {
-    console.out() << "== all experiments\n";
-    print_table(console.out(), sums);
-    console.out() << '\n' << std::flush;
-  }
-  finished.remove_file();
+CompareChoice choice_of(const Suite& suite, const CompareOptions& options, const fs::path& folder) {
+  return {.seed = suite.seed,
+          .jobs = options.jobs,
+          .out = folder,
+          .shown_out = options.out,
+          .keep_maps = options.keep_maps,
+          .isolation = {options.isolate, options.grace, 1e9 * options.memory},
+          .shard = {options.shard, options.shards}};
 }
 
 /// Runs all and lets the results take the place of older ones. An error says what is left.
-void run_and_publish(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
-                     const CompareOptions& options, CompareResults& results, Console& console) {
-  AtomicFolder folder(options.out, is_of_comparison, Unpublished::kept);
+CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
+                               const CompareOptions& options, CompareAsked asked, Console& console) {
+  AtomicFolder folder(options.out, is_of_comparison,
+                      options.resume ? Unpublished::continued : Unpublished::kept);
   try {
-    run_all(suite, prepared, options, folder, results, console);
+    const CompareChoice choice = choice_of(suite, options, folder.path());
+    CompareResults results =
+        CompareSession(folder, std::move(asked), options.resume).run(suite, prepared, choice, console);
     folder.publish();
-  } catch (const std::exception& error) {
+    return results;
+  } catch (const std::runtime_error& error) {
     const std::string left = folder.what_is_left();
     if (left.empty()) throw;
     throw std::runtime_error(std::string(error.what()) + "; " + left);
   }
 }
 
-}  // namespace
+void tell_warnings(const CompareResults& results, Console& console) {
+  for (const auto& sentences :
+       {invalid_ends(results), runs_without_answer(results), broken_promises(results)})
+    for (const std::string& sentence : sentences) console.warn("clearway: " + sentence);
+}
 
-int run_compare(const CompareOptions& options, Console& console) {
+CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
+                      const CompareOptions& options) {
+  CompareAsked asked{stamped(suite, options),
+                     sha256(read_input(suite_file(options), "suite", SIZE_MAX)),
+                     {options.shard, options.shards}};
+  for (const PreparedExperiment& experiment : prepared)
+    asked.results.experiments.push_back(asked_of(experiment));
+  return asked;
+}
+
+int run_suite(const CompareOptions& options, Console& console) {
   const Suite suite = chosen_suite(options);
   const std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
-  CompareResults results = stamped(suite, options);
-  run_and_publish(suite, prepared, options, results, console);
-
-  for (const std::string& sentence : invalid_ends(results)) console.warn("clearway: " + sentence);
-  const std::vector<std::string> broken = broken_promises(results);
-  for (const std::string& sentence : broken) console.warn("clearway: " + sentence);
+  const CompareResults results =
+      run_and_publish(suite, prepared, options, asked_of(suite, prepared, options), console);
+  tell_warnings(results, console);
   if (console.json) {
     console.out() << to_json(results) << '\n';
   } else {
     console.out() << "  " << (options.out / "report.html").string()
                   << " (beside it results.sqlite, results.csv, results.log, plans)\n";
   }
-  return broken.empty() ? exit_done : exit_no;
+  return broken_promises(results).empty() ? exit_done : exit_no;
+}
+
+/// The parts of an id as printed.
+struct RunId {
+  std::string experiment, problem, planner;
+};
+
+RunId parse_id(const std::string& text) {
+  const std::size_t first = text.find('/'), last = text.rfind('/');
+  if (first == std::string::npos || first == last || text.find('/', first + 1) != last)
+    throw std::invalid_argument("--rerun: expected EXPERIMENT/PROBLEM/PLANNER[-RUN] as printed, got '" +
+                                text + "'");
+  return {text.substr(0, first), text.substr(first + 1, last - first - 1), text.substr(last + 1)};
+}
+
+void choose_experiment(const std::string& name, Suite& suite) {
+  std::vector<std::string> known;
+  for (const SuiteExperiment& experiment : suite.experiments) known.push_back(name_as_file(experiment.name));
+  require_known("--rerun", {name}, known);
+  std::erase_if(suite.experiments,
+                [&](const SuiteExperiment& experiment) { return name_as_file(experiment.name) != name; });
+}
+
+/// Leaves the planner of that name alone. Returns the number of the run.
+int choose_planner(const std::string& name, PreparedExperiment& experiment) {
+  std::vector<std::string> known;
+  const std::vector<std::string> planners = names_as_files(experiment.planners);
+  const int runs = experiment.setup.runs;
+  for (std::size_t p = 0; p < planners.size(); ++p) {
+    for (int number = 1; number <= runs; ++number) {
+      known.push_back(planners[p] + (runs > 1 ? "-" + std::to_string(number) : ""));
+      if (known.back() != name) continue;
+      experiment.planners = {experiment.planners[p]};
+      if (!experiment.makers.empty()) experiment.makers = {experiment.makers[p]};
+      if (!experiment.leaders.empty()) experiment.leaders = {experiment.leaders[p]};
+      return number;
+    }
+  }
+  require_known("--rerun", {name}, known);
+  return 1;
+}
+
+void print_run(const CompareExperiment& experiment, const std::string& id, Console& console) {
+  const CompareProblem& problem = experiment.problems.front();
+  const CompareRun& run = problem.runs.front();
+  print_rows(console.out(), {{"run", id},
+                             {"seed", std::to_string(run.seed)},
+                             {"outcome", run.outcome()},
+                             {"check", run.contact.empty() ? run.check : run.check + ": " + run.contact},
+                             {"explanation", run.explanation.empty() ? "-" : run.explanation},
+                             {"time", significant(run.time) + " s, CPU " + significant(run.cpu) + " s"}});
+}
+
+int rerun(const CompareOptions& options, Console& console) {
+  const RunId id = parse_id(options.rerun);
+  if (fs::exists(options.out))
+    throw std::invalid_argument("--rerun: '" + options.out.string() +
+                                "' exists: expected a new folder for --out, or none");
+  Suite suite = chosen_suite(options);
+  choose_experiment(id.experiment, suite);
+  suite.experiments.front().plots = {"animation"};
+  std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
+  const int number = choose_planner(id.planner, prepared.front());
+  const CompareAsked asked = asked_of(suite, prepared, options);
+  const fs::path beside = fs::temp_directory_path() / ("clearway-rerun-" + std::to_string(::getpid()));
+  AtomicFolder folder(options.out.empty() ? beside : options.out, is_of_comparison);
+  CompareChoice choice = choice_of(suite, options, folder.path());
+  choice.only = CompareOnly{id.problem, number};
+  CompareRecords records(asked);
+  run_experiment(suite, prepared.front(), 0, choice, records, [](std::size_t, std::size_t) {});
+  const CompareResults results = records.results(folder.path());
+  if (results.experiments.front().problems.empty())
+    throw std::invalid_argument("--rerun: experiment '" + id.experiment + "' has no problem '" + id.problem +
+                                "'");
+  if (!options.out.empty()) {
+    save_results(results, folder.path());
+    folder.publish();
+  }
+  if (console.json) {
+    console.out() << to_json(results) << '\n';
+  } else {
+    print_run(results.experiments.front(), options.rerun, console);
+  }
+  return results.experiments.front().problems.front().runs.front().is_valid() ? exit_done : exit_no;
+}
+
+int merge(const CompareOptions& options, Console& console) {
+  AtomicFolder folder(options.out, is_of_comparison);
+  const CompareResults results =
+      merge_into(folder.path(), options.out, {options.what.begin() + 1, options.what.end()});
+  folder.publish();
+  tell_warnings(results, console);
+  print_results(results, console);
+  return broken_promises(results).empty() ? exit_done : exit_no;
+}
+
+int tell_difference(const CompareOptions& options, Console& console) {
+  if (options.what.size() != 3)
+    throw std::invalid_argument("compare diff: got " + std::to_string(options.what.size() - 1) +
+                                " results: expected two, OLD and NEW");
+  const CompareDiff diff = compare_diff(options.what[1], options.what[2]);
+  if (console.json) {
+    console.out() << to_json(diff) << '\n';
+  } else {
+    print_table(console.out(), diff_table(diff));
+    for (const std::string& note : diff.notes) console.out() << note << '\n';
+    console.out() << (diff.is_worse() ? "Worse beyond noise.\n" : "Nothing is worse beyond noise.\n");
+  }
+  return diff.is_worse() ? exit_no : exit_done;
+}
+
+void require_flags(const CompareOptions& options, bool merges) {
+  if (options.what.size() > 1 && !merges)
+    throw std::invalid_argument("compare: got " + std::to_string(options.what.size()) +
+                                " files: expected one suite, or `merge DIR…`, or `diff OLD NEW`");
+  if (options.out.empty() && options.rerun.empty())
+    throw std::invalid_argument("compare: --out is required (see clearway compare --help)");
+  if (!options.isolate && options.jobs > 1)
+    throw std::invalid_argument("--isolate no: expected --jobs 1, because all is done in one process, got " +
+                                std::to_string(options.jobs));
+}
+
+}  // namespace
+
+int run_compare(const CompareOptions& options, Console& console) {
+  const std::string kind = options.what.front().string();
+  if (kind == "diff") return tell_difference(options, console);
+  require_flags(options, kind == "merge");
+  if (kind == "merge") return merge(options, console);
+  return options.rerun.empty() ? run_suite(options, console) : rerun(options, console);
 }
 
 }  // namespace clearway

@@ -1,48 +1,107 @@
 #include <CLI/CLI.hpp>
+#include <charconv>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/flags.hpp"
 
 namespace clearway {
+namespace {
+
+/// "2/5" into `options`; what was expected where it is none.
+std::string read_shard(const std::string& text, CompareOptions& options) {
+  const char* const end = text.data() + text.size();
+  const auto [slash, first_error] = std::from_chars(text.data(), end, options.shard);
+  const bool has_slash = first_error == std::errc() && slash != end && *slash == '/';
+  const auto [rest, second_error] = has_slash ? std::from_chars(slash + 1, end, options.shards)
+                                              : std::from_chars_result{slash, first_error};
+  if (has_slash && second_error == std::errc() && rest == end && options.shard >= 1 &&
+      options.shard <= options.shards && options.shards <= 1000000)
+    return {};
+  return "expected I/N, part I of N with 1 <= I <= N <= 1000000, got '" + text + "'";
+}
+
+void add_choice_flags(CLI::App& command, CompareOptions& options) {
+  const auto add_names = [&](const char* flag, std::vector<std::string>& names, const char* what) {
+    command.add_option(flag, names, what)
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->take_all()
+        ->type_name("A,B,…");
+  };
+  add_names("--planners", options.planners,
+            "only those labels or planners; one that the suite does not list is added, with its defaults");
+  add_names("--experiments", options.experiments, "only those experiments");
+  command.add_option("--seed", options.seed, "of each problem's first run, instead of the suite's")
+      ->type_name("N")
+      ->check(whole_number);
+  command
+      .add_option("--time-limit", options.time_limit,
+                  "seconds for each leg of a plan, instead of the suite's, and for each run of a team")
+      ->check(positive())
+      ->type_name("S");
+  command.add_flag("--keep-maps", options.keep_maps, "save the maps that generators make, too");
+}
+
+void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& options) {
+  command.add_option("--jobs", options->jobs, "problems at the same time; times are best taken with 1")
+      ->check(number("a whole number from 1 to 256", 1, 256))
+      ->type_name("N");
+  command.add_flag("--resume", options->resume,
+                   "go on with DIR.partial, which an interrupted run left; without one, begin");
+  command
+      .add_option(
+          "--rerun", options->rerun,
+          "only the run of this id, as printed and as below plans/: EXPERIMENT/PROBLEM/PLANNER[-RUN]; "
+          "--out is a new folder, or left out")
+      ->type_name("ID");
+  command
+      .add_option_function<std::string>(
+          "--shard", [options](const std::string& text) { read_shard(text, *options); },
+          "part I of N of all problems; `compare merge` joins the parts' results")
+      ->check([](const std::string& text) {
+        CompareOptions unused;
+        return read_shard(text, unused);
+      })
+      ->type_name("I/N");
+  command
+      .add_option_function<std::string>(
+          "--isolate", [options](const std::string& text) { options->isolate = text == "yes"; },
+          "yes: a process for each run, so that a crash, a hang and too much memory are its outcome; no: all "
+          "in one process, for debuggers (default: yes)")
+      ->check([](const std::string& text) {
+        return text == "yes" || text == "no" ? std::string{} : "expected yes or no, got '" + text + "'";
+      })
+      ->type_name("YES|NO");
+  command
+      .add_option(
+          "--hang-after", options->grace,
+          "seconds beyond the time limit, for preparation and check, after which a run counts as hung")
+      ->capture_default_str()
+      ->check(positive())
+      ->type_name("S");
+  command.add_option("--memory", options->memory, "gigabytes that a run may take beyond its world")
+      ->capture_default_str()
+      ->check(number("a number from 0.001 to 100000", 1e-3, 1e5))
+      ->type_name("GB");
+}
+
+}  // namespace
 
 Command add_compare(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       add_command(app, "compare", "planners against problems on voxel maps, every path re-checked", console);
   command
-      ->add_option("suite", options->suite,
-                   "suite file, or the name of one that comes with the program (quick, local, …)")
+      ->add_option("suite", options->what,
+                   "suite file, or the name of one that comes with the program (quick, local, …); or `merge` "
+                   "and the folders of all shards; or `diff` and two folders, or results.sqlite, old and new")
       ->required()
-      ->type_name("SUITE.yaml");
+      ->type_name("SUITE.yaml | merge DIR… | diff OLD NEW");
   command->add_option("--out", options->out, "folder for results.sqlite, .csv, .log, report.html and plans")
-      ->required()
       ->check(file_name)
       ->type_name("DIR");
-  command
-      ->add_option(
-          "--planners", options->planners,
-          "only those labels or planners; one that the suite does not list is added, with its defaults")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->take_all()
-      ->type_name("A,B,…");
-  command->add_option("--experiments", options->experiments, "only those experiments")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->take_all()
-      ->type_name("A,B,…");
-  command->add_option("--jobs", options->jobs, "problems at the same time; times are best taken with 1")
-      ->check(number("a whole number from 1 to 256", 1, 256))
-      ->type_name("N");
-  command->add_option("--seed", options->seed, "of each problem's first run, instead of the suite's")
-      ->type_name("N")
-      ->check(whole_number);
-  command
-      ->add_option("--time-limit", options->time_limit,
-                   "seconds for each leg of a plan, instead of the suite's, and for each run of a team")
-      ->check(positive())
-      ->type_name("S");
-  command->add_flag("--keep-maps", options->keep_maps, "save the maps that generators make, too");
+  add_choice_flags(*command, *options);
+  add_run_flags(*command, options);
   return [options](Console& c) { return run_compare(*options, c); };
 }
 

@@ -1,295 +1,327 @@
 #include "apps/compare/compare_run.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
-#include <charconv>
-#include <mutex>
+#include <cerrno>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <set>
 #include <stdexcept>
 
-#include "apps/compare/compare_columns.hpp"
-#include "apps/compare/compare_files.hpp"
-#include "apps/compare/compare_tasks.hpp"
 #include "apps/compare/compare_team.hpp"
-#include "apps/pages/map_page.hpp"
-#include "mapping/files/map_file.hpp"
+#include "apps/compare/problem_server.hpp"
+#include "apps/compare/worker_process.hpp"
+#include "apps/results/compare_files.hpp"
 #include "mapping/system/atomic_file.hpp"
-#include "mapping/system/parallel.hpp"
-#include "mapping/system/thread_time.hpp"
-#include "planning/path/any_angle.hpp"
-#include "planning/path/path_pieces.hpp"
-#include "planning/path/trajectory.hpp"
-#include "planning/plan_and_check.hpp"
-#include "planning/space/joint_weights.hpp"
+#include "mapping/system/damaged_file.hpp"
 
 namespace clearway {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Kind = ProblemReply::Kind;
 
-std::string verdict_of(const Plan& plan) {
-  if (plan.validation.valid) return "valid";
-  if (plan.waypoints().empty()) return "none";
-  return plan.validation.undecided ? "undecided" : "refused";
-}
-
-/// For Chong 2008, eq. 9, edges are cut into pieces of at most that, rad (m): so paths of few long edges and
-/// of many short ones are judged alike, whatever their planner reckons.
-constexpr double cost_step = 0.05;
-
-/// Nothing for a motion that lasts too long to be sampled.
-std::optional<CompareMotion> motion_of(const Robot& robot, const std::vector<Configuration>& path) try {
-  const Trajectory trajectory = time_parameterize(robot, path);
-  const LimitShares shares = limit_shares(robot, trajectory);
-  return CompareMotion{trajectory.points.back().time, shares.velocity, shares.acceleration};
-} catch (const std::invalid_argument&) {
-  return std::nullopt;
-}
-
-/// rad per metre that the planner was given; 0, automatic, where it was given none.
-double given_prismatic_scale(const Plan& plan) {
-  const auto found = plan.options.find("prismatic_scale");
-  double scale = 0.0;
-  if (found != plan.options.end())
-    std::from_chars(found->second.data(), found->second.data() + found->second.size(), scale);
-  return scale;
-}
-
-/// @param cost what the planner reckoned with
-CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathCost& cost) {
-  CompareRun run;
-  run.seed = plan.seed;
-  run.status = plan.status();
-  run.explanation = plan.explanation();
-  run.check = verdict_of(plan);
-  run.contact = plan.validation.first_contact;
-  run.length = joint_space_length(plan.waypoints());
-  run.cost =
-      sampled_cost(cost, plan.waypoints(), joint_weights(space, given_prismatic_scale(plan)), cost_step);
-  run.waypoints = plan.waypoints().size();
-  run.min_clearance = plan.validation.min_clearance;
-  run.time = plan.time_s;
-  run.cpu = plan.cpu_s;
-  run.check_time = plan.check_s;
-  run.check_cpu = plan.check_cpu_s;
-  run.statistics = column_statistics(plan.legs);
-  if (plan.validation.valid) run.motion = motion_of(space.robot(), plan.waypoints());
-  for (const PlanResult& leg : plan.legs) {
-    run.legs += leg.status == PlanStatus::solved;
-    run.configurations += leg.configurations_checked;
-    run.edges += leg.edges_checked;
-    if (leg.status != PlanStatus::solved) continue;
-    run.steps += static_cast<std::size_t>(leg.search_steps);
+/// What a worker does: plans a problem, or (none) opens a stage.
+struct ServerTask {
+  std::size_t stage = 0;
+  std::optional<std::size_t> problem;
+  bool operator<(const ServerTask& other) const {
+    return std::pair(stage, problem) < std::pair(other.stage, other.problem);
   }
-  return run;
-}
-
-/// What is found, in the order of stages and problems.
-class Collected {
- public:
-  explicit Collected(std::size_t stages) : stages_(stages) {}
-
-  void open(std::size_t stage, std::size_t problems) {
-    const std::lock_guard lock(mutex_);
-    stages_[stage].resize(problems);
-  }
-  /// Returns the share of all that is done, a stage that is not open counted as one.
-  double add(std::size_t stage, std::size_t problem, CompareProblem found,
-             std::vector<CompareProfile> profiles) {
-    const std::lock_guard lock(mutex_);
-    auto& place = stages_[stage];
-    place[problem] = std::move(found);
-    if (stage == 0 && problem == 0) profiles_ = std::move(profiles);
-    done_ += 1.0 / static_cast<double>(place.size());
-    return done_ / static_cast<double>(stages_.size());
-  }
-  void move_to(CompareExperiment& experiment) {
-    for (auto& stage : stages_) {
-      for (CompareProblem& problem : stage) experiment.problems.push_back(std::move(problem));
-    }
-    experiment.profiles = std::move(profiles_);
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::vector<CompareProblem>> stages_;
-  std::vector<CompareProfile> profiles_;
-  double done_ = 0.0;
 };
 
-/// One experiment, planned by several threads.
-class Runner {
- public:
-  Runner(const Suite& suite, const PreparedExperiment& experiment, const CompareChoice& choice)
-      : experiment_(experiment),
-        choice_(choice),
-        stages_(suite, experiment_.setup, experiment_.robot),
-        names_(names_as_files(experiment.planners)),
-        collected_(stages_.size()),
-        tasks_(stages_.size(), [this](std::size_t index) { return make_stage(index); }) {}
+/// Its place at the table.
+struct Seat {
+  std::unique_ptr<WorkerProcess> worker;
+  std::optional<std::size_t> stage;  ///< that it has open
+  std::optional<ServerTask> task;
+  std::optional<std::size_t> preparing;  ///< a planner
+  Clock::time_point prepared_by = {};
+};
 
-  void run(CompareExperiment& result, const std::function<void(double)>& progress) {
-    std::mutex mutex;
-    parallel_until_false(static_cast<std::size_t>(choice_.jobs), [&] {
-      try {
-        const auto task = tasks_.next();
-        if (!task) return false;
-        const double done = plan(*task);
-        const std::lock_guard lock(mutex);
-        progress(done);
-        return true;
-      } catch (...) {
-        tasks_.fail();  // or those that wait for a stage would wait for ever
-        throw;
-      }
-    });
-    collected_.move_to(result);
+/// A stage, and which of its problems nobody has taken.
+struct StageState {
+  enum { closed, opening, open } is = closed;
+  std::deque<std::size_t> to_do;
+};
+
+std::size_t stage_count(const PreparedExperiment& experiment, const std::optional<SuiteStages>& stages) {
+  return experiment.setup.teams ? 1 : stages->size();
+}
+
+std::size_t most_problems(const PreparedExperiment& experiment, const std::optional<SuiteStages>& stages,
+                          std::size_t stage) {
+  return experiment.setup.teams ? count_teams(experiment.setup) : stages->problems(stage);
+}
+
+int runs_of(const PreparedExperiment& experiment) {
+  return experiment.setup.teams ? 1 : experiment.setup.runs;
+}
+
+std::optional<SuiteStages> stages_of(const Suite& suite, const PreparedExperiment& experiment) {
+  if (experiment.setup.teams) return std::nullopt;
+  return std::optional<SuiteStages>(std::in_place, suite, experiment.setup, experiment.robot);
+}
+
+/// One experiment, handed out to workers problem by problem.
+class ExperimentRunner {
+ public:
+  ExperimentRunner(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
+                   const CompareChoice& choice, CompareRecords& records, const CompareProgress& progress)
+      : suite_(suite),
+        experiment_(experiment),
+        index_(index),
+        choice_(choice),
+        records_(records),
+        progress_(progress),
+        all_(count_runs(suite, experiment, index, choice)),
+        seats_(static_cast<std::size_t>(choice.isolation.is_on ? choice.jobs : 1)) {
+    const auto stages = stages_of(suite, experiment);
+    stages_.resize(stage_count(experiment, stages));
+    for (std::size_t s = 0; s < stages_.size(); ++s) {
+      const std::size_t problems = most_problems(experiment, stages, s);
+      bool is_mine = choice.only.has_value();
+      for (std::size_t i = 0; i < problems; ++i) is_mine = is_mine || is_in(choice.shard, index, s, i);
+      if (!is_mine) stages_[s].is = StageState::open;  // nothing to do there
+      if (records.stage(index, s) != nullptr) take_up(s);
+    }
+  }
+
+  void run() {
+    while (hand_out()) wait();
   }
 
  private:
-  std::shared_ptr<OpenStage> make_stage(std::size_t index) {
-    SuiteStage stage = stages_.make(index);
-    const double before = thread_cpu_seconds();
-    ConfigurationSpace space(experiment_.robot, stage.map, experiment_.policies,
-                             {.padding = experiment_.setup.padding.value_or(0.0)});
-    const double space_cpu = thread_cpu_seconds() - before;
-    collected_.open(index, stage.problems.size());
-    if (stage.map_file.empty() && (choice_.keep_maps || !experiment_.setup.generate)) {
-      stage.map_file = keep_map(stage).string();
+  /// What is left of a stage that is known.
+  void take_up(std::size_t s) {
+    const CompareRecords::Stage& stage = *records_.stage(index_, s);
+    stages_[s].is = StageState::open;
+    for (std::size_t i = 0; i < stage.size(); ++i) {
+      if (!is_wanted(s, i, stage[i].found)) continue;
+      done_ += stage[i].found.runs.size();
+      if (!stage[i].is_finished) stages_[s].to_do.push_back(i);
     }
-    return std::make_shared<OpenStage>(OpenStage{std::move(stage), std::move(space), index, space_cpu});
+    if (choice_.only && !stages_[s].to_do.empty())
+      for (StageState& other : stages_) other.is = StageState::open;
   }
 
-  /// A folder that `clearway check --map` reads, named by what is in it.
-  fs::path keep_map(const SuiteStage& stage) {
-    const fs::path name = fs::path("maps") / (name_as_file(stage.world) + "-" + stage.digest.substr(0, 8));
-    const fs::path folder = choice_.out / name;
-    const std::lock_guard lock(maps_);
-    if (!fs::exists(folder / "map.ot") || map_sha256(folder) != stage.digest) {
-      fs::create_directories(folder);
-      save_map(stage.map, folder);
-    }
-    return choice_.shown_out / name;
+  bool is_wanted(std::size_t s, std::size_t i, const CompareProblem& problem) const {
+    if (choice_.only) return name_as_file(problem.name) == choice_.only->problem;
+    return is_in(choice_.shard, index_, s, i);
   }
 
-  double plan(const StageTask& task) {
-    const SuiteStage& stage = task.stage->stage;
-    const StageProblem& problem = stage.problems[task.problem];
-    CompareProblem found{problem.name,           stage.world,   stage.map_file, stage.digest,
-                         stage.map.resolution(), problem.start, problem.goals,  {}};
-    std::vector<CompareProfile> profiles;
-    const auto& plots = experiment_.setup.plots;
-    const bool profiled = std::find(plots.begin(), plots.end(), "profiles") != plots.end() &&
-                          task.stage->index == 0 && task.problem == 0;
-    const bool is_shown = std::find(plots.begin(), plots.end(), "animation") != plots.end();
-    ReportPage page;
-    if (is_shown) page = page_of_problem(*task.stage, problem);
-    for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
-      for (int number = 1; number <= experiment_.setup.runs; ++number) {
-        const PlanQuery query = query_of(*task.stage, problem, i, number);
-        double derive_cpu = 0.0;
-        const Plan plan = plan_once(query, problem, i, derive_cpu);
-        CompareRun run = run_of(plan, task.stage->space, path_cost(query));
-        run.space_cpu = task.stage->space_cpu;
-        run.derive_cpu = derive_cpu;
-        run.planner = i;
-        run.number = number;
-        run.plan_file = save_plan(plan, problem, i, number);
-        found.runs.push_back(std::move(run));
-        if (is_shown && number == 1)
-          page.plans.push_back(
-              page_of_plan(plan, task.stage->space, problem.start, experiment_.planners[i].label));
-        if (profiled && number == 1 && !plan.waypoints().empty()) profiles.push_back({i, plan.waypoints()});
+  /// Gives every idle worker something to do, as far as there is something. False when all is done.
+  bool hand_out() {
+    for (Seat& seat : seats_) {
+      while (!seat.task) {  // without isolation it is done when it was started
+        seat.task = next_task(seat);
+        if (!seat.task) break;
+        start(seat);
       }
     }
-    if (is_shown) found.page = save_page(page, problem);
-    if (choice_.finished != nullptr)
-      choice_.finished->add(experiment_.setup.name, experiment_.planners, found);
-    return collected_.add(task.stage->index, task.problem, std::move(found), std::move(profiles));
+    return std::any_of(seats_.begin(), seats_.end(), [](const Seat& seat) { return seat.task.has_value(); });
   }
 
-  PlanQuery query_of(const OpenStage& open, const StageProblem& problem, std::size_t planner,
-                     int number) const {
-    return {.space = open.space,
-            .start = problem.start,
-            .goals = problem.goals,
-            .planner = experiment_.makers[planner],
-            .seed = choice_.seed + static_cast<std::uint64_t>(number - 1),
-            .time_limit = experiment_.time_limit,
-            .payload = experiment_.setup.payload,
-            .gravity = experiment_.setup.gravity,
-            .survey = std::nullopt,  // suites judge planners, in scenes whose unknown is theirs
-            .advice_time = 0.0,
-            .robot_name = experiment_.setup.robot,
-            .map_file = open.stage.map_file,
-            .map_digest = open.stage.digest};
+  /// Of the stage that the worker has open; else a new stage; else of the stage with most to do, which the
+  /// worker then opens, too.
+  std::optional<ServerTask> next_task(const Seat& seat) {
+    if (seat.stage && !stages_[*seat.stage].to_do.empty()) return take(*seat.stage);
+    for (std::size_t s = 0; s < stages_.size(); ++s) {
+      if (stages_[s].is != StageState::closed) continue;
+      stages_[s].is = StageState::opening;
+      return ServerTask{s, std::nullopt};
+    }
+    const auto most = std::max_element(
+        stages_.begin(), stages_.end(),
+        [](const StageState& a, const StageState& b) { return a.to_do.size() < b.to_do.size(); });
+    if (most == stages_.end() || most->to_do.empty()) return std::nullopt;
+    return take(static_cast<std::size_t>(most - stages_.begin()));
   }
 
-  /// @param derive_cpu s, of what the planner derives from the map, which is no part of the plan's time
-  Plan plan_once(const PlanQuery& query, const StageProblem& problem, std::size_t planner,
-                 double& derive_cpu) const {
-    try {
-      {
-        const ThreadStopwatch cpu(derive_cpu);
-        query.planner->plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
-      }
-      return plan_and_check(query);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +
-                                  "', planner '" + experiment_.planners[planner].label +
-                                  "': " + error.what());
+  ServerTask take(std::size_t s) {
+    const ServerTask task{s, stages_[s].to_do.front()};
+    stages_[s].to_do.pop_front();
+    return task;
+  }
+
+  void start(Seat& seat) {
+    const ProblemRequest request = request_for(*seat.task);
+    seat.stage = seat.task->stage;
+    if (!choice_.isolation.is_on) {
+      if (!server_) server_ = make_problem_server(suite_, experiment_, choice_);
+      server_->answer(request, [&](const ProblemReply& reply) { take_reply(seat, reply); });
+      return;
+    }
+    if (!seat.worker) seat.worker = std::make_unique<WorkerProcess>(service());
+    seat.worker->ask(to_bytes(request));
+  }
+
+  /// What a worker does, in its own process.
+  WorkerProcess::Serve service() const {
+    return [this, server = std::shared_ptr<ProblemServer>()](std::string_view bytes,
+                                                             const WorkerProcess::Reply& reply) mutable {
+      if (!server) server = make_problem_server(suite_, experiment_, choice_);
+      server->answer(request_of_bytes(bytes), [&](const ProblemReply& told) { reply(to_bytes(told)); });
+    };
+  }
+
+  ProblemRequest request_for(const ServerTask& task) const {
+    ProblemRequest request{.stage = task.stage, .problem = task.problem, .unsafe = unsafe_};
+    if (!task.problem) return request;
+    for (const CompareRun& run : records_.stage(index_, task.stage)->at(*task.problem).found.runs)
+      request.have.emplace(run.planner, run.number);
+    for (std::size_t p = 0; choice_.only && p < experiment_.planners.size(); ++p)
+      for (int number = 1; number <= runs_of(experiment_); ++number)
+        if (number != choice_.only->number) request.wanted_not.emplace(p, number);
+    return request;
+  }
+
+  /// Until a worker says something, a second is over, or somebody has prepared for too long.
+  void wait() {
+    std::vector<pollfd> waiting;
+    std::vector<Seat*> who;
+    for (Seat& seat : seats_) {
+      if (!seat.task || !seat.worker) continue;
+      waiting.push_back({seat.worker->descriptor(), POLLIN, 0});
+      who.push_back(&seat);
+    }
+    constexpr int a_second = 1000;
+    const int ready = ::poll(waiting.data(), waiting.size(), waiting.empty() ? 0 : a_second);
+    if (ready < 0 && errno != EINTR) throw std::runtime_error("cannot wait for the planners' processes");
+    progress_(done_, all_);
+    for (std::size_t i = 0; i < who.size(); ++i) {
+      if (ready > 0 && waiting[i].revents != 0) listen(*who[i]);
+      if (who[i]->preparing && Clock::now() > who[i]->prepared_by) lose(*who[i]);
     }
   }
 
-  ReportPage page_of_problem(const OpenStage& open, const StageProblem& problem) const {
-    ReportPage page = page_of_map(open.stage.map, experiment_.setup.title + ": " + problem.name);
-    look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
-    show_robot(page, experiment_.robot, problem.start);
-    return page;
+  void listen(Seat& seat) {
+    for (const std::string& bytes : seat.worker->replies()) take_reply(seat, reply_of_bytes(bytes));
+    if (seat.worker->has_ended()) lose(seat);
   }
 
-  std::string save_page(const ReportPage& page, const StageProblem& problem) const {
-    const fs::path file = fs::path("animations") / name_as_file(experiment_.setup.name) /
-                          (name_as_file(problem.name) + ".html");
-    fs::create_directories(choice_.out / file.parent_path());
-    save_file(choice_.out / file, render_report_page(page));
-    return file.string();
+  /// The worker crashed, or hangs. What it was at is given out again; a planner that did that while it
+  /// prepared does so in its runs' own processes from now on.
+  void lose(Seat& seat) {
+    const ServerTask task = *seat.task;
+    const std::string how = seat.worker->has_ended() ? seat.worker->how_it_ended() : "did not end";
+    seat.worker.reset();
+    seat.stage.reset();
+    seat.task.reset();
+    if (seat.preparing) {
+      unsafe_.insert(*seat.preparing);
+    } else if (++lost_[task] > 1) {
+      throw std::runtime_error("experiment '" + experiment_.setup.name + "': the process that " +
+                               (task.problem ? "plans" : "makes the world") + " " + how + ", twice");
+    }
+    seat.preparing.reset();
+    if (task.problem) {
+      stages_[task.stage].to_do.push_front(*task.problem);
+    } else {
+      stages_[task.stage].is = StageState::closed;
+    }
   }
 
-  std::string save_plan(const Plan& plan, const StageProblem& problem, std::size_t planner,
-                        int number) const {
-    const std::string run = experiment_.setup.runs > 1 ? "-" + std::to_string(number) : "";
-    const fs::path file = fs::path("plans") / name_as_file(experiment_.setup.name) /
-                          name_as_file(problem.name) / (names_[planner] + run + ".json");
-    fs::create_directories(choice_.out / file.parent_path());
-    save_file(choice_.out / file, to_json(plan));
-    return file.string();
+  void take_reply(Seat& seat, const ProblemReply& reply) {
+    const ServerTask task = *seat.task;
+    switch (reply.kind) {
+      case Kind::opened:
+        save(reply);
+        records_.open(index_, task.stage, reply.problems);
+        take_up(task.stage);
+        return seat.task.reset();
+      case Kind::preparing:
+        seat.preparing = reply.planner;
+        seat.prepared_by = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(choice_.isolation.grace));
+        return;
+      case Kind::prepared:
+        return seat.preparing.reset();
+      case Kind::run:
+        save(reply);
+        records_.add(index_, task.stage, *task.problem, *reply.run);
+        ++done_;
+        return progress_(done_, all_);
+      case Kind::finished:
+        save(reply);
+        records_.finish(index_, task.stage, *task.problem, reply.page);
+        return seat.task.reset();
+      case Kind::bad_input:
+        throw std::invalid_argument(reply.sentence);
+      case Kind::damaged:
+        throw DamagedFile(reply.sentence);
+      case Kind::failed:
+        throw std::runtime_error(reply.sentence);
+    }
   }
 
+  /// Maps that several stages share are written once.
+  void save(const ProblemReply& reply) const {
+    for (const auto& [name, bytes] : reply.files) {
+      const fs::path file = choice_.out / name;
+      fs::create_directories(file.parent_path());
+      if (reply.kind == Kind::opened && fs::exists(file) && fs::file_size(file) == bytes.size()) continue;
+      save_file(file, bytes);
+    }
+  }
+
+  const Suite& suite_;
   const PreparedExperiment& experiment_;
+  std::size_t index_;
   const CompareChoice& choice_;
-  SuiteStages stages_;
-  std::vector<std::string> names_;
-  Collected collected_;
-  StageTasks tasks_;
-  std::mutex maps_;
+  CompareRecords& records_;
+  const CompareProgress& progress_;
+  std::size_t all_, done_ = 0;  ///< runs
+  std::vector<Seat> seats_;
+  std::vector<StageState> stages_;
+  std::set<std::size_t> unsafe_;           ///< planners that took a worker down
+  std::map<ServerTask, int> lost_;         ///< how often a worker ended in it
+  std::unique_ptr<ProblemServer> server_;  ///< without isolation
 };
 
 }  // namespace
 
-CompareExperiment run_experiment(const Suite& suite, const PreparedExperiment& experiment,
-                                 const CompareChoice& choice, const std::function<void(double)>& progress) {
-  if (experiment.setup.teams) return run_team_experiment(suite, experiment, choice, progress);
-  CompareExperiment result;
-  result.setup = experiment.setup;
-  result.robot_file = experiment.robot.source.string();
-  result.scale = experiment.robot.scale;
-  result.time_limit = experiment.time_limit;
+std::size_t count_runs(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
+                       const CompareChoice& choice) {
+  if (choice.only) return 1;
+  const auto stages = stages_of(suite, experiment);
+  std::size_t problems = 0;
+  for (std::size_t s = 0; s < stage_count(experiment, stages); ++s)
+    for (std::size_t i = 0; i < most_problems(experiment, stages, s); ++i)
+      problems += is_in(choice.shard, index, s, i);
+  return problems * experiment.planners.size() * static_cast<std::size_t>(runs_of(experiment));
+}
+
+CompareExperiment asked_of(const PreparedExperiment& experiment) {
+  CompareExperiment asked;
+  asked.setup = experiment.setup;
+  asked.time_limit = experiment.time_limit;
+  asked.planners = experiment.planners;
+  if (experiment.setup.teams) return asked;
+  asked.robot_file = experiment.robot.source.string();
+  asked.scale = experiment.robot.scale;
   for (const Joint& joint : experiment.robot.joints) {
-    result.joints.push_back(joint.name);
-    result.is_prismatic.push_back(joint.kind == JointKind::prismatic);
+    asked.joints.push_back(joint.name);
+    asked.is_prismatic.push_back(joint.kind == JointKind::prismatic);
   }
-  result.planners = experiment.planners;
-  Runner(suite, experiment, choice).run(result, progress);
-  return result;
+  return asked;
+}
+
+void run_experiment(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
+                    const CompareChoice& choice, CompareRecords& records, const CompareProgress& progress) {
+  ExperimentRunner(suite, experiment, index, choice, records, progress).run();
+}
+
+CompareExperiment run_experiment(const Suite& suite, const PreparedExperiment& experiment,
+                                 const CompareChoice& choice) {
+  CompareAsked asked;
+  asked.results.experiments.push_back(asked_of(experiment));
+  CompareRecords records(std::move(asked));
+  run_experiment(suite, experiment, 0, choice, records, [](std::size_t, std::size_t) {});
+  return records.results(choice.out).experiments.front();
 }
 
 }  // namespace clearway

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/compare/compare_results.hpp"
-#include "apps/compare/finished_problems.hpp"
+#include "apps/results/compare_records.hpp"
+#include "apps/results/compare_results.hpp"
 #include "apps/suites/suite_stages.hpp"
 #include "planning/team/team.hpp"
 
@@ -33,21 +33,55 @@ struct PreparedExperiment {
 PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment,
                            const std::vector<std::string>& only);
 
+/// How far a run is kept from all others.
+struct CompareIsolation {
+  bool is_on = true;    ///< a process each; else all in this one, for debugging
+  double grace = 60.0;  ///< s of wall clock beyond the time limit, for preparation and check
+  double memory = 8e9;  ///< bytes of address space beyond what the program holds
+};
+
+/// The one run of `--rerun`.
+struct CompareOnly {
+  std::string problem;  ///< its name as a file's
+  int number = 1;       ///< of its runs
+};
+
 struct CompareChoice {
   std::uint64_t seed = 1;     ///< of the first run of each problem; the next runs have the next seeds
   int jobs = 1;               ///< problems at the same time
   std::filesystem::path out;  ///< folder of results; plans are saved below it, maps with `keep_maps`
   std::filesystem::path shown_out = {};  ///< where it will be: the name of kept maps in results
   bool keep_maps = false;
-  FinishedProblems* finished = nullptr;  ///< is told of each problem, where there is one
+  CompareIsolation isolation = {};
+  CompareShard shard = {};
+  std::optional<CompareOnly> only = {};
 };
 
-/// Plans every problem with every planner. Each answer's path is judged by the independent check
-/// (check_path), whoever planned it. Before the time is taken, a planner is asked for the way from the start
-/// to the start, so that what it derives from a map (as our own fields) is not counted. The results do not
-/// depend on `jobs`, the times apart.
-/// @param progress called from one thread at a time with the share that is done
+/// Is told how many runs of an experiment are done, of how many; and, with the same, that time goes by.
+using CompareProgress = std::function<void(std::size_t done, std::size_t all)>;
+
+/// How many runs an experiment has for this choice, at most.
+std::size_t count_runs(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
+                       const CompareChoice& choice);
+
+/// Plans every problem with every planner, but for the runs that `records` have. Each answer's path is judged
+/// by the independent check (check_path), whoever planned it. Before the time is taken, a planner is asked
+/// for the way from the start to the start, so that what it derives from a map (as our own fields) is not
+/// counted. What is found does not depend on `jobs` and `isolation`, the times apart.
+///
+/// Each run has a process of its own (problem_server.hpp). To be called while no other thread runs but one
+/// that waits for signals: workers are forked from this one.
+/// @param index of the experiment in `records`
+/// @throws std::invalid_argument, DamagedFile or std::runtime_error when a world cannot be loaded or made, a
+/// planner refuses a robot, or a file cannot be written.
+void run_experiment(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
+                    const CompareChoice& choice, CompareRecords& records, const CompareProgress& progress);
+
+/// The same of one experiment, into memory and files below `choice.out`.
 CompareExperiment run_experiment(const Suite& suite, const PreparedExperiment& experiment,
-                                 const CompareChoice& choice, const std::function<void(double)>& progress);
+                                 const CompareChoice& choice);
+
+/// An experiment as asked, without problems.
+CompareExperiment asked_of(const PreparedExperiment& experiment);
 
 }  // namespace clearway

@@ -1,24 +1,23 @@
 #include "apps/compare/compare_team.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "apps/compare/compare_files.hpp"
 #include "apps/compare/sensed_page.hpp"
 #include "apps/compare/team_page.hpp"
 #include "apps/compare/team_result.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/stopwatch.hpp"
 #include "apps/pages/map_page.hpp"
+#include "apps/results/compare_files.hpp"
+#include "apps/results/compare_record.hpp"
 #include "apps/suites/sensed_spaces.hpp"
 #include "apps/suites/suite_teams.hpp"
 #include "apps/suites/suite_world.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
-#include "mapping/system/atomic_file.hpp"
-#include "mapping/system/parallel.hpp"
 
 namespace clearway {
 namespace {
@@ -40,10 +39,16 @@ double unseen_motion(const Team& team, const std::optional<SuiteSensing>& sensin
   return farthest;
 }
 
-/// The runs of one experiment's teams, shared out to several threads.
-class TeamRunner {
+using Kind = ProblemReply::Kind;
+using Json = nlohmann::ordered_json;
+using Files = std::map<std::string, std::string>;
+
+std::string part_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// The runs of one experiment's teams. All of a team's are one process, which draws their page, too.
+class TeamServer : public ProblemServer {
  public:
-  TeamRunner(const Suite& suite, const PreparedExperiment& experiment, const CompareChoice& choice)
+  TeamServer(const Suite& suite, const PreparedExperiment& experiment, const CompareChoice& choice)
       : experiment_(experiment),
         choice_(choice),
         world_(world_of(suite, experiment.setup)),
@@ -51,54 +56,85 @@ class TeamRunner {
         digest_(map_sha256(map_)),
         labels_(names_as_files(experiment.planners)) {}
 
-  void run(CompareExperiment& result, const std::function<void(double)>& progress) {
-    const std::size_t count = experiment_.setup.generate
-                                  ? static_cast<std::size_t>(experiment_.setup.generate->count)
-                                  : experiment_.setup.teams->teams.size();
-    result.problems.resize(count);
-    std::atomic<std::size_t> next = 0;
-    std::size_t done = 0;
-    std::mutex mutex;
-    parallel_until_false(static_cast<std::size_t>(choice_.jobs), [&] {
-      const std::size_t i = next++;
-      if (i >= count) return false;
-      result.problems[i] = run_team_number(i);
-      if (choice_.finished != nullptr)
-        choice_.finished->add(experiment_.setup.name, experiment_.planners, result.problems[i]);
-      const std::lock_guard lock(mutex);
-      progress(static_cast<double>(++done) / static_cast<double>(count));
-      return true;
-    });
+ private:
+  void open(std::size_t, const Tell& tell) override {
+    ProblemReply reply{.kind = Kind::opened};
+    for (std::size_t i = 0; i < count_teams(experiment_.setup); ++i) {
+      CompareProblem& problem = reply.problems.emplace_back();
+      problem.name = team_number(i).name;
+      problem.world = experiment_.setup.world.empty() ? "nothing" : experiment_.setup.world;
+      problem.map_sha256 = digest_;
+      problem.resolution = map_.resolution();
+    }
+    tell(reply);
   }
 
- private:
+  /// A planner whose run did not end well is left out of a second go.
+  void plan(const ProblemRequest& request, const Tell& tell) override {
+    const SuiteTeam given = team_number(*request.problem);
+    std::map<std::size_t, CompareRun> without_answer;
+    for (;;) {
+      std::vector<std::size_t> led;
+      for (std::size_t p = 0; p < experiment_.planners.size(); ++p)
+        if (!without_answer.contains(p)) led.push_back(p);
+      double wall = 0.0;
+      const IsolatedEnd end = [&] {
+        const Stopwatch watch(wall);
+        return run_isolated(
+            [&](const SendPart& send) { run_all(given, led, send); }, choice_.isolation,
+            static_cast<double>(led.size()) * experiment_.time_limit + choice_.isolation.grace);
+      }();
+      if (end.ended.empty()) return tell_all(end.parts, without_answer, tell);
+      if (end.parts.size() >= led.size())
+        throw std::runtime_error("experiment '" + experiment_.setup.name + "', team '" + given.name +
+                                 "': its page could not be made. " + end.explanation);
+      CompareRun& run = without_answer[led[end.parts.size()]];
+      run.planner = led[end.parts.size()];
+      run.seed = choice_.seed;
+      run.time = wall;
+      run.ended = end.ended;
+      run.explanation = end.explanation;
+      run.team.emplace();
+    }
+  }
+
+  /// In the order of the planners; the last part is the page's.
+  static void tell_all(const std::vector<std::string>& parts, const std::map<std::size_t, CompareRun>& others,
+                       const Tell& tell) {
+    for (const auto& [planner, run] : others) tell({.kind = Kind::run, .run = run});
+    for (const std::string& part : parts) {
+      const Json json = Json::parse(part);
+      ProblemReply reply{.kind = json.contains("run") ? Kind::run : Kind::finished};
+      json.at("files").get_to(reply.files);
+      if (json.contains("run")) reply.run = run_of_record(json.at("run"));
+      if (json.contains("page")) json.at("page").get_to(reply.page);
+      tell(reply);
+    }
+  }
+
   SuiteTeam team_number(std::size_t i) const {
     if (experiment_.setup.generate) return draw_crossing(*experiment_.setup.generate, i);
     return experiment_.setup.teams->teams[i];
   }
 
-  CompareProblem run_team_number(std::size_t i) const {
-    const SuiteTeam given = team_number(i);
+  void run_all(const SuiteTeam& given, const std::vector<std::size_t>& led, const SendPart& send) const {
     Team team = make_team(given, map_, experiment_.setup.policies);
-    CompareProblem problem;
-    problem.name = given.name;
-    problem.world = experiment_.setup.world.empty() ? "nothing" : experiment_.setup.world;
-    problem.map_sha256 = digest_;
-    problem.resolution = map_.resolution();
     ReportPage page = page_of_team(team, map_, experiment_.setup.title + ": " + given.name);
     look_from(page, map_, team.robots.front().space->robot().map_from_base.translation());
-    for (std::size_t p = 0; p < experiment_.planners.size(); ++p)
-      problem.runs.push_back(run_once(given, team, p, page));
-    if (!page.plans.empty()) {
-      const fs::path file = folder() / (name_as_file(given.name) + ".html");
-      save_file(choice_.out / file, render_report_page(page));
-      problem.page = file.string();
+    for (const std::size_t p : led) {
+      Files files;
+      const CompareRun run = run_once(given, team, p, page, files);
+      send(part_of({{"run", record_of(run)}, {"files", files}}));
     }
-    return problem;
+    Files files;
+    const std::string name = folder() / (name_as_file(given.name) + ".html");
+    if (!page.plans.empty()) files[name] = render_report_page(page);
+    send(part_of({{"page", files.empty() ? "" : name}, {"files", files}}));
   }
 
   /// One planner leads the team; what moved is saved and added to the page where it is shown.
-  CompareRun run_once(const SuiteTeam& given, Team& team, std::size_t planner, ReportPage& page) const {
+  CompareRun run_once(const SuiteTeam& given, Team& team, std::size_t planner, ReportPage& page,
+                      Files& files) const {
     const ComparePlanner& who = experiment_.planners[planner];
     const TeamOptions& options = experiment_.leaders[planner];
     const auto& sensing = experiment_.setup.teams->sensing;
@@ -124,8 +160,7 @@ class TeamRunner {
     found.time = time;
     if (experiment_.setup.generate && found.check != "refused") return found;
     const fs::path file = folder() / name_as_file(given.name) / (labels_[planner] + ".json");
-    fs::create_directories(choice_.out / file.parent_path());
-    save_file(choice_.out / file, team_json(team, run, verdict, who.planner, who.options));
+    files[file.string()] = team_json(team, run, verdict, who.planner, who.options);
     found.plan_file = file.string();
     page.plans.push_back(page_of_run(team, run, verdict, found, options.max_acceleration, who.label));
     if (spaces) show_sensed(page.plans.back(), team, run, *spaces);
@@ -161,15 +196,14 @@ Snapshot team_map(const Suite& suite, const SuiteExperiment& experiment) {
   return world.map.empty() ? make_map(world, {}) : load_map(world.map);
 }
 
-CompareExperiment run_team_experiment(const Suite& suite, const PreparedExperiment& experiment,
-                                      const CompareChoice& choice,
-                                      const std::function<void(double)>& progress) {
-  CompareExperiment result;
-  result.setup = experiment.setup;
-  result.time_limit = experiment.time_limit;
-  result.planners = experiment.planners;
-  TeamRunner(suite, experiment, choice).run(result, progress);
-  return result;
+std::size_t count_teams(const SuiteExperiment& experiment) {
+  return experiment.generate ? static_cast<std::size_t>(experiment.generate->count)
+                             : experiment.teams->teams.size();
+}
+
+std::unique_ptr<ProblemServer> make_team_server(const Suite& suite, const PreparedExperiment& experiment,
+                                                const CompareChoice& choice) {
+  return std::make_unique<TeamServer>(suite, experiment, choice);
 }
 
 }  // namespace clearway

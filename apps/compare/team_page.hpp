@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "apps/compare/compare_results.hpp"
 #include "apps/pages/report_page.hpp"
+#include "apps/results/compare_results.hpp"
 #include "planning/team/team_check.hpp"
 
 namespace clearway {

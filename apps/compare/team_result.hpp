@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/compare/compare_results.hpp"
+#include "apps/results/compare_results.hpp"
 #include "planning/team/team_check.hpp"
 
 namespace clearway {

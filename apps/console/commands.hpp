@@ -184,14 +184,20 @@ struct TagsPrintOptions {
 int run_tags_print(const TagsPrintOptions& options, Console& console);
 
 struct CompareOptions {
-  std::filesystem::path suite;
-  std::filesystem::path out;             ///< folder, created
-  std::vector<std::string> planners;     ///< only those labels or names; empty: all
-  std::vector<std::string> experiments;  ///< only those; empty: all
-  int jobs = 1;                          ///< problems at the same time
-  std::optional<std::uint64_t> seed;     ///< replaces the suite's
-  std::optional<double> time_limit;      ///< replaces all of the suite's, seconds a leg
-  bool keep_maps = false;                ///< also those that generators made
+  std::vector<std::filesystem::path> what;  ///< a suite; or `merge` and folders; or `diff` and two of them
+  std::filesystem::path out;                ///< folder, created
+  std::vector<std::string> planners;        ///< only those labels or names; empty: all
+  std::vector<std::string> experiments;     ///< only those; empty: all
+  int jobs = 1;                             ///< problems at the same time
+  std::optional<std::uint64_t> seed;        ///< replaces the suite's
+  std::optional<double> time_limit;         ///< replaces all of the suite's, seconds a leg
+  bool keep_maps = false;                   ///< also those that generators made
+  bool resume = false;                      ///< goes on with OUT.partial
+  std::string rerun;                        ///< the one run of that id; empty: all
+  int shard = 1, shards = 1;                ///< one part of several
+  bool isolate = true;                      ///< a process for each run
+  double grace = 60.0;                      ///< s beyond the time limit until a run counts as hung
+  double memory = 8.0;                      ///< GB that a run may take
 };
 int run_compare(const CompareOptions& options, Console& console);
 

@@ -18,6 +18,7 @@ class Console {
   bool quiet = false;  ///< no log, no progress; warnings and results still appear
   bool json = false;   ///< one JSON object on `out`, nothing else there
 
+  bool is_terminal() const { return is_terminal_; }
   std::istream& in() { return *in_; }
   std::ostream& out() { return *out_; }
   /// One line of log, unless quiet.

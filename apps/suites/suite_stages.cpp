@@ -179,6 +179,17 @@ std::size_t SuiteStages::size() const {
   return (count + each - 1) / each;
 }
 
+std::size_t SuiteStages::problems(std::size_t index) const {
+  if (experiment_.generate) {
+    const auto count = static_cast<std::size_t>(experiment_.generate->count);
+    const std::size_t each = generator_of(suite_, experiment_).problems_of_a_stage;
+    return std::min(each, count - std::min(count, index * each));
+  }
+  return static_cast<std::size_t>(std::count_if(
+      experiment_.problems.begin(), experiment_.problems.end(),
+      [&](const SuiteProblem& problem) { return world_name(experiment_, problem) == worlds_[index]; }));
+}
+
 SuiteStage SuiteStages::make(std::size_t index) const {
   if (index >= size()) throw std::out_of_range("a stage beyond the last one");
   if (experiment_.generate) {

@@ -39,6 +39,8 @@ class SuiteStages {
   SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
   std::size_t size() const;
+  /// How many problems a stage has, at most, without making it.
+  std::size_t problems(std::size_t index) const;
   /// Deterministic, may be called from any thread. Worlds that are made take up to some seconds each.
   /// @throws std::invalid_argument or DamagedFile when a map cannot be loaded, std::runtime_error when a
   /// generator finds no problem for this robot.

@@ -96,6 +96,11 @@ std::string painted_csv_remark(const fs::path& path, const Snapshot& map) {
   return name + " differs from the painted volumes in map.ot and is not used";
 }
 
+std::map<std::string, std::string> files_of_map(const Snapshot& map) {
+  return {{map_name, format_fused_tree(map.tree(), map.volumes(), map.seen())},
+          {painted_name, format_painted(map.volumes())}};
+}
+
 void save_map(const Snapshot& map, const fs::path& directory) {
   std::error_code error;
   fs::create_directories(directory, error);
@@ -104,8 +109,7 @@ void save_map(const Snapshot& map, const fs::path& directory) {
                              "': it is not a directory and cannot be made one");
   }
   // map.ot alone holds everything, so that a cut between the two files loses nothing.
-  save_file(directory / map_name, format_fused_tree(map.tree(), map.volumes(), map.seen()));
-  save_file(directory / painted_name, format_painted(map.volumes()));
+  for (const auto& [name, bytes] : files_of_map(map)) save_file(directory / name, bytes);
 }
 
 void export_map(const Snapshot& map, const fs::path& file) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "mapping/snapshot.hpp"
@@ -20,6 +21,9 @@ Snapshot load_map(const std::filesystem::path& path, double cloud_resolution = 0
 /// when it differs, the sentence says that it is not used. A map.ot of another program has none: then
 /// painted.csv is where they come from, and the sentence says so. Empty where there is nothing to say.
 std::string painted_csv_remark(const std::filesystem::path& path, const Snapshot& map);
+
+/// What save_map writes: each file's name and its bytes.
+std::map<std::string, std::string> files_of_map(const Snapshot& map);
 
 /// Writes DIR/map.ot and DIR/painted.csv, each to a temporary name, synced and renamed.
 /// @throws std::runtime_error naming the file that could not be written; the old file is then intact.

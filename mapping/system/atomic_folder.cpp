@@ -67,13 +67,14 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
     remove_abandoned(target_.parent_path());
     {
       const auto held = uninterrupted();
-      unpublished_ == Unpublished::kept ? make_partial() : make_staging();
+      unpublished_ == Unpublished::removed ? make_staging() : make_partial();
       unfinished_ = std::make_unique<UnfinishedWork>([this] { return end(); }, staging_);
     }
-    if (unpublished_ == Unpublished::kept) save_file(staging_ / own_files_name, "");  // says that it is ours
+    if (unpublished_ != Unpublished::removed)
+      save_file(staging_ / own_files_name, "");  // says that it is ours
     if (existed_) kept_.update(target_, staging_, is_ours_);
   } catch (...) {
-    remove_staging();
+    if (finished_.empty()) remove_staging();
     throw;
   }
 }
@@ -111,10 +112,16 @@ void AtomicFolder::make_partial() {
   const fs::path name = target_.string() + ".partial";
   std::error_code error;
   if (fs::exists(fs::symlink_status(name, error))) {
-    const FileDescriptor older = open_to_read(name);
+    FileDescriptor older = open_to_read(name);
     if (!is_own_folder(name) || !was_left_by_us(name))
       fail_to_write(folder_, "it is made as '" + name.string() + "', which is in the way");
     if (!lock(older, false)) fail_to_write(folder_, "another process writes '" + name.string() + "'");
+    if (unpublished_ == Unpublished::continued) {
+      lock_ = std::move(older);
+      finished_ = "what an earlier one finished is";
+      staging_ = name;
+      return;
+    }
     remove_tree(name);
   }
   if (::mkdir(name.c_str(), 0700) != 0) fail_to_write(folder_);

@@ -13,7 +13,8 @@ namespace clearway {
 /// What becomes of an AtomicFolder that was not published.
 enum class Unpublished {
   removed,  ///< it is removed
-  kept      ///< it stays as `FOLDER.partial`, for a person to look at, until the next one of that name begins
+  kept,     ///< it stays as `FOLDER.partial`, for a person to look at, until the next one of that name begins
+  continued  ///< as kept, and goes on with what an earlier one left there
 };
 
 /// A folder of files that appears under its name whole or not at all. It is filled beside its place (path())

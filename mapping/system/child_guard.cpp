@@ -62,10 +62,10 @@ void let_go_of_handlers() {
 
 }  // namespace
 
-void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
-  if (guard.parent != 0) {
+void leave_parent(std::initializer_list<int*> kept, pid_t parent, int nowhere) {
+  if (parent != 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != guard.parent) ::_exit(0);  // it went before the line above
+    if (::getppid() != parent) ::_exit(0);  // it went before the line above
   }
   let_go_of_handlers();
   std::vector<int> numbers;
@@ -74,9 +74,13 @@ void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
     if (*descriptor < 0) ::_exit(0);
     numbers.push_back(*descriptor);
   }
-  const int nowhere = ::open("/dev/null", O_RDWR);
+  if (nowhere < 0) nowhere = ::open("/dev/null", O_RDWR);
   for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, stream);
   close_all_but(std::move(numbers));
+}
+
+void guard_child(std::initializer_list<int*> kept, const ChildGuard& guard) {
+  leave_parent(kept, guard.parent);
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   ::setrlimit(RLIMIT_FSIZE, &none);

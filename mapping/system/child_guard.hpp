@@ -19,6 +19,13 @@ struct ChildGuard {
   pid_t parent = 0;
 };
 
+/// Takes from a forked process the parent's signal handlers, terminal and files (but `kept`): for one that
+/// goes on with work of ours. SIGPIPE is ignored, as is what the parent ignores. It dies with the thread of
+/// `parent` that forked. To be called in it alone, first thing.
+/// @param kept as of guard_child
+/// @param nowhere /dev/null, opened by the parent; -1: it is opened here
+void leave_parent(std::initializer_list<int*> kept, pid_t parent, int nowhere = -1);
+
 /// Takes from a forked child the parent's signal handlers, terminal and files (but `kept`), core dumps,
 /// writing files, and what the guard does not allow. SIGPIPE is ignored, as is what the parent ignores. To be
 /// called in the child alone, first thing.

@@ -21,7 +21,7 @@ namespace clearway {
 namespace {
 
 // What a child sends is cut into messages: a mark, the count of bytes that follow, and the bytes.
-enum class Mark : char { part = 'P', failure = 'F', end = 'E' };
+enum class Mark : char { part = 'P', memory = 'M', failure = 'F', end = 'E' };
 struct MessageHead {
   Mark mark = Mark::part;
   std::uint64_t size = 0;
@@ -45,7 +45,7 @@ void send(int pipe, Mark mark, std::string_view text) {
     work([pipe](std::string_view part) { send(pipe, Mark::part, part); });
     send(pipe, Mark::end, "");
   } catch (const std::bad_alloc&) {
-    send(pipe, Mark::failure, too_much_memory);
+    send(pipe, Mark::memory, too_much_memory);
   } catch (const std::exception& error) {
     send(pipe, Mark::failure, error.what());
   } catch (...) {
@@ -85,7 +85,8 @@ void read_messages(std::string_view received, ChildOutcome& outcome) {
     const std::string_view text = received.substr(0, head.size);
     received.remove_prefix(head.size);
     if (head.mark == Mark::part) outcome.parts.emplace_back(text);
-    if (head.mark == Mark::failure) outcome.failure = text;
+    if (head.mark == Mark::failure || head.mark == Mark::memory) outcome.failure = text;
+    if (head.mark == Mark::memory) outcome.is_out_of_memory = true;
     if (head.mark == Mark::end) outcome.finished = true;
   }
 }
@@ -113,6 +114,8 @@ ChildOutcome run_in_child(const PartedWork& work, const ChildLimits& limits) {
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   ChildOutcome outcome;
+  outcome.status = status;
+  outcome.is_late = stopped == too_long(limits) || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU);
   read_messages(received, outcome);
   std::size_t size = 0;
   for (const std::string& part : outcome.parts) size += part.size();
@@ -120,10 +123,8 @@ ChildOutcome run_in_child(const PartedWork& work, const ChildLimits& limits) {
     outcome.finished = false;
     outcome.failure = stopped.empty() ? too_large : stopped;
   }
-  if (!outcome.finished && outcome.failure.empty()) {
-    const bool out_of_time = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
-    outcome.failure = out_of_time ? too_long(limits) : "its reader crashed";
-  }
+  if (!outcome.finished && outcome.failure.empty())
+    outcome.failure = outcome.is_late ? too_long(limits) : "its reader crashed";
   return outcome;
 }
 

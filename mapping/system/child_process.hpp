@@ -20,6 +20,9 @@ struct ChildOutcome {
   bool finished = false;           ///< `work` returned and its whole output arrived
   std::vector<std::string> parts;  ///< of the output; when it did not finish: those that arrived whole
   std::string failure;             ///< otherwise: why, in a few words
+  int status = 0;                  ///< how the process ended, as waitpid has it
+  bool is_late = false;            ///< it was ended because its seconds were over
+  bool is_out_of_memory = false;   ///< `work` let std::bad_alloc through
 };
 
 /// Takes a part of the output out of the child.

@@ -126,6 +126,7 @@ void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& r
     if (present == source) return;
     ::unlink((to / relative).c_str());  // replaced by its owner
   } else if (present != 0) {
+    if (present == source) inodes_[relative] = source;  // linked by an earlier one that did not end
     return;
   }
   make_folders(from, to, relative.parent_path());

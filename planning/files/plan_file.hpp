@@ -58,6 +58,9 @@ std::string to_json(const Plan& plan);
 /// @throws std::invalid_argument naming file, field and what was expected.
 Plan load_plan(const std::filesystem::path& file);
 
+/// The same from text, as to_json makes it; `name` is what complaints call it: "plan file p.json".
+Plan parse_plan(const std::string& text, const std::string& name);
+
 /// Waypoints as CSV with a header of joint names.
 std::string to_csv(const Plan& plan);
 

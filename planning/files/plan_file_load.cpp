@@ -138,4 +138,10 @@ Plan load_plan(const std::filesystem::path& file) {
   return read_plan(JsonField(json, "plan file " + plain(file.string())));
 }
 
+Plan parse_plan(const std::string& text, const std::string& name) {
+  require_json(text, name);
+  const Json json = Json::parse(text);
+  return read_plan(JsonField(json, name));
+}
+
 }  // namespace clearway

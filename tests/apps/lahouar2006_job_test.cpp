@@ -18,8 +18,7 @@ CompareExperiment run_of(const std::string& name, const std::filesystem::path& o
     if (experiment.name != name) continue;
     SuiteExperiment plain = experiment;
     plain.plots.clear();
-    return run_experiment(suite, prepare(suite, plain, {}), {.seed = 1, .jobs = 2, .out = out},
-                          [](double) {});
+    return run_experiment(suite, prepare(suite, plain, {}), {.seed = 1, .jobs = 2, .out = out});
   }
   throw std::logic_error("no experiment " + name);
 }

@@ -31,8 +31,8 @@ std::vector<CompareRun> runs_of(const std::string& name, const std::string& plan
   SuiteExperiment experiment = experiment_of(suite, name);
   if (change) change(experiment);
   std::filesystem::create_directories(out);
-  const CompareExperiment done = run_experiment(suite, prepare(suite, experiment, {planner}),
-                                                {.seed = 1, .jobs = 2, .out = out}, [](double) {});
+  const CompareExperiment done =
+      run_experiment(suite, prepare(suite, experiment, {planner}), {.seed = 1, .jobs = 2, .out = out});
   std::vector<CompareRun> runs;
   for (const CompareProblem& problem : done.problems) {
     EXPECT_TRUE(std::filesystem::exists(out / problem.page));

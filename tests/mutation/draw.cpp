@@ -51,7 +51,7 @@ constexpr const char* deciding[] = {"mapping/voxels/voxel_state",
                                     "tracking/tag_pose",
                                     "tracking/uncertain_pose",
                                     "datasets/sources/pose_stream",
-                                    "apps/compare/compare_summary",
+                                    "apps/results/compare_summary",
                                     "apps/compare/team_result"};
 
 std::string printed(std::string text) {

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "apps/compare/compare_columns.hpp"
+#include "apps/results/compare_columns.hpp"
 #include "planning/problem/path_cost.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/run_command.hpp"

@@ -191,5 +191,33 @@ TEST(AtomicFolder, KeptWorkHasANameAndMakesWayForTheNext) {
   EXPECT_TRUE(fs::exists(partial));
 }
 
+TEST(AtomicFolder, ContinuedWorkGoesOnWithWhatIsThereAndLosesNothing) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out", partial = folder / "out.partial";
+  publish(out, {{"a.txt", "old"}});
+  write_file(out / "mine.dat", "of a person");
+  {
+    AtomicFolder first(out, text_is_ours, Unpublished::continued);  // nothing there: begins
+    EXPECT_EQ(first.what_is_left(), "");
+    save_file(first.path() / "b.txt", "half");
+    first.note_progress("1 problem is");
+  }
+  for (int times = 0; times < 2; ++times) {  // given up at once, it stays
+    const AtomicFolder next(out, text_is_ours, Unpublished::continued);
+    EXPECT_NE(next.what_is_left(), "");
+    EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::continued), std::runtime_error);
+    EXPECT_EQ(content(partial).at("b.txt"), "half");
+  }
+  {
+    AtomicFolder last(out, text_is_ours, Unpublished::continued);
+    EXPECT_EQ(content(last.path()).at("b.txt"), "half");
+    save_file(last.path() / "c.txt", "rest");
+    last.publish();
+  }
+  EXPECT_EQ(content(out), (Content{{"b.txt", "half"}, {"c.txt", "rest"}, {"mine.dat", "of a person"}}));
+  publish(out, {{"d.txt", "next"}});  // what a person put there is not taken for ours
+  EXPECT_EQ(content(out), (Content{{"d.txt", "next"}, {"mine.dat", "of a person"}}));
+}
+
 }  // namespace atomic_folder_test
 }  // namespace clearway

@@ -1,9 +1,11 @@
-// What to_html (apps/compare/compare_page.cpp) writes into the page.
+// What to_html (apps/results/compare_page.cpp) writes into the page.
 
-/// As summary_json (apps/compare/compare_summary.cpp) writes it.
+/// As summary_json (apps/results/compare_summary.cpp) writes it.
 export interface Planner {
   label: string; planner: string; options: Record<string, string>; certified: boolean;
   solved: number; valid: number; total: number;
+  valid_share_95: [number, number];                         // Wilson's interval
+  cpu_median_s: number | null;                              // of solved runs; null: of teams
   time_median_s: number | null; time_p95_s: number | null;  // of solved runs
   cost_median_joules: number | null; length_median_rad: number | null; steps_median: number | null;  // of valid runs
   unsolved: Record<string, number>;                         // by status
@@ -12,18 +14,27 @@ export interface Planner {
 export interface Run {
   planner: number; problem: number; run: number;
   status: string; check: string;
-  time: number; cost: number;  // s, J
+  time: number; cpu: number; cost: number;  // s, s, J
+  id: string;                  // for --rerun
   explanation?: string;        // of a run that is not solved, or not valid
 }
 
 export interface Profile { planner: number; waypoints: number[][] }
+
+/// As paired_planners (apps/results/compare_statistics.cpp) finds it: the first planner against the second.
+export interface Figure { problems: number; ratio: number; p: number }
+export interface Pair {
+  first: number; second: number; firstMore: number; secondMore: number; successP: number;
+  cpu: Figure; cost: Figure; words: string;
+}
 
 export interface Experiment {
   name: string; title: string; paper: string; notes: string; conditions: string;
   timeLimit: number | null;                 // s a leg; null: none
   joints: string[]; prismatic: boolean[]; plots: string[];
   planners: Planner[]; problems: string[]; runs: Run[]; profiles: Profile[];
-  pages: { name: string; file: string }[];  // animations, beside the page
+  pairs: Pair[];                            // of single robots
+  pages: { name: string; file: string; problem: number }[];  // animations, beside the page
   table: string[][] | null;                 // of teams: a header, then a row for each planner
 }
 

@@ -19,7 +19,7 @@ export function timeChart(experiment: Experiment): Chart | null {
     const times = timesOf[p], shares = times.map((_, i) => 100 * (i + 1) / planner.total);
     return { name: planner.label, color: p, steps: true, x: [first, ...times, last], y: [0, ...shares, shares.at(-1) ?? 0] };
   });
-  return new Chart({ title: "Solved and valid within a time", x: "planning time, s", y: "runs, %", logX: true,
+  return new Chart({ title: "Success against deadline: solved and valid within a time", x: "planning time, s", y: "runs, %", logX: true,
                      xRange: [first, last], yRange: [0, 104], lines });
 }
 

@@ -2,11 +2,12 @@
 
 import { el } from "../dom";
 import { colorOf, plain, type Chart } from "./chart";
-import { isValid, type Experiment, type Planner } from "./data";
+import { isValid, type Experiment, type Figure, type Planner, type Run } from "./data";
+import { sortable } from "./sortable";
 import { costScatter, profileCharts, timeChart, widthCharts } from "./plots";
 
 const statusWords: Record<string, string> = {
-  start_invalid: "start invalid", goal_invalid: "goal invalid", no_path: "no path", timed_out: "timed out",
+  start_invalid: "start invalid", goal_invalid: "goal invalid", no_path: "no path", timed_out: "timed out", out_of_memory: "out of memory",
 };
 const seconds = (value: number | null) => value === null ? "–" : value < 1e-3 ? `${plain(Number((value * 1e6).toPrecision(3)))} µs`
   : value < 1 ? `${plain(Number((value * 1e3).toPrecision(3)))} ms` : `${plain(Number(value.toPrecision(3)))} s`;
@@ -22,22 +23,68 @@ function bar(planner: Planner): HTMLElement {
     el("i", { class: "valid", style: share(planner.valid) }), el("i", { class: "invalid", style: share(planner.solved - planner.valid) }));
 }
 
+/// The 3D page of a problem, where there is one.
+function linked(experiment: Experiment, problem: number): HTMLElement | string {
+  const name = experiment.problems[problem], page = experiment.pages.find((each) => each.problem === problem);
+  return page ? el("a", { href: page.file, title: "in 3D" }, name) : name;
+}
+
+function boxed(label: string, inner: HTMLElement): HTMLElement {
+  return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": label }, inner);
+}
+
+const cell = (text: string, value: number | null) => el("td", value === null ? { class: "number" } : { class: "number", "data-value": String(value) }, text);
+const share = (value: number) => (100 * value).toFixed(value > 0 && value < 1 ? 1 : 0);
+
 function table(experiment: Experiment): HTMLElement {
-  const head = ["planner", "runs", "solved / valid / total", "time, median", "time, p95", "cost, J", "length, rad", "steps", "not solved"];
-  const numeric = new Set([2, 3, 4, 5, 6, 7]);
+  const head = ["planner", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95", "cost, J", "length, rad", "steps", "not solved"];
   const rows = experiment.planners.map((planner, p) => {
     const options = Object.entries(planner.options).map(([key, value]) => `${key} = ${value}`).join("\n");
     const name = el("span", { title: `${planner.planner}\n${options}` }, planner.label);
     const swatch = el("i", { class: "swatch", style: `background:${colorOf(p)}`, "data-color": String(p) });
     const promise = planner.certified ? [] : [el("small", { class: "uncertified", title: "This planner does not prove its edges" }, "not certified")];
-    const broken = planner.valid < planner.solved;
-    return el("tr", {}, el("td", { class: "planner" }, swatch, name, ...promise), el("td", { class: "runs" }, bar(planner)),
-      el("td", { class: `number${broken ? " bad" : ""}` }, `${planner.solved} / ${planner.valid} / ${planner.total}`),
-      ...[seconds(planner.time_median_s), seconds(planner.time_p95_s), figure(planner.cost_median_joules), figure(planner.length_median_rad), figure(planner.steps_median, 6)].map((text) => el("td", { class: "number" }, text)),
-      el("td", {}, unsolved(planner)));
+    const [low, high] = planner.valid_share_95, success = planner.valid / Math.max(planner.total, 1);
+    return el("tr", {}, el("td", { class: "planner", "data-value": String(p) }, swatch, name, ...promise), el("td", { class: "runs", "data-value": String(planner.valid) }, bar(planner)),
+      el("td", { class: `number${planner.valid < planner.solved ? " bad" : ""}`, "data-value": String(planner.solved) }, `${planner.solved} / ${planner.valid} / ${planner.total}`),
+      cell(`${share(success)} (${share(low)}–${share(high)})`, success),
+      ...[planner.time_median_s, planner.cpu_median_s, planner.time_p95_s].map((value) => cell(seconds(value), value)),
+      cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
+      cell(figure(planner.steps_median, 6), planner.steps_median), el("td", {}, unsolved(planner)));
   });
-  return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": experiment.name },
-    el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", numeric.has(i) ? { class: "number" } : {}, name)))), el("tbody", {}, ...rows)));
+  return boxed(experiment.name, sortable(head, new Set([2, 3, 4, 5, 6, 7, 8, 9]), rows));
+}
+
+/// Each pair of planners on the problems that both had.
+function pairs(experiment: Experiment): HTMLElement | null {
+  if (experiment.pairs.length === 0 || experiment.problems.length < 3) return null;
+  const label = (p: number) => experiment.planners[p].label;
+  const p = (value: number) => value < 1e-4 ? "< 0.0001" : plain(Number(value.toPrecision(2)));
+  const ratio = (of: Figure) => of.problems === 0 ? [cell("–", null), cell("–", null)] : [cell(`× ${plain(Number(of.ratio.toPrecision(3)))}`, of.ratio), cell(p(of.p), of.p)];
+  const rows = experiment.pairs.map((pair) => el("tr", {}, el("td", {}, `${label(pair.first)} : ${label(pair.second)}`),
+    cell(`${pair.firstMore} : ${pair.secondMore}`, pair.firstMore - pair.secondMore), cell(p(pair.successP), pair.successP),
+    ...ratio(pair.cpu), ...ratio(pair.cost), el("td", { class: "why" }, pair.words)));
+  const head = ["planners", "solves more", "p (sign)", "CPU", "p (rank)", "cost", "p (rank)", "in words"];
+  return el("details", experiment.pairs.length <= 6 ? { open: "", class: "pairs" } : { class: "pairs" }, el("summary", {}, `Paired comparisons: ${experiment.pairs.length}`),
+    el("p", { class: "note" }, "Problem by problem, the first planner against the second; each problem counts once, by the median of its seeds. \"Solves more\" counts problems of which one has more valid runs; CPU and cost are of problems that both solve. p is how probable a difference as large would be if neither were better (sign test; Wilcoxon's signed-rank test), corrected for the number of pairs (Holm): below 0.05 the words call it a difference."),
+    boxed(`pairs of ${experiment.name}`, sortable(head, new Set([1, 2, 3, 4, 5, 6]), rows)));
+}
+
+/// Of each planner the valid runs that are worst: slowest, and dearest against the best path for that problem.
+function worst(experiment: Experiment): HTMLElement | null {
+  const best = new Map<number, number>(), valid = experiment.runs.filter(isValid);
+  for (const run of valid) best.set(run.problem, Math.min(best.get(run.problem) ?? Infinity, run.cost));
+  const excess = (run: Run) => best.get(run.problem)! > 0 ? run.cost / best.get(run.problem)! : 1;
+  const most = (runs: Run[], of: (run: Run) => number) => runs.reduce((a, b) => of(b) > of(a) ? b : a);
+  const rows = experiment.planners.flatMap((planner, p) => {
+    const own = valid.filter((run) => run.planner === p);
+    if (own.length < 3) return [];
+    const row = (what: string, run: Run) => el("tr", {}, el("td", {}, planner.label), el("td", {}, what), el("td", {}, linked(experiment, run.problem)),
+      cell(seconds(run.time), run.time), cell(seconds(run.cpu), run.cpu), cell(figure(run.cost), run.cost), cell(`× ${plain(Number(excess(run).toPrecision(3)))}`, excess(run)), el("td", { class: "id" }, run.id));
+    return [row("slowest", most(own, (run) => run.time)), row("dearest", most(own, excess))];
+  });
+  if (rows.length === 0) return null;
+  const head = ["planner", "worst", "problem", "time", "CPU", "cost, J", "of the best", "run"];
+  return el("details", {}, el("summary", {}, "Worst cases"), boxed(`worst cases of ${experiment.name}`, sortable(head, new Set([3, 4, 5, 6]), rows)));
 }
 
 function legend(): HTMLElement {
@@ -56,11 +103,11 @@ function failures(experiment: Experiment): HTMLElement | null {
   if (failed.length === 0) return null;
   const shown = failed.slice(0, 300);
   const word = (status: string, check: string) => status === "solved" ? `solved, ${check}` : statusWords[status] ?? status;
-  const rows = shown.map((run) => el("tr", {}, el("td", {}, experiment.problems[run.problem]), el("td", {}, experiment.planners[run.planner].label),
-    el("td", { class: "bad" }, word(run.status, run.check)), el("td", { class: "why" }, run.explanation ?? "")));
+  const rows = shown.map((run) => el("tr", {}, el("td", {}, linked(experiment, run.problem)), el("td", {}, experiment.planners[run.planner].label),
+    el("td", { class: "bad" }, word(run.status, run.check)), el("td", { class: "why" }, run.explanation ?? ""), el("td", { class: "id" }, run.id)));
   const rest = failed.length > shown.length ? [el("p", { class: "note" }, `${failed.length - shown.length} more are in results.csv.`)] : [];
   return el("details", failed.length <= 12 ? { open: "" } : {}, el("summary", {}, `Runs without a valid path: ${failed.length} of ${experiment.runs.length}`),
-    el("div", { class: "table-box" }, el("table", {}, el("thead", {}, el("tr", {}, ...["problem", "planner", "answer", "explanation"].map((name) => el("th", {}, name)))), el("tbody", {}, ...rows))), ...rest);
+    boxed(`failures of ${experiment.name}`, sortable(["problem", "planner", "answer", "explanation", "run"], new Set(), rows)), ...rest);
 }
 
 /// Of teams: what the program prints.
@@ -96,6 +143,6 @@ export function section(experiment: Experiment, number: number): { element: HTML
   }
   const parts = [el("h2", {}, experiment.title || experiment.name), el("p", { class: "conditions" }, experiment.conditions),
                  ...(experiment.table ? [teamTable(experiment, experiment.table)] : [table(experiment), legend()]),
-                 animations(experiment), sayings(experiment), el("div", { class: "charts" }, ...figures), failures(experiment)];
+                 animations(experiment), sayings(experiment), el("div", { class: "charts" }, ...figures), pairs(experiment), worst(experiment), failures(experiment)];
   return { element: el("section", { id: `e${number}` }, ...parts.filter((part) => part !== null)), charts };
 }

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/compare/compare_results.hpp"
+#include "apps/results/compare_results.hpp"
 #include "mapping/system/number_text.hpp"
 
 namespace clearway {
@@ -16,8 +16,10 @@ constexpr std::array ompl_statuses = {"Unknown status",         "Invalid start",
                                       "Unrecognized goal type", "Timeout",       "Approximate solution",
                                       "Exact solution",         "Crash",         "Abort"};
 
-int ompl_status(PlanStatus status) {
-  switch (status) {
+int ompl_status(const CompareRun& run) {
+  if (run.ended == "hung") return 4;
+  if (!run.ended.empty()) return 7;
+  switch (run.status) {
     case PlanStatus::solved:
       return 6;
     case PlanStatus::start_invalid:
@@ -60,7 +62,7 @@ std::string run_line(const CompareRun& run, std::size_t problem) {
   const std::array values = {to_text(run.time),
                              std::to_string(run.is_solved()),
                              run.is_solved() ? std::to_string(run.is_valid()) : std::string(),
-                             std::to_string(ompl_status(run.status)),
+                             std::to_string(ompl_status(run)),
                              run.is_solved() ? to_text(run.length) : std::string(),
                              run.is_solved() ? to_text(run.cost) : std::string(),
                              run.is_valid() ? to_text(run.min_clearance) : std::string(),

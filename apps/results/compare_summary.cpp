@@ -1,4 +1,4 @@
-#include "apps/compare/compare_summary.hpp"
+#include "apps/results/compare_summary.hpp"
 
 #include <cmath>
 #include <limits>
@@ -6,6 +6,7 @@
 
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/quantile.hpp"
+#include "apps/results/compare_statistics.hpp"
 
 namespace clearway {
 namespace {
@@ -31,7 +32,7 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
         sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
       }
       if (!run.is_solved()) {
-        ++sum.unsolved[std::string(to_string(run.status))];
+        ++sum.unsolved[run.outcome()];
         continue;
       }
       ++sum.solved;
@@ -60,6 +61,7 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
 Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
   const ComparePlanner& who = experiment.planners[planner];
   const CompareSummary sum = summary(experiment, planner);
+  const auto interval = wilson_interval(sum.valid, sum.total);
   const auto of_teams = [&](const Json& value) { return experiment.setup.teams ? value : Json(nullptr); };
   const auto of_planners = [&](const Json& value) { return experiment.setup.teams ? Json(nullptr) : value; };
   return {{"label", who.label},
@@ -69,6 +71,7 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"solved", sum.solved},
           {"valid", sum.valid},
           {"total", sum.total},
+          {"valid_share_95", {interval.first, interval.second}},
           {"refused", sum.refused},
           {"time_median_s", number_or_null(sum.time_median)},
           {"time_p95_s", number_or_null(sum.time_p95)},

@@ -1,13 +1,13 @@
-#include "apps/compare/compare_results.hpp"
+#include "apps/results/compare_results.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/compare/compare_columns.hpp"
-#include "apps/compare/compare_summary.hpp"
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/results/compare_columns.hpp"
+#include "apps/results/compare_summary.hpp"
 #include "mapping/system/number_text.hpp"
 
 namespace clearway {

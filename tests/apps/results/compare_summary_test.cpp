@@ -1,4 +1,4 @@
-#include "apps/compare/compare_summary.hpp"
+#include "apps/results/compare_summary.hpp"
 
 #include <gtest/gtest.h>
 

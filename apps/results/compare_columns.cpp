@@ -1,4 +1,4 @@
-#include "apps/compare/compare_columns.hpp"
+#include "apps/results/compare_columns.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,8 +30,7 @@ std::vector<RunColumn> common_columns() {
       {"options", "TEXT",
        [](const Run&, const Who& who) -> Cell { return nlohmann::ordered_json(who.options).dump(); }},
       {"certified", "INTEGER", [](const Run&, const Who& who) -> Cell { return whole(who.certified); }},
-      {"status", "TEXT",
-       [](const Run& run, const Who&) -> Cell { return std::string(to_string(run.status)); }},
+      {"status", "TEXT", [](const Run& run, const Who&) -> Cell { return run.outcome(); }},
       {"solved", "INTEGER", [](const Run& run, const Who&) -> Cell { return whole(run.is_solved()); }},
       {"valid", "INTEGER", [](const Run& run, const Who&) -> Cell { return whole(run.is_valid()); }},
       {"check", "TEXT", [](const Run& run, const Who&) -> Cell { return run.check; }},

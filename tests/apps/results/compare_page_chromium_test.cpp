@@ -30,6 +30,9 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
     EXPECT_NE(dom.find("not certified"), std::string::npos);
     EXPECT_NE(dom.find("What a paper says."), std::string::npos);
     EXPECT_NE(dom.find("The start is not free"), std::string::npos) << "a failed run explains itself";
+    EXPECT_NE(dom.find("66.7 (30.0–90.3)"), std::string::npos) << "Wilson's interval of 4 of 6";
+    EXPECT_NE(dom.find("Paired comparisons: 6"), std::string::npos);
+    EXPECT_NE(dom.find("round/there_and_back/coarse-1"), std::string::npos) << "what --rerun takes";
     std::size_t canvases = 0;
     for (std::size_t at = 0; (at = dom.find("<canvas", at)) != std::string::npos; ++at) ++canvases;
     EXPECT_EQ(canvases, 8U);

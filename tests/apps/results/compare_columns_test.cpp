@@ -11,7 +11,7 @@
 #include <numeric>
 #include <set>
 
-#include "apps/compare/compare_columns.hpp"
+#include "apps/results/compare_columns.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {

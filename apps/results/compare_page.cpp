@@ -1,9 +1,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/compare/compare_summary.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/pages/page_template.hpp"
+#include "apps/results/compare_files.hpp"
+#include "apps/results/compare_statistics.hpp"
+#include "apps/results/compare_summary.hpp"
 #include "apps/viewer/page_templates.hpp"
 
 namespace clearway {
@@ -11,13 +13,37 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json run_json(const CompareRun& run, std::size_t problem) {
-  Json json{
-      {"planner", run.planner}, {"problem", problem}, {"run", run.number}, {"status", to_string(run.status)},
-      {"check", run.check},     {"time", run.time},   {"cost", run.cost}};
+Json run_json(const CompareExperiment& experiment, const CompareRun& run, std::size_t problem) {
+  Json json{{"planner", run.planner},
+            {"problem", problem},
+            {"run", run.number},
+            {"status", run.outcome()},
+            {"check", run.check},
+            {"time", run.time},
+            {"cpu", run.cpu},
+            {"cost", run.cost},
+            {"id", run_id(experiment, experiment.problems[problem], run)}};
   if (!run.is_valid())
     json["explanation"] = run.is_solved() && !run.contact.empty() ? run.contact : run.explanation;
   return json;
+}
+
+Json figure_json(const PairedFigure& figure) {
+  return {{"problems", figure.problems}, {"ratio", figure.ratio}, {"p", figure.p}};
+}
+
+Json pairs_json(const CompareExperiment& experiment) {
+  Json pairs = Json::array();
+  for (const PairedPlanners& pair : paired_planners(experiment))
+    pairs.push_back({{"first", pair.first},
+                     {"second", pair.second},
+                     {"firstMore", pair.first_more},
+                     {"secondMore", pair.second_more},
+                     {"successP", pair.success_p},
+                     {"cpu", figure_json(pair.cpu)},
+                     {"cost", figure_json(pair.cost)},
+                     {"words", pair.words}});
+  return pairs;
 }
 
 Json profile_json(const CompareProfile& profile) {
@@ -35,8 +61,9 @@ std::string counted(std::size_t count, const std::string& what) {
 /// Where the animations are, in words and as files below the folder of results.
 Json pages_json(const CompareExperiment& experiment) {
   Json pages = Json::array();
-  for (const CompareProblem& problem : experiment.problems)
-    if (!problem.page.empty()) pages.push_back({{"name", problem.name}, {"file", problem.page}});
+  for (std::size_t i = 0; i < experiment.problems.size(); ++i)
+    if (const CompareProblem& problem = experiment.problems[i]; !problem.page.empty())
+      pages.push_back({{"name", problem.name}, {"file", problem.page}, {"problem", i}});
   return pages;
 }
 
@@ -84,7 +111,7 @@ Json experiment_json(const CompareExperiment& experiment) {
     planners.push_back(summary_json(experiment, i));
   for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
     problems.push_back(experiment.problems[i].name);
-    for (const CompareRun& run : experiment.problems[i].runs) runs.push_back(run_json(run, i));
+    for (const CompareRun& run : experiment.problems[i].runs) runs.push_back(run_json(experiment, run, i));
   }
   for (const CompareProfile& profile : experiment.profiles) profiles.push_back(profile_json(profile));
   return {{"name", experiment.setup.name},
@@ -100,6 +127,7 @@ Json experiment_json(const CompareExperiment& experiment) {
           {"problems", problems},
           {"runs", runs},
           {"profiles", profiles},
+          {"pairs", pairs_json(experiment)},
           {"pages", pages_json(experiment)},
           {"table", experiment.setup.teams ? Json(summary_table(experiment)) : Json(nullptr)}};
 }
@@ -115,8 +143,10 @@ std::string to_html(const CompareResults& results) {
       {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date + ", on " +
                     results.host + " (" + results.processor + "), " +
                     counted(static_cast<std::size_t>(results.jobs), "problem") +
-                    " at a time. Times are wall-clock, of solved runs; cost, length and steps are medians "
-                    "of valid runs. Every path was judged by the independent check, whoever planned it."},
+                    " at a time. Times are of solved runs; cost, length and steps are medians "
+                    "of valid runs. Every path was judged by the independent check, whoever planned it. "
+                    "To repeat a run and see it in 3D: clearway compare " +
+                    results.file + " --rerun ID --out DIR."},
       {"experiments", Json::array()}};
   for (const CompareExperiment& experiment : results.experiments) {
     page["experiments"].push_back(experiment_json(experiment));

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "apps/compare/compare_columns.hpp"
 #include "apps/console/number_or_null.hpp"
+#include "apps/results/compare_columns.hpp"
 #include "mapping/system/atomic_file.hpp"
 
 namespace clearway {

@@ -43,6 +43,7 @@ struct CompareRun {
   int number = 1;           ///< of the runs of this problem, from 1
   std::uint64_t seed = 1;
   PlanStatus status = PlanStatus::no_path;
+  std::string ended;  ///< "crashed", "hung" or "out_of_memory" where there is no answer (problem_server.hpp)
   std::string explanation;
   std::size_t legs = 0;        ///< solved
   std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check;
@@ -63,8 +64,10 @@ struct CompareRun {
   std::optional<CompareMotion> motion;       ///< of a valid path as time_parameterize times it, or of a team
   std::optional<CompareTeamRun> team;        ///< teams: then min_clearance is the least separation
 
-  bool is_solved() const { return status == PlanStatus::solved; }
+  bool is_solved() const { return ended.empty() && status == PlanStatus::solved; }
   bool is_valid() const { return is_solved() && check == "valid"; }
+  /// What tables and the database show.
+  std::string outcome() const { return ended.empty() ? std::string(to_string(status)) : ended; }
 };
 
 struct CompareProblem {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 
-#include "apps/compare/compare_results.hpp"
+#include "apps/results/compare_results.hpp"
 
 namespace clearway {
 

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "apps/compare/compare_results.hpp"
+#include "apps/results/compare_results.hpp"
 
 namespace clearway {
 

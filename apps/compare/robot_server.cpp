@@ -1,0 +1,293 @@
+#include "apps/compare/robot_server.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "apps/console/stopwatch.hpp"
+#include "apps/pages/map_page.hpp"
+#include "apps/results/compare_columns.hpp"
+#include "apps/results/compare_files.hpp"
+#include "apps/results/compare_record.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/maps/map_damage.hpp"
+#include "mapping/maps/map_integration.hpp"
+#include "mapping/system/thread_time.hpp"
+#include "planning/path/any_angle.hpp"
+#include "planning/path/path_pieces.hpp"
+#include "planning/path/trajectory.hpp"
+#include "planning/plan_and_check.hpp"
+#include "planning/space/joint_weights.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = ProblemReply::Kind;
+
+std::string verdict_of(const Plan& plan) {
+  if (plan.validation.valid) return "valid";
+  if (plan.waypoints().empty()) return "none";
+  return plan.validation.undecided ? "undecided" : "refused";
+}
+
+/// For Chong 2008, eq. 9, edges are cut into pieces of at most that, rad (m): so paths of few long edges and
+/// of many short ones are judged alike, whatever their planner reckons.
+constexpr double cost_step = 0.05;
+
+/// Nothing for a motion that lasts too long to be sampled.
+std::optional<CompareMotion> motion_of(const Robot& robot, const std::vector<Configuration>& path) try {
+  const Trajectory trajectory = time_parameterize(robot, path);
+  const LimitShares shares = limit_shares(robot, trajectory);
+  return CompareMotion{trajectory.points.back().time, shares.velocity, shares.acceleration};
+} catch (const std::invalid_argument&) {
+  return std::nullopt;
+}
+
+/// rad per metre that the planner was given; 0, automatic, where it was given none.
+double given_prismatic_scale(const Plan& plan) {
+  const auto found = plan.options.find("prismatic_scale");
+  double scale = 0.0;
+  if (found != plan.options.end())
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), scale);
+  return scale;
+}
+
+/// @param cost what the planner reckoned with
+CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathCost& cost) {
+  CompareRun run;
+  run.seed = plan.seed;
+  run.status = plan.status();
+  run.explanation = plan.explanation();
+  run.check = verdict_of(plan);
+  run.contact = plan.validation.first_contact;
+  run.length = joint_space_length(plan.waypoints());
+  run.cost =
+      sampled_cost(cost, plan.waypoints(), joint_weights(space, given_prismatic_scale(plan)), cost_step);
+  run.waypoints = plan.waypoints().size();
+  run.min_clearance = plan.validation.min_clearance;
+  run.time = plan.time_s;
+  run.cpu = plan.cpu_s;
+  run.check_time = plan.check_s;
+  run.check_cpu = plan.check_cpu_s;
+  run.statistics = column_statistics(plan.legs);
+  if (plan.validation.valid) run.motion = motion_of(space.robot(), plan.waypoints());
+  for (const PlanResult& leg : plan.legs) {
+    run.legs += leg.status == PlanStatus::solved;
+    run.configurations += leg.configurations_checked;
+    run.edges += leg.edges_checked;
+    if (leg.status != PlanStatus::solved) continue;
+    run.steps += static_cast<std::size_t>(leg.search_steps);
+  }
+  return run;
+}
+
+/// A stage with the space that all its problems share.
+struct OpenStage {
+  std::size_t index = 0;
+  SuiteStage stage;
+  ConfigurationSpace space;
+  double space_cpu = 0.0;  ///< s, to make the space
+};
+
+class RobotServer : public ProblemServer {
+ public:
+  RobotServer(const Suite& suite, const PreparedExperiment& experiment, const CompareChoice& choice)
+      : experiment_(experiment),
+        choice_(choice),
+        stages_(suite, experiment_.setup, experiment_.robot),
+        names_(names_as_files(experiment.planners)) {}
+
+ private:
+  void open(std::size_t index, const Tell& tell) override {
+    const SuiteStage& stage = opened(index).stage;
+    ProblemReply reply{.kind = Kind::opened};
+    for (const StageProblem& problem : stage.problems)
+      reply.problems.push_back({problem.name,
+                                stage.world,
+                                stage.map_file,
+                                stage.digest,
+                                stage.map.resolution(),
+                                problem.start,
+                                problem.goals,
+                                {}});
+    if (is_kept_) {
+      for (auto& [name, bytes] : files_of_map(stage.map))
+        reply.files.emplace(map_folder(stage) / name, std::move(bytes));
+    }
+    tell(reply);
+  }
+
+  void plan(const ProblemRequest& request, const Tell& tell) override {
+    const OpenStage& open = opened(request.stage);
+    const StageProblem& problem = open.stage.problems.at(*request.problem);
+    std::map<std::size_t, std::string> first_plans;  ///< of each planner's first run
+    for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
+      for (int number = 1; number <= experiment_.setup.runs; ++number) {
+        if (request.have.contains({i, number}) || request.wanted_not.contains({i, number})) continue;
+        ProblemReply reply{.kind = Kind::run};
+        const bool is_safe = !request.unsafe.contains(i);
+        double derive_cpu = is_safe ? derived(open, problem, i, tell) : 0.0;
+        reply.run = run_once(open, problem, i, number, is_safe, derive_cpu, reply.files);
+        if (number == 1 && !reply.files.empty()) first_plans[i] = reply.files.begin()->second;
+        tell(reply);
+      }
+    }
+    ProblemReply end{.kind = Kind::finished};
+    const auto& plots = experiment_.setup.plots;
+    if (std::find(plots.begin(), plots.end(), "animation") != plots.end()) {
+      end.page = page_file(problem);
+      end.files[end.page] = page_of_problem(open, problem, first_plans);
+    }
+    tell(end);
+  }
+
+  const OpenStage& opened(std::size_t index) {
+    if (open_ && open_->index == index) return *open_;
+    open_.reset();  // two may not fit into the memory
+    SuiteStage stage = stages_.make(index);
+    const double before = thread_cpu_seconds();
+    ConfigurationSpace space(experiment_.robot, stage.map, experiment_.policies,
+                             {.padding = experiment_.setup.padding.value_or(0.0)});
+    const double space_cpu = thread_cpu_seconds() - before;
+    is_kept_ = stage.map_file.empty() && (choice_.keep_maps || !experiment_.setup.generate);
+    if (is_kept_) stage.map_file = (choice_.shown_out / map_folder(stage)).string();
+    open_.emplace(OpenStage{index, std::move(stage), std::move(space), space_cpu});
+    return *open_;
+  }
+
+  /// A folder that `clearway check --map` reads, named by what is in it.
+  static fs::path map_folder(const SuiteStage& stage) {
+    return fs::path("maps") / (name_as_file(stage.world) + "-" + stage.digest.substr(0, 8));
+  }
+
+  PlanQuery query_of(const OpenStage& open, const StageProblem& problem, std::size_t planner,
+                     int number) const {
+    return {.space = open.space,
+            .start = problem.start,
+            .goals = problem.goals,
+            .planner = experiment_.makers[planner],
+            .seed = choice_.seed + static_cast<std::uint64_t>(number - 1),
+            .time_limit = experiment_.time_limit,
+            .payload = experiment_.setup.payload,
+            .gravity = experiment_.setup.gravity,
+            .survey = std::nullopt,  // suites judge planners, in scenes whose unknown is theirs
+            .advice_time = 0.0,
+            .robot_name = experiment_.setup.robot,
+            .map_file = open.stage.map_file,
+            .map_digest = open.stage.digest};
+  }
+
+  /// CPU time, s, of what the planner derives from the map, which is no part of a plan's time. It stays here,
+  /// for all runs to come.
+  double derived(const OpenStage& open, const StageProblem& problem, std::size_t planner,
+                 const Tell& tell) const {
+    tell({.kind = Kind::preparing, .planner = planner});
+    double cpu = 0.0;
+    derive(query_of(open, problem, planner, 1), problem, planner, cpu);
+    tell({.kind = Kind::prepared});
+    return cpu;
+  }
+
+  void derive(const PlanQuery& query, const StageProblem& problem, std::size_t planner, double& cpu) const {
+    told(problem, planner, [&] {
+      const ThreadStopwatch watch(cpu);
+      query.planner->plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
+    });
+  }
+
+  CompareRun run_once(const OpenStage& open, const StageProblem& problem, std::size_t planner, int number,
+                      bool is_derived, double derive_cpu, std::map<std::string, std::string>& files) const {
+    const PlanQuery query = query_of(open, problem, planner, number);
+    const auto work = [&](const SendPart& send) {
+      if (!is_derived) derive(query, problem, planner, derive_cpu);
+      told(problem, planner, [&] {
+        const Plan plan = plan_and_check(query);
+        CompareRun run = run_of(plan, open.space, path_cost(query));
+        run.derive_cpu = derive_cpu;
+        send(record_of(run).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+        send(to_json(plan));
+      });
+    };
+    double wall = 0.0;
+    const IsolatedEnd end = [&] {
+      const Stopwatch watch(wall);
+      return run_isolated(
+          work, choice_.isolation,
+          experiment_.time_limit * static_cast<double>(problem.goals.size()) + choice_.isolation.grace);
+    }();
+    CompareRun run;
+    if (end.ended.empty()) {
+      run = run_of_record(nlohmann::ordered_json::parse(end.parts.at(0)));
+      run.plan_file = plan_file(problem, planner, number);
+      files.emplace(run.plan_file, end.parts.at(1));
+    } else {
+      run.seed = query.seed;
+      run.time = wall;
+      run.derive_cpu = derive_cpu;
+      run.ended = end.ended;
+      run.explanation = end.explanation;
+    }
+    run.space_cpu = open.space_cpu;
+    run.planner = planner;
+    run.number = number;
+    return run;
+  }
+
+  template <typename Work>
+  void told(const StageProblem& problem, std::size_t planner, const Work& work) const {
+    try {
+      work();
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +
+                                  "', planner '" + experiment_.planners[planner].label +
+                                  "': " + error.what());
+    }
+  }
+
+  std::string plan_file(const StageProblem& problem, std::size_t planner, int number) const {
+    const std::string run = experiment_.setup.runs > 1 ? "-" + std::to_string(number) : "";
+    return fs::path("plans") / name_as_file(experiment_.setup.name) / name_as_file(problem.name) /
+           (names_[planner] + run + ".json");
+  }
+
+  std::string page_file(const StageProblem& problem) const {
+    return fs::path("animations") / name_as_file(experiment_.setup.name) /
+           (name_as_file(problem.name) + ".html");
+  }
+
+  /// What an interrupted comparison planned is read from its files.
+  std::string page_of_problem(const OpenStage& open, const StageProblem& problem,
+                              const std::map<std::size_t, std::string>& plans) const {
+    ReportPage page = page_of_map(open.stage.map, experiment_.setup.title + ": " + problem.name);
+    look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
+    show_robot(page, experiment_.robot, problem.start);
+    for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
+      const fs::path file = choice_.out / plan_file(problem, i, 1);
+      const auto planned = plans.find(i);
+      if (planned == plans.end() && !fs::exists(file)) continue;
+      Plan plan = planned == plans.end() ? load_plan(file) : parse_plan(planned->second, file.string());
+      plan.map_integration = to_string(integration_of(open.stage.map));
+      plan.map_caveat = map_caveat(open.stage.map);
+      page.plans.push_back(page_of_plan(plan, open.space, problem.start, experiment_.planners[i].label));
+    }
+    return render_report_page(page);
+  }
+
+  const PreparedExperiment& experiment_;
+  const CompareChoice& choice_;
+  SuiteStages stages_;
+  std::vector<std::string> names_;
+  std::optional<OpenStage> open_;
+  bool is_kept_ = false;  ///< the map of the open stage, below the folder of results
+};
+
+}  // namespace
+
+std::unique_ptr<ProblemServer> make_robot_server(const Suite& suite, const PreparedExperiment& experiment,
+                                                 const CompareChoice& choice) {
+  return std::make_unique<RobotServer>(suite, experiment, choice);
+}
+
+}  // namespace clearway

@@ -1,0 +1,261 @@
+#include "apps/results/compare_diff.hpp"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+
+#include "apps/console/parse.hpp"
+#include "apps/console/quantile.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A run as far as it is compared.
+struct StoredRun {
+  bool is_valid = false;
+  bool is_of_clock = false;  ///< a clock ended it: chance
+  double cpu = 0.0, cost = 0.0, length = 0.0;
+};
+using RunKey = std::tuple<std::string, int, std::string>;  ///< problem, number, seed
+using StoredRuns = std::map<RunKey, StoredRun>;
+
+struct StoredResults {
+  fs::path file;
+  std::string host, processor, jobs;
+  std::map<std::pair<std::string, std::string>, StoredRuns> runs;  ///< by experiment and label
+};
+
+/// An open database, and one question to it.
+class StoredQuery {
+ public:
+  StoredQuery(const fs::path& file, const char* sql) : file_(file) {
+    sqlite3* raw = nullptr;
+    const int opened = sqlite3_open_v2(file.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
+    database_.reset(raw);
+    sqlite3_stmt* statement = nullptr;
+    if (opened != SQLITE_OK || sqlite3_prepare_v2(raw, sql, -1, &statement, nullptr) != SQLITE_OK) refuse();
+    statement_.reset(statement);
+  }
+  bool next() {
+    const int status = sqlite3_step(statement_.get());
+    if (status != SQLITE_ROW && status != SQLITE_DONE) refuse();
+    return status == SQLITE_ROW;
+  }
+  std::string text(int column) const {
+    const unsigned char* bytes = sqlite3_column_text(statement_.get(), column);
+    return bytes == nullptr ? "" : reinterpret_cast<const char*>(bytes);
+  }
+  double number(int column) const { return sqlite3_column_double(statement_.get(), column); }
+  int whole(int column) const { return sqlite3_column_int(statement_.get(), column); }
+
+ private:
+  [[noreturn]] void refuse() const {
+    throw std::invalid_argument("'" + plain(file_.string()) +
+                                "' cannot be read: expected a results.sqlite of `clearway compare`");
+  }
+  fs::path file_;
+  std::unique_ptr<sqlite3, int (*)(sqlite3*)> database_{nullptr, sqlite3_close};
+  std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement_{nullptr, sqlite3_finalize};
+};
+
+StoredResults load_results(const fs::path& given) {
+  StoredResults results;
+  results.file = fs::is_directory(given) ? given / "results.sqlite" : given;
+  require_input(results.file, "results");
+  StoredQuery suites(results.file, "SELECT host, processor, jobs FROM suites");
+  while (suites.next()) {
+    results.host = suites.text(0);
+    results.processor = suites.text(1);
+    results.jobs = suites.text(2);
+  }
+  StoredQuery runs(
+      results.file,
+      "SELECT experiments.name, label, problems.name, run, runs.seed, valid, cpu_s, cost_joules, "
+      "length_rad, status FROM runs JOIN problems ON problem = problems.id JOIN experiments ON experiment "
+      "= experiments.id ORDER BY runs.id");
+  while (runs.next())
+    results.runs[{runs.text(0), runs.text(1)}][{runs.text(2), runs.whole(3), runs.text(4)}] = {
+        runs.whole(5) != 0, runs.text(9) == "timed_out" || runs.text(9) == "hung", runs.number(6),
+        runs.number(7), runs.number(8)};
+  return results;
+}
+
+/// New against old, problem by problem: medians over the runs that are valid in both.
+PairedFigure change_of(const StoredRuns& before, const StoredRuns& after, double StoredRun::*figure) {
+  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> problems;
+  for (const auto& [key, run] : before) {
+    const auto found = after.find(key);
+    if (found == after.end() || !run.is_valid || !found->second.is_valid) continue;
+    if (!(run.*figure > 0.0) || !(found->second.*figure > 0.0)) continue;
+    auto& [old_values, new_values] = problems[std::get<0>(key)];
+    old_values.push_back(run.*figure);
+    new_values.push_back(found->second.*figure);
+  }
+  PairedFigure change;
+  std::vector<double> logarithms;
+  for (const auto& [problem, values] : problems) {
+    logarithms.push_back(std::log(quantile(values.second, 0.5) / quantile(values.first, 0.5)));
+    change.less += logarithms.back() < 0.0;
+  }
+  change.problems = logarithms.size();
+  if (logarithms.empty()) return change;
+  change.p = signed_rank_test(logarithms);
+  change.ratio = std::exp(quantile(logarithms, 0.5));
+  return change;
+}
+
+DiffRow row_of(const std::pair<std::string, std::string>& name, const StoredRuns& before,
+               const StoredRuns& after) {
+  DiffRow row{.experiment = name.first, .planner = name.second};
+  std::map<std::string, int> gained;  ///< by problem
+  for (const auto& [key, run] : before) {
+    const auto found = after.find(key);
+    if (found == after.end()) continue;
+    const StoredRun& now = found->second;
+    ++row.runs;
+    row.lost += run.is_valid && !now.is_valid;
+    row.lost_to_clock += run.is_valid && !now.is_valid && now.is_of_clock;
+    row.won += !run.is_valid && now.is_valid;
+    row.other_paths += run.is_valid && now.is_valid && (run.cost != now.cost || run.length != now.length);
+    gained[std::get<0>(key)] += int{now.is_valid} - int{run.is_valid};
+  }
+  std::size_t more = 0, fewer = 0;
+  for (const auto& [problem, runs] : gained) {
+    more += runs > 0;
+    fewer += runs < 0;
+  }
+  row.success_p = sign_test(more, fewer);
+  row.cpu = change_of(before, after, &StoredRun::cpu);
+  row.cost = change_of(before, after, &StoredRun::cost);
+  return row;
+}
+
+template <typename P>
+void correct_rows(std::vector<DiffRow>& rows, const P& p_of) {
+  std::vector<double> p_values;
+  for (DiffRow& row : rows) p_values.push_back(p_of(row));
+  const std::vector<double> corrected = holm_corrected(p_values);
+  for (std::size_t i = 0; i < rows.size(); ++i) p_of(rows[i]) = corrected[i];
+}
+
+std::string percent(double ratio) {
+  if (ratio >= 2.0) return "x " + significant(ratio, 3);
+  const double change = 100.0 * (ratio - 1.0);
+  return (change > 0.0 ? "+" : "") + significant(change, 3) + " %";
+}
+
+/// Sorts into worse and better what is beyond noise.
+void judge(DiffRow& row) {
+  constexpr double significance = 0.05, drift = 0.05;
+  const bool loses_alone = row.lost > row.lost_to_clock && row.won == 0;  // the same seeds: no chance in it
+  if (row.success_p < significance || loses_alone) {
+    auto& words = row.lost > row.won ? row.worse : row.better;
+    words.push_back("solves " + std::string(row.lost > row.won ? "fewer" : "more") + ": lost " +
+                    std::to_string(row.lost) + ", won " + std::to_string(row.won) + " (p " +
+                    p_text(row.success_p) + ")");
+  }
+  const auto judge_figure = [&](const PairedFigure& figure, const char* what, double least) {
+    if (figure.p >= significance || std::abs(figure.ratio - 1.0) < least) return;
+    (figure.ratio > 1.0 ? row.worse : row.better)
+        .push_back(std::string(what) + " " + percent(figure.ratio) + " (p " + p_text(figure.p) + ")");
+  };
+  judge_figure(row.cpu, "CPU time", drift);
+  judge_figure(row.cost, "path cost", 0.0);
+}
+
+std::vector<std::string> notes_on(const StoredResults& before, const StoredResults& after) {
+  std::vector<std::string> notes;
+  if (before.host != after.host || before.processor != after.processor)
+    notes.push_back("The machines differ (" + before.host + ", " + after.host +
+                    "): CPU times say more of them than of the planners.");
+  if (before.jobs != after.jobs)
+    notes.push_back("--jobs differ (" + before.jobs + ", " + after.jobs +
+                    "): planners that share a machine slow each other down.");
+  const auto tell_missing = [&](const StoredResults& from, const StoredResults& in) {
+    for (const auto& [name, runs] : from.runs)
+      if (!in.runs.contains(name))
+        notes.push_back("'" + name.second + "' in experiment '" + name.first + "' is in '" +
+                        from.file.string() + "' alone.");
+  };
+  tell_missing(before, after);
+  tell_missing(after, before);
+  return notes;
+}
+
+}  // namespace
+
+bool CompareDiff::is_worse() const {
+  return std::any_of(rows.begin(), rows.end(), [](const DiffRow& row) { return !row.worse.empty(); });
+}
+
+CompareDiff compare_diff(const fs::path& before_file, const fs::path& after_file) {
+  const StoredResults before = load_results(before_file), after = load_results(after_file);
+  CompareDiff diff;
+  for (const auto& [name, runs] : before.runs) {
+    const auto found = after.runs.find(name);
+    if (found == after.runs.end()) continue;
+    if (DiffRow row = row_of(name, runs, found->second); row.runs > 0) diff.rows.push_back(std::move(row));
+  }
+  if (diff.rows.empty())
+    throw std::invalid_argument("'" + plain(before.file.string()) + "' and '" + plain(after.file.string()) +
+                                "' have no run in common: expected results of the same suite and seed");
+  correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.success_p; });
+  correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cpu.p; });
+  correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cost.p; });
+  for (DiffRow& row : diff.rows) judge(row);
+  diff.notes = notes_on(before, after);
+  return diff;
+}
+
+std::vector<std::vector<std::string>> diff_table(const CompareDiff& diff) {
+  std::vector<std::vector<std::string>> rows{
+      {"experiment", "planner", "runs", "lost", "won", "other paths", "CPU", "cost", "beyond noise"}};
+  for (const DiffRow& row : diff.rows) {
+    std::string words;
+    for (const std::string& word : row.worse) words += (words.empty() ? "WORSE: " : "; ") + word;
+    for (std::size_t i = 0; i < row.better.size(); ++i)
+      words += (i > 0 || !words.empty() ? "; " : "") + std::string(i == 0 ? "better: " : "") + row.better[i];
+    const auto change = [](const PairedFigure& figure) {
+      return figure.problems == 0 ? std::string("-") : percent(figure.ratio);
+    };
+    rows.push_back({row.experiment, row.planner, std::to_string(row.runs), std::to_string(row.lost),
+                    std::to_string(row.won), std::to_string(row.other_paths), change(row.cpu),
+                    change(row.cost), words.empty() ? "-" : words});
+  }
+  return rows;
+}
+
+std::string to_json(const CompareDiff& diff) {
+  using Json = nlohmann::ordered_json;
+  Json rows = Json::array();
+  const auto figure_json = [](const PairedFigure& figure) {
+    return Json{{"problems", figure.problems}, {"ratio", figure.ratio}, {"p", figure.p}};
+  };
+  for (const DiffRow& row : diff.rows)
+    rows.push_back({{"experiment", row.experiment},
+                    {"planner", row.planner},
+                    {"runs", row.runs},
+                    {"lost", row.lost},
+                    {"won", row.won},
+                    {"other_paths", row.other_paths},
+                    {"success_p", row.success_p},
+                    {"cpu", figure_json(row.cpu)},
+                    {"cost", figure_json(row.cost)},
+                    {"worse", row.worse},
+                    {"better", row.better}});
+  return Json{{"worse", diff.is_worse()}, {"rows", rows}, {"notes", diff.notes}}.dump(
+      1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace clearway

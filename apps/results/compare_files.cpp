@@ -1,0 +1,59 @@
+#include "apps/results/compare_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "mapping/system/atomic_file.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::array result_files = {"results.sqlite", "results.csv", "results.log", "report.html",
+                                     records_name};
+
+}  // namespace
+
+std::string name_as_file(const std::string& name) {
+  std::string text = name;
+  for (char& c : text) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                       std::string_view("._-=").find(c) != std::string_view::npos;
+    if (!plain) c = '_';
+  }
+  return text.empty() || text[0] == '.' ? "_" + text : text;
+}
+
+std::vector<std::string> names_as_files(const std::vector<ComparePlanner>& planners) {
+  std::vector<std::string> names;
+  for (const ComparePlanner& planner : planners) {
+    std::string name = name_as_file(planner.label);
+    while (std::find(names.begin(), names.end(), name) != names.end()) name += "_";
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::string run_id(const CompareExperiment& experiment, const CompareProblem& problem,
+                   const CompareRun& run) {
+  return name_as_file(experiment.setup.name) + "/" + name_as_file(problem.name) + "/" +
+         names_as_files(experiment.planners)[run.planner] +
+         (experiment.setup.runs > 1 ? "-" + std::to_string(run.number) : "");
+}
+
+bool is_of_comparison(const std::filesystem::path& relative) {
+  if (std::find(result_files.begin(), result_files.end(), relative) != result_files.end()) return true;
+  const std::filesystem::path folder = *relative.begin(), kind = relative.extension();
+  if (folder == "maps") return relative.filename() == "map.ot" || relative.filename() == "painted.csv";
+  if (folder == "plans" || folder == "teams") return kind == ".json" || kind == ".html";
+  return folder == "animations" && kind == ".html";
+}
+
+void save_results(const CompareResults& results, const std::filesystem::path& folder) {
+  save_database(results, folder / result_files[0]);
+  save_file(folder / result_files[1], to_csv(results));
+  save_file(folder / result_files[2], to_ompl_log(results));
+  save_file(folder / result_files[3], to_html(results));
+}
+
+}  // namespace clearway

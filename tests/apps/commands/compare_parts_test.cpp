@@ -1,0 +1,261 @@
+// Comparisons in parts: interrupted and resumed, cut into shards and merged, one run alone, two results.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/small_suite.hpp"
+
+namespace clearway {
+namespace compare_parts_test {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What is found, by file: plans without times and places, runs without times.
+std::map<std::string, std::string> findings(const fs::path& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    if (!entry.is_regular_file() || name[0] == '.') continue;
+    std::string& found = all[name];
+    if (name.ends_with(".json")) {
+      auto plan = nlohmann::json::parse(text_of(entry.path()));
+      plan.erase("time_s");
+      plan.at("map").at("file") = fs::path(plan.at("map").at("file").get<std::string>()).filename();
+      found = plan.dump();
+    } else if (name == "runs.jsonl") {
+      std::istringstream lines(text_of(entry.path()));
+      std::string line;
+      std::getline(lines, line);  // machine and date
+      while (std::getline(lines, line)) {
+        auto json = nlohmann::json::parse(line);
+        if (json.contains("time_s")) continue;
+        if (json.contains("run"))
+          for (const char* time : {"time", "cpu", "space_cpu", "derive_cpu", "check_time", "check_cpu"})
+            json.at("run").erase(time);
+        if (json.contains("problems"))
+          for (auto& problem : json.at("problems"))
+            problem.at("map_file") = fs::path(problem.at("map_file").get<std::string>()).filename();
+        found += json.dump() + "\n";
+      }
+    } else if (name.ends_with(".ot")) {
+      found = text_of(entry.path());
+    }
+  }
+  return all;
+}
+
+std::string many_runs() {
+  std::string suite = small_suite;
+  return suite.replace(suite.find("runs: 2"), 7, "runs: 12");
+}
+
+class CompareParts : public testing::Test {
+ protected:
+  void SetUp() override { folder_.write("small.yaml", small_suite); }
+
+  CommandRun compare(std::vector<std::string> flags) const {
+    flags.insert(flags.begin(), "compare");
+    flags.emplace_back("--quiet");
+    return run_command(flags);
+  }
+  CommandRun shard(const std::string& part, const std::string& out) const {
+    return compare({folder_.file("small.yaml"), "--out", folder_.file(out), "--shard", part});
+  }
+  void expect_same(const std::string& one, const std::string& other) const {
+    const auto expected = findings(folder_.path() / one), found = findings(folder_.path() / other);
+    for (const auto& [name, text] : expected) {
+      ASSERT_TRUE(found.contains(name)) << name;
+      EXPECT_EQ(found.at(name), text) << name;
+    }
+    EXPECT_EQ(found.size(), expected.size());
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// Starts the program, and sends it the signal when it has written so many lines.
+struct Interrupted {
+  int status = 0;
+  std::string out, log;
+};
+Interrupted interrupt(const std::vector<std::string>& arguments, int signal, const fs::path& records,
+                      std::ptrdiff_t lines, const fs::path& scratch) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::freopen((scratch / "out.txt").c_str(), "w", stdout);
+    std::freopen((scratch / "log.txt").c_str(), "w", stderr);
+    std::vector<char*> pointers{const_cast<char*>(CLEARWAY_BINARY)};
+    for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
+    pointers.push_back(nullptr);
+    ::execv(CLEARWAY_BINARY, pointers.data());
+    ::_exit(99);
+  }
+  for (int wait = 0; wait < 6000; ++wait) {
+    const std::string text = text_of(records);
+    if (std::count(text.begin(), text.end(), '\n') >= lines) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ::kill(child, signal);
+  Interrupted ended;
+  ::waitpid(child, &ended.status, 0);
+  ended.out = text_of(scratch / "out.txt");
+  ended.log = text_of(scratch / "log.txt");
+  return ended;
+}
+
+TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
+  folder_.write("small.yaml", many_runs());
+  const std::vector<std::string> asked = {folder_.file("small.yaml"), "--out", folder_.file("out"),
+                                          "--quiet"};
+  const fs::path partial = folder_.path() / "out.partial";
+  ASSERT_EQ(compare({asked[0], "--out", folder_.file("whole")}).status, 0);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::vector<std::string> arguments = asked;
+    arguments.insert(arguments.begin(), "compare");
+    arguments.emplace_back("--resume");  // the second time
+    const Interrupted ended =
+        interrupt(arguments, signal, partial / "runs.jsonl", signal == SIGINT ? 12 : 40, folder_.path());
+    ASSERT_TRUE(WIFEXITED(ended.status));
+    EXPECT_EQ(WEXITSTATUS(ended.status), 128 + signal) << ended.log;
+    EXPECT_NE(ended.out.find("solved / valid / total"), std::string::npos) << ended.out;
+    EXPECT_NE(ended.log.find("--resume goes on"), std::string::npos) << ended.log;
+    EXPECT_FALSE(fs::exists(folder_.path() / "out"));
+    for (const char* name : {"results.csv", "results.sqlite", "results.log", "report.html", "runs.jsonl"})
+      EXPECT_TRUE(fs::exists(partial / name)) << name;
+  }
+  std::ofstream(partial / "runs.jsonl", std::ios::app) << "{\"of\":[0,0,";  // a kill in the middle of a line
+  std::vector<std::string> rest = asked;
+  rest.emplace_back("--resume");
+  const CommandRun resumed = compare(rest);
+  EXPECT_EQ(resumed.status, 0) << resumed.log;
+  EXPECT_FALSE(fs::exists(partial));
+  expect_same("whole", "out");
+}
+
+TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
+  folder_.write("small.yaml", many_runs());
+  const std::vector<std::string> asked = {"compare", folder_.file("small.yaml"), "--out",
+                                          folder_.file("out")};
+  const fs::path records = folder_.path() / "out.partial" / "runs.jsonl";
+  interrupt(asked, SIGINT, records, 8, folder_.path());
+  const std::string before = text_of(records);
+  ASSERT_FALSE(before.empty());
+  const auto refused = [&](std::vector<std::string> flags, const std::string& because) {
+    flags.insert(flags.begin(), {folder_.file("small.yaml"), "--out", folder_.file("out"), "--resume"});
+    const CommandRun run = compare(flags);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
+    EXPECT_EQ(text_of(records), before);
+  };
+  refused({"--seed", "7"}, "the seed (7, not 3)");
+  refused({"--planners", "rrtconnect"}, "the planners of experiment 'round'");
+  refused({"--time-limit", "3"}, "the time limit");
+  refused({"--experiments", "round"}, "the experiments");
+  refused({"--shard", "1/2"}, "the same --shard");
+  folder_.write("small.yaml", many_runs() + "\n# changed\n");
+  refused({}, "the suite's file");
+}
+
+TEST_F(CompareParts, AnyPartitionMergesToWhatTheWholeRunFinds) {
+  ASSERT_EQ(compare({folder_.file("small.yaml"), "--out", folder_.file("whole")}).status, 0);
+  for (const int count : {1, 2, 5}) {
+    std::vector<std::string> merge = {"merge"};
+    for (int index = count; index >= 1; --index) {
+      const std::string name = "part" + std::to_string(index) + "of" + std::to_string(count);
+      ASSERT_EQ(shard(std::to_string(index) + "/" + std::to_string(count), name).status, 0);
+      merge.push_back(folder_.file(name));
+    }
+    merge.insert(merge.end(), {"--out", folder_.file("merged")});
+    const CommandRun merged = compare(merge);
+    EXPECT_EQ(merged.status, 0) << merged.log;
+    EXPECT_NE(merged.out.find("rrtconnect   4 / 4 / 6"), std::string::npos) << merged.out;
+    expect_same("whole", "merged");
+  }
+}
+
+TEST_F(CompareParts, LostDoubledAndForeignShardsAreNamed) {
+  for (const char* part : {"1", "2", "3"}) ASSERT_EQ(shard(std::string(part) + "/3", part).status, 0);
+  ASSERT_EQ(
+      compare({folder_.file("small.yaml"), "--out", folder_.file("other"), "--shard", "3/3", "--seed", "9"})
+          .status,
+      0);
+  const auto refused = [&](const std::vector<std::string>& folders, const std::string& because) {
+    std::vector<std::string> arguments = {"merge"};
+    for (const std::string& name : folders) arguments.push_back(folder_.file(name));
+    arguments.insert(arguments.end(), {"--out", folder_.file("merged")});
+    const CommandRun run = compare(arguments);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
+    EXPECT_FALSE(fs::exists(folder_.path() / "merged"));
+  };
+  refused({"1", "3"}, "of 3 shards 1 missing: 2");
+  refused({"1", "2", "2", "3"}, "shard 2/3 is given twice");
+  refused({"1", "2", "other"}, "the seed (3, not 9)");
+  refused({"1", "2", "nowhere"}, "has no runs.jsonl");
+  refused({}, "expected the folders of all shards");
+  std::string text = text_of(folder_.path() / "2" / "runs.jsonl");
+  text.resize(text.rfind("{\"of\"", text.rfind("\"page\"")));  // a problem's end
+  folder_.write("2/runs.jsonl", text);
+  refused({"1", "2", "3"}, "is not whole: problem ");
+}
+
+TEST_F(CompareParts, OneRunIsRepeatedByItsId) {
+  ASSERT_EQ(compare({folder_.file("small.yaml"), "--out", folder_.file("whole")}).status, 0);
+  const CommandRun run = compare(
+      {folder_.file("small.yaml"), "--rerun", "round/there_and_back/coarse-2", "--out", folder_.file("one")});
+  EXPECT_EQ(run.status, 1) << "its path is refused";
+  EXPECT_NE(run.out.find("refused"), std::string::npos) << run.out;
+  const std::string plan = "plans/round/there_and_back/coarse-2.json";
+  const auto all = findings(folder_.path() / "whole"), one = findings(folder_.path() / "one");
+  ASSERT_TRUE(one.contains(plan));
+  EXPECT_EQ(one.at(plan), all.at(plan));
+  EXPECT_EQ(compare({folder_.file("small.yaml"), "--rerun", "swing/swing/beam"}).status, 0);
+  const auto refused = [&](const std::string& id, const std::string& because) {
+    const CommandRun wrong = compare({folder_.file("small.yaml"), "--rerun", id});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_TRUE(wrong.told_in_one_sentence()) << wrong.log;
+    EXPECT_NE(wrong.log.find(because), std::string::npos) << wrong.log;
+  };
+  refused("swing", "expected EXPERIMENT/PROBLEM/PLANNER");
+  refused("swign/swing/beam", "did you mean 'swing'?");
+  refused("swing/swing/bream", "did you mean 'beam'?");
+  refused("swing/swnig/beam", "no problem 'swnig'");
+}
+
+TEST_F(CompareParts, FlagsThatContradictAreRefused) {
+  const auto refused = [&](const std::vector<std::string>& flags, const std::string& because) {
+    const CommandRun run = compare(flags);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
+  };
+  const std::string suite = folder_.file("small.yaml"), out = folder_.file("out");
+  refused({suite}, "--out is required");
+  refused({suite, "--out", out, "--isolate", "no", "--jobs", "2"}, "expected --jobs 1");
+  refused({suite, "--out", out, "--isolate", "maybe"}, "expected yes or no");
+  for (const char* part : {"0/3", "4/3", "1", "1/", "a/b", "1/3x", "-1/3", ""})
+    refused({suite, "--out", out, "--shard", part}, "expected I/N");
+  refused({suite, "second.yaml", "--out", out}, "expected one suite");
+  refused({"diff", suite}, "expected two, OLD and NEW");
+  refused({"diff", suite, suite}, "expected a results.sqlite");
+}
+
+}  // namespace compare_parts_test
+}  // namespace clearway

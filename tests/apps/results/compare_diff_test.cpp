@@ -1,0 +1,117 @@
+#include "apps/results/compare_diff.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace compare_diff_test {
+
+using Change = std::function<void(std::size_t problem, CompareRun&)>;
+
+/// 40 problems of one planner that solves all but the last four, changed.
+CompareResults results_with(const Change& change) {
+  CompareResults results;
+  results.host = "here";
+  CompareExperiment& experiment = results.experiments.emplace_back();
+  experiment.setup.name = "e";
+  experiment.planners = {{"one", "beam", {}, true}};
+  for (std::size_t i = 0; i < 40; ++i) {
+    CompareProblem& problem = experiment.problems.emplace_back();
+    problem.name = "p" + std::to_string(i);
+    CompareRun run;
+    run.status = i < 36 ? PlanStatus::solved : PlanStatus::no_path;
+    run.check = i < 36 ? "valid" : "none";
+    run.cpu = 0.1 + 0.01 * static_cast<double>(i);
+    run.cost = 10.0 + static_cast<double>(i);
+    run.length = 2.0;
+    change(i, run);
+    problem.runs.push_back(run);
+  }
+  return results;
+}
+
+CompareDiff diff_with(const Change& change) {
+  const TemporaryFolder folder;
+  save_database(results_with([](std::size_t, CompareRun&) {}), folder.path() / "old.sqlite");
+  save_database(results_with(change), folder.path() / "new.sqlite");
+  return compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
+}
+
+void fail(CompareRun& run, PlanStatus status) {
+  run.status = status;
+  run.check = "none";
+}
+
+TEST(CompareDiff, NoiseIsNoChange) {
+  const CompareDiff diff =
+      diff_with([](std::size_t i, CompareRun& run) { run.cpu *= i % 2 == 0 ? 1.2 : 1.0 / 1.2; });
+  ASSERT_EQ(diff.rows.size(), 1U);
+  EXPECT_EQ(diff.rows[0].runs, 40U);
+  EXPECT_EQ(diff.rows[0].other_paths, 0U);
+  EXPECT_FALSE(diff.is_worse());
+  EXPECT_TRUE(diff.rows[0].better.empty());
+  EXPECT_TRUE(diff.notes.empty());
+}
+
+TEST(CompareDiff, SlowerEverywhereIsWorseUnlessItIsLittle) {
+  const auto slower = [](double factor) {
+    return diff_with([factor](std::size_t, CompareRun& run) { run.cpu *= factor; });
+  };
+  const CompareDiff diff = slower(1.3);
+  ASSERT_EQ(diff.rows[0].worse.size(), 1U);
+  EXPECT_TRUE(diff.rows[0].worse[0].starts_with("CPU time +30 % (p < 0.0001)")) << diff.rows[0].worse[0];
+  EXPECT_FALSE(slower(1.03).is_worse());
+  EXPECT_EQ(slower(0.5).rows[0].better.size(), 1U);
+}
+
+TEST(CompareDiff, RunsLostToNoClockAreWorseAloneAndAShuffleIsNot) {
+  const CompareDiff one = diff_with([](std::size_t i, CompareRun& run) {
+    if (i == 3) fail(run, PlanStatus::no_path);
+  });
+  EXPECT_EQ(one.rows[0].lost, 1U);
+  EXPECT_TRUE(one.is_worse());
+  EXPECT_FALSE(diff_with([](std::size_t i, CompareRun& run) {
+                 if (i == 3) fail(run, PlanStatus::timed_out);
+               }).is_worse());
+  const CompareDiff shuffled = diff_with([](std::size_t i, CompareRun& run) {
+    if (i < 4) fail(run, PlanStatus::no_path);
+    if (i >= 36) {
+      run.status = PlanStatus::solved;
+      run.check = "valid";
+    }
+  });
+  EXPECT_EQ(shuffled.rows[0].lost, 4U);
+  EXPECT_EQ(shuffled.rows[0].won, 4U);
+  EXPECT_FALSE(shuffled.is_worse());
+}
+
+TEST(CompareDiff, CountsOtherPathsAndTellsWhatCannotBeCompared) {
+  const TemporaryFolder folder;
+  CompareResults before = results_with([](std::size_t, CompareRun&) {}), after = before;
+  after.experiments[0].problems[0].runs[0].length = 3.0;
+  after.host = "there";
+  after.experiments[0].planners.push_back({"two", "est", {}, true});
+  CompareRun other = after.experiments[0].problems[0].runs[0];
+  other.planner = 1;
+  after.experiments[0].problems[0].runs.push_back(other);
+  save_database(before, folder.path() / "old.sqlite");
+  save_database(after, folder.path() / "new.sqlite");
+  const CompareDiff diff = compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
+  EXPECT_EQ(diff.rows[0].other_paths, 1U);
+  ASSERT_EQ(diff.notes.size(), 2U);
+  EXPECT_NE(diff.notes[0].find("machines differ"), std::string::npos);
+  EXPECT_NE(diff.notes[1].find("'two' in experiment 'e'"), std::string::npos);
+  for (CompareProblem& problem : after.experiments[0].problems) problem.name += "x";
+  save_database(after, folder.path() / "new.sqlite");
+  EXPECT_THROW(compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite"),
+               std::invalid_argument);
+  folder.write("new.sqlite", "nonsense");
+  EXPECT_THROW(compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite"),
+               std::invalid_argument);
+}
+
+}  // namespace compare_diff_test
+}  // namespace clearway

@@ -1,0 +1,153 @@
+#include "apps/results/compare_records.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace compare_records_test {
+
+CompareAsked asked(CompareShard shard = {}) {
+  CompareAsked asked;
+  asked.results.suite = "s";
+  asked.results.seed = 18446744073709551615U;
+  asked.results.version = "1";
+  asked.suite_sha256 = "00";
+  asked.shard = shard;
+  CompareExperiment& experiment = asked.results.experiments.emplace_back();
+  experiment.setup.name = "e";
+  experiment.setup.padding = 0.1;
+  experiment.time_limit = std::numeric_limits<double>::infinity();
+  experiment.planners = {{"one", "beam", {{"width", "1"}}, true}, {"two", "rrtconnect", {}, false}};
+  return asked;
+}
+
+CompareProblem problem(const std::string& name) {
+  CompareProblem found;
+  found.name = name;
+  found.start = Eigen::Vector2d(0.1, -0.0);
+  found.goals = {Eigen::Vector2d(1.0 / 3.0, 1e-300)};
+  return found;
+}
+
+CompareRun run(std::size_t planner, int number) {
+  CompareRun found;
+  found.planner = planner;
+  found.number = number;
+  found.cost = 0.1 + 0.2;
+  found.min_clearance = std::numeric_limits<double>::infinity();
+  found.length = std::numeric_limits<double>::quiet_NaN();
+  found.explanation = "Line one.\nLine \"two\": äöü";
+  found.statistics = {{"xi_m", 1e-17}};
+  found.motion = CompareMotion{1.0, 2.0, 3.0};
+  found.team = CompareTeamRun{1, 2, 3, 4, "who"};
+  found.ended = number == 2 ? "hung" : "";
+  return found;
+}
+
+TEST(CompareRecords, ReadBackAreWhatWasWrittenBitForBit) {
+  std::string lines;
+  CompareRecords records(asked({2, 3}), [&](const std::string& line) { lines += line; });
+  records.open(0, 1, {problem("a"), problem("b")});
+  records.add(0, 1, 1, run(1, 2));
+  records.add(0, 1, 1, run(0, 1));
+  records.finish(0, 1, 1, "animations/b.html");
+  records.add_time(2.5);
+  const TemporaryFolder folder;
+  const CompareRecords read = CompareRecords::read(folder.write("runs.jsonl", lines));
+  EXPECT_EQ(read.text(), records.text());
+  EXPECT_EQ(read.asked().shard.index, 2);
+  EXPECT_EQ(difference(read.asked(), records.asked()), "");
+  const CompareExperiment found = read.experiment(0);
+  ASSERT_EQ(found.problems.size(), 1U) << "a problem without a run is left out";
+  ASSERT_EQ(found.problems[0].runs.size(), 2U);
+  const CompareRun &first = found.problems[0].runs[0], &second = found.problems[0].runs[1];
+  EXPECT_EQ(first.planner, 0U);
+  EXPECT_EQ(second.ended, "hung");
+  EXPECT_EQ(first.cost, 0.1 + 0.2);
+  EXPECT_TRUE(std::isnan(first.length));
+  EXPECT_TRUE(std::isinf(first.min_clearance));
+  EXPECT_EQ(first.explanation, run(0, 1).explanation);
+  EXPECT_EQ(first.team->outrun, "who");
+  EXPECT_EQ(found.problems[0].goals[0][1], 1e-300);
+  EXPECT_TRUE(std::signbit(found.problems[0].start[1]));
+  EXPECT_TRUE(std::isinf(found.time_limit));
+  EXPECT_EQ(read.results(folder.path()).time, 2.5);
+  EXPECT_EQ(read.results(folder.path()).seed, 18446744073709551615U);
+}
+
+TEST(CompareRecords, ALaterRunTakesThePlaceOfAnEarlierOne) {
+  CompareRecords records(asked());
+  records.open(0, 0, {problem("a")});
+  records.add(0, 0, 0, run(1, 1));
+  CompareRun again = run(1, 1);
+  again.cost = 7.0;
+  records.add(0, 0, 0, again);
+  EXPECT_EQ(records.count(), 1U);
+  EXPECT_EQ(records.experiment(0).problems[0].runs[0].cost, 7.0);
+}
+
+TEST(CompareRecords, HalfALastLineIsLeftOutAndAWrongOneNamed) {
+  CompareRecords records(asked());
+  records.open(0, 0, {problem("a")});
+  records.add(0, 0, 0, run(0, 1));
+  records.add(0, 0, 0, run(1, 1));
+  std::string text = records.text();
+  text.resize(text.rfind('\n'));  // the line of the time
+  const TemporaryFolder folder;
+  EXPECT_EQ(CompareRecords::read(folder.write("cut.jsonl", text)).count(), 2U);
+  const auto told = [&](const std::string& wrong) -> std::string {
+    try {
+      CompareRecords::read(folder.write("wrong.jsonl", wrong));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(told(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n").find("wrong.jsonl', line 6"),
+            std::string::npos)
+      << told(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n");
+  EXPECT_NE(told("nonsense\n").find("line 1"), std::string::npos);
+  EXPECT_NE(told("").find("line 1"), std::string::npos);
+}
+
+TEST(CompareRecords, TellsWhatTwoComparisonsDoNotShare) {
+  const auto with = [](const auto& change) {
+    CompareAsked other = asked();
+    change(other);
+    return difference(asked(), other);
+  };
+  EXPECT_EQ(with([](CompareAsked& a) { a.results.host = "elsewhere"; }), "");
+  EXPECT_EQ(with([](CompareAsked& a) { a.shard = {1, 9}; }), "");
+  EXPECT_EQ(with([](CompareAsked& a) { a.results.experiments[0].robot_file = "/elsewhere"; }), "");
+  EXPECT_NE(with([](CompareAsked& a) { a.results.commit = "c"; }).find("version"), std::string::npos);
+  EXPECT_NE(with([](CompareAsked& a) { a.suite_sha256 = "01"; }).find("suite's file"), std::string::npos);
+  EXPECT_NE(with([](CompareAsked& a) { a.results.seed = 2; }).find("seed"), std::string::npos);
+  EXPECT_NE(with([](CompareAsked& a) { a.results.experiments[0].planners.pop_back(); }).find("planners of"),
+            std::string::npos);
+  EXPECT_NE(with([](CompareAsked& a) {
+              a.results.experiments[0].planners[0].options["width"] = "2";
+            }).find("settings of experiment 'e'"),
+            std::string::npos);
+  EXPECT_NE(with([](CompareAsked& a) { a.results.experiments[0].time_limit = 1; }).find("time limit"),
+            std::string::npos);
+}
+
+TEST(CompareShards, ShareOutEveryProblemOnce) {
+  for (const int count : {1, 2, 3, 7, 100}) {
+    for (std::size_t e = 0; e < 3; ++e)
+      for (std::size_t s = 0; s < 5; ++s)
+        for (std::size_t i = 0; i < 20; ++i) {
+          int shards = 0;
+          for (int index = 1; index <= count; ++index) shards += is_in({index, count}, e, s, i);
+          EXPECT_EQ(shards, 1);
+        }
+  }
+}
+
+}  // namespace compare_records_test
+}  // namespace clearway
