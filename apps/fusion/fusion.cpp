@@ -95,7 +95,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (options.is_paced && !frames->is_live()) frames = std::make_unique<PacedFrames>(std::move(frames));
   RecordedFrames* recorded = nullptr;
   if (!options.frames_file.empty()) {
-    auto recording_frames = std::make_unique<RecordedFrames>(std::move(frames), options.frames_file);
+    auto recording_frames =
+        std::make_unique<RecordedFrames>(std::move(frames), options.frames_file, fusion.setup);
     recorded = recording_frames.get();
     frames = std::move(recording_frames);
   }

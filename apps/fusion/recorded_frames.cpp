@@ -9,8 +9,9 @@ constexpr std::size_t most_unwritten = 64;  ///< frames; a disk that is slower f
 
 }  // namespace
 
-RecordedFrames::RecordedFrames(std::unique_ptr<FrameSource> frames, const std::filesystem::path& file)
-    : frames_(std::move(frames)), writer_(file), worker_([this] { write_frames(); }) {}
+RecordedFrames::RecordedFrames(std::unique_ptr<FrameSource> frames, const std::filesystem::path& file,
+                               const Setup& setup)
+    : frames_(std::move(frames)), setup_(setup), writer_(file), worker_([this] { write_frames(); }) {}
 
 RecordedFrames::~RecordedFrames() {
   if (worker_.joinable()) hand_over(std::nullopt);
@@ -18,7 +19,12 @@ RecordedFrames::~RecordedFrames() {
 
 std::optional<Frame> RecordedFrames::next() {
   std::optional<Frame> frame = frames_->next();
+  while (frame && std::holds_alternative<OdometryFrame>(frame->content)) frame = frames_->next();
   if (!frame) return frame;
+  if (auto* cloud = std::get_if<CloudFrame>(&frame->content)) {
+    if (const SensorSetup* sensor = setup_.sensor(frame->sensor, cloud->kind)) frame->sensor = sensor->name;
+    cloud->kind = "points";
+  }
   hand_over(*frame);
   frame->time = recorded_time(frame->time);
   return frame;

@@ -9,17 +9,20 @@
 #include <optional>
 #include <thread>
 
+#include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/frame_source.hpp"
 
 namespace clearway {
 
 /// The frames of a source, each with its time as a rawlog keeps it (100 ns), and written to one by a thread
-/// of its own: whoever reads the rawlog gets the same images and times. Clouds keep their points and places
-/// alone.
+/// of its own: whoever reads the rawlog gets the same images and times. Clouds keep their points, their
+/// places and the setup's name of their sensor. Odometry is left out: frames have it in their places already,
+/// and a reader of the rawlog would add it once more.
 class RecordedFrames final : public FrameSource {
  public:
+  /// @param setup has the sensors; it must outlive this
   /// @throws std::runtime_error when the file cannot be written.
-  RecordedFrames(std::unique_ptr<FrameSource> frames, const std::filesystem::path& file);
+  RecordedFrames(std::unique_ptr<FrameSource> frames, const std::filesystem::path& file, const Setup& setup);
 
   ~RecordedFrames() override;
   RecordedFrames(const RecordedFrames&) = delete;
@@ -40,6 +43,7 @@ class RecordedFrames final : public FrameSource {
   void hand_over(std::optional<Frame> frame);
 
   std::unique_ptr<FrameSource> frames_;
+  const Setup& setup_;
   RecordingWriter writer_;
   std::mutex guard_;  ///< of what follows
   std::condition_variable wake_;

@@ -21,7 +21,8 @@ TEST(RecordedFrames, WhatIsHandedOnIsWhatTheRawlogHoldsBitForBit) {
   const TemporaryFolder folder;
   std::vector<Frame> handed;
   {
-    RecordedFrames source(std::make_unique<MemoryFrames>(frames), folder / "r.rawlog");
+    const clearway::Setup setup;
+    RecordedFrames source(std::make_unique<MemoryFrames>(frames), folder / "r.rawlog", setup);
     while (auto frame = source.next()) handed.push_back(*frame);
     source.finish();
   }
@@ -44,13 +45,51 @@ TEST(RecordedFrames, WhatIsHandedOnIsWhatTheRawlogHoldsBitForBit) {
   EXPECT_FALSE(reader.damage());
 }
 
+/// A robot with odometry drives, and its laser is known by its kind: the rawlog says where each scan was
+/// taken, once, and by which sensor of the setup.
+TEST(RecordedFrames, ScansOfAMovingRobotAreReadBackInTheirPlaces) {
+  std::mt19937 random(7);
+  std::vector<Frame> frames;
+  for (int i = 0; i < 20; ++i) {
+    Eigen::Isometry3d world_from_robot(Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()));
+    world_from_robot.translation().x() = 0.5 * i;
+    frames.push_back({1.7e9 + i, "", OdometryFrame{world_from_robot}});
+    CloudFrame cloud = sample_cloud(random, 20);
+    cloud.kind = "laser2d";
+    cloud.world_from_sensor = world_from_robot;
+    frames.push_back({1.7e9 + i + 0.5, "LASER1", cloud});
+  }
+  clearway::Setup setup;
+  setup.sensors.resize(1);
+  setup.sensors[0].name = "laser2d";
+  const TemporaryFolder folder;
+  std::vector<Frame> handed;
+  {
+    RecordedFrames source(std::make_unique<MemoryFrames>(frames), folder / "r.rawlog", setup);
+    while (auto frame = source.next()) handed.push_back(*frame);
+    source.finish();
+  }
+  ASSERT_EQ(handed.size(), 20U);
+  RecordingReader reader(folder / "r.rawlog");
+  for (const Frame& frame : handed) {
+    const auto read = reader.next();
+    ASSERT_TRUE(read);
+    const auto &cloud = std::get<CloudFrame>(frame.content), &again = std::get<CloudFrame>(read->content);
+    EXPECT_TRUE(again.world_from_sensor.isApprox(cloud.world_from_sensor, 1e-12));
+    EXPECT_EQ(setup.sensor(read->sensor, again.kind), &setup.sensors[0]);
+    EXPECT_EQ(setup.sensor(frame.sensor, cloud.kind), &setup.sensors[0]);
+  }
+  EXPECT_FALSE(reader.next());
+}
+
 TEST(RecordedFrames, WithoutAnEndNothingIsLeftBehind) {
   std::mt19937 random(6);
   const TemporaryFolder folder;
+  const clearway::Setup setup;
   {
     RecordedFrames source(
         std::make_unique<MemoryFrames>(std::vector<Frame>{{1.0, "camera", sample_image(random, 9, 7)}}),
-        folder / "r.rawlog");
+        folder / "r.rawlog", setup);
     EXPECT_TRUE(source.next());
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "r.rawlog"));
