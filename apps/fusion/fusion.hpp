@@ -28,7 +28,9 @@ struct FusionCounts {
   std::size_t accepted_outside_volumes = 0;           ///< accepted, but outside every volume's time span
   std::size_t spheres = 0;
   std::size_t erasers = 0;  ///< accepted samples that erased
-  ScanCounts points;        ///< summed over the scans
+  std::size_t scans_inserted =
+      0;              ///< of the scans: in the map by now; others wait for a pose, or were left out
+  ScanCounts points;  ///< summed over the scans
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
   std::size_t scans_without_pose = 0;    ///< at their time nothing tells where their sensor was: left out

@@ -144,6 +144,7 @@ void ScanInserter::insert(Waiting& waiting) {
   filter.bodies = robot_;
   if (setup_.probe) add_probe(scan.time, filter);
   const ScanCounts done = map_.insert(scan, filter);
+  ++counts_.scans_inserted;
   counts_.scan_origin_sum += scan.map_from_sensor.translation();
   counts_.points.inserted += done.inserted;
   counts_.points.beyond_range += done.beyond_range;

@@ -79,11 +79,17 @@ RobotChoice robot_of(const JsonField& line) {
   }
   if (line.has("group")) robot.group = line.at("group").text();
   if (line.has("fixed"))
-    for (const auto& [joint, value] : line.at("fixed").members())
+    for (const auto& [joint, value] : line.at("fixed").members()) {
+      if (joint.empty() || joint.find('=') != std::string::npos)
+        value.refuse("the name of a joint, without '='");
       robot.fixed.push_back(joint + "=" + to_text(value.number()));
+    }
   if (line.has("policies"))
-    for (const auto& [part, policy] : line.at("policies").members())
+    for (const auto& [part, policy] : line.at("policies").members()) {
+      if ((part + policy.text()).find('=') != std::string::npos)
+        policy.refuse("a policy of a part, without '='");
       robot.policies.push_back(part == "default" ? policy.text() : part + "=" + policy.text());
+    }
   if (line.has("padding")) robot.padding = padding_of(line.at("padding"));
   return robot;
 }

@@ -139,7 +139,7 @@ std::vector<Configuration> TeachSession::goals() const {
 }
 
 std::size_t TeachSession::map_version() const {
-  return counts_->spheres + counts_->erasers + counts_->scans + undone_;
+  return counts_->spheres + counts_->erasers + counts_->scans_inserted + other_changes_;
 }
 
 const Snapshot& TeachSession::present_map() {
@@ -245,7 +245,10 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
     case TeachAction::save:
       if (!options_.save) refuse("this session saves nothing before its end");
       if (event.name.empty()) refuse("expected a name");
+      if (is_taken(event.name))
+        refuse("there is a plan or a map " + quote(event.name) + " already, expected another name");
       options_.save(event.name, present_map());
+      saved_.insert(event.name);
       break;
     case TeachAction::quit:
       take_plan(true);
@@ -295,12 +298,19 @@ void TeachSession::choose_volume(const TeachEvent& event) {
     refuse("volume " + quote(event.name) + " is there already, with other critical parts");
   const int number = found != volumes.end() ? static_cast<int>(found - volumes.begin())
                                             : map_->add_volume(event.name, event.critical_parts);
+  if (found == volumes.end()) ++other_changes_;
   remember("volume");
   choice_.volume = number;
 }
 
 void TeachSession::choose_robot(const TeachEvent& event) {
-  auto robot = std::make_shared<VirtualRobot>(event.robot, event.near);
+  RobotChoice choice = event.robot;
+  std::optional<Eigen::Isometry3d> map_from_base;
+  if (setup_->robot) {
+    map_from_base = setup_->robot->map_from_base;
+    if (choice.robot == setup_->robot->name && !choice.scale) choice.scale = setup_->robot->scale;
+  }
+  auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
   remember("robot");
   choice_.robot = robot_ = std::move(robot);
   choice_.start.reset();
@@ -341,15 +351,23 @@ void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   for (const double value : q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
 }
 
+bool TeachSession::is_taken(const std::string& name) const {
+  return saved_.contains(name) ||
+         std::any_of(plans_.begin(), plans_.end(), [&](const TaughtPlan& plan) { return plan.name == name; });
+}
+
 void TeachSession::begin_plan(const TeachEvent& event) {
   require_robot();
   if (!choice_.start) refuse("no start is chosen; 'start' chooses one");
   if (!choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
   TaughtPlan plan;
-  plan.name = event.name.empty() ? "plan_" + std::to_string(plans_.size() + 1) : event.name;
-  for (const TaughtPlan& other : plans_)
-    if (other.name == plan.name)
-      refuse("there is a plan " + quote(plan.name) + " already, expected another name");
+  plan.name = event.name;
+  for (std::size_t number = plans_.size() + 1; event.name.empty(); ++number) {
+    plan.name = "plan_" + std::to_string(number);
+    if (!is_taken(plan.name)) break;
+  }
+  if (is_taken(plan.name))
+    refuse("there is a plan or a map " + quote(plan.name) + " already, expected another name");
   plan.start = *choice_.start;
   plan.robot = robot_->choice();
   plan.space = robot_->space(present_map(), map_version());
@@ -423,7 +441,7 @@ void TeachSession::undo(std::string& remark) {
     plans_[*choice_.plan].is_approved = false;
   if (last.stroke) {
     map_->undo_stroke(*last.stroke);
-    ++undone_;
+    ++other_changes_;
   }
   choice_ = std::move(last.before);
   robot_ = choice_.robot;

@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -152,6 +153,8 @@ class TeachSession final : public FusionGuide {
   void forget_plan();
   void remember(const std::string& what, std::optional<int> stroke = {});
   void require_robot() const;
+  /// Maps and plans share their names: both may have a folder in maps/.
+  bool is_taken(const std::string& name) const;
   TeachState resting_state() const;
   const Snapshot& present_map();
 
@@ -161,7 +164,7 @@ class TeachSession final : public FusionGuide {
   FreeSpaceMap* map_ = nullptr;
   const FusionCounts* counts_ = nullptr;
   double now_ = 0.0;
-  std::size_t undone_ = 0;
+  std::size_t other_changes_ = 0;  ///< of the map, by undoing and by new volumes
   std::optional<Snapshot> snapshot_;
   std::size_t snapshot_version_ = 0;
 
@@ -173,6 +176,7 @@ class TeachSession final : public FusionGuide {
   std::vector<Undo> undos_;
   std::optional<Job> job_;
   std::deque<TaughtPlan> plans_;  ///< which stay where they are
+  std::set<std::string> saved_;   ///< maps
   std::vector<TaughtEvent> told_;
   double play_begin_ = 0.0, play_seconds_ = 0.0;
   std::vector<std::pair<double, Configuration>> motion_;

@@ -147,12 +147,36 @@ TEST_F(TeachSessionOf, APlanIsNotApprovedOnceWhatItRestsOnIsBlocked) {
   for (double dx = -0.1; dx <= 0.1; dx += 0.02)
     for (double dy = -0.1; dy <= 0.1; dy += 0.02)
       scan.points.push_back((tip + Eigen::Vector3d(dx, dy, -2)).cast<float>());
+  ++counts_.scans;  // taken, and waits for the place of its sensor
+  ASSERT_EQ(act(TeachAction::approve), "");
+  ASSERT_EQ(act(TeachAction::undo), "");
   map_.insert(scan);
-  ++counts_.scans;
+  ++counts_.scans_inserted;
   const std::string why = act(TeachAction::approve);
   EXPECT_NE(why.find("approve: the map has changed since it was planned: "), std::string::npos) << why;
   EXPECT_EQ(session_.state(), TeachState::planned);
   EXPECT_FALSE(session_.plans()[0].is_approved);
+}
+
+TEST_F(TeachSessionOf, APlanRestsOnAMapWithTheVolumesThatThereAre) {
+  paint_everything();
+  ASSERT_EQ(act(TeachAction::start, "0,0.3"), "");
+  ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
+  ASSERT_EQ(act(TeachAction::volume, "another"), "");
+  ASSERT_EQ(act(TeachAction::plan), "");
+  ASSERT_EQ(act(TeachAction::play), "");
+  EXPECT_EQ(session_.plans()[0].map_digest, map_sha256(map_.snapshot()));
+}
+
+TEST_F(TeachSessionOf, ARobotStandsWhereTheSetupHasIt) {
+  setup_.robot->map_from_base.translation() = Eigen::Vector3d(0, 0, 0.1);
+  setup_.robot->scale = 0.5;
+  ASSERT_EQ(act(TeachAction::robot, "planar2"), "");
+  EXPECT_EQ(session_.robot()->robot().map_from_base.translation().z(), 0.1);
+  EXPECT_EQ(session_.robot()->robot().scale, 0.5);
+  ASSERT_EQ(act(TeachAction::robot, "arm6"), "");
+  EXPECT_EQ(session_.robot()->robot().map_from_base.translation().z(), 0.1);
+  EXPECT_NE(session_.robot()->robot().scale, 0.5);
 }
 
 TEST_F(TeachSessionOf, AFailedPlanSaysWhyAndTheChoiceStays) {
@@ -198,6 +222,9 @@ TEST(Teach, WhatIsWrongIsToldInOneSentence) {
          "line 2: field 'time': expected a time not before the last line's");
   expect("{\"time\": 0, \"action\": \"plan\", \"name\": \"../x\"}", "letters, digits");
   expect("{\"time\": 0, \"action\": \"plan\", \"planner\": \"bem\"}", "bem");
+  expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"arm6\", \"fixed\": {\"a=b\": 1}}",
+         "the name of a joint, without '='");
+  expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"nosuch.urdf\"}", "nosuch.urdf");
   expect("nothing", "is not valid JSON at line 1");
 }
 
