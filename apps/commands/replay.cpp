@@ -17,6 +17,7 @@
 #include "apps/teach/session_folder.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/path/trajectory.hpp"
 #include "planning/plan_and_check.hpp"
@@ -228,16 +229,40 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
   console.out() << "\n  report: " << (options.out / "report.html").string() << '\n';
 }
 
+/// A session's own recording may be all that there is of it, and goes with the folder that is replaced.
+void require_to_stay(const std::filesystem::path& recording, const std::filesystem::path& out) {
+  namespace fs = std::filesystem;
+  if (!is_session_folder(out / "session")) return;
+  const fs::path inner =
+      fs::weakly_canonical(recording).lexically_relative(fs::weakly_canonical(out / "session"));
+  if (!inner.empty() && *inner.begin() != "..")
+    throw std::invalid_argument(
+        "--out: " + quote_path(out.string()) +
+        " holds the recording, and would be replaced with it: expected another folder");
+}
+
 }  // namespace
 
 int run_replay(const ReplayOptions& options, Console& console) {
   if (is_session_folder(options.recording)) {
+    if (!options.planners.empty() || options.seen_within || !options.plan || !options.record.empty())
+      throw std::invalid_argument(quote_path(options.recording.string()) +
+                                  " is a recorded session, which is done again as it was: expected no "
+                                  "--planner, --seen-within, --no-plan and --record");
     TeachCommand session;
     session.source = options.recording;
+    session.setup = options.setup;
+    session.resolution = options.resolution;
+    session.integration = options.integration;
+    session.seed = options.seed;
+    session.time_limit = options.time_limit;
+    session.overlay = options.overlay;
+    session.video = options.video;
     session.out = options.out;
     session.threads = options.threads;
     return run_teach(session, console);
   }
+  require_to_stay(options.recording, options.out);
   for (const std::string& planner : options.planners) make_planner(planner);
   const PictureOptions pictures{options.overlay, options.video};
   require_pictures(pictures, options.recording, options.out);

@@ -85,14 +85,12 @@ class TaughtFolder {
     QueryRecord record{digest_, {}};
     for (TaughtPlan& taught : plans_) {
       const bool rests_on_last = taught.map_digest == digest_;
-      if (rests_on_last)
-        record.queries.push_back(terms_of(taught));
-      else
-        save_own_map(taught);
+      if (rests_on_last) record.queries.push_back(terms_of(taught));
+      const bool holds = rests_on_last || save_own_map(taught);
       const fs::path file = fs::path("plans") / (taught.name + ".json");
       save_file(folder_ / file, to_json(taught.plan));
       report.push_back({taught.name, taught.plan, taught.start, file, taught.space.get()});
-      if (taught.is_approved) export_approved(taught);
+      if (taught.is_approved && holds) export_approved(taught);
     }
     if (!record.queries.empty()) save_file(folder_ / "queries.json", to_json(record));
     return report;
@@ -102,18 +100,21 @@ class TaughtFolder {
   const std::vector<std::string>& broken() const { return broken_; }
 
  private:
-  void save_own_map(TaughtPlan& taught) {
+  /// Whether the plan, if it is approved, holds on the last map, too.
+  bool save_own_map(TaughtPlan& taught) {
     const fs::path place = fs::path("maps") / taught.name;
     save_map(taught.space->map(), folder_ / place);
     save_file(folder_ / place / "queries.json", to_json(QueryRecord{taught.map_digest, {terms_of(taught)}}));
     taught.plan.map_file = place.string();
-    if (!taught.is_approved) return;
+    if (!taught.is_approved) return true;
     const ConfigurationSpace& space = *taught.space;
     const PathVerdict verdict = check_path(space.robot(), map_, space.policies(), space.options().padding,
                                            taught.plan.waypoints(), 0.0, space.options().seen_within);
     if (!verdict.valid)
-      broken_.push_back("plan '" + taught.name +
-                        "' was approved, but does not hold on the last map: " + verdict.first_contact);
+      broken_.push_back(
+          "plan '" + taught.name +
+          "' was approved, but does not hold on the last map, and is not exported: " + verdict.first_contact);
+    return verdict.valid;
   }
 
   void export_approved(const TaughtPlan& taught) const {
@@ -162,7 +163,17 @@ Json teaching_json(const TeachSession& session, const std::vector<TaughtPlan>& p
 
 /// Settings of a session that is done again, else of a new one.
 RecordedSession session_of(const TeachCommand& command) {
-  if (is_session_folder(command.source)) return load_session(command.source);
+  if (is_session_folder(command.source)) {
+    const TeachCommand plain;
+    if (!command.setup.empty() || !command.events.empty() || command.resolution != plain.resolution ||
+        !command.integration.empty() || command.seed != plain.seed || command.time_limit != plain.time_limit)
+      throw std::invalid_argument(
+          quote_path(command.source.string()) +
+          " is a recorded session, which is done again as it was: expected no --setup, --events, "
+          "--resolution, --integration, --seed and --time-limit; with them, give the recording in its "
+          "folder 'source'");
+    return load_session(command.source);
+  }
   RecordedSession session;
   session.source = command.source;
   session.resolution = command.resolution;
@@ -281,19 +292,43 @@ void tell_times(const ScreenTimes& times, Console& console) {
               " ms (median), " + significant(1e3 * quantile(times.latencies, 0.95), 3) + " ms (95 %)");
 }
 
+/// What would leave another planner or robot at work than the events say, before the session begins.
+void require_possible(const TeachEvent& event, const fs::path& file) try {
+  if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
+  if (event.action == TeachAction::robot) VirtualRobot(event.robot, event.near);
+} catch (const std::invalid_argument& error) {
+  throw std::invalid_argument("events file " + quote_path(file.string()) + ", at " +
+                              significant(event.time, 6) + " s, " + std::string(to_string(event.action)) +
+                              ": " + error.what());
+}
+
+/// The recording goes into the session's folder as it was: nothing may be written over it or into it.
+void require_apart(const fs::path& source, const TeachCommand& command) {
+  std::error_code error;
+  if (!command.video.empty() && fs::equivalent(command.video, source, error))
+    throw std::invalid_argument("--video-out: " + quote_path(command.video.string()) +
+                                " is the recording itself, expected another file");
+  if (!fs::is_directory(source, error)) return;
+  const fs::path inner = fs::weakly_canonical(command.out).lexically_relative(fs::weakly_canonical(source));
+  if (!inner.empty() && *inner.begin() != "..")
+    throw std::invalid_argument("--out: " + quote_path(command.out.string()) +
+                                " lies in the recording, the folder " + quote_path(source.string()) +
+                                ", expected a place outside of it");
+}
+
 }  // namespace
 
 int run_teach(const TeachCommand& command, Console& console) {
   RecordedSession recorded = session_of(command);
   const fs::path file = events_file(command);
   std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
-  for (const TeachEvent& event : events)
-    if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
+  for (const TeachEvent& event : events) require_possible(event, file);
   ChosenSetup setup = setup_of(recorded);
   const PictureOptions stills{command.overlay, {}};
   const bool is_camera = is_camera_name(recorded.source);
   require_pictures(stills, recorded.source, command.out);
   if (!command.video.empty()) require_writable(command.video);
+  require_apart(recorded.source, command);
   const std::unique_ptr<TeachScreen> screen = open_screen(command, console);
   if (!screen && file.empty())
     throw std::invalid_argument(
@@ -377,8 +412,11 @@ int run_teach(const TeachCommand& command, Console& console) {
     console.out() << "\n  report: " << (command.out / "report.html").string() << '\n';
   }
   if (fusion.damage) return exit_damaged;
-  const bool all_hold = taught.broken().empty();
-  return all_hold && (approved > 0 || plans.empty()) ? exit_done : exit_no;
+  const bool is_wanted =
+      std::any_of(session.events().begin(), session.events().end(), [](const TaughtEvent& told) {
+        return told.event.action == TeachAction::plan || told.event.action == TeachAction::approve;
+      });
+  return taught.broken().empty() && (approved > 0 || !is_wanted) ? exit_done : exit_no;
 }
 
 }  // namespace clearway
