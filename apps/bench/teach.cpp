@@ -59,6 +59,7 @@ class Drawn final : public FusionGuide {
     painter_.draw(viewer_->view(image, std::get<ImageFrame>(image.frame.content)));
     draw_ms.push_back(1e3 * (wall_time() - begin));
   }
+  void end() override { session_.end(); }
   std::vector<double> draw_ms;
 
  private:

@@ -53,7 +53,7 @@ TeachSession::EventSource script(std::vector<TeachEvent> events) {
 
 std::string line_of(const TaughtEvent& told) {
   std::string line = significant(told.event.time, 6) + " s  " + std::string(to_string(told.event.action));
-  if (!told.event.name.empty()) line += " " + told.event.name;
+  if (!told.event.name.empty()) line += " " + shortened(told.event.name);
   if (!told.refusal.empty()) return line + ": refused: " + told.refusal;
   return line + (told.remark.empty() ? "" : ": " + told.remark) + "  [" + std::string(to_string(told.state)) +
          "]";
@@ -234,7 +234,9 @@ class ShownSession final : public FusionGuide {
 
   const std::vector<PagePicture>& pictures() const { return pictures_; }
 
-  void finish() {
+  void end() override { session_.end(); }
+
+  void finish_film() {
     if (!film_.is_empty()) film_.finish();
   }
 
@@ -360,8 +362,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   const bool is_live = is_camera || screen != nullptr;
   if (is_live) options.frames_file = folder.path() / "session" / "source" / "frames.rawlog";
   Fusion fusion = fuse(recorded.source, options, console.bar("teaching"));
-  session.finish();
-  shown.finish();
+  shown.finish_film();
   if (screen) tell_times(screen->times(), console);
   const fs::path source = recorded.source;
   if (is_live) recorded.source = options.frames_file;

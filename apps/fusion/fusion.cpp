@@ -151,6 +151,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   boards.finish();
   scans.finish();
   if (recorded != nullptr) recorded->finish();
+  if (options.guide != nullptr) options.guide->end();
   counts.read_s -= search.waited();
   counts.track_s += search.waited();
   progress(1.0);

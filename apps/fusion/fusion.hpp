@@ -80,13 +80,15 @@ struct SeenImage {
 class FusionGuide {
  public:
   virtual ~FusionGuide() = default;
-  /// Before the first frame; all three outlive the fusion.
+  /// Before the first frame; all three are there until `end`.
   virtual void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) = 0;
   /// Before a frame is used, `since_start` seconds after the first one. False ends the fusion there.
   virtual bool before(double since_start) = 0;
   virtual Brush brush() const = 0;
   /// After the ball of an image has painted.
   virtual void see(const SeenImage& image) = 0;
+  /// After the last frame. Map and counts are not used afterwards.
+  virtual void end() = 0;
 };
 
 /// What the caller decides about a fusion; what is left out is the setup's, else the default that is named.

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -50,8 +50,10 @@ bool is_session_folder(const fs::path& folder) {
 void save_session(const RecordedSession& session, const fs::path& folder) {
   const fs::path source = fs::path("source") / fs::weakly_canonical(session.source).filename();
   if (!fs::exists(folder / source)) take_source(session.source, folder / source);
+  const fs::path kept = folder / source;
   const Json json{{"format", format},
                   {"source", source.string()},
+                  {"sha256", fs::is_regular_file(kept) ? map_sha256(kept) : ""},
                   {"setup_file", session.setup_file.empty() ? "" : fs::absolute(session.setup_file).string()},
                   {"resolution", session.resolution},
                   {"integration", session.integration},
@@ -80,6 +82,10 @@ RecordedSession load_session(const fs::path& folder) {
   if (source.is_absolute() || source.lexically_normal().string().starts_with(".."))
     field.at("source").refuse("a file in this folder");
   session.source = folder / source;
+  const std::string digest = field.at("sha256").text();
+  if (!digest.empty() && map_sha256(session.source) != digest)
+    throw std::invalid_argument("session " + quote_path(folder.string()) + ": its recording " +
+                                quote_path(source.string()) + " is not the one that it was made from");
   session.setup_file = field.at("setup_file").text();
   session.resolution = field.at("resolution").number();
   if (session.resolution != 0.0 && !(session.resolution >= 1e-4 && session.resolution <= 100.0))

@@ -91,7 +91,7 @@ void TeachSession::see(const SeenImage& image) {
   if (!warning_.empty()) ++warned_images_;
 }
 
-void TeachSession::finish() {
+void TeachSession::end() {
   for (const TeachEvent& event : next_events_(std::numeric_limits<double>::infinity()))
     if (doing_ != Doing::ended) apply(event);
   take_plan(true);
@@ -270,6 +270,8 @@ const TaughtPlan* TeachSession::last_plan() const {
 }
 
 void TeachSession::remember(const std::string& what, std::optional<int> stroke) {
+  constexpr std::size_t most_undos = 1000;
+  if (undos_.size() == most_undos) undos_.pop_front();
   undos_.push_back({what, choice_, stroke});
 }
 
@@ -296,9 +298,10 @@ void TeachSession::choose_volume(const TeachEvent& event) {
   if (found != volumes.end() && !event.critical_parts.empty() &&
       found->critical_parts != event.critical_parts)
     refuse("volume " + quote(event.name) + " is there already, with other critical parts");
-  const int number = found != volumes.end() ? static_cast<int>(found - volumes.begin())
-                                            : map_->add_volume(event.name, event.critical_parts);
-  if (found == volumes.end()) ++other_changes_;
+  const bool is_new = found == volumes.end();
+  const int number =
+      is_new ? map_->add_volume(event.name, event.critical_parts) : static_cast<int>(found - volumes.begin());
+  if (is_new) ++other_changes_;
   remember("volume");
   choice_.volume = number;
 }
@@ -334,6 +337,9 @@ Configuration TeachSession::place_of(const TeachEvent& event) const {
 void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   require_robot();
   if (event.action != TeachAction::start && !choice_.start) refuse("no start is chosen; 'start' comes first");
+  constexpr std::size_t most_vias = 1000;
+  if (event.action == TeachAction::via && choice_.vias.size() >= most_vias)
+    refuse("at most 1000 goals on the way are possible; 'clear' forgets them");
   const Configuration q = place_of(event);
   const Verdict verdict = robot_->space(present_map(), map_version())->check(q);
   if (!verdict.is_free()) refuse(verdict.sentence());

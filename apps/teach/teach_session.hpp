@@ -75,7 +75,7 @@ struct TeachOptions {
 /// | ready, selecting, planned, approved | all but paint_off and erase_off |
 /// | painting | paint_off, undo, save, quit |
 /// | erasing | erase_off, undo, save, quit |
-/// | planning | save, quit; undo gives the plan up |
+/// | planning | save, quit |
 /// | playing | approve, undo, save, quit, clear, start, via, goal, plan, play |
 /// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start` and what follows a
 /// robot.
@@ -93,9 +93,8 @@ class TeachSession final : public FusionGuide {
   bool before(double since_start) override;
   Brush brush() const override;
   void see(const SeenImage& image) override;
-
-  /// After the last frame: the events that are left, and the plan that is being made.
-  void finish();
+  /// The events that are left, and the plan that is being made.
+  void end() override;
 
   TeachState state() const;
   /// Where the virtual robot is to be drawn: led by the probe, or along the plan that is played.
@@ -173,7 +172,7 @@ class TeachSession final : public FusionGuide {
   int stroke_ = -1;
   std::shared_ptr<VirtualRobot> robot_;
   Choice choice_;
-  std::vector<Undo> undos_;
+  std::deque<Undo> undos_;  ///< the last thousand
   std::optional<Job> job_;
   std::deque<TaughtPlan> plans_;  ///< which stay where they are
   std::set<std::string> saved_;   ///< maps

@@ -345,6 +345,15 @@ TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_b
     EXPECT_EQ(without_times(read_file(folder / "taught" / file)),
               without_times(read_file(folder / "again" / file)))
         << file;
+
+  // Another recording in its place is noticed.
+  std::string session = read_file(folder / "taught/session/session.json");
+  session.replace(session.find("\"sha256\": \"") + 11, 4, "----");
+  write_file(folder / "taught/session/session.json", session);
+  const CommandRun other =
+      run_command({"replay", folder.file("taught/session"), "--out", folder.file("other")});
+  EXPECT_EQ(other.status, exit_bad_input);
+  EXPECT_NE(other.log.find("is not the one that it was made from"), std::string::npos) << other.log;
 }
 
 TEST_F(KitchenJob, a_truncated_recording_is_told_as_damage_and_what_came_before_is_kept) {

@@ -95,7 +95,8 @@ TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsAppr
   EXPECT_EQ(act(TeachAction::goal, "1,0.5"), "");  // replaces
   EXPECT_EQ(session_.goals().size(), 2u);
   EXPECT_EQ(act(TeachAction::plan, "first"), "");
-  EXPECT_EQ(act(TeachAction::plan, "first"), "plan: there is a plan 'first' already, expected another name");
+  EXPECT_EQ(act(TeachAction::plan, "first"),
+            "plan: there is a plan or a map 'first' already, expected another name");
   EXPECT_EQ(session_.state(), TeachState::planned);
   ASSERT_EQ(session_.plans().size(), 1u);
   EXPECT_TRUE(session_.plans()[0].plan.is_proved());
@@ -226,6 +227,50 @@ TEST(Teach, WhatIsWrongIsToldInOneSentence) {
          "the name of a joint, without '='");
   expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"nosuch.urdf\"}", "nosuch.urdf");
   expect("nothing", "is not valid JSON at line 1");
+}
+
+TEST(Teach, ARecordedSessionTakesNoOtherSettings) {
+  const TemporaryFolder folder;
+  folder.write("session.json", "{}");
+  const auto expect = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--out", folder.file("out")});
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find("is a recorded session"), std::string::npos) << run.log;
+  };
+  const std::string session = folder.file(".");
+  expect({"replay", session, "--setup", "nosuch.yaml"});
+  expect({"replay", session, "--no-plan"});
+  expect({"replay", session, "--seed", "2"});
+  expect({"teach", session, "--events", "nosuch.jsonl"});
+  expect({"teach", session, "--resolution", "0.1"});
+}
+
+TEST(Teach, NothingIsWrittenOverTheRecordingOrIntoIt) {
+  const TemporaryFolder folder;
+  folder.write("e.jsonl", "{\"time\": 0, \"action\": \"quit\"}");
+  folder.write("s.yaml", "map: {resolution: 0.1}\n");
+  folder.write("r.rawlog", "a recording");
+  std::filesystem::create_directory(folder / "pictures");
+  const auto expect = [&](const std::string& source, const std::string& out, const std::string& video,
+                          const std::string& part) {
+    const CommandRun run = run_command({"teach", folder.file(source), "--setup", folder.file("s.yaml"),
+                                        "--events", folder.file("e.jsonl"), "--headless", "--out",
+                                        folder.file(out), "--video-out", folder.file(video)});
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(part), std::string::npos) << run.log;
+  };
+  expect("pictures", "pictures/taught", "v.mp4", "lies in the recording");
+  expect("pictures", "pictures", "v.mp4", "lies in the recording");
+  expect("r.rawlog", "taught", "r.rawlog", "is the recording itself");
+  std::filesystem::create_directories(folder / "taught/session");
+  folder.write("taught/session/session.json", "{}");
+  const CommandRun run =
+      run_command({"replay", folder.file("taught/session/r.rawlog"), "--out", folder.file("taught")});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(run.log.find("holds the recording"), std::string::npos) << run.log;
 }
 
 TEST(Teach, EventsAreReadBackAsTheyWere) {
