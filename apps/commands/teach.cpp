@@ -215,6 +215,7 @@ class ShownSession final : public FusionGuide {
   void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) override {
     session_.begin(setup, map, counts);
     viewer_.emplace(session_, setup, map, counts);
+    screen_viewer_.emplace(session_, setup, map, counts);
   }
   bool before(double since_start) override { return session_.before(since_start); }
   Brush brush() const override { return session_.brush(); }
@@ -222,14 +223,13 @@ class ShownSession final : public FusionGuide {
   void see(const SeenImage& image) override {
     session_.see(image);
     const std::string moment = new_moment();
-    if (screen_ == nullptr && video_file_.empty() && moment.empty()) return;
-    TeachView view = viewer_->view(image, std::get<ImageFrame>(image.frame.content));
-    if (!video_file_.empty() || !moment.empty()) {
-      const cv::Mat picture = painter_.draw(view);
-      if (!video_file_.empty()) film_.add(view.since_start, picture);
-      if (!moment.empty()) keep(picture, moment);
-    }
-    if (screen_ != nullptr) screen_->show(std::move(view));
+    const auto& frame = std::get<ImageFrame>(image.frame.content);
+    if (screen_ != nullptr) screen_->show(screen_viewer_->view(image, frame));
+    if (video_file_.empty() && moment.empty()) return;
+    const TeachView view = viewer_->view(image, frame);
+    const cv::Mat picture = painter_.draw(view);
+    if (!video_file_.empty()) film_.add(view.since_start, picture);
+    if (!moment.empty()) keep(picture, moment);
   }
 
   const std::vector<PagePicture>& pictures() const { return pictures_; }
@@ -265,7 +265,7 @@ class ShownSession final : public FusionGuide {
   TeachSession& session_;
   TeachScreen* screen_;
   const fs::path video_file_;
-  std::optional<TeachViewer> viewer_;
+  std::optional<TeachViewer> viewer_, screen_viewer_;  ///< each tells a change once: one for each who draws
   TeachPainter painter_{thread_count()};
   Film film_;
   std::size_t told_ = 0;
