@@ -9,13 +9,13 @@
 namespace clearway {
 namespace {
 
-constexpr int most = 255;
+constexpr int most = 255, blocked = 1;
 constexpr std::size_t beyond = 3;  ///< bytes after the last cell
 
 /// Units a voxel: as many as a byte has room for, up to the largest distance that the field knows.
 int units(const BlockedField& field) {
   const double voxels = 0.5 * std::sqrt(double(field.distances()->cap()));
-  return std::clamp(static_cast<int>(most / voxels), 2, 16);
+  return std::clamp(static_cast<int>((most - blocked) / voxels), 2, 16);
 }
 
 /// The number of each squared distance in half voxels, up to `cap`.
@@ -23,7 +23,7 @@ std::vector<std::uint8_t> numbers_of(int cap, int units) {
   std::vector<std::uint8_t> numbers;
   numbers.reserve(static_cast<std::size_t>(cap) + 1);
   for (int squared = 0; squared <= cap; ++squared) {  // whole numbers have whole roots: nothing is rounded up
-    const double number = std::floor(0.5 * units * std::sqrt(double(squared)));
+    const double number = blocked + std::floor(0.5 * units * std::sqrt(double(squared)));
     numbers.push_back(static_cast<std::uint8_t>(std::min(number, double{most})));
   }
   return numbers;

@@ -33,8 +33,8 @@ struct ByteField {
   double resolution;     ///< edge of a cell, metres
   double step;           ///< metres for each unit of a cell's number
   bool outside_blocked;  ///< what lies beyond the cells counts as blocked
-  /// The number of a cell: step * number <= the distance from its middle to the nearest blocked cube, metres,
-  /// which is less than step * (number + 1) where the number is below `end`. 0 in blocked cells, and in those
+  /// The number of a cell: step * (number - 1) <= the distance from its middle to the nearest blocked cube,
+  /// metres, which is less than step * number where the number is below `end`. 1 in blocked cells, 0 in those
   /// that are not known yet. There are a few more, so that four bytes may be read at each.
   std::span<const std::uint8_t> cells;
   std::uint8_t end;

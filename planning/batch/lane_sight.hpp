@@ -71,7 +71,7 @@ HWY_INLINE Whole number_of(const ByteField& bytes, Whole cell) {
   return hn::And(hn::GatherOffset(WholeTag(), first, cell), byte);
 }
 
-/// The number of the cell that holds a point of the field, and where that cell's middle is.
+/// How many steps of distance the cell that holds a point of the field has, and where that cell's middle is.
 HWY_INLINE Vector units_at(const ByteField& bytes, const Point& inside, Point& middle) {
   const auto axis = [&](Vector at, int i, Vector& to) HWY_ATTR {
     const auto cell = hn::Min(hn::ConvertTo(WholeTag(), at), hn::Set(WholeTag(), bytes.size[i] - 1));
@@ -84,7 +84,7 @@ HWY_INLINE Vector units_at(const ByteField& bytes, const Point& inside, Point& m
   const auto cell = hn::Add(
       hn::Mul(hn::Add(hn::Mul(z, hn::Set(WholeTag(), bytes.size[1])), y), hn::Set(WholeTag(), bytes.size[0])),
       x);
-  return hn::ConvertTo(Tag(), number_of(bytes, cell));
+  return hn::Sub(hn::ConvertTo(Tag(), number_of(bytes, cell)), all(1.0F));
 }
 
 /// What one cell says of a point: its distance, less and more by how far the point is from its middle.
@@ -97,7 +97,7 @@ HWY_INLINE Sight sight_from(const ByteField& bytes, const Spot& spot, Vector uni
   if (bytes.outside_blocked) seen.lower = hn::Min(seen.lower, hn::Mul(spot.border, resolution));
   const Vector most = hn::Add(hn::Mul(hn::Add(units, all(1.0F)), step), off);
   const Mask unknown =
-      hn::Or(hn::Ge(units, all(static_cast<float>(bytes.end))), hn::Gt(spot.beyond, hn::Zero(Tag())));
+      hn::Or(hn::Ge(units, all(static_cast<float>(bytes.end - 1))), hn::Gt(spot.beyond, hn::Zero(Tag())));
   seen.upper = hn::IfThenElse(unknown, all(1e30F), hn::IfThenZeroElse(hn::Eq(units, hn::Zero(Tag())), most));
   return seen;
 }

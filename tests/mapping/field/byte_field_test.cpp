@@ -28,11 +28,12 @@ void expect_bounds(const BlockedSpace& space) {
         const bool is_of_border = bytes.outside_blocked && border <= distance;  // looked at elsewhere
         if (bytes.cells[index] == 0) bytes.know(index);
         const int number = bytes.cells[index];
-        ASSERT_EQ(number == 0, space.is_voxel_blocked(voxel)) << voxel.transpose();
-        ASSERT_TRUE(is_of_border || number * bytes.step <= distance * (1 + 1e-12)) << voxel.transpose();
+        ASSERT_GE(number, 1);
+        ASSERT_EQ(number == 1, space.is_voxel_blocked(voxel)) << voxel.transpose();
+        ASSERT_TRUE(is_of_border || (number - 1) * bytes.step <= distance * (1 + 1e-12)) << voxel.transpose();
         if (number >= bytes.end) continue;
         ++below_end;
-        ASSERT_GT((number + 1) * bytes.step, distance) << voxel.transpose();
+        ASSERT_GT(number * bytes.step, distance) << voxel.transpose();
       }
     }
   }
