@@ -71,8 +71,8 @@ class BlockLook {
   void place_frames_and_middles() {
     for (std::size_t row = 0; row < rows(); ++row) {
       LaneFloats* value = &block_.value[row * robot_.frames.size()];
-      read_values<false>(robot_, block_.q.data() + row * robot_.joints, nullptr, value, nullptr);
-      place_frames<false>(robot_, {value, nullptr, pose(row, 0), nullptr});
+      read_values(robot_, block_.q.data() + row * robot_.joints, value);
+      place_frames(robot_, value, pose(row, 0));
       for (std::size_t i = 0; i < robot_.branches.size(); ++i) {
         for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
           const LaneFloats* from = pose(row, robot_.branches[i].frame);

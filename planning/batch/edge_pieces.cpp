@@ -5,19 +5,29 @@
 #include <bit>
 #include <cmath>
 
+#include "planning/batch/core_lanes.hpp"
+
 namespace clearway {
 namespace {
 
 constexpr int first_cut = 16, further_cut = 4;
 constexpr std::size_t most_pieces = 4096;
 
+auto row(LaneFloats& lanes) {
+  return Eigen::Map<Eigen::Array<float, lane_count, 1>, Eigen::Aligned16>(lanes.at);
+}
+auto row(LaneDoubles& lanes) {
+  return Eigen::Map<Eigen::Array<double, lane_count, 1>, Eigen::Aligned16>(lanes.at);
+}
+
 }  // namespace
 
-/// Half of |x''| at most, over the whole edge: the second derivatives by two joints are turns of the way that
-/// the later one moves the point (d^2 x / dq_i dq_k = z_i x dx / dq_k for i above k), so |x''| is at most
+/// How far a ball's middle moves at most, whatever the configuration, and half of |x''| at most, over the
+/// whole edge: the second derivatives by two joints are turns of the way that the later one moves the point
+/// (d^2 x / dq_i dq_k = z_i x dx / dq_k for i above k), so |x''| is at most
 /// sum_i turn_i |d_i| (lever_i |d_i| + 2 sum_{k below i} lever_k |d_k|).
 /// @param above joints of this frame and of its parents do not count.
-double EdgePieces::bend_of(int frame, int above) const {
+EdgePieces::Bounds EdgePieces::bounds_of(int frame, int above) const {
   double sum = 0.0, below = 0.0;
   const auto index = static_cast<std::size_t>(frame);
   for (int i = frame; i != above && i > 0; i = robot_->frames[static_cast<std::size_t>(i)].parent) {
@@ -26,16 +36,7 @@ double EdgePieces::bend_of(int frame, int above) const {
     if (robot_->frames[mover].turns) sum += distance_[mover] * (moved + 2.0 * below);
     below += moved;
   }
-  return 0.5 * sum * (1.0 + 1e-5);
-}
-
-/// How far a ball's middle moves at most, whatever the configuration.
-double EdgePieces::motion_of(int frame, int above) const {
-  double sum = 0.0;
-  for (int i = frame; i != above && i > 0; i = robot_->frames[static_cast<std::size_t>(i)].parent)
-    sum += robot_->lever_of(static_cast<std::size_t>(frame), static_cast<std::size_t>(i)) *
-           distance_[static_cast<std::size_t>(i)];
-  return sum * (1.0 + 1e-5);
+  return {below * (1.0 + 1e-5), 0.5 * sum * (1.0 + 1e-5)};
 }
 
 void EdgePieces::bound_bends() {
@@ -43,71 +44,99 @@ void EdgePieces::bound_bends() {
   for (std::size_t i = 1; i < robot_->frames.size(); ++i)
     distance_[i] = std::abs(robot_->frames[i].multiplier * step_[robot_->frames[i].joint]);
   bend_.clear();
-  for (std::size_t i = 0; i < robot_->frames.size(); ++i) bend_.push_back(bend_of(static_cast<int>(i), 0));
+  for (std::size_t i = 0; i < robot_->frames.size(); ++i)
+    bend_.push_back(static_cast<float>(bounds_of(static_cast<int>(i), 0).bend));
   pair_bend_.clear();
   approach_.clear();
   for (const SphereRobot::FramePair& pair : robot_->frame_pairs) {
-    pair_bend_.push_back(bend_of(pair.a, pair.meet) + bend_of(pair.b, pair.meet));
-    approach_.push_back(motion_of(pair.a, pair.meet) + motion_of(pair.b, pair.meet));
+    const Bounds a = bounds_of(pair.a, pair.meet), b = bounds_of(pair.b, pair.meet);
+    pair_bend_.push_back(static_cast<float>(a.bend + b.bend));
+    approach_.push_back(static_cast<float>(a.motion + b.motion));
   }
 }
 
-EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configuration& to) {
+/// Of the first pieces, so much of the edge was proved free from its start on.
+double EdgePieces::share_in_front() const {
+  return double(std::min(std::countr_zero(unsigned{lanes_.failing()}), first_cut)) / first_cut;
+}
+
+/// True when the middle of a piece touches something, with the share of the edge that is proved before that.
+bool EdgePieces::is_touching(double least_share) {
+  const auto least =
+      static_cast<unsigned>(std::clamp(std::ceil(least_share * first_cut), 1.0, double(first_cut)));
+  const PieceLanes::Lanes touching =
+      touching_lanes(*robot_, lanes_, static_cast<PieceLanes::Lanes>((1U << least) - 1U));
+  if (touching == 0) return false;
+  const auto before = static_cast<unsigned>(std::countr_zero(touching));
+  if (before < least) return true;
+  bound_bends();
+  ask(queue_);
+  lanes_.active = static_cast<PieceLanes::Lanes>((1U << before) - 1U);
+  look(*robot_, lanes_);
+  proved_share_ = std::min(share_in_front(), double(before) / first_cut);
+  return true;
+}
+
+EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configuration& to,
+                                        double least_share) {
   from_ = &from;
   step_ = to - from;
-  bound_bends();
+  proved_share_ = 0.0;
   open_.clear();
   members_.clear();
   queue_.clear();
   for (int i = 0; i < first_cut; ++i)
     queue_.push_back({double(i) / first_cut, double(i + 1) / first_cut, 0, -1});
+  place(queue_);
+  if (is_touching(least_share)) return Finding::blocked;
+  bound_bends();
   for (std::size_t next = 0; next < queue_.size();) {
     const std::size_t count = std::min(queue_.size() - next, std::size_t{PieceLanes::count});
     std::array<Piece, PieceLanes::count> pieces;
     std::copy_n(queue_.begin() + static_cast<std::ptrdiff_t>(next), count, pieces.begin());
-    next += count;
     const std::span<const Piece> asked(pieces.data(), count);
+    if (next > 0) place(asked);
     ask(asked);
     look(*robot_, lanes_);
-    if (next == count)
-      proved_share_ = double(std::min(std::countr_zero(unsigned{lanes_.failing()}), first_cut)) / first_cut;
+    if (next == 0) proved_share_ = share_in_front();
     if (lanes_.blocked != 0) return Finding::blocked;
     sort_out(asked);
+    next += count;
   }
   return open_.empty() ? Finding::free : Finding::open;
 }
 
-void EdgePieces::ask(std::span<const Piece> pieces) {
-  const std::size_t count = pieces.size();
-  std::array<double, PieceLanes::count> middle{}, half{};
+/// The middles of the pieces, for all lanes.
+void EdgePieces::place(std::span<const Piece> pieces) {
+  lanes_.active = static_cast<PieceLanes::Lanes>((1U << pieces.size()) - 1U);
   for (std::size_t lane = 0; lane < PieceLanes::count; ++lane) {
-    const Piece& piece = pieces[std::min(lane, count - 1)];
-    middle[lane] = (piece.begin + piece.end) / 2;
-    half[lane] = (piece.end - piece.begin) / 2;
+    const Piece& piece = pieces[std::min(lane, pieces.size() - 1)];
+    middle_.at[lane] = (piece.begin + piece.end) / 2;
+    half_.at[lane] = (piece.end - piece.begin) / 2;
   }
   for (std::size_t j = 0; j < lanes_.q.size(); ++j) {
-    const double start = (*from_)[static_cast<Eigen::Index>(j)], step = step_[static_cast<Eigen::Index>(j)];
-    for (std::size_t lane = 0; lane < PieceLanes::count; ++lane) {
-      lanes_.q[j].at[lane] = start + middle[lane] * step;
-      lanes_.step[j].at[lane] = half[lane] * step;
-    }
+    const auto i = static_cast<Eigen::Index>(j);
+    row(lanes_.q[j]) = (*from_)[i] + row(middle_) * step_[i];
   }
-  std::array<double, PieceLanes::count> squared{};
-  for (std::size_t lane = 0; lane < PieceLanes::count; ++lane) squared[lane] = half[lane] * half[lane];
-  const auto fill = [](const std::vector<double>& whole, const std::array<double, PieceLanes::count>& share,
+}
+
+/// How they move, and what is asked of them. Bounds are rounded, up or down, by less than they are too large.
+void EdgePieces::ask(std::span<const Piece> pieces) {
+  for (std::size_t j = 0; j < lanes_.q.size(); ++j)
+    row(lanes_.step[j]) = row(half_) * step_[static_cast<Eigen::Index>(j)];
+  PieceLanes::Floats half, squared;
+  row(half) = row(half_).cast<float>();
+  row(squared) = row(half_).square().cast<float>();
+  const auto fill = [](const std::vector<float>& whole, PieceLanes::Floats& share,
                        std::vector<PieceLanes::Floats>& rows) {
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      for (std::size_t lane = 0; lane < PieceLanes::count; ++lane)
-        rows[i].at[lane] = static_cast<float>(whole[i] * share[lane]);
-    }
+    for (std::size_t i = 0; i < rows.size(); ++i) row(rows[i]) = whole[i] * row(share);
   };
   fill(bend_, squared, lanes_.bend);
   fill(pair_bend_, squared, lanes_.pair_bend);
   fill(approach_, half, lanes_.approach);
-  if (pieces[0].last < 0) return lanes_.want_all(static_cast<int>(count));
+  if (pieces[0].last < 0) return lanes_.want_all(static_cast<int>(pieces.size()));
   lanes_.want_none();
-  lanes_.active = static_cast<PieceLanes::Lanes>((1U << count) - 1U);
-  for (std::size_t lane = 0; lane < count; ++lane) {
+  for (std::size_t lane = 0; lane < pieces.size(); ++lane) {
     for (int i = pieces[lane].first; i < pieces[lane].last; ++i)
       lanes_.want(members_[static_cast<std::size_t>(i)], static_cast<int>(lane));
   }

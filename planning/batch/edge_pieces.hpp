@@ -29,7 +29,8 @@ class EdgePieces {
   /// Both ends are within the joints' limits.
   /// `free`: all is proved free, everywhere on the edge. `blocked`: somewhere on it some body surely touches
   /// something. `open`: open_pieces() says what is not decided.
-  Finding examine(const Configuration& from, const Configuration& to);
+  /// @param least_share a proved_share() below this may be told as 0: what is blocked is told sooner then
+  Finding examine(const Configuration& from, const Configuration& to, double least_share = 0.0);
 
   /// So much of the edge, 0..1, was proved free from its start on before anything was cut further.
   double proved_share() const { return proved_share_; }
@@ -37,9 +38,14 @@ class EdgePieces {
   const std::vector<int>& open_members() const { return members_; }
 
  private:
+  struct Bounds {
+    double motion, bend;  ///< metres
+  };
   void bound_bends();
-  double bend_of(int frame, int above) const;
-  double motion_of(int frame, int above) const;
+  Bounds bounds_of(int frame, int above) const;
+  bool is_touching(double least_share);
+  double share_in_front() const;
+  void place(std::span<const Piece> pieces);
   void ask(std::span<const Piece> pieces);
   void sort_out(std::span<const Piece> pieces);
 
@@ -47,10 +53,11 @@ class EdgePieces {
   PieceLanes lanes_;
   const Configuration* from_ = nullptr;
   Eigen::VectorXd step_;
+  LaneDoubles middle_, half_;  ///< of the pieces that are asked for, of the edge
   double proved_share_ = 0.0;
-  std::vector<double> distance_;          ///< of each frame: |multiplier * step|
-  std::vector<double> bend_, pair_bend_;  ///< of each frame, pair of frames: over half the edge, metres
-  std::vector<double> approach_;          ///< of each pair of frames, over the whole edge, metres
+  std::vector<double> distance_;         ///< of each frame: |multiplier * step|
+  std::vector<float> bend_, pair_bend_;  ///< of each frame, pair of frames: over half the edge, metres
+  std::vector<float> approach_;          ///< of each pair of frames, over the whole edge, metres
   std::vector<Piece> queue_, open_;
   std::vector<int> members_;
 };

@@ -40,41 +40,44 @@ HWY_INLINE void sine_and_cosine(Vector angle, Vector& sine, Vector& cosine) {
 }
 
 /// Values of the joints' motions as floats; angles between -pi and pi, which keeps them exact.
-template <bool moving>
-void read_values(const SphereRobot& robot, const LaneDoubles* q, const LaneDoubles* step, LaneFloats* value,
-                 LaneFloats* motion) {
-  constexpr double turn = 6.283185307179586, magic = 6755399441055744.0;  // rounds what is added to it
+inline void read_values(const SphereRobot& robot, const LaneDoubles* q, LaneFloats* value) {
+  using DoubleTag = hn::Repartition<double, Tag>;
+  using HalfTag = hn::Rebind<float, DoubleTag>;
+  const auto number = [](double x) HWY_ATTR { return hn::Set(DoubleTag(), x); };
+  const auto turn = number(6.283185307179586), turns = number(1.0 / 6.283185307179586);
+  const auto magic = number(6755399441055744.0);  // rounds what is added to it
   for (std::size_t i = 1; i < robot.frames.size(); ++i) {
     const SphereRobot::Frame& frame = robot.frames[i];
-    const auto joint = static_cast<std::size_t>(frame.joint);
-    for (int lane = 0; lane < lane_count; ++lane) {
-      double at = frame.multiplier * q[joint].at[lane] + frame.offset;
-      if (frame.turns) at -= turn * ((at * (1.0 / turn) + magic) - magic);
-      value[i].at[lane] = static_cast<float>(at);
-      if constexpr (moving) motion[i].at[lane] = static_cast<float>(frame.multiplier * step[joint].at[lane]);
+    const double* from = q[static_cast<std::size_t>(frame.joint)].at;
+    for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(DoubleTag())) {
+      const auto joint = hn::Load(DoubleTag(), from + lane);
+      auto at = hn::Add(hn::Mul(number(frame.multiplier), joint), number(frame.offset));
+      const auto whole = hn::Sub(hn::Add(hn::Mul(at, turns), magic), magic);
+      if (frame.turns) at = hn::Sub(at, hn::Mul(turn, whole));
+      hn::Store(hn::DemoteTo(HalfTag(), at), HalfTag(), value[i].at + lane);
     }
   }
 }
 
-/// Numbers of lanes about each frame: the value of its joint's motion; its pose, 9 rows of its rotation, then
-/// 3 of its place; and when it moves, its motion over the piece and its twist: turn, then velocity of what is
-/// at the base.
-struct FrameRows {
-  const LaneFloats *value, *motion;
-  LaneFloats *pose, *twist;
-};
+/// How far the joints' motions go.
+inline void read_motions(const SphereRobot& robot, const LaneDoubles* step, LaneFloats* motion) {
+  for (std::size_t i = 1; i < robot.frames.size(); ++i) {
+    const SphereRobot::Frame& frame = robot.frames[i];
+    const double* by = step[static_cast<std::size_t>(frame.joint)].at;
+    for (int lane = 0; lane < lane_count; ++lane)
+      motion[i].at[lane] = static_cast<float>(frame.multiplier * by[lane]);
+  }
+}
 
-template <bool moving>
-HWY_INLINE void place_frame(const SphereRobot& robot, const FrameRows& rows, std::size_t index,
-                            std::size_t lane) {
+/// Poses of a frame are 12 rows of lanes: 9 of its rotation, 3 of its place. `value`: of its joint's motion.
+HWY_INLINE void place_frame(const SphereRobot& robot, const LaneFloats* values, LaneFloats* pose,
+                            std::size_t index, std::size_t lane) {
   const SphereRobot::Frame& frame = robot.frames[index];
-  const auto parent = static_cast<std::size_t>(frame.parent);
-  const LaneFloats* above = &rows.pose[12 * parent];
-  LaneFloats* here = &rows.pose[12 * index];
-  const Vector value = load(rows.value[index], lane);
+  const LaneFloats* above = &pose[12 * static_cast<std::size_t>(frame.parent)];
+  LaneFloats* here = &pose[12 * index];
+  const Vector value = load(values[index], lane);
   Vector sine = all(0.0F), cosine = all(1.0F);
   if (frame.turns) sine_and_cosine(value, sine, cosine);
-  Vector axis[3], place[3];
   for (int row = 0; row < 3; ++row) {
     const Vector a = load(above[3 * row], lane), b = load(above[3 * row + 1], lane),
                  c = load(above[3 * row + 2], lane);
@@ -83,35 +86,46 @@ HWY_INLINE void place_frame(const SphereRobot& robot, const FrameRows& rows, std
     };
     const Vector first = product(frame.rotation[0], frame.rotation[3], frame.rotation[6]);
     const Vector second = product(frame.rotation[1], frame.rotation[4], frame.rotation[7]);
-    axis[row] = product(frame.rotation[2], frame.rotation[5], frame.rotation[8]);
-    place[row] = hn::Add(product(frame.translation[0], frame.translation[1], frame.translation[2]),
-                         load(above[9 + row], lane));
-    if (!frame.turns) place[row] = hn::Add(place[row], hn::Mul(value, axis[row]));
+    const Vector axis = product(frame.rotation[2], frame.rotation[5], frame.rotation[8]);
+    Vector place = hn::Add(product(frame.translation[0], frame.translation[1], frame.translation[2]),
+                           load(above[9 + row], lane));
+    if (!frame.turns) place = hn::Add(place, hn::Mul(value, axis));
     store(hn::Add(hn::Mul(cosine, first), hn::Mul(sine, second)), here[3 * row], lane);
     store(hn::Sub(hn::Mul(cosine, second), hn::Mul(sine, first)), here[3 * row + 1], lane);
-    store(axis[row], here[3 * row + 2], lane);
-    store(place[row], here[9 + row], lane);
+    store(axis, here[3 * row + 2], lane);
+    store(place, here[9 + row], lane);
   }
-  if constexpr (!moving) return;
-  const Point along = times(load(rows.motion[index], lane), {axis[0], axis[1], axis[2]});
-  Point turn = load_point(&rows.twist[6 * parent], lane);
-  Point velocity = load_point(&rows.twist[6 * parent + 3], lane);
-  if (frame.turns) {
-    turn = plus(turn, along);
-    velocity = plus(velocity, cross({place[0], place[1], place[2]}, along));
-  } else {
-    velocity = plus(velocity, along);
-  }
-  store_point(turn, &rows.twist[6 * index], lane);
-  store_point(velocity, &rows.twist[6 * index + 3], lane);
 }
 
-template <bool moving>
-void place_frames(const SphereRobot& robot, const FrameRows& rows) {
+/// The poses of all frames for the values of their joints' motions.
+inline void place_frames(const SphereRobot& robot, const LaneFloats* value, LaneFloats* pose) {
   for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
-    for (int i = 0; i < 12; ++i) store(all(i < 9 ? robot.base[i] : 0.0F), rows.pose[i], lane);
-    for (int i = 0; i < 6 && moving; ++i) store(all(0.0F), rows.twist[i], lane);
-    for (std::size_t i = 1; i < robot.frames.size(); ++i) place_frame<moving>(robot, rows, i, lane);
+    for (int i = 0; i < 12; ++i) store(all(i < 9 ? robot.base[i] : 0.0F), pose[i], lane);
+    for (std::size_t i = 1; i < robot.frames.size(); ++i) place_frame(robot, value, pose, i, lane);
+  }
+}
+
+/// The twists of all frames, 6 rows of lanes each, for the motions of their joints where they are: turn, then
+/// velocity of what is at the base.
+inline void move_frames(const SphereRobot& robot, const LaneFloats* motion, const LaneFloats* pose,
+                        LaneFloats* twist) {
+  for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
+    for (int i = 0; i < 6; ++i) store(all(0.0F), twist[i], lane);
+    for (std::size_t i = 1; i < robot.frames.size(); ++i) {
+      const LaneFloats *here = &pose[12 * i],
+                       *above = &twist[6 * static_cast<std::size_t>(robot.frames[i].parent)];
+      const Point axis{load(here[2], lane), load(here[5], lane), load(here[8], lane)};
+      const Point along = times(load(motion[i], lane), axis);
+      Point turn = load_point(above, lane), velocity = load_point(above + 3, lane);
+      if (robot.frames[i].turns) {
+        turn = plus(turn, along);
+        velocity = plus(velocity, cross(load_point(here + 9, lane), along));
+      } else {
+        velocity = plus(velocity, along);
+      }
+      store_point(turn, &twist[6 * i], lane);
+      store_point(velocity, &twist[6 * i + 3], lane);
+    }
   }
 }
 

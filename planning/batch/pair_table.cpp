@@ -51,6 +51,7 @@ PairTable::PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std:
                                             double(is_one ? most_of_one : most_of_two)));
     lower_[i] = joint.lower;
     width_[i] = range > 0.0 ? range / cells_[i] : 1.0;
+    per_unit_[i] = 1.0 / width_[i];
   }
   for (const int edge : block_edges) {
     Level level;
@@ -65,7 +66,7 @@ PairTable::PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std:
 std::optional<std::array<int, 2>> PairTable::cell_of(const std::array<double, 2>& values) const {
   std::array<int, 2> cell{};
   for (std::size_t i = 0; i < 2 && joints_[i] >= 0; ++i) {
-    const double at = (values[i] - lower_[i]) / width_[i];
+    const double at = (values[i] - lower_[i]) * per_unit_[i];  // a proof reaches a little beyond its cell
     if (!(at >= 0.0 && at <= cells_[i])) return std::nullopt;
     cell[i] = std::min(static_cast<int>(at), cells_[i] - 1);
   }
@@ -81,6 +82,11 @@ bool PairTable::is_apart(const std::array<double, 2>& lower, const std::array<do
   const auto first = cell_of(lower), last = cell_of(upper);
   if (!first || !last) return false;
   const auto [low, high] = std::pair(*first, *last);
+  for (const Level& level : levels_) {  // one block around them all
+    const std::array<int, 2> block{low[0] / level.edge, low[1] / level.edge};
+    if (block != std::array{high[0] / level.edge, high[1] / level.edge}) break;
+    if (is_block_apart(level, block)) return true;
+  }
   if ((high[0] - low[0] + 1) * (high[1] - low[1] + 1) > most_together) return false;
   for (int i = low[0]; i <= high[0]; ++i) {
     for (int k = low[1]; k <= high[1]; ++k) {

@@ -55,6 +55,7 @@ class PairTable {
   std::vector<BodyPair> pairs_;
   std::array<int, 2> joints_;
   std::array<double, 2> lower_{}, width_{1.0, 1.0};  ///< of the first cell, of a cell
+  std::array<double, 2> per_unit_{1.0, 1.0};         ///< cells
   std::array<int, 2> cells_{1, 1};
   std::vector<Level> levels_;
 };

@@ -32,10 +32,14 @@ class Look {
   Look(const SphereRobot& robot, PieceLanes& lanes) : robot_(robot), lanes_(lanes) {}
 
   void run() {
-    read_values<moving>(robot_, lanes_.q.data(), lanes_.step.data(), lanes_.value.data(),
-                        lanes_.motion.data());
-    place_frames<moving>(
-        robot_, {lanes_.value.data(), lanes_.motion.data(), lanes_.pose.data(), lanes_.twist.data()});
+    if (!lanes_.are_frames_placed) {
+      read_values(robot_, lanes_.q.data(), lanes_.value.data());
+      place_frames(robot_, lanes_.value.data(), lanes_.pose.data());
+    }
+    if (moving) {
+      read_motions(robot_, lanes_.step.data(), lanes_.motion.data());
+      move_frames(robot_, lanes_.motion.data(), lanes_.pose.data(), lanes_.twist.data());
+    }
     std::fill(lanes_.is_placed.begin(), lanes_.is_placed.end(), Lanes{0});
     for (const SphereRobot::Group& group : robot_.groups) look_at(group);
     place_middles();
@@ -55,15 +59,17 @@ class Look {
     return plus(load_point(twist + 3, lane), cross(load_point(twist, lane), point));
   }
 
-  /// Which of the wanted lanes are not proved clear by a sphere, of those that begin at `lane`.
+  /// Which of the lanes that are asked for are not proved clear by a sphere, of those that begin at `lane`.
+  /// @tparam is_close looks closer where one cell does not tell
   struct Finding {
     unsigned open = 0, blocked = 0, stuck = 0;
   };
+  template <bool is_close>
   HWY_INLINE Finding look_at_ball(int frame, const SphereRobot::Field& field, const Ball& ball, float inner,
-                                  std::size_t lane, Floats* keep) const {
+                                  unsigned asked, std::size_t lane, Floats* keep) const {
     const Point point = placed(frame, ball, lane);
     if (keep != nullptr) store_point(point, keep, lane);
-    const Sight seen = sight(field, point);
+    Sight seen = sight(field, point);
     const float reach = ball.radius + robot_.padding + robot_.slack;
     Vector need = all(reach);
     if (moving) {
@@ -73,7 +79,11 @@ class Look {
     }
     Finding finding;
     finding.open = bits(hn::Not(hn::Ge(seen.lower, need)));  // what is no number is not proved
-    if (finding.open == 0) return finding;
+    if ((finding.open & asked) == 0) return {};
+    if (is_close) {
+      seen = close_sight(field, point);
+      finding.open = bits(hn::Not(hn::Ge(seen.lower, need)));
+    }
     const auto resolution = static_cast<float>(field.bytes->resolution);
     finding.stuck = bits(hn::Lt(seen.lower, all(reach + 0.1F * resolution)));
     if (inner > 0.0F) finding.blocked = bits(hn::Lt(seen.upper, all(inner + robot_.padding - robot_.slack)));
@@ -85,8 +95,9 @@ class Look {
     const SphereRobot::Field& field = robot_.fields[static_cast<std::size_t>(group.field)];
     unsigned open = 0;
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
-      if ((asked >> lane & ((1U << hn::Lanes(Tag())) - 1U)) == 0) continue;
-      open |= look_at_ball(group.frame, field, ball, 0.0F, lane, nullptr).open << lane;
+      const unsigned here = asked >> lane & all_bits;
+      if (here == 0) continue;
+      open |= look_at_ball<false>(group.frame, field, ball, 0.0F, here, lane, nullptr).open << lane;
     }
     return static_cast<Lanes>(open & asked);
   }
@@ -110,10 +121,10 @@ class Look {
     const auto i = static_cast<std::size_t>(index);
     const auto member = static_cast<std::size_t>(robot_.member[i]);
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
-      const unsigned here = asked >> lane & ((1U << hn::Lanes(Tag())) - 1U);
+      const unsigned here = asked >> lane & all_bits;
       if (here == 0) continue;
-      const Finding finding =
-          look_at_ball(group.frame, field, robot_.balls[i], robot_.inner[i], lane, &lanes_.place[3 * i]);
+      const Finding finding = look_at_ball<true>(group.frame, field, robot_.balls[i], robot_.inner[i], here,
+                                                 lane, &lanes_.place[3 * i]);
       lanes_.is_placed[i] |= static_cast<Lanes>(1U << (lane / hn::Lanes(Tag())));
       fail(member, finding, here, lane);
     }
@@ -184,7 +195,7 @@ class Look {
     for (int i = pair.first; i < pair.last; ++i) asked |= wanted(i);
     asked &= lanes_.active;
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
-      unsigned here = asked >> lane & ((1U << hn::Lanes(Tag())) - 1U);
+      unsigned here = asked >> lane & all_bits;
       if (here == 0) continue;
       const Vector slack = all(robot_.slack);
       const Vector most = moving ? hn::Add(load(lanes_.approach[index], lane), slack) : slack;
@@ -333,6 +344,7 @@ void look(const SphereRobot& robot, PieceLanes& lanes, InstructionSet vectors) {
   lanes.members.clear();
   lanes.blocked = lanes.stuck = 0;
   look_with(robot, lanes, vectors);
+  lanes.are_frames_placed = false;
   std::sort(lanes.members.begin(), lanes.members.end());  // found in an order that depends on the registers
 }
 

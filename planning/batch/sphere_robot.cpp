@@ -15,7 +15,8 @@ namespace {
 constexpr double largest_length = 100.0;  ///< metres; there rounding takes some mm from what can be proved
 constexpr double rounding_of_float = 6e-8;
 constexpr int balls_a_cluster = 8;
-constexpr double most_excess = 0.25;  ///< voxels that spheres may stand out of a small box
+constexpr std::size_t most_cores = 6;  ///< of a body
+constexpr double most_excess = 0.25;   ///< voxels that spheres may stand out of a small box
 
 using Ball = SphereRobot::Ball;
 
@@ -210,9 +211,36 @@ class Maker {
       while (last < count && frame(ball(last)) == frame(of) && field(ball(last)) == field(of)) ++last;
       if (field(of) < 0) continue;
       const int end = out_.clusters[static_cast<std::size_t>(last - 1)].last;
-      out_.groups.push_back({frame(of), field(of), first, last, sphere_around(balls_of({of, end}))});
+      out_.groups.push_back({frame(of), field(of), first, last, sphere_around(balls_of({of, end})), 0, 0});
     }
     std::reverse(out_.groups.begin(), out_.groups.end());
+    for (SphereRobot::Group& group : out_.groups) add_cores(group);
+  }
+
+  /// Of each body of the group the largest spheres that lie in it, none with its middle in another one.
+  void add_cores(SphereRobot::Group& group) {
+    group.first_core = static_cast<int>(out_.cores.size());
+    const int first = out_.clusters[static_cast<std::size_t>(group.first)].first;
+    const int last = out_.clusters[static_cast<std::size_t>(group.last - 1)].last;
+    const auto member = [&](int ball) { return out_.member[static_cast<std::size_t>(ball)]; };
+    for (int ball = first, end = first; ball < last; ball = end) {
+      while (end < last && member(end) == member(ball)) ++end;
+      std::vector<int> inside(static_cast<std::size_t>(end - ball));
+      std::iota(inside.begin(), inside.end(), ball);
+      const auto inner = [&](int i) { return out_.inner[static_cast<std::size_t>(i)]; };
+      std::stable_sort(inside.begin(), inside.end(), [&](int a, int b) { return inner(a) > inner(b); });
+      const std::size_t known = out_.cores.size();
+      for (const int i : inside) {
+        if (!(inner(i) > 0.0F) || out_.cores.size() == known + most_cores) break;
+        Ball core = out_.balls[static_cast<std::size_t>(i)];
+        core.radius = inner(i);
+        const bool is_told = std::any_of(
+            out_.cores.begin() + static_cast<std::ptrdiff_t>(known), out_.cores.end(),
+            [&](const Ball& other) { return (center(core) - center(other)).norm() < other.radius; });
+        if (!is_told) out_.cores.push_back(core);
+      }
+    }
+    group.last_core = static_cast<int>(out_.cores.size());
   }
 
   /// How far what slides on a link of this frame may be from where it is at 0, metres.

@@ -57,6 +57,7 @@ struct SphereRobot {
   struct Group {
     int frame = 0, field = 0, first = 0, last = 0;
     Ball bound;
+    int first_core = 0, last_core = 0;  ///< of `cores`: inside of these bodies
   };
   /// The tree of all balls of one frame that are looked up in one field, -1: in none.
   struct Branch {
@@ -88,6 +89,7 @@ struct SphereRobot {
   std::vector<int> frame_of;  ///< of each
   std::vector<Field> fields;
   std::vector<Group> groups;  ///< those of the last frames first: they meet things more often
+  std::vector<Ball> cores;    ///< spheres that lie inside of bodies, a few of each; in their frames
   std::vector<Ball> bounds;   ///< around all balls of each frame; radius < 0: none
   std::vector<Cluster> clusters;
   std::vector<Range> bodies;  ///< clusters of each body of the robot

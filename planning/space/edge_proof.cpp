@@ -14,12 +14,14 @@ struct Piece {
   double begin = 0.0, end = 1.0;
   std::size_t first_open = 0, last_open = 0;
   int begin_sample = -1, end_sample = -1;  ///< poses at its ends in EdgeScratch::samples; -1: not known yet
+  bool is_near = false;  ///< spheres were looked at: what is open is near something all along
 };
 
 /// Memory of one proof, kept per thread so that an edge allocates nothing once it is warm.
 struct EdgeScratch {
   std::vector<LinkPoses> samples;
-  int used = 0;  ///< of samples
+  int used = 0;                                 ///< of samples
+  std::vector<std::pair<double, int>> borders;  ///< where pieces end, and the sample there
   std::vector<Piece> pieces;
   std::vector<int> open;       ///< body i as i, pair k as (number of bodies + k)
   std::vector<double> motion;  ///< of each body, or approach of each pair, over the whole edge, metres
@@ -44,6 +46,16 @@ struct EdgeScratch {
     forward_kinematics(robot, q, poses);
     return used++;
   }
+
+  /// The same where a piece ends, which may be where the one before began or ended.
+  int sample_at_border(const Robot& robot, double part) {
+    constexpr std::size_t some = 4;
+    for (std::size_t i = borders.size(); i-- > 0 && i + some >= borders.size();) {
+      if (borders[i].first == part) return borders[i].second;
+    }
+    borders.emplace_back(part, sample(robot, part));
+    return borders.back().second;
+  }
 };
 
 EdgeScratch& scratch_for(const Configuration& from, const Configuration& to, const EdgePoses* poses) {
@@ -55,6 +67,12 @@ EdgeScratch& scratch_for(const Configuration& from, const Configuration& to, con
   scratch.distance = scratch.step.cwiseAbs();
   return scratch;
 }
+
+/// What the bodies of a robot met lately in this thread.
+struct MetCubes {
+  explicit MetCubes(const SphereRobot& robot) : of_body(robot.members) {}
+  std::vector<RecentCubes> of_body;
+};
 
 enum class Finding { proved, open, blocked };
 
@@ -89,7 +107,7 @@ class EdgeProof {
   bool holds(const std::vector<int>& members) {
     bound_motions(members);
     if (!stands_free(members)) return false;
-    scratch_.pieces.assign(1, {0.0, 1.0, 0, scratch_.open.size(), scratch_.used - 1, -1});
+    scratch_.pieces.assign(1, {0.0, 1.0, 0, scratch_.open.size(), scratch_.used - 1, -1, false});
     return examine_pieces();
   }
 
@@ -97,6 +115,7 @@ class EdgeProof {
   bool holds_on(const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) {
     bound_motions(members);
     scratch_.used = 0;
+    scratch_.borders.clear();
     scratch_.open.clear();
     scratch_.pieces.clear();
     for (const EdgePieces::Piece& piece : pieces) {
@@ -110,7 +129,7 @@ class EdgeProof {
         if (scratch_.used == 0) scratch_.sample(model_.robot, 0.0);
         if (!is_clear_where_it_stands(static_cast<std::size_t>(member))) return false;
       }
-      scratch_.pieces.push_back({piece.begin, piece.end, first, scratch_.open.size(), -1, -1});
+      scratch_.pieces.push_back({piece.begin, piece.end, first, scratch_.open.size(), -1, -1, true});
     }
     return examine_pieces();
   }
@@ -138,6 +157,7 @@ class EdgeProof {
   /// What stands still is free on the edge where it is free at its start; what moves stays open.
   bool stands_free(const std::vector<int>& members) {
     scratch_.used = 0;
+    scratch_.borders.clear();
     scratch_.open.clear();
     for (const int member : members) {
       const auto i = static_cast<std::size_t>(member);
@@ -176,8 +196,9 @@ class EdgeProof {
     }
     const std::size_t last_open = scratch_.open.size();
     if (last_open == first_open) return true;
-    scratch_.pieces.push_back({piece.begin, middle, first_open, last_open, piece.begin_sample, sample});
-    scratch_.pieces.push_back({middle, piece.end, first_open, last_open, sample, piece.end_sample});
+    scratch_.pieces.push_back(
+        {piece.begin, middle, first_open, last_open, piece.begin_sample, sample, false});
+    scratch_.pieces.push_back({middle, piece.end, first_open, last_open, sample, piece.end_sample, false});
     return true;
   }
 
@@ -185,14 +206,16 @@ class EdgeProof {
   Finding examine_body(std::size_t id, Piece& piece, int middle) {
     const BodyCollision& body = model_.bodies[id];
     const double part = piece.end - piece.begin, padding = model_.options.padding;
-    if (body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
+    const double bend = scratch_.bend[id] * part * part, resolution = model_.map.resolution();
+    const bool is_short = bend <= bend_within_voxels * resolution &&
+                          scratch_.motion[id] * part <= sweep_within_voxels * resolution;
+    if (!(piece.is_near && is_short) &&
+        body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
       return Finding::proved;
     // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
     const double finest = model_.options.edge_resolution / std::max(length_, model_.options.edge_resolution);
     const double least = padding + scratch_.motion[id] * finest / 2;
-    const double bend = scratch_.bend[id] * part * part, resolution = model_.map.resolution();
-    if (bend <= bend_within_voxels * resolution &&
-        scratch_.motion[id] * part <= sweep_within_voxels * resolution) {
+    if (is_short) {
       const Finding finding = examine_sweep(id, piece, middle, least, bend);
       if (finding != Finding::open) return finding;
     }
@@ -202,8 +225,8 @@ class EdgeProof {
   /// The hull of the body at the ends and half way, grown by how far its points leave their chords.
   Finding examine_sweep(std::size_t id, Piece& piece, int middle, double least, double bend) {
     const BodyCollision& body = model_.bodies[id];
-    if (piece.begin_sample < 0) piece.begin_sample = scratch_.sample(model_.robot, piece.begin);
-    if (piece.end_sample < 0) piece.end_sample = scratch_.sample(model_.robot, piece.end);
+    if (piece.begin_sample < 0) piece.begin_sample = scratch_.sample_at_border(model_.robot, piece.begin);
+    if (piece.end_sample < 0) piece.end_sample = scratch_.sample_at_border(model_.robot, piece.end);
     const Eigen::Isometry3d &begin = pose(piece.begin_sample, id), &end = pose(piece.end_sample, id);
     // What is known to block, or is met again, is what the looks below would find.
     if (piece.begin == 0.0 && known_from_ != nullptr && known_from_->less_than[id] <= least)
@@ -233,16 +256,15 @@ class EdgeProof {
 
 }  // namespace
 
-bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
-  return free_share(from, to) == 1.0;
-}
+namespace {
 
-double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {
-  const CollisionModel& model = *model_;
+/// ConfigurationSpace::free_share; a share below the least that is of use may be told as 0.
+double proved_share(const CollisionModel& model, const Configuration& from, const Configuration& to,
+                    double least_share) {
   if (!model.is_within_limits(from) || !model.is_within_limits(to)) return 0.0;
   if (model.spheres && model.spheres->suits(from) && model.spheres->suits(to)) {
     EdgePieces& pieces = of_this_thread<EdgePieces>(*model.spheres);
-    const EdgePieces::Finding finding = pieces.examine(from, to);
+    const EdgePieces::Finding finding = pieces.examine(from, to, least_share);
     if (finding == EdgePieces::Finding::free ||
         (finding == EdgePieces::Finding::open &&
          model.are_pieces_free(from, to, pieces.open_pieces(), pieces.open_members())))
@@ -250,6 +272,17 @@ double ConfigurationSpace::free_share(const Configuration& from, const Configura
     return pieces.proved_share();
   }
   return model.is_edge_free_by_shapes(from, to) ? 1.0 : 0.0;
+}
+
+}  // namespace
+
+bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
+  return proved_share(*model_, from, to, 1.0) == 1.0;
+}
+
+double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {
+  constexpr double of_use = 0.25;
+  return proved_share(*model_, from, to, of_use);
 }
 
 bool CollisionModel::is_edge_free_by_shapes(const Configuration& from, const Configuration& to) const {
@@ -264,10 +297,9 @@ bool CollisionModel::is_edge_free_by_shapes(const Configuration& from, const Con
 bool CollisionModel::are_pieces_free(const Configuration& from, const Configuration& to,
                                      const std::vector<EdgePieces::Piece>& pieces,
                                      const std::vector<int>& members) const {
-  thread_local std::vector<RecentCubes> recent;
-  recent.assign(bodies.size(), {});
   EdgeScratch& scratch = scratch_for(from, to, nullptr);
-  return EdgeProof(*this, scratch, recent, nullptr, nullptr).holds_on(pieces, members);
+  MetCubes& met = of_this_thread<MetCubes>(*spheres);
+  return EdgeProof(*this, scratch, met.of_body, nullptr, nullptr).holds_on(pieces, members);
 }
 
 bool CollisionModel::is_edge_free(const Configuration& from, const Configuration& to,
