@@ -61,6 +61,7 @@ BodyCollision::BodyCollision(const Body& body, std::shared_ptr<const BlockedSpac
     const double surface = body_.shape.signed_distance(shape_from_link * sphere.center);
     core_.push_back(body_.shape.has_exact_distance() && surface < 0.0);
     excess_ = std::max(excess_, sphere.radius + surface);
+    spread_ = std::max(spread_, (sphere.center - bound_.center).norm());
   }
 }
 

@@ -118,6 +118,7 @@ class BodyCollision {
   std::vector<Eigen::Vector3d>
       witnesses_;  ///< points inside the body, link frame: its middle, then near its skin
   double excess_ = 0.0;
+  double spread_ = 0.0;  ///< of the cover's centres about that of bound_, metres
 };
 
 }  // namespace clearway

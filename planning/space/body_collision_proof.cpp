@@ -10,6 +10,7 @@
 namespace clearway {
 namespace {
 
+constexpr double coarse_by_voxels = 1.75;  ///< that coarse clearances are too small, at most
 constexpr int sweep_projections = 4;  ///< to and fro before GJK: those that succeed do so at once, as a rule
 
 /// Memory of one look, kept per thread.
@@ -20,6 +21,7 @@ struct Scratch {
       close;                               ///< their centres and clearances; close: negative till looked up
   std::vector<Eigen::AlignedBox3d> boxes;  ///< about spheres that are not clear
   std::vector<std::size_t> spheres;        ///< those, by number
+  std::vector<double> reaches;             ///< how far these are not, metres
   std::vector<Eigen::Vector3d> unsure;
 };
 
@@ -78,7 +80,10 @@ double BodyCollision::close_clearance(std::size_t sphere) const {
 }
 
 bool BodyCollision::is_sphere_far(std::size_t sphere, double distance) const {
-  return scratch().coarse[sphere] > distance || close_clearance(sphere) > distance;
+  const double coarse = scratch().coarse[sphere];
+  if (coarse > distance) return true;
+  const double closer = coarse_by_voxels * space_->resolution();  // no closer look finds more than that
+  return coarse + closer > distance && close_clearance(sphere) > distance;
 }
 
 bool BodyCollision::is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
@@ -106,21 +111,31 @@ void BodyCollision::find_near_spheres(double margin) const {
 }
 
 /// The same for the hull of the body at two poses, the spheres looked up at the middle: a sphere's way from
-/// one pose to the other is within the farther one of its ends of where it is in the middle.
+/// one pose to the other is within the farther one of its ends of where it is in the middle. A closer look at
+/// spheres costs more than one at the cubes about them.
 void BodyCollision::find_near_spheres(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& middle,
                                       const Eigen::Isometry3d& end, double margin) const {
   look_up_spheres(middle);
   Scratch& memory = scratch();
   memory.boxes.clear();
   memory.spheres.clear();
+  memory.reaches.clear();
+  double travel = 0.0;  // of any centre, at most
+  for (const Eigen::Isometry3d* pose : {&begin, &end})
+    travel = std::max(travel, (*pose * bound_.center - middle * bound_.center).norm() +
+                                  (pose->linear() - middle.linear()).norm() * spread_);
+  travel *= 1.0 + 1e-9;
   for (std::size_t i = 0; i < body_.cover.size(); ++i) {
     const Sphere& sphere = body_.cover[i];
+    if (memory.coarse[i] > sphere.radius + margin + travel) continue;
     const Eigen::Vector3d center(memory.x[i], memory.y[i], memory.z[i]);
     const Eigen::Vector3d from = begin * sphere.center, to = end * sphere.center;
     const double way = std::sqrt(std::max((from - center).squaredNorm(), (to - center).squaredNorm()));
-    if (is_sphere_far(i, sphere.radius + margin + way * (1.0 + 1e-9))) continue;
+    const double reach = sphere.radius + margin + way * (1.0 + 1e-9);
+    if (memory.coarse[i] > reach) continue;
     memory.boxes.push_back(grown({from.cwiseMin(to), from.cwiseMax(to)}, sphere.radius + margin));
     memory.spheres.push_back(i);
+    memory.reaches.push_back(reach);
   }
 }
 
@@ -292,8 +307,10 @@ bool BodyCollision::is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::
     const Eigen::Vector3d half =
         Eigen::Vector3d::Constant(0.5 * query.self.space_->resolution() * (1.0 + 1e-9));
     const Eigen::AlignedBox3d voxel(cube - half, cube + half);
-    const bool known_clear = std::none_of(query.near.begin(), query.near.end(),
-                                          [&](const auto& near) { return near.intersects(voxel); });
+    bool known_clear = true;
+    for (std::size_t i = 0; i < query.near.size() && known_clear; ++i)
+      known_clear = !query.near[i].intersects(voxel) ||
+                    query.self.is_sphere_far(scratch().spheres[i], scratch().reaches[i]);
     if (!known_clear) query.in_the_way.remember(cube);
     return known_clear;
   };
