@@ -23,7 +23,7 @@ class Shortener {
       constexpr std::size_t few = 8;
       for (std::size_t to = path_.size() - 1; to > from + 1 && !out_of_time_();
            to -= to - from > few ? (to - from) / 2 : std::size_t{1}) {
-        if (!space_.is_edge_free(path_[from], path_[to])) continue;
+        if (!is_free(path_[from], path_[to])) continue;
         path_.erase(at(from + 1), at(to));
         break;
       }
@@ -90,6 +90,16 @@ class Shortener {
     return false;
   }
 
+  /// What was refused once is not asked again.
+  bool is_free(const Configuration& from, const Configuration& to) {
+    const bool is_known = std::any_of(refused_.begin(), refused_.end(),
+                                      [&](const Edge& edge) { return edge.from == from && edge.to == to; });
+    if (is_known) return false;
+    const bool free = space_.is_edge_free(from, to);
+    if (!free) refused_.push_back({from, to});
+    return free;
+  }
+
   bool may_try() const { return left_ > 0 && path_.size() > 2 && !out_of_time_(); }
 
   double length(const Configuration& a, const Configuration& b) const {
@@ -108,7 +118,7 @@ class Shortener {
   bool join(const PlaceOnPath& from, const PlaceOnPath& to, double worth) {
     if (from.edge == to.edge || !(gain(from, to) > worth)) return false;
     const Configuration start = point_at(path_, from), end = point_at(path_, to);
-    if (!space_.is_edge_free(start, end)) return false;
+    if (!is_free(start, end)) return false;
     std::vector<Configuration> shorter(path_.begin(), at(from.edge + 1));
     if (start != shorter.back()) shorter.push_back(start);
     if (end != path_[to.edge + 1]) shorter.push_back(end);
@@ -122,6 +132,7 @@ class Shortener {
   const ConfigurationSpace& space_;
   const Eigen::VectorXd& weight_;
   std::vector<Configuration> path_;
+  std::vector<Edge> refused_;
   int left_;  ///< tries to cut
   const std::function<bool()>& out_of_time_;
 };
