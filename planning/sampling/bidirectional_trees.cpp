@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -49,8 +50,15 @@ BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::
 int BidirectionalTrees::add(Side side, const Configuration& q, int parent, bool is_sampled) {
   Tree& tree = trees_[side];
   tree.nodes.push_back({q, parent, is_sampled, false});
-  for (Eigen::Index j = 0; j < q.size(); ++j) tree.weighted.push_back(weight_[j] * q[j]);
-  return static_cast<int>(tree.nodes.size()) - 1;
+  const std::size_t place = tree.nodes.size() - 1, joints = static_cast<std::size_t>(q.size());
+  if (place % 8 == 0)
+    tree.weighted.resize(tree.weighted.size() + joints,
+                         EightNumbers::Constant(std::numeric_limits<double>::infinity()));
+  for (std::size_t j = 0; j < joints; ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    tree.weighted[place / 8 * joints + j][static_cast<Eigen::Index>(place % 8)] = weight_[i] * q[i];
+  }
+  return static_cast<int>(place);
 }
 
 int BidirectionalTrees::add_trace(Side side, int from, const std::vector<Configuration>& trace) {
@@ -64,15 +72,14 @@ int BidirectionalTrees::nearest(Side side, const Configuration& q) const {
   const Tree& tree = trees_[side];
   int best = 0;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      const double d = tree.weighted[i * n + j] - y[static_cast<Eigen::Index>(j)];
-      sum += d * d;
-    }
-    if (sum >= least) continue;
-    least = sum;
-    best = static_cast<int>(i);
+  for (std::size_t first = 0; first < tree.weighted.size(); first += n) {
+    EightNumbers sums = EightNumbers::Zero();
+    for (std::size_t j = 0; j < n; ++j)
+      sums += (tree.weighted[first + j] - y[static_cast<Eigen::Index>(j)]).square();
+    if (!(sums.minCoeff() < least)) continue;
+    Eigen::Index of_eight = 0;
+    least = sums.minCoeff(&of_eight);
+    best = static_cast<int>(first / n * 8) + static_cast<int>(of_eight);
   }
   return best;
 }

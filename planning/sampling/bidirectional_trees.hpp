@@ -59,9 +59,10 @@ class BidirectionalTrees {
   int samples() const { return samples_; }
 
  private:
+  using EightNumbers = Eigen::Array<double, 8, 1>;
   struct Tree {
     std::vector<Node> nodes;
-    std::vector<double> weighted;  ///< y of each node, one after the other
+    std::vector<EightNumbers> weighted;  ///< y of each eight nodes: a row of each joint; infinite: no node
   };
 
   int add(Side side, const Configuration& q, int parent, bool is_sampled);
