@@ -64,16 +64,17 @@ double EdgePieces::share_in_front() const {
 bool EdgePieces::is_touching(double least_share) {
   const auto least =
       static_cast<unsigned>(std::clamp(std::ceil(least_share * first_cut), 1.0, double(first_cut)));
-  const PieceLanes::Lanes touching =
-      touching_lanes(*robot_, lanes_, static_cast<PieceLanes::Lanes>((1U << least) - 1U));
+  lanes_.enough = static_cast<PieceLanes::Lanes>((1U << least) - 1U);
+  const PieceLanes::Lanes touching = touching_lanes(*robot_, lanes_, lanes_.enough);
   if (touching == 0) return false;
+  if ((touching & lanes_.enough) != 0) return true;
   const auto before = static_cast<unsigned>(std::countr_zero(touching));
-  if (before < least) return true;
   bound_bends();
   ask(queue_);
   lanes_.active = static_cast<PieceLanes::Lanes>((1U << before) - 1U);
   look(*robot_, lanes_);
-  proved_share_ = std::min(share_in_front(), double(before) / first_cut);
+  if ((lanes_.blocked & lanes_.enough) == 0)
+    proved_share_ = std::min(share_in_front(), double(before) / first_cut);
   return true;
 }
 
@@ -98,8 +99,9 @@ EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configu
     if (next > 0) place(asked);
     ask(asked);
     look(*robot_, lanes_);
-    if (next == 0) proved_share_ = share_in_front();
+    if (next == 0 && (lanes_.blocked & lanes_.enough) == 0) proved_share_ = share_in_front();
     if (lanes_.blocked != 0) return Finding::blocked;
+    lanes_.enough = PieceLanes::Lanes(~0U);
     sort_out(asked);
     next += count;
   }

@@ -41,7 +41,10 @@ class Look {
       move_frames(robot_, lanes_.motion.data(), lanes_.pose.data(), lanes_.twist.data());
     }
     std::fill(lanes_.is_placed.begin(), lanes_.is_placed.end(), Lanes{0});
-    for (const SphereRobot::Group& group : robot_.groups) look_at(group);
+    for (const SphereRobot::Group& group : robot_.groups) {
+      look_at(group);
+      if ((lanes_.blocked & lanes_.enough) != 0) return;
+    }
     place_middles();
     for (std::size_t pair = 0; pair < robot_.frame_pairs.size(); ++pair) look_at_pair(pair);
   }

@@ -25,11 +25,12 @@ struct PieceLanes {
   std::vector<Doubles> q, step;  ///< of each joint: in the middle, and from there to the end
   std::vector<Floats> bend;  ///< of each frame: how far any ball's middle leaves the straight way that it is
                              ///< on in the middle of the piece, at most, metres
-  std::vector<Floats> pair_bend;   ///< of each pair of frames, the same of both, seen from where they meet
-  std::vector<Floats> approach;    ///< of each pair of frames: how much balls of it approach at most, metres
-  Lanes active = 0;                ///< lanes in use
-  std::vector<Lanes> wanted;       ///< of each member: the lanes in which it is asked for
-  bool moving = true;              ///< false: all steps are zero
+  std::vector<Floats> pair_bend;  ///< of each pair of frames, the same of both, seen from where they meet
+  std::vector<Floats> approach;   ///< of each pair of frames: how much balls of it approach at most, metres
+  Lanes active = 0;               ///< lanes in use
+  std::vector<Lanes> wanted;      ///< of each member: the lanes in which it is asked for
+  Lanes enough = 0;    ///< when one of these is blocked nothing else is asked: the rest may be left out then
+  bool moving = true;  ///< false: all steps are zero
   bool are_frames_placed = false;  ///< `pose` is that of `q`: look() need not find it
 
   // What was found.

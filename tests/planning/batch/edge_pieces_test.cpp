@@ -80,6 +80,31 @@ TEST(EdgePieces, WhatTheyProveIsFreeAndWhatTheyRefuseCannotBeProved) {
   EXPECT_GT(all.parts, 100);
 }
 
+TEST(EdgePieces, WhoNeedsLessOfAnEdgeHearsTheSameOfTheRest) {
+  int told = 0, left_out = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 4), {.critical_by_default = false});
+    const CollisionModel& model = space.collision_model();
+    EdgePieces pieces(*model.spheres);
+    Random random(17);
+    for (int i = 0; i < 200; ++i) {
+      const Configuration from = random.configuration(model.robot);
+      const Configuration to = from + random.unit() * (random.configuration(model.robot) - from);
+      const EdgePieces::Finding finding = pieces.examine(from, to);
+      const double share = pieces.proved_share();
+      for (const double least : {0.1, 0.25, 0.6, 1.0}) {
+        EXPECT_EQ(pieces.examine(from, to, least), finding) << robot.name << " edge " << i;
+        const double of_use = pieces.proved_share();
+        EXPECT_TRUE(of_use == share || (share < least && of_use == 0.0)) << robot.name << " edge " << i;
+        told += finding == EdgePieces::Finding::blocked && of_use > 0.0;
+        left_out += of_use < share;
+      }
+    }
+  }
+  EXPECT_GT(told, 50);
+  EXPECT_GT(left_out, 50);
+}
+
 TEST(EdgePieces, OpenPiecesHoldAllThatIsNotDecided) {
   const Robot robot = load_robot("puma560");
   const ConfigurationSpace space(robot, worlds::voxels_about(robot, 5), {.critical_by_default = false});
