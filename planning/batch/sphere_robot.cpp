@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
 #include "mapping/field/byte_field.hpp"
 #include "planning/geometry/convex_hull.hpp"
 #include "planning/geometry/turn_between.hpp"
+#include "planning/robot/same_robot.hpp"
 
 namespace clearway {
 namespace {
@@ -15,8 +17,8 @@ namespace {
 constexpr double largest_length = 100.0;  ///< metres; there rounding takes some mm from what can be proved
 constexpr double rounding_of_float = 6e-8;
 constexpr int balls_a_cluster = 8;
-constexpr std::size_t most_cores = 6;  ///< of a body
-constexpr double most_excess = 0.25;   ///< voxels that spheres may stand out of a small box
+constexpr std::size_t most_cores = 12;  ///< of a body
+constexpr double most_excess = 0.25;    ///< voxels that spheres may stand out of a small box
 
 using Ball = SphereRobot::Ball;
 
@@ -49,31 +51,46 @@ std::vector<Sphere> cells_of(const Body& box, const Eigen::Vector3i& counts) {
   return spheres;
 }
 
-/// Makes a SphereRobot step by step.
+/// What the spheres of a robot depend on but for where the map is.
+struct Ground {
+  std::vector<int> members;   ///< of each body of the robot: which of those that the map can block; -1: none
+  std::vector<int> field_of;  ///< of each of these: which field it is looked up in
+  double resolution = 0.0;    ///< of the map, metres
+  std::vector<std::size_t> covers;  ///< how many spheres cover each body at that resolution
+  bool operator==(const Ground& other) const {
+    return members == other.members && field_of == other.field_of && covers == other.covers;
+  }
+};
+
+/// Spheres without fields and padding.
+struct Spheres {
+  Ground ground;
+  SphereRobot robot;
+  double size = 0.0;       ///< no coordinate of the robot is larger, metres
+  bool is_small = true;    ///< nor larger than is of use
+  bool is_covered = true;  ///< all bodies, by spheres
+};
+
+/// Makes them step by step.
 class Maker {
  public:
-  Maker(const Robot& robot, std::span<const BlockedBody> bodies, std::span<const BodyPair> pairs,
-        double padding)
-      : robot_(robot), bodies_(bodies), pairs_(pairs) {
-    out_.id = ++robots_made;
-    out_.padding = static_cast<float>(padding * (1.0 + 2.0 * rounding_of_float));
-    out_.joints = robot.dof();
-    out_.members = bodies.size() + pairs.size();
-    store(robot.map_from_base.linear(), out_.base);
+  Maker(std::shared_ptr<const Robot> robot, Ground ground, std::span<const BodyPair> pairs)
+      : robot_(*robot), ground_(std::move(ground)), pairs_(pairs) {
+    out_.robot = std::move(robot);
+    out_.joints = robot_.dof();
+    out_.members = ground_.field_of.size() + pairs.size();
+    store(robot_.map_from_base.linear(), out_.base);
   }
 
-  std::unique_ptr<const SphereRobot> made() {
+  Spheres made() {
     place_frames();
-    place_fields();
     place_balls();
     bound_levers();
-    if (!is_small_ || !is_covered_) return nullptr;
-    pair_up();
-    grow_trees();
-    // Each frame's rotation and translation is rounded a dozen times, and so are values, sums and velocities.
-    out_.slack = static_cast<float>(64.0 * rounding_of_float * static_cast<double>(out_.frames.size() + 2) *
-                                    std::max(size_, 1e-3));
-    return std::make_unique<const SphereRobot>(std::move(out_));
+    if (is_small_ && is_covered_) {
+      pair_up();
+      grow_trees();
+    }
+    return {std::move(ground_), std::move(out_), size_, is_small_, is_covered_};
   }
 
  private:
@@ -110,39 +127,16 @@ class Maker {
     }
   }
 
-  void place_fields() {
-    for (const BlockedBody& body : bodies_) {
-      const ByteField* bytes = &body.space->byte_field();
-      const auto known = std::find_if(out_.fields.begin(), out_.fields.end(),
-                                      [&](const SphereRobot::Field& field) { return field.bytes == bytes; });
-      field_of_.push_back(static_cast<int>(known - out_.fields.begin()));
-      if (known != out_.fields.end()) continue;
-      SphereRobot::Field field{bytes, {}};
-      const Eigen::Vector3d low = bytes->low - robot_.map_from_base.translation();
-      for (int i = 0; i < 3; ++i) field.low[i] = static_cast<float>(low[i]);
-      size_ = std::max(size_, low.norm() + (bytes->size.cast<double>() * bytes->resolution).norm());
-      out_.fields.push_back(field);
-    }
-  }
-
-  /// Of the bodies that were given, which is this body of the robot; -1: none, no joint moves it.
-  int member_of(std::size_t body) const {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (bodies_[i].body == &robot_.bodies[body]) return static_cast<int>(i);
-    }
-    return -1;
-  }
-
   void place_balls() {
     const std::size_t count = robot_.bodies.size();
-    std::vector<int> members(count), order(count);
-    for (std::size_t i = 0; i < count; ++i) members[i] = member_of(i);
+    const std::vector<int>& members = ground_.members;
+    std::vector<int> order(count);
     const auto frame = [&](int body) {
       return frame_of_link_[static_cast<std::size_t>(robot_.bodies[static_cast<std::size_t>(body)].link)];
     };
     const auto field = [&](int body) {
       const int member = members[static_cast<std::size_t>(body)];
-      return member < 0 ? -1 : field_of_[static_cast<std::size_t>(member)];
+      return member < 0 ? -1 : ground_.field_of[static_cast<std::size_t>(member)];
     };
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -152,7 +146,7 @@ class Maker {
     out_.body_bounds.resize(count);
     for (const int body : order)
       add(static_cast<std::size_t>(body), frame(body), members[static_cast<std::size_t>(body)]);
-    group(field_of_);
+    group(ground_.field_of);
     for (std::size_t i = 0; i < out_.frames.size(); ++i) {
       const auto first = std::lower_bound(out_.frame_of.begin(), out_.frame_of.end(), static_cast<int>(i));
       const auto last = std::upper_bound(first, out_.frame_of.end(), static_cast<int>(i));
@@ -165,8 +159,7 @@ class Maker {
 
   void add(std::size_t index, int frame, int member) {
     const Body& body = robot_.bodies[index];
-    const double resolution = bodies_.empty() ? 0.0 : bodies_.front().space->resolution();
-    const std::vector<Sphere> cover = lane_cover(body, resolution);
+    const std::vector<Sphere> cover = lane_cover(body, ground_.resolution);
     is_covered_ = is_covered_ && !cover.empty();
     const Eigen::Isometry3d& frame_from_link = frame_from_link_[static_cast<std::size_t>(body.link)];
     const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
@@ -217,7 +210,7 @@ class Maker {
     for (SphereRobot::Group& group : out_.groups) add_cores(group);
   }
 
-  /// Of each body of the group the largest spheres that lie in it, none with its middle in another one.
+  /// Of each body of the group the largest spheres that lie in it, none with its middle near that of another.
   void add_cores(SphereRobot::Group& group) {
     group.first_core = static_cast<int>(out_.cores.size());
     const int first = out_.clusters[static_cast<std::size_t>(group.first)].first;
@@ -236,7 +229,7 @@ class Maker {
         core.radius = inner(i);
         const bool is_told = std::any_of(
             out_.cores.begin() + static_cast<std::ptrdiff_t>(known), out_.cores.end(),
-            [&](const Ball& other) { return (center(core) - center(other)).norm() < other.radius; });
+            [&](const Ball& other) { return (center(core) - center(other)).norm() < 0.5F * other.radius; });
         if (!is_told) out_.cores.push_back(core);
       }
     }
@@ -307,7 +300,8 @@ class Maker {
     };
     std::vector<Told> all;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      SphereRobot::Pair pair{pairs_[i].first, pairs_[i].second, static_cast<int>(bodies_.size() + i)};
+      SphereRobot::Pair pair{pairs_[i].first, pairs_[i].second,
+                             static_cast<int>(ground_.field_of.size() + i)};
       const auto frame = [&](int body) {
         return frame_of_link_[static_cast<std::size_t>(robot_.bodies[static_cast<std::size_t>(body)].link)];
       };
@@ -361,7 +355,7 @@ class Maker {
       const auto a = static_cast<std::size_t>(pairs_[i].first),
                  b = static_cast<std::size_t>(pairs_[i].second);
       out_.pair_member[a * count + b] = out_.pair_member[b * count + a] =
-          static_cast<int>(bodies_.size() + i);
+          static_cast<int>(ground_.field_of.size() + i);
       const int first = static_cast<int>(std::max(branches[a], branches[b]));
       const int second = static_cast<int>(std::min(branches[a], branches[b]));
       std::size_t known = 0;
@@ -397,7 +391,7 @@ class Maker {
 
   std::size_t branch_of(std::size_t ball) {
     const int frame = out_.frame_of[ball], member = out_.member[ball];
-    const int field = member < 0 ? -1 : field_of_[static_cast<std::size_t>(member)];
+    const int field = member < 0 ? -1 : ground_.field_of[static_cast<std::size_t>(member)];
     std::size_t i = 0;
     while (i < out_.branches.size() && (out_.branches[i].frame != frame || out_.branches[i].field != field))
       ++i;
@@ -406,15 +400,14 @@ class Maker {
   }
 
   const Robot& robot_;
-  std::span<const BlockedBody> bodies_;
+  Ground ground_;
   std::span<const BodyPair> pairs_;
   SphereRobot out_;
   std::vector<Eigen::Isometry3d> frame_from_link_;
   std::vector<int> frame_of_link_;
-  std::vector<int> field_of_;  ///< of each body that was given
-  double size_ = 0.0;          ///< no coordinate is larger, metres
-  bool is_small_ = true;       ///< nor larger than is of use
-  bool is_covered_ = true;     ///< all bodies, by spheres
+  double size_ = 0.0;       ///< no coordinate is larger, metres
+  bool is_small_ = true;    ///< nor larger than is of use
+  bool is_covered_ = true;  ///< all bodies, by spheres
 };
 
 }  // namespace
@@ -433,9 +426,91 @@ std::vector<Sphere> lane_cover(const Body& body, double resolution) {
   return body.cover;
 }
 
+namespace {
+
+/// Those made last, in this process.
+class MadeSpheres {
+ public:
+  std::shared_ptr<const Spheres> of(const Robot& robot, const Ground& ground,
+                                    std::span<const BodyPair> pairs) {
+    if (auto known = find(robot, ground)) return known;
+    auto made =
+        std::make_shared<const Spheres>(Maker(std::make_shared<const Robot>(robot), ground, pairs).made());
+    const std::lock_guard lock(mutex_);
+    made_.insert(made_.begin(), made);
+    if (made_.size() > most) made_.pop_back();
+    return made;
+  }
+
+ private:
+  static constexpr std::size_t most = 8;
+
+  std::shared_ptr<const Spheres> find(const Robot& robot, const Ground& ground) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::find_if(made_.begin(), made_.end(), [&](const auto& spheres) {
+      return spheres->ground == ground && is_same(*spheres->robot.robot, robot);
+    });
+    if (known == made_.end()) return nullptr;
+    std::rotate(made_.begin(), known, known + 1);
+    return made_.front();
+  }
+
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<const Spheres>> made_;  ///< the last asked for first
+};
+
+/// The fields that bodies are looked up in, and which one each is.
+struct Fields {
+  std::vector<SphereRobot::Field> fields;
+  std::vector<int> field_of;
+  double size = 0.0;  ///< no coordinate is larger, seen from the robot's base, metres
+
+  Fields(const Robot& robot, std::span<const BlockedBody> bodies) {
+    for (const BlockedBody& body : bodies) {
+      const ByteField* bytes = &body.space->byte_field();
+      const auto known = std::find_if(fields.begin(), fields.end(),
+                                      [&](const SphereRobot::Field& field) { return field.bytes == bytes; });
+      field_of.push_back(static_cast<int>(known - fields.begin()));
+      if (known != fields.end()) continue;
+      SphereRobot::Field field{bytes, {}};
+      const Eigen::Vector3d low = bytes->low - robot.map_from_base.translation();
+      for (int i = 0; i < 3; ++i) field.low[i] = static_cast<float>(low[i]);
+      size = std::max(size, low.norm() + (bytes->size.cast<double>() * bytes->resolution).norm());
+      fields.push_back(field);
+    }
+  }
+};
+
+Ground ground_of(const Robot& robot, std::span<const BlockedBody> bodies, const Fields& fields) {
+  Ground ground{std::vector<int>(robot.bodies.size(), -1),
+                fields.field_of,
+                bodies.empty() ? 0.0 : bodies.front().space->resolution(),
+                {}};
+  for (const Body& body : robot.bodies) ground.covers.push_back(lane_cover(body, ground.resolution).size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
+      if (bodies[i].body == &robot.bodies[body]) ground.members[body] = static_cast<int>(i);
+    }
+  }
+  return ground;
+}
+
+}  // namespace
+
 std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
                                                 std::span<const BodyPair> pairs, double padding) {
-  return Maker(robot, bodies, pairs, padding).made();
+  static MadeSpheres made;
+  const Fields fields(robot, bodies);
+  const std::shared_ptr<const Spheres> spheres = made.of(robot, ground_of(robot, bodies, fields), pairs);
+  if (!spheres->is_small || !spheres->is_covered || !(fields.size < largest_length)) return nullptr;
+  auto out = std::make_unique<SphereRobot>(spheres->robot);
+  out->id = ++robots_made;
+  out->fields = fields.fields;
+  out->padding = static_cast<float>(padding * (1.0 + 2.0 * rounding_of_float));
+  // Each frame's rotation and translation is rounded a dozen times, and so are values, sums and velocities.
+  out->slack = static_cast<float>(64.0 * rounding_of_float * static_cast<double>(out->frames.size() + 2) *
+                                  std::max({spheres->size, fields.size, 1e-3}));
+  return out;
 }
 
 }  // namespace clearway

@@ -81,7 +81,8 @@ struct SphereRobot {
     int first = 0, last = 0;
   };
 
-  std::uint64_t id = 0;  ///< no other's of this process
+  std::uint64_t id = 0;                ///< no other's of this process
+  std::shared_ptr<const Robot> robot;  ///< what the tables are of
   std::vector<Frame> frames;
   std::vector<Ball> balls;    ///< by frame, then field, then body; all in their frames
   std::vector<int> member;    ///< of each: which of the bodies that were given; -1: one that no joint moves
@@ -144,9 +145,9 @@ Kept& of_this_thread(const SphereRobot& robot) {
 /// of that edge (metres), of which these would say more than a look at voxels can tell.
 std::vector<Sphere> lane_cover(const Body& body, double resolution);
 
-/// Null when the robot or the map is too large or too far away for single precision to be of use.
-/// @param robot must outlive the result. @param bodies those that some joint moves. @param pairs of bodies of
-/// the robot, members after the bodies
+/// Null when the robot or the map is too large or too far away for single precision to be of use. What the
+/// robot alone decides is made once for the last few robots of the process.
+/// @param bodies those that some joint moves. @param pairs of bodies of the robot, members after the bodies
 std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
                                                 std::span<const BodyPair> pairs, double padding);
 

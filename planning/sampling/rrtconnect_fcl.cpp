@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "planning/problem/option_reader.hpp"
+#include "planning/robot/same_robot.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
 #include "planning/sampling/ompl_query.hpp"
 #include "planning/space/joint_weights.hpp"
@@ -16,29 +17,6 @@ namespace clearway {
 namespace {
 
 namespace ob = ompl::base;
-
-bool is_same(const Shape& a, const Shape& b) {
-  return a.kind() == b.kind() && a.radius() == b.radius() && a.length() == b.length() &&
-         a.edges() == b.edges() && a.vertices() == b.vertices();
-}
-
-bool is_same(const Robot& a, const Robot& b) {
-  const auto same_joint = [](const Joint& x, const Joint& y) {
-    return x.kind == y.kind && x.axis == y.axis && x.lower == y.lower && x.upper == y.upper;
-  };
-  const auto same_link = [](const Link& x, const Link& y) {
-    return x.parent == y.parent && x.joint == y.joint && x.multiplier == y.multiplier &&
-           x.offset == y.offset && x.parent_from_link.matrix() == y.parent_from_link.matrix();
-  };
-  const auto same_body = [](const Body& x, const Body& y) {
-    return x.part == y.part && x.link == y.link && x.link_from_shape.matrix() == y.link_from_shape.matrix() &&
-           is_same(x.shape, y.shape);
-  };
-  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), same_joint) &&
-         std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), same_link) &&
-         std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), same_body) &&
-         a.exempt == b.exempt && a.map_from_base.matrix() == b.map_from_base.matrix();
-}
 
 ob::SpaceInformationPtr sampled_checks(OmplQuery& query, const FclOctreeSpace& scene, double resolution) {
   const auto information = std::make_shared<ob::SpaceInformation>(state_space(query));

@@ -42,6 +42,31 @@ TEST(SphereRobot, ABodyThatNothingCoversIsLeftToExactShapes) {
   EXPECT_EQ(space.collision_model().spheres, nullptr);
 }
 
+TEST(SphereRobot, ASecondSpaceOfARobotSharesWhatTheRobotAloneDecides) {
+  const Robot robot = worlds::of_hulls(load_robot("puma560"));
+  const ConfigurationSpace one(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
+  const ConfigurationSpace two(robot, worlds::voxels_about(robot, 2), {.critical_by_default = false},
+                               {.padding = 0.01});
+  Robot other = robot;
+  other.joints[2].upper -= 0.1;
+  const ConfigurationSpace three(other, worlds::voxels_about(robot, 2), {.critical_by_default = false});
+  const SphereRobot &a = *one.collision_model().spheres, &b = *two.collision_model().spheres,
+                    &c = *three.collision_model().spheres;
+  EXPECT_EQ(a.robot, b.robot);
+  EXPECT_NE(a.robot, c.robot);
+  EXPECT_NE(a.id, b.id);
+  EXPECT_NE(a.fields[0].bytes, b.fields[0].bytes);
+  EXPECT_EQ(a.padding, 0.0F);
+  EXPECT_GE(b.padding, 0.01F);
+  EXPECT_EQ(a.inner, b.inner);
+  int shared = 0;
+  for (std::size_t i = 0; i < a.branch_pairs.size(); ++i) {
+    EXPECT_EQ(a.branch_pairs[i].table, b.branch_pairs[i].table);
+    shared += a.branch_pairs[i].table != nullptr;
+  }
+  EXPECT_GT(shared, 2);
+}
+
 TEST(SphereRobot, AThreadKeepsWhatItMadeForTheLastRobots) {
   const Robot robot = load_robot("planar2");
   const Snapshot map = worlds::voxels_about(robot, 1);
