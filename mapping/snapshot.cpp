@@ -95,7 +95,9 @@ struct Extent {
       farthest = face;
       return;
     }
+    const int middle = cube.corner[axis] + cube.edge / 2;
     for (const bool far : {true, false}) {
+      if (!far && (up ? middle : -middle) <= farthest) return;
       for (unsigned i = 0; i < 8; ++i) {
         const bool is_upper = (i >> axis & 1U) != 0;
         if ((is_upper == up) != far) continue;

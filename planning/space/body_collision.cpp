@@ -32,9 +32,10 @@ std::vector<Eigen::Vector3d> inner_points(const Shape& shape) {
       for (int z = -2; z <= 2; ++z) {
         if (std::gcd(std::gcd(x, y), z) != 1) continue;  // twice another direction, or none
         const Eigen::Vector3d point = shape.support(Eigen::Vector3d(x, y, z));
-        const bool known = std::any_of(skin.begin(), skin.end(), [&](const Eigen::Vector3d& other) {
-          return (other - point).squaredNorm() < same;
-        });
+        const bool known = shape.kind() != Shape::Kind::sphere &&
+                           std::any_of(skin.begin(), skin.end(), [&](const Eigen::Vector3d& other) {
+                             return (other - point).squaredNorm() < same;
+                           });
         if (!known) skin.push_back(point);
       }
     }

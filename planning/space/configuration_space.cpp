@@ -130,6 +130,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
       reach_of(requirement_of(body)).extend(reach_box(model.robot, body));
   }
   const Eigen::AlignedBox3d bounds = model.map.bounds();
+  model.bodies.reserve(model.robot.bodies.size());
   for (std::size_t i = 0; i < model.robot.bodies.size(); ++i) {
     const Body& body = model.robot.bodies[i];
     if (!is_policed(model.robot, body.link)) continue;
