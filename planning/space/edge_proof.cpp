@@ -209,12 +209,13 @@ class EdgeProof {
     const double bend = scratch_.bend[id] * part * part, resolution = model_.map.resolution();
     const bool is_short = bend <= bend_within_voxels * resolution &&
                           scratch_.motion[id] * part <= sweep_within_voxels * resolution;
-    if (!(piece.is_near && is_short) &&
-        body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
-      return Finding::proved;
     // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
     const double finest = model_.options.edge_resolution / std::max(length_, model_.options.edge_resolution);
     const double least = padding + scratch_.motion[id] * finest / 2;
+    if (piece.is_near && !is_short)  // spheres prove nothing, and its halves will be looked at
+      return body.is_met(pose(middle, id), least, recent_[id]) ? Finding::blocked : Finding::open;
+    if (!piece.is_near && body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
+      return Finding::proved;
     if (is_short) {
       const Finding finding = examine_sweep(id, piece, middle, least, bend);
       if (finding != Finding::open) return finding;
