@@ -63,10 +63,10 @@ class Look {
   }
 
   /// Which of the lanes that are asked for are not proved clear by a sphere, of those that begin at `lane`.
-  /// @tparam is_close looks closer where one cell does not tell
   struct Finding {
     unsigned open = 0, blocked = 0, stuck = 0;
   };
+  /// @tparam is_close looks closer where one cell does not tell
   template <bool is_close>
   HWY_INLINE Finding look_at_ball(int frame, const SphereRobot::Field& field, const Ball& ball, float inner,
                                   unsigned asked, std::size_t lane, Floats* keep) const {
