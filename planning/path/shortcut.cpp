@@ -90,13 +90,14 @@ class Shortener {
     return false;
   }
 
-  /// What was refused once is not asked again.
+  /// What was refused once is not asked again, as long as looking that up takes less than asking.
   bool is_free(const Configuration& from, const Configuration& to) {
+    constexpr std::size_t most_remembered = 1000;
     const bool is_known = std::any_of(refused_.begin(), refused_.end(),
                                       [&](const Edge& edge) { return edge.from == from && edge.to == to; });
     if (is_known) return false;
     const bool free = space_.is_edge_free(from, to);
-    if (!free) refused_.push_back({from, to});
+    if (!free && refused_.size() < most_remembered) refused_.push_back({from, to});
     return free;
   }
 

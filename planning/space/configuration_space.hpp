@@ -107,7 +107,8 @@ class ConfigurationSpace {
   std::vector<bool> is_edge_free(std::span<const Edge> edges) const;
 
   /// How much of the straight edge is certified free from its start on, 0..1: 1 where is_edge_free() holds,
-  /// else a part that costs nothing more to know, often 0. For searches that go as far as they can.
+  /// else a part that costs nothing more to know, often 0 (a part below a
+  /// quarter may always be). For searches that go as far as they can.
   double free_share(const Configuration& from, const Configuration& to) const;
 
   /// Conservative (<= true) smallest distance of any body to what blocks it, or to another body; padding

@@ -212,8 +212,8 @@ class EdgeProof {
     // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
     const double finest = model_.options.edge_resolution / std::max(length_, model_.options.edge_resolution);
     const double least = padding + scratch_.motion[id] * finest / 2;
-    if (piece.is_near && !is_short)  // spheres prove nothing, and its halves will be looked at
-      return body.is_met(pose(middle, id), least, recent_[id]) ? Finding::blocked : Finding::open;
+    if (piece.is_near && !is_short)  // spheres prove nothing here
+      return body.is_met(pose(middle, id), padding, recent_[id]) ? Finding::blocked : Finding::open;
     if (!piece.is_near && body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
       return Finding::proved;
     if (is_short) {
