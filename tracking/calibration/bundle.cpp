@@ -13,26 +13,21 @@
 namespace clearway {
 namespace {
 
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
-using Vector8d = Eigen::Matrix<double, 8, 1>;
-using ByCamera = Eigen::Matrix<double, 8, kCameraUnknowns>;
-using ByPose = Eigen::Matrix<double, 8, 6>;
-using ByTag = Eigen::Matrix<double, 8, kTagUnknowns>;
+// Sizes are dynamic although they are known: fixed ones took half a minute to compile.
+constexpr int kFirstOfPose = kCameraUnknowns + kTagUnknowns;
 
-/// One tag of one view, whitened.
+/// One tag of one view, whitened: its eight residuals, and their derivatives by camera, tag and pose.
 struct Block {
-  Vector8d residual;
-  ByCamera by_camera;
-  ByPose by_pose;
-  ByTag by_tag;
+  Eigen::VectorXd residual{8};
+  Eigen::MatrixXd by{8, kFirstOfPose + 6};
 };
 
 /// What the unknowns of camera and tags have become, and the poses.
 struct State {
   Camera camera;
-  std::vector<Eigen::Matrix<double, kTagUnknowns, 1>> tags;  ///< from where they were given
+  std::vector<Eigen::VectorXd> tags;  ///< from where they were given
   std::vector<Eigen::Isometry3d> poses;
-  Eigen::Matrix<double, kCameraUnknowns, 1> shift = Eigen::Matrix<double, kCameraUnknowns, 1>::Zero();
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(kCameraUnknowns);
 };
 
 Eigen::Matrix3d turned(const Eigen::Vector3d& w) {
@@ -46,15 +41,14 @@ Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
 }
 
 /// The derivative of a pixel by the camera's unknowns. @param point in the camera, in sight
-Eigen::Matrix<double, 2, kCameraUnknowns> pixel_by_camera(const Camera& camera,
-                                                          const Eigen::Vector3d& point) {
+Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
   const double x = point.x() / point.z(), y = point.y() / point.z(), r2 = x * x + y * y;
   const auto& k = camera.distortion;
   const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
   const double xd = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
   const double yd = y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
   const double fx = camera.fx, fy = camera.fy;
-  Eigen::Matrix<double, 2, kCameraUnknowns> by;
+  Eigen::MatrixXd by(2, kCameraUnknowns);
   by << fx * xd, 0.5 * fx * xd, 1.0, 0.0, fx * x * r2, fx * x * r2 * r2, 2.0 * fx * x * y,
       fx * (r2 + 2.0 * x * x), fx * x * r2 * r2 * r2,  //
       fy * yd, -0.5 * fy * yd, 0.0, 1.0, fy * y * r2, fy * y * r2 * r2, fy * (r2 + 2.0 * y * y),
@@ -90,7 +84,7 @@ class Adjustment {
 
   State start() const {
     State state{bundle_.camera, {}, {}};
-    state.tags.resize(order_.size(), Eigen::Matrix<double, kTagUnknowns, 1>::Zero());
+    state.tags.resize(order_.size(), Eigen::VectorXd::Zero(kTagUnknowns));
     for (const BoardView& view : bundle_.views) state.poses.push_back(view.camera_from_board);
     return state;
   }
@@ -107,8 +101,8 @@ class Adjustment {
     return sum;
   }
 
-  std::optional<Vector8d> residual_of(const State& state, std::size_t view, std::size_t tag) const {
-    Vector8d residual;
+  std::optional<Eigen::VectorXd> residual_of(const State& state, std::size_t view, std::size_t tag) const {
+    Eigen::VectorXd residual(8);
     const TagDetection& seen = bundle_.views[view].tags[tag];
     const MountedTag mounted = mounted_of(state, seen.id);
     const auto corners = tag_corners(mounted.size);
@@ -124,9 +118,8 @@ class Adjustment {
   struct Equations {
     Eigen::MatrixXd shared;
     Eigen::VectorXd pull;
-    std::vector<Eigen::Matrix<double, Eigen::Dynamic, 6>> mixed;
-    std::vector<Matrix6d> pose;
-    std::vector<Vector6d> pose_pull;
+    std::vector<Eigen::MatrixXd> mixed, pose;
+    std::vector<Eigen::VectorXd> pose_pull;
   };
 
   std::optional<Equations> equations(const State& state) const {
@@ -135,9 +128,9 @@ class Adjustment {
     e.pull = Eigen::VectorXd::Zero(size_);
     add_priors(state, e);
     for (std::size_t v = 0; v < bundle_.views.size(); ++v) {
-      e.mixed.emplace_back(Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(size_, 6));
-      e.pose.emplace_back(Matrix6d::Zero());
-      e.pose_pull.emplace_back(Vector6d::Zero());
+      e.mixed.emplace_back(Eigen::MatrixXd::Zero(size_, 6));
+      e.pose.emplace_back(Eigen::MatrixXd::Zero(6, 6));
+      e.pose_pull.emplace_back(Eigen::VectorXd::Zero(6));
       for (std::size_t t = 0; t < bundle_.views[v].tags.size(); ++t) {
         const auto block = block_of(state, v, t);
         if (!block) return std::nullopt;
@@ -152,9 +145,9 @@ class Adjustment {
     Eigen::MatrixXd reduced = e.shared;
     reduced.diagonal() *= 1.0 + damping;
     Eigen::VectorXd pull = e.pull;
-    std::vector<Eigen::LLT<Matrix6d>> solvers;
+    std::vector<Eigen::LLT<Eigen::MatrixXd>> solvers;
     for (std::size_t v = 0; v < e.pose.size(); ++v) {
-      Matrix6d pose = e.pose[v];
+      Eigen::MatrixXd pose = e.pose[v];
       pose.diagonal() *= 1.0 + damping;
       solvers.emplace_back(pose);
       reduced -= e.mixed[v] * solvers.back().solve(e.mixed[v].transpose());
@@ -163,7 +156,7 @@ class Adjustment {
     Eigen::VectorXd step(size_ + 6 * static_cast<int>(e.pose.size()));
     step.head(size_) = -reduced.ldlt().solve(pull);
     for (std::size_t v = 0; v < e.pose.size(); ++v)
-      step.segment<6>(size_ + 6 * static_cast<int>(v)) =
+      step.segment(size_ + 6 * static_cast<int>(v), 6) =
           -solvers[v].solve(e.pose_pull[v] + e.mixed[v].transpose() * step.head(size_));
     return step;
   }
@@ -171,10 +164,10 @@ class Adjustment {
   State moved(const State& from, const Eigen::VectorXd& step) const {
     State to = from;
     move_camera(to.camera, step);
-    to.shift += step.head<kCameraUnknowns>();
+    to.shift += step.head(kCameraUnknowns);
     for (std::size_t t = 0; t < to.tags.size(); ++t) {
-      const auto by = step.segment<kTagUnknowns>(column(static_cast<int>(t)));
-      to.tags[t].head<4>() += by.head<4>();
+      const Eigen::VectorXd by = step.segment(column(static_cast<int>(t)), kTagUnknowns);
+      to.tags[t].head(4) += by.head(4);
       to.tags[t].tail<3>() = log_of(turned(to.tags[t].tail<3>()) * turned(by.tail<3>()));
     }
     for (std::size_t v = 0; v < to.poses.size(); ++v)
@@ -214,17 +207,17 @@ class Adjustment {
   static int column(int tag) { return kCameraUnknowns + kTagUnknowns * tag; }
 
   /// W with W^T W the inverse of the covariance of a tag's corners.
-  Matrix8d whitening(const BoardView& view, const TagDetection& tag, double noise_px,
-                     double edge_bias) const {
-    Matrix8d covariance = Matrix8d::Zero();
+  Eigen::MatrixXd whitening(const BoardView& view, const TagDetection& tag, double noise_px,
+                            double edge_bias) const {
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(8, 8);
     const MountedTag& mounted = bundle_.board.tags.at(tag.id);
     if (const auto seen = view_tag(bundle_.camera, mounted.size, mounted.body_from_tag, {}, edge_bias,
                                    tag.corners, view.camera_from_board)) {
-      const auto edges = seen->by_own.rightCols<4>();
+      const Eigen::MatrixXd edges = seen->by_own.rightCols<4>();
       covariance = edges * edges.transpose();
     }
     covariance.diagonal().array() += noise_px * noise_px;
-    return Eigen::LLT<Matrix8d>(covariance).matrixL().solve(Matrix8d::Identity());
+    return Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solve(Eigen::MatrixXd::Identity(8, 8));
   }
 
   double off(const State& state, int i) const {
@@ -264,47 +257,43 @@ class Adjustment {
       if (!pixel) return std::nullopt;
       by_point = by_point * pose.linear();
       block.residual.segment<2>(2 * i) = *pixel - seen.corners[static_cast<std::size_t>(i)];
-      block.by_camera.middleRows<2>(2 * i) = pixel_by_camera(state.camera, in_camera);
-      block.by_pose.block<2, 3>(2 * i, 0) = by_point;
-      block.by_pose.block<2, 3>(2 * i, 3) = -by_point * cross_matrix(in_board);
-      block.by_tag.block<2, 1>(2 * i, 0) = by_point * (turn * in_tag);
-      block.by_tag.block<2, 3>(2 * i, 1) = by_point;
-      block.by_tag.block<2, 3>(2 * i, 4) = -by_point * turn * cross_matrix(in_tag);
+      block.by.block(2 * i, 0, 2, kCameraUnknowns) = pixel_by_camera(state.camera, in_camera);
+      block.by.block<2, 1>(2 * i, kCameraUnknowns) = by_point * (turn * in_tag);
+      block.by.block<2, 3>(2 * i, kCameraUnknowns + 1) = by_point;
+      block.by.block<2, 3>(2 * i, kCameraUnknowns + 4) = -by_point * turn * cross_matrix(in_tag);
+      block.by.block<2, 3>(2 * i, kFirstOfPose) = by_point;
+      block.by.block<2, 3>(2 * i, kFirstOfPose + 3) = -by_point * cross_matrix(in_board);
     }
-    const Matrix8d& white = whitening_[view][tag];
+    const Eigen::MatrixXd& white = whitening_[view][tag];
     block.residual = white * block.residual;
-    block.by_camera = white * block.by_camera;
-    block.by_pose = white * block.by_pose;
-    block.by_tag = white * block.by_tag;
+    block.by = white * block.by;
     const int own = column(order_.at(seen.id));
-    for (int i = 0; i < kCameraUnknowns; ++i)
-      if (sigma_[i] == 0.0) block.by_camera.col(i).setZero();
-    for (int i = 0; i < kTagUnknowns; ++i)
-      if (sigma_[own + i] == 0.0) block.by_tag.col(i).setZero();
+    for (int i = 0; i < kFirstOfPose; ++i)
+      if (sigma_[i < kCameraUnknowns ? i : own + i - kCameraUnknowns] == 0.0) block.by.col(i).setZero();
     return block;
   }
 
   static void add_block(const Block& block, int own, Equations& e) {
-    e.shared.topLeftCorner<kCameraUnknowns, kCameraUnknowns>() +=
-        block.by_camera.transpose() * block.by_camera;
-    const Eigen::Matrix<double, kCameraUnknowns, kTagUnknowns> cross =
-        block.by_camera.transpose() * block.by_tag;
-    e.shared.block<kCameraUnknowns, kTagUnknowns>(0, own) += cross;
-    e.shared.block<kTagUnknowns, kCameraUnknowns>(own, 0) += cross.transpose();
-    e.shared.block<kTagUnknowns, kTagUnknowns>(own, own) += block.by_tag.transpose() * block.by_tag;
-    e.pull.head<kCameraUnknowns>() += block.by_camera.transpose() * block.residual;
-    e.pull.segment<kTagUnknowns>(own) += block.by_tag.transpose() * block.residual;
-    e.mixed.back().topRows<kCameraUnknowns>() += block.by_camera.transpose() * block.by_pose;
-    e.mixed.back().middleRows<kTagUnknowns>(own) += block.by_tag.transpose() * block.by_pose;
-    e.pose.back() += block.by_pose.transpose() * block.by_pose;
-    e.pose_pull.back() += block.by_pose.transpose() * block.residual;
+    constexpr int camera = kCameraUnknowns, tag = kTagUnknowns;
+    const Eigen::MatrixXd square = block.by.transpose() * block.by;
+    const Eigen::VectorXd pull = block.by.transpose() * block.residual;
+    e.shared.topLeftCorner(camera, camera) += square.topLeftCorner(camera, camera);
+    e.shared.block(0, own, camera, tag) += square.block(0, camera, camera, tag);
+    e.shared.block(own, 0, tag, camera) += square.block(camera, 0, tag, camera);
+    e.shared.block(own, own, tag, tag) += square.block(camera, camera, tag, tag);
+    e.pull.head(camera) += pull.head(camera);
+    e.pull.segment(own, tag) += pull.segment(camera, tag);
+    e.mixed.back().topRows(camera) += square.topRightCorner(camera, 6);
+    e.mixed.back().middleRows(own, tag) += square.block(camera, kFirstOfPose, tag, 6);
+    e.pose.back() += square.bottomRightCorner(6, 6);
+    e.pose_pull.back() += pull.tail(6);
   }
 
   const Bundle& bundle_;
   int size_;
   std::map<int, int> order_;
   Eigen::VectorXd sigma_;
-  std::vector<std::vector<Matrix8d>> whitening_;
+  std::vector<std::vector<Eigen::MatrixXd>> whitening_;
 };
 
 /// Moves `state` to the least cost. True when steps have become small.

@@ -3,19 +3,13 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <locale>
-#include <sstream>
+
+#include "tracking/calibration/words.hpp"
 
 namespace clearway {
 namespace {
 
-std::string mm_text(double metres) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(3);
-  text << 1e3 * metres << " mm";
-  return text.str();
-}
+std::string mm_text(double metres) { return words(1e3 * metres, " mm"); }
 
 /// The transform that brings the measured tags onto the stated ones, most of them: iterated Cauchy weights.
 Eigen::Isometry3d stated_from_measured(const TagBody& stated, const TagBody& measured, double place) {

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <locale>
 #include <opencv2/calib3d.hpp>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
+#include "tracking/calibration/words.hpp"
 #include "tracking/pose_errors.hpp"
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
@@ -20,15 +19,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kCells = 4;
-
-template <typename... Parts>
-std::string words(const Parts&... parts) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(3);
-  (text << ... << parts);
-  return text.str();
-}
 
 /// The plane of all tags of a board.
 struct BoardPlane {

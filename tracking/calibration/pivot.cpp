@@ -4,8 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <locale>
-#include <sstream>
+
+#include "tracking/calibration/words.hpp"
 
 namespace clearway {
 namespace {
@@ -135,14 +135,6 @@ Eigen::Matrix3d covariance_of(const std::vector<PivotLook>& looks, const PivotFi
          tags;
 }
 
-std::string figure(double value, const char* unit) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(3);
-  text << value << unit;
-  return text.str();
-}
-
 }  // namespace
 
 PivotCalibration calibrate_pivot(const std::vector<PivotLook>& given, const PivotOptions& options) {
@@ -158,7 +150,7 @@ PivotCalibration calibrate_pivot(const std::vector<PivotLook>& given, const Pivo
   const std::string turn_more = "turn the probe to all sides by 30 degrees or more, its ball in a cup";
   if (found.turn < options.least_turn) {
     found.refusal =
-        "the probe turned by at most " + figure(180.0 / M_PI * found.turn, " degrees: ") + turn_more;
+        "the probe turned by at most " + words(180.0 / M_PI * found.turn, " degrees: ") + turn_more;
     return found;
   }
   std::size_t may = looks.size() / 3;
@@ -176,8 +168,8 @@ PivotCalibration calibrate_pivot(const std::vector<PivotLook>& given, const Pivo
   found.covariance = covariance_of(looks, fit);
   const double sigma = UncertainPoint{found.ball, found.covariance}.largest_sigma();
   if (!(sigma <= options.most_sigma))
-    found.refusal = "the ball's centre is known to " + figure(1e3 * sigma, " mm only, expected ") +
-                    figure(1e3 * options.most_sigma, " mm or better: ") + turn_more;
+    found.refusal = "the ball's centre is known to " + words(1e3 * sigma, " mm only, expected ") +
+                    words(1e3 * options.most_sigma, " mm or better: ") + turn_more;
   return found;
 }
 
