@@ -23,11 +23,11 @@ struct MountedTag {
 /// A rigid body that carries tags: the base board, the probe.
 struct TagBody {
   std::string name;
-  std::map<int, MountedTag> tags;  ///< by tag36h11 id
+  std::map<int, MountedTag> tags;  ///< by id
   TagErrors errors{};
 
-  /// Throws std::invalid_argument naming the body, the tag and what was expected: at least one tag, ids 0 to
-  /// 586, finite sizes > 0, rigid transforms, errors of 0 or more.
+  /// Throws std::invalid_argument naming the body, the tag and what was expected: at least one tag, ids of 0
+  /// or more, finite sizes > 0, rigid transforms, errors of 0 or more.
   void validate() const;
 };
 

@@ -1,10 +1,16 @@
 #include "tracking/tag_detector.hpp"
 
 #include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h10.h>
 #include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagStandard41h12.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -17,9 +23,30 @@ constexpr int kMinSide = 32, kMaxSide = 20000;
 constexpr std::int64_t kMaxPixels = 64'000'000;
 constexpr double kPixelCentre = 0.5;  // apriltag's pixel (0, 0) covers [0, 1): its centre is at 0.5
 
-struct FamilyDeleter {
-  void operator()(apriltag_family_t* family) const { tag36h11_destroy(family); }
+/// How apriltag makes and frees a family.
+struct FamilyCode {
+  apriltag_family_t* (*create)();
+  void (*destroy)(apriltag_family_t*);
 };
+
+const std::map<std::string, FamilyCode>& family_codes() {
+  static const std::map<std::string, FamilyCode> codes{
+      {"tag16h5", {tag16h5_create, tag16h5_destroy}},
+      {"tag25h9", {tag25h9_create, tag25h9_destroy}},
+      {"tag36h10", {tag36h10_create, tag36h10_destroy}},
+      {"tag36h11", {tag36h11_create, tag36h11_destroy}},
+      {"tagCircle21h7", {tagCircle21h7_create, tagCircle21h7_destroy}},
+      {"tagStandard41h12", {tagStandard41h12_create, tagStandard41h12_destroy}}};
+  return codes;
+}
+
+using Family = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
+
+Family make_family(const std::string& name) {
+  const FamilyCode& code = family_codes().at(name);
+  return {code.create(), code.destroy};
+}
+
 struct DetectorDeleter {
   void operator()(apriltag_detector_t* detector) const { apriltag_detector_destroy(detector); }
 };
@@ -28,6 +55,7 @@ struct DetectionsDeleter {
 };
 
 void validate(const TagDetectorOptions& o) {
+  require(family_codes().contains(o.family), "tag detector: family", "one of apriltag's smaller families");
   require(o.decimate == 1 || o.decimate == 2, "tag detector: decimate", "1 or 2");
   require(o.threads >= 1 && o.threads <= 64, "tag detector: threads", "1 to 64");
   require(o.sigma >= 0.0 && o.sigma <= 5.0, "tag detector: sigma", "0 to 5 pixels");
@@ -72,17 +100,24 @@ std::int64_t drop_duplicates(std::vector<TagDetection>& tags) {
 
 }  // namespace
 
+std::vector<std::string> tag_families() {
+  std::vector<std::string> names;
+  for (const auto& [name, code] : family_codes()) names.push_back(name);
+  return names;
+}
+
 struct TagDetector::Impl {
+  explicit Impl(const TagDetectorOptions& how) : options(how) {}
+
   TagDetectorOptions options;
   TagDetectorCounts counts;
-  std::unique_ptr<apriltag_family_t, FamilyDeleter> family{tag36h11_create()};
+  Family family = make_family(options.family);
   std::unique_ptr<apriltag_detector_t, DetectorDeleter> detector{apriltag_detector_create()};
 };
 
 TagDetector::TagDetector(const TagDetectorOptions& options) {
   validate(options);
-  impl_ = std::make_unique<Impl>();
-  impl_->options = options;
+  impl_ = std::make_unique<Impl>(options);
   apriltag_detector_t& detector = *impl_->detector;
   detector.nthreads = options.threads;
   detector.quad_decimate = static_cast<float>(options.decimate);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <string>
 #include <vector>
 
 namespace clearway {
@@ -15,16 +16,17 @@ struct TagDetection {
   int hamming = 0;               ///< bits corrected
   double decision_margin = 0.0;  ///< grey levels between data bits and their threshold, mean
 
-  /// Corners of the black square, in pixels with the centre of the upper left pixel at (0, 0): OpenCV's
-  /// convention, that is apriltag's minus 0.5. Their order is apriltag's p[3], p[2], p[1], p[0]: upper
-  /// left, upper right, lower right, lower left of the upright tag, so that they belong to the object
-  /// points (-h, h), (h, h), (h, -h), (-h, -h) of OpenCV's IPPE-square (h half the side), in the tag frame
-  /// with x to the right, y up and z out of the tag towards the viewer. Turning the order gives another
-  /// pose with the same reprojection error: nothing downstream can notice.
+  /// Corners of the square whose edge the family's border is (tag36h11: the black one), in pixels with the
+  /// centre of the upper left pixel at (0, 0): OpenCV's convention, that is apriltag's minus 0.5. Their order
+  /// is apriltag's p[3], p[2], p[1], p[0]: upper left, upper right, lower right, lower left of the upright
+  /// tag, so that they belong to the object points (-h, h), (h, h), (h, -h), (-h, -h) of OpenCV's IPPE-square
+  /// (h half the side), in the tag frame with x to the right, y up and z out of the tag towards the viewer.
+  /// Turning the order gives another pose with the same reprojection error: nothing downstream can notice.
   std::array<Eigen::Vector2d, 4> corners;
 };
 
 struct TagDetectorOptions {
+  std::string family = "tag36h11";  ///< one of tag_families()
   int decimate = 1;          ///< 1, or 2: quads are found in the image at half size: twice as fast, less far
   int threads = 1;           ///< 1 to 64; the result does not depend on it
   double sigma = 0.0;        ///< Gaussian blur before quads are searched, pixels; 0.8 helps noisy images
@@ -41,7 +43,10 @@ struct TagDetectorCounts {
   std::int64_t detected = 0, low_margin = 0, at_border = 0, duplicate = 0;
 };
 
-/// Finds tags of the family tag36h11 (Olson; apriltag 3). One detector belongs to one thread: two threads
+/// The families whose tags are found, sorted: those of apriltag 3 with at most some thousand codes.
+std::vector<std::string> tag_families();
+
+/// Finds tags of one family (Olson; apriltag 3). One detector belongs to one thread: two threads
 /// in one detector crash; any number of detectors may run side by side.
 class TagDetector {
  public:

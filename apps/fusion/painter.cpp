@@ -47,6 +47,7 @@ TrackingOptions tracking_options(const Setup& setup) {
   const AcceptanceSetup& acceptance = setup.acceptance;
   const DetectorSetup& detector = setup.detector;
   TrackingOptions options;
+  options.detector.family = detector.family;
   if (detector.decimate) options.detector.decimate = *detector.decimate;
   override(options.detector.sigma, detector.sigma);
   override(options.detector.sharpening, detector.sharpening);

@@ -221,6 +221,9 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
     fields.fail("setup", "expected the name of a .yaml file, got " + quote(fields.file("setup")));
   scene.setup_text = read_text(setup_file, "setup");
   scene.setup = parse_setup(scene.setup_text, setup_file.string());
+  if (scene.setup.detector.family != "tag36h11")
+    throw std::invalid_argument(quote_path(setup_file.string()) +
+                                ", detector.families: expected [tag36h11], whose tags are rendered");
   for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));
   if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"));
   if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));

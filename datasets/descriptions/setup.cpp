@@ -85,12 +85,12 @@ ErrorsSetup read_errors(const YamlFields& fields) {
   return errors;
 }
 
-BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors) {
+BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors, int last_id) {
   BoardSetup board;
   board.name = fields.text("name");
   for (const auto& entry : fields.list_of_maps("tags")) {
     TagSetup tag;
-    tag.id = entry.integer("id", {0, 586});
+    tag.id = entry.integer("id", {0, static_cast<double>(last_id)});
     tag.size = entry.number("size", positive);
     tag.board_from_tag = entry.pose("pose", tag.board_from_tag);
     entry.finish();
@@ -103,12 +103,12 @@ BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors) 
   return board;
 }
 
-std::vector<BoardSetup> read_boards(const YamlFields& fields, const BoardErrorsSetup& errors) {
+std::vector<BoardSetup> read_boards(const YamlFields& fields, const BoardErrorsSetup& errors, int last_id) {
   std::vector<BoardSetup> boards;
   std::set<std::string> names;
   std::set<int> ids;
   for (const auto& entry : fields.list_of_maps("boards")) {
-    boards.push_back(read_board(entry, errors));
+    boards.push_back(read_board(entry, errors, last_id));
     if (!names.insert(boards.back().name).second) entry.fail("name", "this board is given twice");
     for (const auto& tag : boards.back().tags)
       if (!ids.insert(tag.id).second)
@@ -130,6 +130,9 @@ SensorSetup read_sensor(const YamlFields& fields, const Setup& setup, const std:
       fields.fail("board", "expected a board that moves; give the sensor's fixed place as its pose");
     if (!sensor.poses.empty()) fields.fail("poses", "expected either a board or a file of poses");
   }
+  sensor.link = fields.text("link", "");
+  if (!sensor.link.empty() && !(sensor.board.empty() && sensor.poses.empty()))
+    fields.fail("link", "expected one of 'link', 'board' and 'poses'");
   sensor.max_gap = fields.number("max_gap", positive, sensor.max_gap);
   fields.finish();
   return sensor;
@@ -233,8 +236,13 @@ DetectorSetup read_detector(const YamlFields& fields) {
   detector.sharpening = fields.optional_number("sharpening", {0, 10});
   detector.min_margin = fields.optional_number("min_margin", {0, 255});
   const std::vector<std::string> families = fields.texts("families");
-  if (fields.has("families") && families != std::vector<std::string>{"tag36h11"})
-    fields.fail("families", "expected [tag36h11], the one family whose tags are read");
+  if (fields.has("families")) {
+    std::string names;
+    for (const auto& [name, ids] : tag_family_ids()) names += (names.empty() ? "" : ", ") + name;
+    if (families.size() != 1 || !tag_family_ids().contains(families[0]))
+      fields.fail("families", "expected one of " + names + " in brackets");
+    detector.family = families[0];
+  }
   fields.finish();
   return detector;
 }
@@ -294,6 +302,15 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   return robot;
 }
 
+/// A sensor on the robot is where its joints say.
+void require_joints(const YamlFields& fields, const Setup& setup) {
+  const bool is_told = setup.robot && !(setup.robot->joint_file.empty() && setup.robot->joint_topic.empty());
+  for (const SensorSetup& sensor : setup.sensors)
+    if (!sensor.link.empty() && !is_told)
+      fields.fail("sensors", "sensor '" + sensor.name +
+                                 "' is on a link: expected `robot` with joint_file or " + "joint_topic");
+}
+
 QuerySetup read_query(const YamlFields& fields) {
   QuerySetup query;
   query.name = fields.text("name");
@@ -342,6 +359,13 @@ CameraIntrinsics read_camera(const YamlFields& fields) {
   return camera;
 }
 
+const std::map<std::string, int>& tag_family_ids() {
+  static const std::map<std::string, int> ids{{"tag16h5", 30},       {"tag25h9", 35},
+                                              {"tag36h10", 2320},    {"tag36h11", 587},
+                                              {"tagCircle21h7", 38}, {"tagStandard41h12", 2115}};
+  return ids;
+}
+
 const BoardSetup* Setup::board(const std::string& name) const {
   const auto found =
       std::find_if(boards.begin(), boards.end(), [&](const BoardSetup& board) { return board.name == name; });
@@ -365,19 +389,20 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("camera"))
     setup.camera = read_camera_of_setup(fields.map("camera"), std::filesystem::path(name).parent_path());
   if (fields.has("errors")) setup.errors = read_errors(fields.map("errors"));
-  setup.boards = read_boards(fields, setup.errors.boards);
+  if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));
+  setup.boards = read_boards(fields, setup.errors.boards, tag_family_ids().at(setup.detector.family) - 1);
   setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());
   if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
   if (fields.has("gripper")) setup.gripper = read_gripper(fields.map("gripper"), setup);
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
-  if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));
   if (fields.has("source"))
     setup.source = read_source(fields.map("source"), std::filesystem::path(name).parent_path());
   setup.source.camera = setup.camera;
   setup.source.places_depth = setup.sensor("depth", "depth") != nullptr;
   if (fields.has("robot"))
     setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());
+  require_joints(fields, setup);
   for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
   fields.finish();
   return setup;

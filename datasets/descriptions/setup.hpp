@@ -32,11 +32,14 @@ struct MapSetup {
   std::optional<double> safe_band;  ///< m, around a scan's hits, which safe integration does not free
 };
 
-/// A tag36h11 tag. Its frame: origin in the middle of the tag, x right and y up as one faces it, z out of the
-/// tag towards the viewer.
+/// Families of tags that are read, and how many ids each has.
+const std::map<std::string, int>& tag_family_ids();
+
+/// A tag of the detector's family. Its frame: origin in the middle of the tag, x right and y up as one faces
+/// it, z out of the tag towards the viewer.
 struct TagSetup {
   int id = 0;
-  double size = 0;  ///< m, outer edge of the black border (8 cells)
+  double size = 0;  ///< m, the square that is found: of tag36h11 the outer edge of the black border (8 cells)
   Eigen::Isometry3d board_from_tag = Eigen::Isometry3d::Identity();
 };
 
@@ -78,13 +81,15 @@ struct CapsuleSetup {
   double radius = 0;
 };
 
-/// Where the scans of one sensor come from, when it is not where the recording says. One of three: fixed in
-/// the map (`mount` = map_from_sensor); on a body whose poses a file gives (`mount` = body_from_sensor); or
-/// on a board that the camera tracks (`mount` = board_from_sensor).
+/// Where the scans of one sensor come from, when it is not where the recording says. One of four: fixed in
+/// the map (`mount` = map_from_sensor); on a body whose poses a file gives (`mount` = body_from_sensor); on a
+/// board that the camera tracks (`mount` = board_from_sensor); or on a link of the robot whose joints the
+/// setup tells (`mount` = link_from_sensor).
 struct SensorSetup {
   std::string name;             ///< label of the sensor in the recording, or a kind of cloud
   std::filesystem::path poses;  ///< TUM format, map_from_body; empty: no file
   std::string board;            ///< empty: no board
+  std::string link;             ///< of the robot, "tip": its tip's frame; empty: no link
   Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
   double max_gap = 0.5;  ///< s between the two poses around a scan, at most
 };
@@ -133,6 +138,7 @@ struct AcceptanceSetup {
 
 /// How images are searched for tags. What is left out is the detector's own default.
 struct DetectorSetup {
+  std::string family = "tag36h11";   ///< one of tag_family_ids()
   std::optional<int> decimate;       ///< 1, or 2: squares are looked for at half size, corners found at full
   std::optional<int> threads;        ///< images searched at the same time; none: all cores, at most 8
   std::optional<double> sigma;       ///< px, Gaussian blur of the image

@@ -1,5 +1,12 @@
 #include "tracking/tag_detector.hpp"
 
+#include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h10.h>
+#include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagStandard41h12.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +14,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -49,6 +57,59 @@ TEST(TagDetector, corners_lie_within_a_tenth_of_a_pixel_of_rendered_truth_in_ope
   const double rms = corner_rms(camera, tags, scene::render(camera, tags), {});
   RecordProperty("rms_px_times_1000", static_cast<int>(1000 * rms));
   EXPECT_LT(rms, 0.1);
+}
+
+/// An upright tag as apriltag itself prints it, enlarged and blurred; the square's upper left corner and
+/// side, pixels from the image's corner.
+struct Print {
+  cv::Mat image;
+  double left = 0.0, side = 0.0;
+};
+
+Print print_of(apriltag_family_t* family, int id) {
+  image_u8_t* cells = apriltag_to_image(family, static_cast<std::uint32_t>(id));
+  const cv::Mat small(cells->height, cells->width, CV_8UC1, cells->buf,
+                      static_cast<std::size_t>(cells->stride));
+  constexpr int cell = 16, margin = 3 * cell;
+  Print print;
+  cv::Mat large;
+  cv::resize(small, large, {}, cell, cell, cv::INTER_NEAREST);
+  cv::copyMakeBorder(large, print.image, margin, margin, margin, margin, cv::BORDER_CONSTANT,
+                     cv::Scalar(255));
+  cv::GaussianBlur(print.image, print.image, {}, 1.0);
+  print.side = cell * family->width_at_border;
+  print.left = margin + 0.5 * cell * (family->total_width - family->width_at_border);
+  std::free(cells->buf);
+  std::free(cells);
+  return print;
+}
+
+TEST(TagDetector, each_family_is_read_from_its_own_print_with_the_corners_in_print_order) {
+  const std::map<std::string, std::pair<apriltag_family_t* (*)(), void (*)(apriltag_family_t*)>> families{
+      {"tag16h5", {tag16h5_create, tag16h5_destroy}},
+      {"tag25h9", {tag25h9_create, tag25h9_destroy}},
+      {"tag36h10", {tag36h10_create, tag36h10_destroy}},
+      {"tag36h11", {tag36h11_create, tag36h11_destroy}},
+      {"tagCircle21h7", {tagCircle21h7_create, tagCircle21h7_destroy}},
+      {"tagStandard41h12", {tagStandard41h12_create, tagStandard41h12_destroy}}};
+  ASSERT_EQ(tag_families().size(), families.size());
+  for (const std::string& name : tag_families()) {
+    apriltag_family_t* family = families.at(name).first();
+    for (const int id : {0, 7, static_cast<int>(family->ncodes) - 1}) {
+      const Print print = print_of(family, id);
+      const auto found = TagDetector({.family = name}).detect(print.image);
+      ASSERT_EQ(found.size(), 1U) << name << ' ' << id;
+      EXPECT_EQ(found[0].id, id) << name;
+      const double low = print.left - 0.5, high = low + print.side;
+      const Eigen::Vector2d corners[] = {{low, low}, {high, low}, {high, high}, {low, high}};
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_LT((found[0].corners[k] - corners[k]).norm(), 0.5) << name << ' ' << id << ' ' << k;
+      const bool is_default = name == "tag36h11";
+      EXPECT_EQ(TagDetector().detect(print.image).empty(), !is_default) << name;
+    }
+    families.at(name).second(family);
+  }
+  EXPECT_THROW(TagDetector({.family = "tag16h6"}), std::invalid_argument);
 }
 
 TEST(TagDetector, corners_lie_within_a_tenth_of_a_pixel_under_lens_distortion) {

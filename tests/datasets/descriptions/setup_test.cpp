@@ -290,9 +290,16 @@ TEST(SetupDetector, SaysHowImagesAreSearchedAndRefusesWhatTheDetectorDoesNotDo) 
   EXPECT_EQ(setup.detector.min_margin, 20);
   EXPECT_EQ(setup.source.rate, 15);
   EXPECT_FALSE(parse_setup("{}", "s").detector.decimate);
-  for (const char* wrong :
-       {"detector: {decimate: 3}", "detector: {families: [tag16h5]}", "detector: {families: []}",
-        "detector: {threads: 0}", "detector: {decimat: 2}", "source: {rate: 0}", "source: {rates: 1}"})
+  EXPECT_EQ(parse_setup("{}", "s").detector.family, "tag36h11");
+  for (const auto& [family, ids] : tag_family_ids()) {
+    const std::string tag = "\nboards: [{name: a, tags: [{id: " + std::to_string(ids - 1) + ", size: 1}]}]";
+    EXPECT_EQ(parse_setup("detector: {families: [" + family + "]}" + tag, "s").detector.family, family);
+  }
+  for (const char* wrong : {"detector: {decimate: 3}", "detector: {families: [tag16h6]}",
+                            "detector: {families: [tag16h5, tag25h9]}",
+                            "detector: {families: [tag16h5]}\nboards: [{name: a, tags: [{id: 30, size: 1}]}]",
+                            "detector: {families: []}", "detector: {threads: 0}", "detector: {decimat: 2}",
+                            "source: {rate: 0}", "source: {rates: 1}"})
     EXPECT_NE(complaint([&] { parse_setup(wrong, "s"); }), "") << wrong;
 }
 
