@@ -20,7 +20,8 @@ Eigen::Isometry3d from_mrpt(const CPose3D& pose) {
   return out;
 }
 
-// How a small motion of frame b enters a small motion of frame a, by a_from_b.
+}  // namespace
+
 Matrix6d adjoint(const Eigen::Isometry3d& a_from_b) {
   Matrix6d m = Matrix6d::Zero();
   m.topLeftCorner<3, 3>() = m.bottomRightCorner<3, 3>() = a_from_b.linear();
@@ -33,8 +34,6 @@ Matrix6d carried(const Eigen::Isometry3d& a_from_b, const Matrix6d& covariance_i
   const Matrix6d covariance = m * covariance_in_b * m.transpose();
   return 0.5 * (covariance + covariance.transpose());
 }
-
-}  // namespace
 
 double UncertainPoint::largest_sigma() const {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);

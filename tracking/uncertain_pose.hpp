@@ -48,6 +48,12 @@ Vector6d difference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 /// a * [Exp(w), v].
 Eigen::Isometry3d moved(const Eigen::Isometry3d& a, const Vector6d& motion);
 
+/// How a small motion (v, w) of frame b enters one of frame a.
+Matrix6d adjoint(const Eigen::Isometry3d& a_from_b);
+
+/// A covariance of small motions of frame b, as one of frame a.
+Matrix6d carried(const Eigen::Isometry3d& a_from_b, const Matrix6d& covariance_in_b);
+
 /// The matrix [v]x with [v]x u = v x u.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 

@@ -76,8 +76,8 @@ SearchedImages search_images(const std::filesystem::path& source, const Setup& s
   const std::string name = quote_path(source.string());
   if (found.images.empty()) throw std::invalid_argument(name + " holds no image");
   if (tags == 0)
-    throw std::invalid_argument("no tag36h11 tag is seen in the " + std::to_string(number) + " images of " +
-                                name);
+    throw std::invalid_argument("no " + setup.detector.family + " tag is seen in the " +
+                                std::to_string(number) + " images of " + name);
   return found;
 }
 
@@ -94,6 +94,17 @@ Camera known_camera(const Setup& setup, const SearchedImages& images) {
                                 std::to_string(images.height) + " pixels, expected the camera's " +
                                 std::to_string(camera.width) + " x " + std::to_string(camera.height));
   return camera;
+}
+
+SurePoses::SurePoses(const Setup& setup, const SearchedImages& images)
+    : camera_(known_camera(setup, images)), how_(tracking_options(setup)) {}
+
+std::optional<BodyPose> SurePoses::of(const BoardSetup& board, const SearchedImage& image) const {
+  auto pose = estimate_body_pose(tag_body(board), image.tags, camera_, how_.pose);
+  const bool is_sure = pose && is_explained(*pose, how_.acceptance) &&
+                       pose->ambiguity_ratio >= how_.acceptance.min_ambiguity_ratio &&
+                       pose->separation >= how_.acceptance.min_separation;
+  return is_sure ? pose : std::nullopt;
 }
 
 const BoardSetup& seen_board(const Setup& setup, const SearchedImages& images, const std::string& name) {

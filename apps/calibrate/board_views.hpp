@@ -8,6 +8,7 @@
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tracking/calibration/bundle.hpp"
+#include "tracking/tracking_session.hpp"
 
 namespace clearway {
 
@@ -39,6 +40,20 @@ Camera known_camera(const Setup& setup, const SearchedImages& images);
 /// The board whose tags are in most images, or that of the given name.
 /// @throws std::invalid_argument when there is none of that name, or none is seen
 const BoardSetup& seen_board(const Setup& setup, const SearchedImages& images, const std::string& name);
+
+/// Poses of boards in images, as far as nothing else explains them.
+class SurePoses {
+ public:
+  /// @throws std::invalid_argument as known_camera does
+  SurePoses(const Setup& setup, const SearchedImages& images);
+
+  /// camera_from_board; empty where its tags are not seen, do not fit, or fit another pose as well.
+  std::optional<BodyPose> of(const BoardSetup& board, const SearchedImage& image) const;
+
+ private:
+  Camera camera_;
+  TrackingOptions how_;
+};
 
 /// Views of one board.
 struct ChosenViews {

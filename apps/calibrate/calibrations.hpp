@@ -27,5 +27,9 @@ CalibrationReport report_board(const CalibrateOptions& options, const Setup& set
                                const SearchedImages& images);
 CalibrationReport report_probe(const CalibrateOptions& options, const Setup& setup,
                                const SearchedImages& images);
+CalibrationReport report_base(const CalibrateOptions& options, const Setup& setup,
+                              const SearchedImages& images);
+CalibrationReport report_hand_eye(const CalibrateOptions& options, const Setup& setup,
+                                  const SearchedImages& images);
 
 }  // namespace clearway

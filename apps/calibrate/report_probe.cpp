@@ -14,26 +14,18 @@ CalibrationReport report_probe(const CalibrateOptions& options, const Setup& set
     throw std::invalid_argument("calibrate probe: the setup has no probe, expected `probe` with its board");
   ProbeSetup probe = *setup.probe;
   if (!options.body.empty()) probe.board = seen_board(setup, images, options.body).name;
-  const Camera camera = known_camera(setup, images);
-  const TrackingOptions how = tracking_options(setup);
-  const TagBody body = tag_body(*setup.board(probe.board));
+  const SurePoses poses(setup, images);
+  const BoardSetup& body = *setup.board(probe.board);
   const BoardSetup* fixed = nullptr;
   for (const BoardSetup& board : setup.boards)
     if (fixed == nullptr && board.map_from_board && board.name != probe.board) fixed = &board;
   std::vector<PivotLook> with_base, alone;
-  const auto pose_of = [&](const TagBody& one, const SearchedImage& image) {
-    auto pose = estimate_body_pose(one, image.tags, camera, how.pose);
-    const bool is_good = pose && is_explained(*pose, how.acceptance) &&
-                         pose->ambiguity_ratio >= how.acceptance.min_ambiguity_ratio &&
-                         pose->separation >= how.acceptance.min_separation;
-    return is_good ? pose : std::nullopt;
-  };
   for (const SearchedImage& image : images.images) {
-    const auto found = pose_of(body, image);
+    const auto found = poses.of(body, image);
     if (!found) continue;
     alone.push_back({*found, {}});
     if (fixed == nullptr) continue;
-    if (auto base = pose_of(tag_body(*fixed), image)) with_base.push_back({*found, base});
+    if (auto base = poses.of(*fixed, image)) with_base.push_back({*found, base});
   }
   const bool has_base = with_base.size() >= 15 && 2 * with_base.size() >= alone.size();
   const PivotCalibration found = calibrate_pivot(has_base ? with_base : alone);

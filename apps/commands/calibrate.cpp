@@ -46,7 +46,9 @@ CalibrationReport report_of(const CalibrateOptions& options, const Setup& setup,
                             const SearchedImages& images) {
   if (options.what == "camera") return report_camera(options, setup, images);
   if (options.what == "board") return report_board(options, setup, images);
-  return report_probe(options, setup, images);
+  if (options.what == "probe") return report_probe(options, setup, images);
+  if (options.what == "base") return report_base(options, setup, images);
+  return report_hand_eye(options, setup, images);
 }
 
 }  // namespace

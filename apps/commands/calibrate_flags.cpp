@@ -15,18 +15,24 @@ Command add_calibrate(CLI::App& app, Console& console) {
       ->add_option(
           "what", options->what,
           "camera: focal length, centre, distortion; board: sizes and places of its tags; probe: the "
-          "ball's centre, from turning the probe about it")
+          "ball's centre, from turning the probe about it; base: where the robot stands, by a board on its "
+          "tip; hand-eye: the same and the camera's place, by a camera on its tip")
       ->required()
-      ->check(CLI::IsMember({"camera", "board", "probe"}))
-      ->type_name("camera|board|probe");
+      ->check(CLI::IsMember({"camera", "board", "probe", "base", "hand-eye"}))
+      ->type_name("camera|board|probe|base|hand-eye");
   add_source(*command, options->source, options->camera_seconds, "source",
              "a recording with images; see replay");
   command
       ->add_option("--setup,--board", options->setup,
-                   "the boards, as `tags print` writes them; for board and probe also the camera")
+                   "the boards, as `tags print` writes them; for all but camera also the camera, "
+                   "for base and hand-eye also the robot with its joints")
       ->required()
       ->type_name("SETUP.yaml");
   command->add_option("--body", options->body, "name of the board; default: the one that is seen most")
+      ->type_name("NAME");
+  command
+      ->add_option("--sensor", options->sensor,
+                   "hand-eye: the sensor of the setup, on `link: tip`, that the camera is")
       ->type_name("NAME");
   command
       ->add_option("--out", options->out,

@@ -89,11 +89,12 @@ int run_track(const TrackOptions& options, Console& console);
 
 /// A calibration from images of tags; `setup` names the boards.
 struct CalibrateOptions {
-  std::string what;  ///< camera, board or probe
+  std::string what;  ///< camera, board, probe, base or hand-eye
   std::filesystem::path source;
   double camera_seconds = 10.0;  ///< of a live camera
   std::filesystem::path setup;
   std::string body;           ///< the board's name; empty: the one that is seen most
+  std::string sensor;         ///< hand-eye: a sensor on the tip that the camera is; empty: none
   std::filesystem::path out;  ///< copy of the setup with what was measured; empty: none
   int threads = 0;            ///< for searching images; 0: as many as the machine has, at most 8
 };

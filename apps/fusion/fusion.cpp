@@ -13,7 +13,6 @@
 #include "apps/fusion/recorded_frames.hpp"
 #include "apps/fusion/scan_inserter.hpp"
 #include "apps/fusion/tag_search.hpp"
-#include "datasets/ros/bag_source.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -68,19 +67,6 @@ MapOptions map_options(const FusionOptions& options, const MapSetup& setup) {
   return map;
 }
 
-/// The robot that moved while the recording was made; none when the setup has no stream of its joints.
-std::optional<MovingRobot> moving_robot(const Setup& setup, const std::filesystem::path& recording) {
-  if (!setup.robot) return std::nullopt;
-  constexpr double max_gap = 0.5;  // s
-  if (!setup.robot->joint_file.empty())
-    return MovingRobot(*setup.robot, load_joint_states(setup.robot->joint_file, max_gap));
-  if (setup.robot->joint_topic.empty()) return std::nullopt;
-  if (!is_bag_file(recording))
-    throw std::invalid_argument("setup, robot, field 'joint_topic': expected a bag as recording, got " +
-                                quote_path(recording.string()));
-  return MovingRobot(*setup.robot, read_joints(recording, setup.robot->joint_topic, max_gap));
-}
-
 }  // namespace
 
 Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options,
@@ -108,7 +94,9 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   std::optional<Painter> painter;
   if (fusion.setup.probe) painter.emplace(fusion.setup, fusion.map, fusion.counts);
   BoardPoses boards(fusion.setup);
-  const std::optional<MovingRobot> robot = moving_robot(fusion.setup, recording);
+  std::optional<MovingRobot> robot;
+  if (auto joints = recorded_joints(fusion.setup, recording))
+    robot.emplace(*fusion.setup.robot, std::move(*joints));
   ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, robot ? &*robot : nullptr,
                      options.observer);
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
+#include "datasets/ros/bag_source.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/reach.hpp"
@@ -51,6 +52,17 @@ struct Grown {
 
 }  // namespace
 
+std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesystem::path& recording) {
+  constexpr double max_gap = 0.5;  // s
+  if (!setup.robot) return std::nullopt;
+  if (!setup.robot->joint_file.empty()) return load_joint_states(setup.robot->joint_file, max_gap);
+  if (setup.robot->joint_topic.empty()) return std::nullopt;
+  if (!is_bag_file(recording))
+    throw std::invalid_argument("setup, robot, field 'joint_topic': expected a bag as recording, got " +
+                                quote_path(recording.string()));
+  return read_joints(recording, setup.robot->joint_topic, max_gap);
+}
+
 MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)
     : setup_(setup), joints_(std::move(joints)), robot_(robot_of(setup)) {
   const std::vector<std::string> known = joints_.names();
@@ -76,18 +88,36 @@ std::vector<double> MovingRobot::growths(double time) const {
   return result;
 }
 
-std::optional<std::size_t> MovingRobot::take_out(Scan& scan) const {
-  const auto positions = joints_.at(names_, scan.time);
+std::optional<LinkPoses> MovingRobot::poses(double time) const {
+  const auto positions = joints_.at(names_, time);
   if (!positions) return std::nullopt;
-  const Configuration q =
-      Eigen::Map<const Configuration>(positions->data(), static_cast<Eigen::Index>(positions->size()));
-  const LinkPoses poses = forward_kinematics(robot_, q);
+  return forward_kinematics(robot_, Eigen::Map<const Configuration>(
+                                        positions->data(), static_cast<Eigen::Index>(positions->size())));
+}
+
+std::pair<double, double> MovingRobot::motion(double time, int link, const Eigen::Vector3d& in_link) const {
+  const LinkPoses links = *poses(time);
+  const Eigen::Vector3d point = links[static_cast<std::size_t>(link)] * in_link;
+  const auto by_joints = jacobian(robot_, links, link, point);
+  const std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
+  double shift = 0.0, turn = 0.0;
+  for (std::size_t j = 0; j < moved.size(); ++j) {
+    const auto by_joint = by_joints.col(static_cast<Eigen::Index>(j));
+    shift += by_joint.head<3>().norm() * moved[j];
+    turn += by_joint.tail<3>().norm() * moved[j];
+  }
+  return {shift, turn};
+}
+
+std::optional<std::size_t> MovingRobot::take_out(Scan& scan) const {
+  const auto links = poses(scan.time);
+  if (!links) return std::nullopt;
   const std::vector<double> growth = growths(scan.time);
   std::vector<Grown> bodies;
   for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {
     const Body& body = robot_.bodies[i];
     const Eigen::Isometry3d map_from_shape =
-        poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+        (*links)[static_cast<std::size_t>(body.link)] * body.link_from_shape;
     bodies.push_back({body, map_from_shape.inverse(), growth[i]});
   }
   return std::erase_if(scan.points, [&](const Eigen::Vector3f& point) {

@@ -1,16 +1,23 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/joint_stream.hpp"
 #include "mapping/scans/scan.hpp"
-#include "planning/robot/robot.hpp"
+#include "planning/robot/kinematics.hpp"
 
 namespace clearway {
+
+/// Where the robot's joints were while a recording was made: the setup's joint_file, or its joint_topic in
+/// the recording; none when the setup names neither. @throws std::invalid_argument as load_joint_states and
+/// read_joints do, or for a joint_topic where the recording is no bag
+std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesystem::path& recording);
 
 /// A robot that moves while scans are taken: its own bodies are taken out of each scan where it was then.
 ///
@@ -30,8 +37,18 @@ class MovingRobot {
   /// By how much each body is grown at that time, metres. @pre the joints are known then
   std::vector<double> growths(double time) const;
 
+  /// map_from_link of all links; empty where the joints are not known at that time.
+  std::optional<LinkPoses> poses(double time) const;
+
+  /// How far a point of a link may have been from its place there, as the setup's latency leaves it open:
+  /// metres, and radians that the link turned; at most, to first order.
+  /// @pre the joints are known at `time`
+  std::pair<double, double> motion(double time, int link, const Eigen::Vector3d& in_link) const;
+
+  const Robot& robot() const { return robot_; }
+
  private:
-  const RobotSetup& setup_;
+  RobotSetup setup_;
   JointStream joints_;
   Robot robot_;
   std::vector<std::string> names_;

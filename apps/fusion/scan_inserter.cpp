@@ -4,6 +4,7 @@
 
 #include "apps/console/stopwatch.hpp"
 #include "apps/query/query.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
 
 namespace clearway {
@@ -51,6 +52,18 @@ ScanFilter filter_of(const MapSetup& map) {
   return filter;
 }
 
+/// The link that a sensor is on.
+int link_of(const SensorSetup& sensor, const Robot& robot) {
+  if (sensor.link == "tip") return robot.tip_link;
+  std::string names;
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    if (robot.links[i].name == sensor.link) return static_cast<int>(i);
+    names += ", '" + robot.links[i].name + "'";
+  }
+  throw std::invalid_argument("setup, sensor '" + sensor.name + "': the robot has no link '" +
+                              shortened(sensor.link) + "', expected 'tip'" + shortened(names));
+}
+
 }  // namespace
 
 ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts,
@@ -58,6 +71,7 @@ ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& 
     : setup_(setup), map_(map), counts_(counts), boards_(boards), moving_robot_(robot), observer_(observer) {
   for (const SensorSetup& sensor : setup.sensors) {
     if (!sensor.poses.empty()) streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap));
+    if (!sensor.link.empty()) links_.emplace(sensor.name, link_of(sensor, robot->robot()));
   }
   if (setup.robot && !setup.robot->joints.empty()) robot_ = robot_capsules(*setup.robot);
 }
@@ -95,11 +109,26 @@ void ScanInserter::finish() {
 std::optional<Eigen::Isometry3d> ScanInserter::place(const Waiting& waiting) const {
   const SensorSetup* sensor = waiting.sensor;
   if (sensor == nullptr) return waiting.scan.map_from_sensor;
+  if (!sensor->link.empty()) return place_on_robot(*sensor, waiting.scan.time);
   if (sensor->poses.empty() && sensor->board.empty()) return sensor->mount;
   const auto carrier = sensor->board.empty() ? streams_.at(sensor->name).at(waiting.scan.time)
                                              : boards_.at(sensor->board, waiting.scan.time);
   if (!carrier) return std::nullopt;
   return *carrier * sensor->mount;
+}
+
+/// The same of a sensor on the robot, where the latency of the joints leaves less than half a voxel at 1 m
+/// open.
+std::optional<Eigen::Isometry3d> ScanInserter::place_on_robot(const SensorSetup& sensor, double time) const {
+  const auto poses = moving_robot_->poses(time);
+  if (!poses) return std::nullopt;
+  const Robot& robot = moving_robot_->robot();
+  const int link = links_.at(sensor.name);
+  const Eigen::Isometry3d link_from_sensor =
+      sensor.link == "tip" ? robot.link_from_tip * sensor.mount : sensor.mount;
+  const auto [shift, turn] = moving_robot_->motion(time, link, link_from_sensor.translation());
+  if (shift + turn * 1.0 > 0.5 * map_.options().resolution) return std::nullopt;
+  return (*poses)[static_cast<std::size_t>(link)] * link_from_sensor;
 }
 
 /// The ball, its stick, the board's tags and the hand, where the nearest image saw them.

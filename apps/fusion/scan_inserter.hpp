@@ -36,6 +36,7 @@ class ScanInserter {
   };
   bool is_ready(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place(const Waiting& waiting) const;
+  std::optional<Eigen::Isometry3d> place_on_robot(const SensorSetup& sensor, double time) const;
   void insert(Waiting& waiting);
   void add_probe(double time, ScanFilter& filter);
 
@@ -46,6 +47,7 @@ class ScanInserter {
   const MovingRobot* moving_robot_;
   FusionObserver* observer_;
   std::map<std::string, PoseStream> streams_;  ///< by sensor
+  std::map<std::string, int> links_;           ///< by sensor, those on the robot
   std::vector<Capsule> robot_;                 ///< map frame
   std::deque<Waiting> waiting_;
 };

@@ -38,18 +38,19 @@ std::string board_errors(const BoardErrorsSetup& e) {
   return flow_map({{"scale", e.scale}, {"size", e.size}, {"place", e.place}, {"turn", e.turn}});
 }
 
-/// [x, y, z, roll, pitch, yaw], Rz(yaw) Ry(pitch) Rx(roll).
-std::string pose_list(const Eigen::Isometry3d& pose) {
+std::string pose_list(const Eigen::Isometry3d& pose) { return flow_list(pose_numbers(pose)); }
+
+}  // namespace
+
+std::vector<double> pose_numbers(const Eigen::Isometry3d& pose) {
   const Eigen::Matrix3d& r = pose.linear();
   const double level = std::hypot(r(0, 0), r(1, 0)), pitch = std::atan2(-r(2, 0), level);
   const bool is_upright = level < 1e-9;
   const double roll = is_upright ? 0.0 : std::atan2(r(2, 1), r(2, 2));
   const double yaw = is_upright ? std::atan2(-r(0, 1), r(1, 1)) : std::atan2(r(1, 0), r(0, 0));
   const Eigen::Vector3d& p = pose.translation();
-  return flow_list(std::vector<double>{p.x(), p.y(), p.z(), roll, pitch, yaw});
+  return {p.x(), p.y(), p.z(), roll, pitch, yaw};
 }
-
-}  // namespace
 
 std::string camera_block(const CameraIntrinsics& c) {
   return "camera: {width: " + std::to_string(c.width) + ", height: " + std::to_string(c.height) +
@@ -97,6 +98,33 @@ std::string probe_block(const ProbeSetup& probe) {
     text += "    - {from: " + flow_list(std::vector<double>(hand.from.begin(), hand.from.end())) +
             ", to: " + flow_list(std::vector<double>(hand.to.begin(), hand.to.end())) +
             ", radius: " + digits(hand.radius) + "}\n";
+  return text;
+}
+
+std::string robot_block(const RobotSetup& robot) {
+  const std::vector<double> gravity(robot.gravity.begin(), robot.gravity.end());
+  std::string text = "robot:\n  name: " + quoted(robot.name) + "\n  base: " + pose_list(robot.map_from_base) +
+                     "\n  payload: " + digits(robot.payload) + "\n  gravity: " + flow_list(gravity) +
+                     "\n  self_margin: " + digits(robot.self_margin) +
+                     "\n  latency: " + digits(robot.latency) +
+                     "\n  joint_error: " + digits(robot.joint_error) +
+                     "\n  place_error: " + digits(robot.place_error) + "\n";
+  if (robot.scale) text += "  scale: " + digits(*robot.scale) + "\n";
+  if (!robot.joints.empty()) text += "  joints: " + flow_list(robot.joints) + "\n";
+  if (!robot.joint_file.empty()) text += "  joint_file: " + quoted(robot.joint_file.string()) + "\n";
+  if (!robot.joint_topic.empty()) text += "  joint_topic: " + quoted(robot.joint_topic) + "\n";
+  return text;
+}
+
+std::string sensors_block(const std::vector<SensorSetup>& sensors) {
+  std::string text = "sensors:\n";
+  for (const SensorSetup& sensor : sensors) {
+    text += "  - {name: " + quoted(sensor.name);
+    if (!sensor.poses.empty()) text += ", poses: " + quoted(sensor.poses.string());
+    if (!sensor.board.empty()) text += ", board: " + quoted(sensor.board);
+    if (!sensor.link.empty()) text += ", link: " + quoted(sensor.link);
+    text += ", pose: " + pose_list(sensor.mount) + ", max_gap: " + digits(sensor.max_gap) + "}\n";
+  }
   return text;
 }
 

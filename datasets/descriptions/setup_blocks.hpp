@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "datasets/descriptions/setup.hpp"
 
@@ -16,6 +17,13 @@ std::string errors_block(const ErrorsSetup& errors);
 std::string boards_block(const std::vector<BoardSetup>& boards);
 /// The `probe` key.
 std::string probe_block(const ProbeSetup& probe);
+/// The `robot` key.
+std::string robot_block(const RobotSetup& robot);
+/// The `sensors` key.
+std::string sensors_block(const std::vector<SensorSetup>& sensors);
+
+/// x, y, z, roll, pitch, yaw, Rz(yaw) Ry(pitch) Rx(roll): metres, radians.
+std::vector<double> pose_numbers(const Eigen::Isometry3d& pose);
 
 /// A setup's text with the top level key of `block` replaced by it, or added at the end: all other lines stay
 /// as they are, comments too. @param block as the functions above give it

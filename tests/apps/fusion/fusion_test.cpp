@@ -11,9 +11,11 @@
 #include "datasets/simulation/simulate.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/files/cloud_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/small_scene.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -118,6 +120,50 @@ TEST(Fusion, FreesLessInSafeIntegrationWhichIsTheDefaultAndTheSameOnAnyThreads) 
   EXPECT_EQ(counts({.setup_file = folder / "compatible.yaml", .integration = "safe"}), safe);  // flag first
   EXPECT_EQ(counts({.threads = 1}), safe);
   EXPECT_EQ(counts({.threads = 3}), safe);
+}
+
+TEST(Fusion, ASensorOnTheRobotIsWhereItsJointsSayAndScansOfFastMotionAreCounted) {
+  const TemporaryFolder folder;
+  RecordingWriter writer(folder / "r.rawlog");
+  for (int i = 0; i <= 8; ++i) writer.write(scan_frame(100.0 + 0.25 * i, "laser", {ahead}));
+  writer.finish();
+  const Robot robot = load_robot("puma560");
+  std::string joints = "time";
+  for (const Joint& joint : robot.joints) joints += "," + joint.name;
+  // It stands until 100.6 s, goes fast until 101.4 s, and stands again; nobody tells of 102 s.
+  Eigen::VectorXd first(6), second(6);
+  first << 0.1, -0.6, 0.3, 0.2, 0.5, -0.3;
+  second << 0.9, -0.9, 0.5, -0.2, 0.4, 0.3;
+  for (const auto& [time, q] :
+       std::vector<std::pair<double, Eigen::VectorXd>>{{99.9, first},
+                                                       {100.3, first},
+                                                       {100.6, first},
+                                                       {101.0, 0.5 * (first + second)},
+                                                       {101.4, second},
+                                                       {101.8, second}}) {
+    joints += "\n" + to_text(time);
+    for (const double value : q) joints += "," + to_text(value);
+  }
+  write_text(folder / "joints.csv", joints + "\n");
+  write_text(folder / "s.yaml",
+             "robot: {name: puma560, base: [0.5, 0.2, 0.1, 0, 0, 0.3], joint_file: joints.csv}\n"
+             "sensors: [{name: laser, link: tip, pose: [0.02, 0.01, 0.05, 0.1, 0.2, 0.3]}]\n");
+  const Fusion fusion = fused(folder / "r.rawlog", folder / "s.yaml");
+  EXPECT_EQ(fusion.counts.scans_without_pose, 4U);  // 100.75, 101.0, 101.25 in motion, 102.0
+  const clearway::Setup setup = load_setup(folder / "s.yaml");
+  Robot placed = robot;
+  placed.map_from_base = setup.robot->map_from_base;
+  for (const Eigen::VectorXd& q : {first, second})
+    EXPECT_EQ(state_at(fusion, tip_pose(placed, q) * setup.sensors[0].mount * ahead.cast<double>()),
+              VoxelState::occupied);
+  write_text(folder / "link.yaml",
+             "robot: {name: puma560, joint_file: joints.csv}\n"
+             "sensors: [{name: laser, link: nobody}]\n");
+  EXPECT_NE(complaint([&] { fused(folder / "r.rawlog", folder / "link.yaml"); }).find("no link 'nobody'"),
+            std::string::npos);
+  write_text(folder / "still.yaml", "robot: {name: puma560}\nsensors: [{name: laser, link: tip}]\n");
+  EXPECT_NE(complaint([&] { load_setup(folder / "still.yaml"); }).find("expected `robot` with joint_file"),
+            std::string::npos);
 }
 
 TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <tuple>
 
 #include "tests/worlds/small_scene.hpp"
 
@@ -46,6 +47,44 @@ TEST(SetupBlocks, every_block_reads_back_to_what_was_written) {
         EXPECT_TRUE(one.board_from_tag.isApprox(other.board_from_tag, 1e-7));
         EXPECT_EQ(again.boards[b].errors.place, 0.0003);
       }
+  }
+}
+
+TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
+  clearway::Setup setup = parse_setup(small_setup, "small");
+  setup.robot.emplace();
+  RobotSetup& robot = *setup.robot;
+  robot.name = "puma560";
+  robot.map_from_base = Eigen::Translation3d(0.1, -0.2, 0.3) *
+                        Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.3, -0.5, 0.7).normalized());
+  robot.scale = 0.25;
+  robot.payload = 0.5;
+  robot.gravity = {1.0, 2.0, -9.0};
+  robot.self_margin = 0.03;
+  robot.joint_file = "joints \"of\" today.csv";
+  robot.latency = 0.015;
+  robot.joint_error = 0.002;
+  robot.place_error = 0.0017;
+  setup.sensors = {{"laser", "walk.txt", "", "", robot.map_from_base, 0.25},
+                   {"depth", "", "", "tip", robot.map_from_base.inverse(), 0.5}};
+  std::string text = small_setup;
+  for (const std::string& block : {robot_block(robot), sensors_block(setup.sensors)})
+    text = with_block(text, block);
+  const clearway::Setup again = parse_setup(text, "again");
+  EXPECT_TRUE(again.robot->map_from_base.isApprox(robot.map_from_base, 1e-8));
+  EXPECT_EQ(again.robot->gravity, robot.gravity);
+  EXPECT_EQ(again.robot->joint_file, robot.joint_file);
+  EXPECT_EQ(std::tie(again.robot->name, again.robot->scale, again.robot->payload, again.robot->self_margin,
+                     again.robot->latency, again.robot->joint_error, again.robot->place_error),
+            std::tie(robot.name, robot.scale, robot.payload, robot.self_margin, robot.latency,
+                     robot.joint_error, robot.place_error));
+  ASSERT_EQ(again.sensors.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(again.sensors[i].name, setup.sensors[i].name);
+    EXPECT_EQ(again.sensors[i].poses, setup.sensors[i].poses);
+    EXPECT_EQ(again.sensors[i].link, setup.sensors[i].link);
+    EXPECT_EQ(again.sensors[i].max_gap, setup.sensors[i].max_gap);
+    EXPECT_TRUE(again.sensors[i].mount.isApprox(setup.sensors[i].mount, 1e-8));
   }
 }
 

@@ -1,0 +1,226 @@
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "apps/calibrate/calibrations.hpp"
+#include "apps/console/parse.hpp"
+#include "apps/console/shipped_file.hpp"
+#include "apps/fusion/moving_robot.hpp"
+#include "apps/fusion/painter.hpp"
+#include "datasets/descriptions/setup_blocks.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "tracking/calibration/robot_world.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double kStill = 0.0005;  // metres that the tip may move while an image is taken
+
+/// What the images tell, and why others do not.
+struct RobotLooks {
+  std::vector<RobotLook> looks;
+  std::size_t without_joints = 0, moving = 0, unsure = 0;
+};
+
+MovingRobot recorded_robot(const CalibrateOptions& options, const Setup& setup) {
+  auto joints = recorded_joints(setup, options.source);
+  if (!joints)
+    throw std::invalid_argument("calibrate " + options.what +
+                                ": the setup does not tell the robot's joints, expected `robot` with "
+                                "joint_file or joint_topic");
+  return {*setup.robot, std::move(*joints)};
+}
+
+/// The board of the given kind, fixed or not, whose tags are in most images, or that of --body.
+const BoardSetup& chosen_board(const CalibrateOptions& options, const Setup& setup,
+                               const SearchedImages& images, bool is_fixed) {
+  Setup kind = setup;
+  std::erase_if(kind.boards,
+                [&](const BoardSetup& board) { return board.map_from_board.has_value() != is_fixed; });
+  if (kind.boards.empty())
+    throw std::invalid_argument("calibrate " + options.what + ": the setup has no board " +
+                                (is_fixed ? "that is fixed, expected one with map_from_board"
+                                          : "for the robot's tip, expected one without map_from_board"));
+  return *setup.board(seen_board(kind, images, options.body).name);
+}
+
+/// base_from_tip at that time; empty while the robot moves or its joints are not known.
+std::optional<Eigen::Isometry3d> still_tip(const MovingRobot& moving, double time, RobotLooks& count) {
+  const auto poses = moving.poses(time);
+  if (!poses) {
+    ++count.without_joints;
+    return std::nullopt;
+  }
+  const Robot& robot = moving.robot();
+  if (moving.motion(time, robot.tip_link, robot.link_from_tip.translation()).first > kStill) {
+    ++count.moving;
+    return std::nullopt;
+  }
+  return robot.map_from_base.inverse() * (*poses)[static_cast<std::size_t>(robot.tip_link)] *
+         robot.link_from_tip;
+}
+
+RobotLooks looks_of_base(const CalibrateOptions& options, const Setup& setup, const SearchedImages& images,
+                         const MovingRobot& robot) {
+  const BoardSetup& on_tip = chosen_board(options, setup, images, false);
+  CalibrateOptions any = options;
+  any.body.clear();
+  const BoardSetup& fixed = chosen_board(any, setup, images, true);
+  const SurePoses poses(setup, images);
+  RobotLooks found;
+  for (const SearchedImage& image : images.images) {
+    const auto tip = still_tip(robot, image.time, found);
+    if (!tip) continue;
+    const auto rider = poses.of(on_tip, image), base = poses.of(fixed, image);
+    if (rider && base)
+      found.looks.push_back(look_at_tip(*tip, *rider, *base, *fixed.map_from_board));
+    else
+      ++found.unsure;
+  }
+  return found;
+}
+
+RobotLooks looks_of_hand_eye(const CalibrateOptions& options, const Setup& setup,
+                             const SearchedImages& images, const MovingRobot& robot) {
+  const BoardSetup& fixed = chosen_board(options, setup, images, true);
+  const SurePoses poses(setup, images);
+  RobotLooks found;
+  for (const SearchedImage& image : images.images) {
+    const auto tip = still_tip(robot, image.time, found);
+    if (!tip) continue;
+    if (const auto base = poses.of(fixed, image))
+      found.looks.push_back(look_from_tip(*tip, *base, *fixed.map_from_board));
+    else
+      ++found.unsure;
+  }
+  return found;
+}
+
+std::string place_text(const Eigen::Isometry3d& pose) {
+  const std::vector<double> numbers = pose_numbers(pose);
+  std::string text;
+  for (std::size_t i = 0; i < 6; ++i)
+    text += (i == 0   ? ""
+             : i == 3 ? " m; "
+                      : ", ") +
+            significant(i < 3 ? numbers[i] : 180.0 / M_PI * numbers[i], 5);
+  return text + " degrees (roll, pitch, yaw)";
+}
+
+std::string off_text(double metres, double radians) {
+  return significant(1e3 * metres, 3) + " mm, " + significant(180.0 / M_PI * radians, 3) + " degrees rms";
+}
+
+double turn_sigma(const UncertainPose& pose) {
+  return UncertainPoint{{}, pose.covariance.bottomRightCorner<3, 3>()}.largest_sigma();
+}
+
+/// At the frame's origin, one standard deviation in the worst direction.
+std::string known_text(const UncertainPose& pose) {
+  return significant(1e3 * transform(pose, Eigen::Vector3d::Zero()).largest_sigma(), 2) + " mm, " +
+         significant(180.0 / M_PI * turn_sigma(pose), 2) +
+         " degrees (one standard deviation, worst direction)";
+}
+
+void add_pose(const std::string& name, const UncertainPose& pose, CalibrationReport& report) {
+  const char* keys[] = {"_x_m", "_y_m", "_z_m", "_roll_rad", "_pitch_rad", "_yaw_rad"};
+  const std::vector<double> numbers = pose_numbers(pose.pose);
+  for (std::size_t i = 0; i < 6; ++i) report.figures.emplace_back(name + keys[i], numbers[i]);
+  report.figures.emplace_back(name + "_sigma_m", transform(pose, Eigen::Vector3d::Zero()).largest_sigma());
+  report.figures.emplace_back(name + "_sigma_rad", turn_sigma(pose));
+}
+
+/// Where the tip was on the mean, in the base.
+Eigen::Vector3d middle_of(const std::vector<RobotLook>& looks) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const RobotLook& look : looks)
+    sum += look.base_from_tip.translation() / static_cast<double>(looks.size());
+  return sum;
+}
+
+/// The robot of the setup where it was found; its files as seen from the folder of what is written.
+std::string found_robot(const CalibrateOptions& options, const Setup& setup, const RobotLooks& looks,
+                        const UncertainPose& map_from_base) {
+  namespace fs = std::filesystem;
+  RobotSetup robot = *setup.robot;
+  robot.map_from_base = map_from_base.pose;
+  robot.place_error =
+      confidence_factor(1000000) * transform(map_from_base, middle_of(looks.looks)).largest_sigma();
+  const fs::path written = options.out.empty() ? shipped_file("setups", options.setup) : options.out;
+  if (!robot.joint_file.empty())
+    robot.joint_file = fs::proximate(fs::absolute(robot.joint_file), fs::absolute(written).parent_path());
+  return robot_block(robot);
+}
+
+CalibrationReport report_robot(const CalibrateOptions& options, const Setup& setup, const RobotLooks& looks,
+                               const MovingRobot& moving, const std::string& rider) {
+  RobotWorldOptions how;
+  how.tip_error = moving.robot().position_accuracy;
+  const RobotWorldCalibration found = calibrate_robot_world(looks.looks, how);
+  CalibrationReport report;
+  report.refusal = found.refusal;
+  report.rows = {{"robot", moving.robot().name},
+                 {"images", grouped(looks.looks.size() + looks.moving + looks.without_joints + looks.unsure) +
+                                ", " + grouped(found.looks) + " used, " + grouped(found.contradicted) +
+                                " contradicted; left out: " + grouped(looks.moving) + " moving, " +
+                                grouped(looks.without_joints) + " without joints, " + grouped(looks.unsure) +
+                                " without a sure pose of the boards"},
+                 {"turned", "by up to " + std::to_string(std::lround(180.0 / M_PI * found.turn)) +
+                                " degrees, about a second axis " +
+                                std::to_string(std::lround(180.0 / M_PI * found.second_turn))}};
+  if (found.world_from_base.covariance.isZero()) return report;
+  report.rows.insert(
+      report.rows.end(),
+      {{"base in the map", place_text(found.world_from_base.pose)},
+       {"known to", known_text(found.world_from_base)},
+       {rider + " on the tip", place_text(found.tip_from_rider.pose)},
+       {"known to", known_text(found.tip_from_rider)},
+       {"residuals", off_text(found.rms, found.rms_turn)},
+       {"left out in turn", off_text(found.left_out, found.left_out_turn)},
+       {"size of the tags", significant(found.scale, 5) + " of what is stated, +- " +
+                                significant(found.scale_sigma, 2) + ", by the robot's motion"}});
+  add_pose("map_from_base", found.world_from_base, report);
+  add_pose("tip_from_" + rider, found.tip_from_rider, report);
+  report.figures.insert(report.figures.end(), {{"rms_m", found.rms},
+                                               {"rms_rad", found.rms_turn},
+                                               {"left_out_m", found.left_out},
+                                               {"left_out_rad", found.left_out_turn},
+                                               {"tag_scale", found.scale},
+                                               {"tag_scale_sigma", found.scale_sigma},
+                                               {"images", static_cast<double>(found.looks)}});
+  if (!report.refusal.empty()) return report;
+  report.blocks = {found_robot(options, setup, looks, found.world_from_base)};
+  report.next = "Put what is printed into the setup, in place of its keys of these names.";
+  if (options.sensor.empty()) return report;
+  std::vector<SensorSetup> sensors = setup.sensors;
+  for (SensorSetup& sensor : sensors) {
+    if (sensor.name == options.sensor) sensor.mount = found.tip_from_rider.pose;
+    if (!sensor.poses.empty()) {
+      const auto written = options.out.empty() ? shipped_file("setups", options.setup) : options.out;
+      sensor.poses = std::filesystem::proximate(std::filesystem::absolute(sensor.poses),
+                                                std::filesystem::absolute(written).parent_path());
+    }
+  }
+  report.blocks.push_back(sensors_block(sensors));
+  return report;
+}
+
+}  // namespace
+
+CalibrationReport report_base(const CalibrateOptions& options, const Setup& setup,
+                              const SearchedImages& images) {
+  const MovingRobot robot = recorded_robot(options, setup);
+  return report_robot(options, setup, looks_of_base(options, setup, images, robot), robot, "board");
+}
+
+CalibrationReport report_hand_eye(const CalibrateOptions& options, const Setup& setup,
+                                  const SearchedImages& images) {
+  const SensorSetup* sensor = options.sensor.empty() ? nullptr : setup.sensor(options.sensor, "");
+  if (!options.sensor.empty() && (sensor == nullptr || sensor->link != "tip"))
+    throw std::invalid_argument("--sensor: the setup has no sensor " + quote(options.sensor) +
+                                " with `link: tip`, expected the name of one");
+  const MovingRobot robot = recorded_robot(options, setup);
+  return report_robot(options, setup, looks_of_hand_eye(options, setup, images, robot), robot, "camera");
+}
+
+}  // namespace clearway

@@ -1,0 +1,193 @@
+#include "tracking/calibration/robot_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/worlds/calibration_views.hpp"
+
+namespace clearway {
+namespace robot_world_test {
+
+Eigen::Isometry3d drawn_pose(std::mt19937& random, double reach) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Eigen::Isometry3d pose(Eigen::Quaterniond::UnitRandom());
+  pose.linear() = Eigen::AngleAxisd(M_PI * unit(random),
+                                    Eigen::Vector3d(unit(random), unit(random), unit(random)).normalized())
+                      .toRotationMatrix();
+  pose.translation() = reach * Eigen::Vector3d(unit(random), unit(random), unit(random));
+  return pose;
+}
+
+/// A robot whose tip carries the camera, or a board before a camera that stands still.
+struct Cell {
+  Camera camera = scene::plain_camera();
+  TagBody told = scene::board("base", 0, 3, 2, 0.05, 0.07), fixed = told;
+  TagBody told_on_tip = scene::board("tip", 30, 3, 2, 0.03, 0.042), on_tip = told_on_tip;
+  Eigen::Isometry3d world_from_board, world_from_base, tip_from_rider;
+  bool carries_camera = true;
+  bool turns_about_one_axis = false;
+  double tilt = 0.7;
+  double slips = 0.0;  ///< share of looks whose joints are those of another moment
+  double tip_error = 0.001, tip_turn = 0.002;
+
+  explicit Cell(std::mt19937& random)
+      : world_from_board(drawn_pose(random, 0.5)),
+        world_from_base(drawn_pose(random, 0.8)),
+        tip_from_rider(drawn_pose(random, 0.1)) {}
+
+  std::optional<BodyPose> see(const TagBody& stated, const TagBody& body, const Eigen::Isometry3d& pose,
+                              std::mt19937& random) const {
+    const auto seen = scene::look_at_body(camera, body, pose, 0.2, random);
+    if (seen.size() < 4) return std::nullopt;
+    auto found = estimate_body_pose(stated, seen, camera, {.pixel_noise = 0.2});
+    return found && found->separation > 36.0 ? found : std::nullopt;
+  }
+
+  /// What the joints say of a tip that is elsewhere by the robot's own error.
+  Eigen::Isometry3d told_tip(const Eigen::Isometry3d& world_from_rider, std::mt19937& random) const {
+    std::normal_distribution<double> normal;
+    Vector6d error;
+    for (int i = 0; i < 6; ++i) error[i] = (i < 3 ? tip_error : tip_turn) * normal(random);
+    return moved(world_from_base.inverse() * world_from_rider * tip_from_rider.inverse(), error);
+  }
+
+  std::vector<RobotLook> looks(int count, std::mt19937& random) const {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::vector<RobotLook> looks;
+    const Eigen::Isometry3d still = scene::tag_before_camera(0.8, 0.6, 1.2, 0.0, -0.15, 0.05);
+    for (int i = 0; i < 40 * count && static_cast<int>(looks.size()) < count; ++i) {
+      const Eigen::Isometry3d before =
+          turns_about_one_axis
+              ? scene::tag_before_camera(0.55, tilt, 0.4, M_PI * unit(random), 0.05 * unit(random),
+                                         0.05 * unit(random))
+              : scene::tag_before_camera(0.55 + 0.1 * unit(random), tilt * std::abs(unit(random)),
+                                         M_PI * unit(random), M_PI * unit(random),
+                                         0.08 * unit(random) + (carries_camera ? 0.0 : 0.12),
+                                         0.06 * unit(random));
+      const bool has_slipped = unit(random) < 2.0 * slips - 1.0;
+      const auto add = [&](const Eigen::Isometry3d& world_from_rider, auto&& look_of) {
+        Eigen::Isometry3d tip = told_tip(world_from_rider, random);
+        if (has_slipped) tip.translation() += Eigen::Vector3d(0.05, -0.04, 0.02);
+        looks.push_back(look_of(tip));
+      };
+      if (carries_camera) {
+        if (const auto base = see(told, fixed, before, random))
+          add(world_from_board * before.inverse(),
+              [&](const auto& tip) { return look_from_tip(tip, *base, world_from_board); });
+        continue;
+      }
+      const auto base = see(told, fixed, still, random);
+      const auto rider = see(told_on_tip, on_tip, before, random);
+      if (base && rider)
+        add(world_from_board * still.inverse() * before,
+            [&](const auto& tip) { return look_at_tip(tip, *rider, *base, world_from_board); });
+    }
+    return looks;
+  }
+};
+
+double squares(const UncertainPose& found, const Eigen::Isometry3d& truth) {
+  const Vector6d off = difference(found.pose, truth);
+  return off.dot(found.covariance.ldlt().solve(off));
+}
+
+TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
+  const int trials = 40;
+  double base = 0.0, rider = 0.0, worst = 0.0;
+  for (int seed = 1; seed <= trials; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    Cell cell(random);
+    cell.carries_camera = seed % 2 == 0;
+    cell.told.errors = cell.told_on_tip.errors = {0.0, 0.001, 0.0002, 0.002};
+    cell.fixed = scene::true_body(cell.told, random);
+    cell.on_tip = scene::true_body(cell.told_on_tip, random);
+    const RobotWorldCalibration found = calibrate_robot_world(cell.looks(30, random), {.most_sigma = 0.03});
+    ASSERT_EQ(found.refusal, "") << seed;
+    base += squares(found.world_from_base, cell.world_from_base);
+    rider += squares(found.tip_from_rider, cell.tip_from_rider);
+    worst =
+        std::max(worst, (found.tip_from_rider.pose.translation() - cell.tip_from_rider.translation()).norm());
+    EXPECT_LT(std::abs(found.scale - 1.0), 5.0 * found.scale_sigma + 0.005) << seed;
+    EXPECT_GT(found.left_out, found.rms);
+  }
+  for (const double sum : {base, rider}) {
+    EXPECT_LT(sum, 313.0);  // chi-square of 240 degrees of freedom: above it once in a thousand
+    EXPECT_GT(sum, 24.0);   // and the claim is not ten times too careful
+  }
+  EXPECT_LT(worst, 0.01);
+}
+
+TEST(RobotWorld, exact_input_gives_the_exact_answer) {
+  std::mt19937 random(8);
+  Cell cell(random);
+  cell.tip_error = cell.tip_turn = 0.0;
+  std::vector<RobotLook> looks = cell.looks(12, random);
+  for (RobotLook& look : looks)
+    look.world_from_rider.pose = cell.world_from_base * look.base_from_tip * cell.tip_from_rider;
+  const RobotWorldCalibration found = calibrate_robot_world(looks, {.most_sigma = 1.0});
+  ASSERT_EQ(found.refusal, "");
+  EXPECT_LT(difference(found.world_from_base.pose, cell.world_from_base).norm(), 1e-8);
+  EXPECT_LT(difference(found.tip_from_rider.pose, cell.tip_from_rider).norm(), 1e-8);
+  EXPECT_NEAR(found.scale, 1.0, 1e-8);
+}
+
+TEST(RobotWorld, a_fit_from_the_others_is_what_left_out_says) {
+  std::mt19937 random(9);
+  Cell cell(random);
+  const std::vector<RobotLook> looks = cell.looks(14, random);
+  const RobotWorldOptions loose{.most_sigma = 1.0};
+  const RobotWorldCalibration found = calibrate_robot_world(looks, loose);
+  ASSERT_EQ(found.contradicted, 0U);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    std::vector<RobotLook> others = looks;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const RobotWorldCalibration without = calibrate_robot_world(others, loose);
+    const Eigen::Isometry3d rider =
+        without.world_from_base.pose * looks[i].base_from_tip * without.tip_from_rider.pose;
+    sum += difference(looks[i].world_from_rider.pose, rider).head<3>().squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(looks.size())), found.left_out, 0.02 * found.left_out);
+}
+
+TEST(RobotWorld, looks_with_the_joints_of_another_moment_are_left_out) {
+  std::mt19937 random(4);
+  Cell cell(random);
+  cell.slips = 0.15;
+  const RobotWorldCalibration found = calibrate_robot_world(cell.looks(40, random), {.most_sigma = 0.01});
+  ASSERT_EQ(found.refusal, "");
+  EXPECT_GT(found.contradicted, 2U);
+  EXPECT_LT((found.tip_from_rider.pose.translation() - cell.tip_from_rider.translation()).norm(), 0.004);
+}
+
+TEST(RobotWorld, tags_of_another_size_are_told_by_the_motion) {
+  std::mt19937 random(6);
+  Cell cell(random);
+  for (auto& [id, tag] : cell.told.tags) {
+    tag.size *= 0.95;
+    tag.body_from_tag.translation() *= 0.95;
+  }
+  const RobotWorldCalibration found =
+      calibrate_robot_world(cell.looks(30, random), {.most_sigma = 0.05, .most_residual = 0.05});
+  EXPECT_NEAR(found.scale, 1.0 / 0.95, 0.01);
+  EXPECT_NE(found.refusal.find("times as large as the setup says"), std::string::npos) << found.refusal;
+}
+
+TEST(RobotWorld, one_axis_few_looks_and_foreign_joints_are_refused_with_the_reason) {
+  std::mt19937 random(5);
+  Cell cell(random);
+  std::vector<RobotLook> looks = cell.looks(30, random);
+  std::vector<RobotLook> few(looks.begin(), looks.begin() + 5);
+  EXPECT_NE(calibrate_robot_world(few).refusal.find("5 images"), std::string::npos);
+  cell.turns_about_one_axis = true;
+  const RobotWorldCalibration axis = calibrate_robot_world(cell.looks(20, random));
+  EXPECT_NE(axis.refusal.find("about one axis only"), std::string::npos) << axis.refusal;
+  const Eigen::Isometry3d first = looks.front().base_from_tip;
+  for (std::size_t i = 0; i + 1 < looks.size(); ++i) looks[i].base_from_tip = looks[i + 1].base_from_tip;
+  looks.back().base_from_tip = first;
+  EXPECT_NE(calibrate_robot_world(looks).refusal, "");
+}
+
+}  // namespace robot_world_test
+}  // namespace clearway
