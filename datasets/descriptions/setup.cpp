@@ -294,7 +294,7 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   return robot;
 }
 
-QuerySetup read_query(const YamlFields& fields) {
+QuerySetup read_query(const YamlFields& fields, const std::filesystem::path& folder) {
   QuerySetup query;
   query.name = fields.text("name");
   read_legs(fields, query.start, query.goals);
@@ -311,6 +311,7 @@ QuerySetup read_query(const YamlFields& fields) {
   query.padding = read_padding(fields);
   query.allow_outside = fields.texts("allow_outside");
   query.seen_within = fields.number("seen_within", not_negative, 0);
+  for (const auto& entry : fields.list_of_maps("loads")) query.loads.push_back(read_load(entry, folder));
   fields.finish();
   return query;
 }
@@ -378,7 +379,8 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   setup.source.places_depth = setup.sensor("depth", "depth") != nullptr;
   if (fields.has("robot"))
     setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());
-  for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
+  for (const auto& entry : fields.list_of_maps("queries"))
+    setup.queries.push_back(read_query(entry, std::filesystem::path(name).parent_path()));
   fields.finish();
   return setup;
 }
