@@ -23,7 +23,7 @@ using Path = std::vector<Configuration>;
 constexpr double straight_step = 0.01;  ///< m of the tip, full size
 constexpr double least_sinking = 1e-4;  ///< m; as Pick says
 constexpr int turns_of_axial = 12;
-constexpr int starts = 24;              ///< of inverse kinematics for each pose
+constexpr int starts = 72;              ///< of inverse kinematics for a pose, a sixth for each turn
 constexpr std::size_t most_tried = 48;  ///< grasps that lead on, and places of each, in the last round
 
 /// A configuration that holds the object, by a turn about the object's axis.
@@ -127,7 +127,7 @@ class PickPlanner {
       const Eigen::Isometry3d tip =
           map_from_object * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * pick_.object_from_tip;
       for (Configuration& q :
-           goal_configurations(robot_, tip, near, starts / (turns > 1 ? 4 : 1), query_.seed))
+           goal_configurations(robot_, tip, near, starts / (turns > 1 ? 6 : 1), query_.seed))
         found.push_back({std::move(q), turn});
     }
     std::stable_sort(found.begin(), found.end(), [&](const Hold& a, const Hold& b) {

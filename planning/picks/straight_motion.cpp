@@ -35,10 +35,9 @@ struct Piece {
   double height_from = 0.0, height_to = 0.0;
 };
 
-}  // namespace
-
-std::optional<std::vector<Configuration>> straight_motion(const Robot& robot, const Configuration& from,
-                                                          const Eigen::Vector3d& way, double step) {
+/// In steps of one length.
+std::optional<std::vector<Configuration>> stepped(const Robot& robot, const Configuration& from,
+                                                  const Eigen::Vector3d& way, double step) {
   const IkOptions options{.max_iterations = 100, .restarts = 0};
   const Eigen::Isometry3d begin = tip_pose(robot, from);
   const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / step - 1e-9)));
@@ -50,6 +49,15 @@ std::optional<std::vector<Configuration>> straight_motion(const Robot& robot, co
     path.push_back(std::move(*next));
   }
   return path;
+}
+
+}  // namespace
+
+std::optional<std::vector<Configuration>> straight_motion(const Robot& robot, const Configuration& from,
+                                                          const Eigen::Vector3d& way, double step) {
+  for (const double finer : {1.0, 4.0})  // near a singularity joints are quick
+    if (auto path = stepped(robot, from, way, step / finer)) return path;
+  return std::nullopt;
 }
 
 bool is_path_free(const ConfigurationSpace& space, const std::vector<Configuration>& path) {
