@@ -11,7 +11,7 @@
 #include "mapping/system/thread_time.hpp"
 #include "planning/advice/paint_advice.hpp"
 #include "planning/auto_planner.hpp"
-#include "planning/check/path_check.hpp"
+#include "planning/check/check_legs.hpp"
 #include "planning/robot/reach.hpp"
 
 namespace clearway {
@@ -36,7 +36,6 @@ void require_values(const Configuration& q, const std::string& field, const Robo
 void require_fields(const PlanQuery& query) {
   const Robot& robot = query.space.robot();
   require_values(query.start, "start", robot);
-  if (query.goals.empty()) refuse_field("goals are none", "at least one");
   for (std::size_t i = 0; i < query.goals.size(); ++i) {
     require_values(query.goals[i], "goal " + std::to_string(i + 1), robot);
   }
@@ -50,8 +49,59 @@ void require_fields(const PlanQuery& query) {
     const std::vector<double> values(query.gravity.begin(), query.gravity.end());
     refuse_field("gravity is " + to_text(values) + " m/s^2", "finite numbers");
   }
-  if (query.survey) require_parts(query.survey->allow_outside, robot, "plan query: survey.allow_outside");
+  Robot loaded = robot;
+  for (const LegLoad& load : query.loads) {
+    loaded = with_load(loaded, load.load);
+    for (const int leg : load.legs)
+      if (leg < 0 || leg >= static_cast<int>(query.goals.size()))
+        refuse_field("load '" + load.load.name + "' is on leg " + std::to_string(leg + 1),
+                     "legs from 1 to " + std::to_string(query.goals.size()) + ", one for each goal");
+  }
+  if (query.survey) require_parts(query.survey->allow_outside, loaded, "plan query: survey.allow_outside");
 }
+
+/// The space of each leg: of the robot with the loads that ride on it. Legs with the same loads share one.
+class LegSpaces {
+ public:
+  explicit LegSpaces(const PlanQuery& query) {
+    std::map<std::vector<std::string>, const ConfigurationSpace*> known = {{{}, &query.space}};
+    for (std::size_t leg = 0; leg < query.goals.size(); ++leg) {
+      Robot robot = robot_of_leg(query.space.robot(), query.loads, static_cast<int>(leg));
+      std::vector<std::string> names;
+      for (const Load& load : robot.loads) names.push_back(load.name);
+      const ConfigurationSpace*& space = known[names];
+      if (!space) {
+        owned_.push_back(loaded_space(query, std::move(robot)));
+        space = owned_.back().get();
+      }
+      of_leg_.push_back(space);
+    }
+  }
+
+  const ConfigurationSpace& of(std::size_t leg) const { return *of_leg_[leg]; }
+
+  /// Of every part, loads included.
+  std::map<std::string, Policy> policies() const {
+    std::map<std::string, Policy> policies;
+    for (const ConfigurationSpace* space : of_leg_)
+      policies.insert(space->policies().begin(), space->policies().end());
+    return policies;
+  }
+
+ private:
+  static std::unique_ptr<ConfigurationSpace> loaded_space(const PlanQuery& query, Robot robot) {
+    Policies policies{.parts = query.space.policies(), .other = Policy::not_occupied};
+    for (const Load& load : robot.loads) {
+      const auto given = query.load_policies.find(load.name);
+      if (given != query.load_policies.end()) policies.parts[load.name] = given->second;
+    }
+    return std::make_unique<ConfigurationSpace>(std::move(robot), query.space.map(), policies,
+                                                query.space.options());
+  }
+
+  std::vector<std::unique_ptr<ConfigurationSpace>> owned_;
+  std::vector<const ConfigurationSpace*> of_leg_;
+};
 
 /// A robot whose file gives no link that moves a mass costs nothing, which is no answer.
 std::string cost_caveat(const Robot& robot, double payload) {
@@ -63,7 +113,78 @@ std::string cost_caveat(const Robot& robot, double payload) {
                     "known.";
 }
 
+/// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
+/// than the way nothing has to move.
+void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
+  if (leg.status != PlanStatus::solved || leg.search_steps > 0 || !in_force.contains("step")) return;
+  if (leg.final_distance == 0.0) return;  // the start is the goal
+  leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
+                     short_text(leg.final_distance, 3) + ": " +
+                     (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
+}
+
+void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
+  const auto begin = Clock::now();
+  const ThreadStopwatch cpu(plan.cpu_s);
+  Configuration from = query.start;
+  for (const Configuration& goal : query.goals) {
+    const auto leg_begin = Clock::now();
+    const ConfigurationSpace& space = spaces.of(plan.legs.size());
+    const PathCost cost = path_cost(query, space.robot());
+    plan.legs.push_back(planner.plan(
+        {space, cost, from, goal, query.seed, [&] { return seconds_since(leg_begin) > query.time_limit; }}));
+    tell_step_beyond_way(plan.options, plan.legs.back());
+    if (plan.legs.back().status != PlanStatus::solved) break;
+    from = plan.legs.back().waypoints.back();
+  }
+  plan.time_s = seconds_since(begin);
+}
+
+void check_whole_path(const ConfigurationSpace& space, Plan& plan) {
+  if (plan.waypoints().empty()) return;
+  const auto begin = Clock::now();
+  const ThreadStopwatch cpu(plan.check_cpu_s);
+  plan.validation = check_legs(legs_of(plan, space.robot(), space.map()), plan.policies, plan.padding, 0.0,
+                               plan.seen_within);
+  plan.check_s = seconds_since(begin);
+}
+
+/// Adds what the map knows of where the robot goes, and refuses for it.
+void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan& plan) {
+  plan.survey = survey_legs(legs_of(plan, space.robot(), space.map()), plan.policies);
+  plan.allow_outside = demands.allow_outside;
+  refuse_surveyed(*plan.survey, demands, plan.validation);
+}
+
+/// Where painting more would connect the ends of the leg that was not solved: the spheres go to `plan.paint`,
+/// the sentence to the leg's explanation.
+void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
+  const std::size_t failed = plan.legs.size() - 1;
+  const PathCost cost = path_cost(query, spaces.of(failed).robot());
+  const Configuration start = failed == 0 ? query.start : plan.legs[failed - 1].waypoints.back();
+  const bool follows_lattice = planner.name() == "beam" || planner.name() == "beam_reference";
+  const auto begin = Clock::now();
+  const double limit = std::min(query.advice_time, query.time_limit);
+  PaintAdvice advice;
+  try {
+    advice = advise_paint(planner,
+                          {spaces.of(failed), cost, start, query.goals[failed], query.seed,
+                           [&] { return seconds_since(begin) > limit; }},
+                          follows_lattice);
+  } catch (const std::invalid_argument&) {
+    return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
+  }
+  plan.paint = advice.spheres;
+  if (const std::string sentence = advice.sentence(); !sentence.empty()) {
+    std::string& explanation = plan.legs[failed].explanation;
+    explanation += (explanation.empty() ? "" : " ") + sentence;
+  }
+}
+
+}  // namespace
+
 Plan empty_plan(const PlanQuery& query, const Planner& planner) {
+  require_fields(query);
   const Robot& robot = query.space.robot();
   Plan plan;
   plan.robot = query.robot_name.empty() ? robot.name : query.robot_name;
@@ -84,98 +205,36 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   plan.padding = query.space.options().padding;
   plan.seen_within = query.space.options().seen_within;
   plan.position_accuracy = robot.position_accuracy;
-  plan.cost_caveat = cost_caveat(robot, query.payload);
+  double payload = query.payload;
+  for (const LegLoad& load : query.loads) payload += load.load.mass;
+  plan.cost_caveat = cost_caveat(robot, payload);
   plan.payload = query.payload;
   plan.gravity = query.gravity;
   plan.query = query.name;
+  plan.loads = query.loads;
   plan.start = query.start;
   plan.goals = query.goals;
   return plan;
 }
 
-/// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
-/// than the way nothing has to move.
-void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
-  if (leg.status != PlanStatus::solved || leg.search_steps > 0 || !in_force.contains("step")) return;
-  if (leg.final_distance == 0.0) return;  // the start is the goal
-  leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
-                     short_text(leg.final_distance, 3) + ": " +
-                     (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
-}
+PathCost path_cost(const PlanQuery& query) { return path_cost(query, query.space.robot()); }
 
-void plan_legs(const PlanQuery& query, const Planner& planner, const PathCost& cost, Plan& plan) {
-  const auto begin = Clock::now();
-  const ThreadStopwatch cpu(plan.cpu_s);
-  Configuration from = query.start;
-  for (const Configuration& goal : query.goals) {
-    const auto leg_begin = Clock::now();
-    plan.legs.push_back(planner.plan({query.space, cost, from, goal, query.seed,
-                                      [&] { return seconds_since(leg_begin) > query.time_limit; }}));
-    tell_step_beyond_way(plan.options, plan.legs.back());
-    if (plan.legs.back().status != PlanStatus::solved) break;
-    from = plan.legs.back().waypoints.back();
-  }
-  plan.time_s = seconds_since(begin);
-}
-
-void check_whole_path(const ConfigurationSpace& space, Plan& plan) {
-  const std::vector<Configuration> path = plan.waypoints();
-  if (path.empty()) return;
-  const auto begin = Clock::now();
-  const ThreadStopwatch cpu(plan.check_cpu_s);
-  plan.validation =
-      check_path(space.robot(), space.map(), plan.policies, plan.padding, path, 0.0, plan.seen_within);
-  plan.check_s = seconds_since(begin);
-}
-
-/// Adds what the map knows of where the robot goes, and refuses for it.
-void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan& plan) {
-  plan.survey = survey_path(space.robot(), space.map(), plan.policies, plan.waypoints());
-  plan.allow_outside = demands.allow_outside;
-  refuse_surveyed(*plan.survey, demands, plan.validation);
-}
-
-/// Where painting more would connect the ends of the leg that was not solved: the spheres go to `plan.paint`,
-/// the sentence to the leg's explanation.
-void advise(const PlanQuery& query, const Planner& planner, const PathCost& cost, Plan& plan) {
-  const std::size_t failed = plan.legs.size() - 1;
-  const Configuration start = failed == 0 ? query.start : plan.legs[failed - 1].waypoints.back();
-  const bool follows_lattice = planner.name() == "beam" || planner.name() == "beam_reference";
-  const auto begin = Clock::now();
-  const double limit = std::min(query.advice_time, query.time_limit);
-  PaintAdvice advice;
-  try {
-    advice = advise_paint(planner,
-                          {query.space, cost, start, query.goals[failed], query.seed,
-                           [&] { return seconds_since(begin) > limit; }},
-                          follows_lattice);
-  } catch (const std::invalid_argument&) {
-    return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
-  }
-  plan.paint = advice.spheres;
-  if (const std::string sentence = advice.sentence(); !sentence.empty()) {
-    std::string& explanation = plan.legs[failed].explanation;
-    explanation += (explanation.empty() ? "" : " ") + sentence;
-  }
-}
-
-}  // namespace
-
-PathCost path_cost(const PlanQuery& query) {
-  const Robot& robot = query.space.robot();
+PathCost path_cost(const PlanQuery& query, const Robot& robot) {
   return PathCost(robot, {.gravity = robot.map_from_base.linear().transpose() * query.gravity,
                           .payload_mass = query.payload});
 }
 
 Plan plan_and_check(const PlanQuery& query) {
+  if (query.goals.empty()) refuse_field("goals are none", "at least one");
   require_fields(query);
-  const PathCost cost = path_cost(query);
   const auto planner = query.planner ? query.planner : std::make_shared<const AutoPlanner>();
+  const LegSpaces spaces(query);
   Plan plan = empty_plan(query, *planner);
-  plan_legs(query, *planner, cost, plan);
+  plan.policies = spaces.policies();
+  plan_legs(query, *planner, spaces, plan);
   check_whole_path(query.space, plan);
   if (query.survey) survey(*query.survey, query.space, plan);
-  if (plan.status() != PlanStatus::solved && query.advice_time > 0.0) advise(query, *planner, cost, plan);
+  if (plan.status() != PlanStatus::solved && query.advice_time > 0.0) advise(query, *planner, spaces, plan);
   return plan;
 }
 

@@ -25,8 +25,12 @@ struct PlanQuery {
   /// Null: `auto` with its defaults. Else of a struct of options, or of a name and text:
   ///   std::make_shared<Beam>(BeamOptions{.width = 20}), make_planner("beam", {{"width", "20"}})
   std::shared_ptr<const Planner> planner = nullptr;
-  std::uint64_t seed = 1;                                 ///< of the planner, for every leg
-  double time_limit = 60.0;                               ///< seconds for each leg, > 0; may be infinite
+  std::uint64_t seed = 1;    ///< of the planner, for every leg
+  double time_limit = 60.0;  ///< seconds for each leg, > 0; may be infinite
+  /// Objects that ride on the robot, on single legs or on all: one more body on these for planner, cost and
+  /// check. `space` is of the robot without them.
+  std::vector<LegLoad> loads = {};
+  std::map<std::string, Policy> load_policies = {};       ///< of loads by name; others keep their holders'
   double payload = 0.0;                                   ///< kg at the tip, full size, for the path cost
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};               ///< m/s^2, map frame, for the path cost
   std::optional<SurveyDemands> survey = SurveyDemands{};  ///< none: no survey, and nothing is refused for it
@@ -53,12 +57,21 @@ struct PlanQuery {
 /// @throws std::invalid_argument in one sentence naming the field, its value and what was expected: a start
 /// or
 ///         goal of a wrong size, no goal, a limit, payload or gravity that is none, a part in the survey's
-///         allow_outside that the robot does not have; and what planner, check and survey refuse of robot and
+///         allow_outside that the robot does not have; a load that with_load refuses, or on a leg that there
+///         is not; and what planner, check and survey refuse of robot and
 ///         map.
 Plan plan_and_check(const PlanQuery& query);
 
-/// The path cost of the query's robot: its gravity is turned into the frame of the robot's base.
+/// A plan without legs: what it says of robot, map, terms and cost. @throws std::invalid_argument for fields
+/// of the query that are wrong; goals may be none.
+Plan empty_plan(const PlanQuery& query, const Planner& planner);
+
+/// The path cost of the query's robot without its loads: its gravity is turned into the frame of the robot's
+/// base.
 /// @throws std::invalid_argument when gravity is not finite, or the payload negative or not finite.
 PathCost path_cost(const PlanQuery& query);
+
+/// The same of that robot with loads, or another one at its place.
+PathCost path_cost(const PlanQuery& query, const Robot& robot);
 
 }  // namespace clearway

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/space/part_policies.hpp"
@@ -57,8 +58,26 @@ class Statement {
     return {plan_.map_from_base, TermSource::plan};
   }
 
-  std::map<std::string, Term<Policy>> policies(std::vector<std::string>& notes) const {
-    const auto by_default = part_policies(robot_, map_, {});
+  Term<std::vector<LegLoad>> loads(std::vector<std::string>& notes) const {
+    if (!options_.attach.empty()) return {choose_loads(options_.attach, robot_), TermSource::flag};
+    if (query_) return {query_->loads, TermSource::map};
+    if (plan_.pick) return {{}, TermSource::plan};
+    for (const LegLoad& load : plan_.loads)
+      notes.push_back("that the robot carries " + describe_load(load) + " is what the plan says");
+    return {plan_.loads, TermSource::plan};
+  }
+
+  Term<std::optional<Pick>> pick() const {
+    if (!options_.pick.empty()) return {choose_pick(options_.pick, options_.place, robot_), TermSource::flag};
+    if (query_ && query_->pick) return {query_->pick, TermSource::map};
+    return {};
+  }
+
+  /// @param loads of the contract, what it picks included
+  std::map<std::string, Term<Policy>> policies(const std::vector<LegLoad>& loads,
+                                               std::vector<std::string>& notes) const {
+    const Robot loaded = with_all_loads(robot_, loads);
+    const auto by_default = part_policies(loaded, map_, {});
     std::map<std::string, Term<Policy>> terms;
     for (const auto& [part, policy] : by_default) terms[part] = {policy, TermSource::by_default};
     const auto take = [&](const std::map<std::string, Policy>& policies, TermSource source) {
@@ -66,13 +85,14 @@ class Statement {
         if (terms.contains(part)) terms[part] = {policy, source};
       }
     };
-    take(of_plan(), TermSource::plan);
+    take(of_plan(loaded), TermSource::plan);
     if (query_) take(query_->policies, TermSource::map);
-    const Policies flags = choose_policies(options_.robot.policies, robot_);
+    const Policies flags = choose_policies(options_.robot.policies, loaded);
     if (!flags.critical_by_default) {  // --policy P, for all parts
       for (auto& [part, term] : terms) term = {flags.other.value_or(term.value), TermSource::flag};
     }
     take(flags.parts, TermSource::flag);
+    restrict_loads(loaded, terms);
     for (const auto& [part, term] : terms) {
       if (term.source == TermSource::plan && term.value > by_default.at(part))
         notes.push_back("the policy of " + part + " is the plan's, " + std::string(to_string(term.value)) +
@@ -104,18 +124,43 @@ class Statement {
     return {plan_.start, TermSource::plan};
   }
 
-  Term<std::vector<Configuration>> goals() const {
+  /// Of a pick the plan says where its legs end, but for the last one to a goal that is stated.
+  Term<std::vector<Configuration>> goals(bool picks) const {
     std::vector<Configuration> goals;
     for (const std::string& goal : options_.goals) goals.push_back(configuration(goal, "--goal"));
+    if (picks) {
+      const TermSource source = goals.empty() ? TermSource::plan : TermSource::flag;
+      if (goals.empty() && query_) goals = query_->goals;
+      std::vector<Configuration> ends = plan_.goals;
+      ends.resize(std::min(ends.size(), names_of_legs(false).size()));
+      ends.insert(ends.end(), goals.begin(), goals.end());
+      return {ends, source};
+    }
     if (!goals.empty()) return {goals, TermSource::flag};
     if (query_) return {query_->goals, TermSource::map};
     return {plan_.goals, TermSource::plan};
   }
 
  private:
-  /// @throws std::invalid_argument for a part that the robot does not have.
-  std::map<std::string, Policy> of_plan() const try {
-    part_policies(robot_, map_, {.parts = plan_.policies});
+  /// A plan does not loosen what a load must lie in.
+  static void restrict_loads(const Robot& loaded, std::map<std::string, Term<Policy>>& terms) {
+    for (const Load& load : loaded.loads) {
+      Term<Policy>& term = terms.at(load.name);
+      if (term.source != TermSource::plan && term.source != TermSource::by_default) continue;
+      for (const std::string& holder : holders_of(loaded, load.name))
+        if (terms.at(holder).value < term.value) term = {terms.at(holder).value, TermSource::by_default};
+    }
+  }
+
+  /// @param robot with the loads of contract and plan
+  /// @throws std::invalid_argument for a part that it does not have.
+  std::map<std::string, Policy> of_plan(Robot robot) const try {
+    for (const LegLoad& load : plan_.loads) {
+      const bool is_known = std::any_of(robot.loads.begin(), robot.loads.end(),
+                                        [&](const Load& known) { return known.name == load.load.name; });
+      if (!is_known) robot = with_load(robot, load.load);
+    }
+    part_policies(robot, map_, {.parts = plan_.policies});
     return plan_.policies;
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options_.plan.string() + ": field 'policy': " + error.what());
@@ -233,12 +278,15 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   note_held(options, contract, robot, contract.notes);
   contract.scale = statement.scale();
   contract.map_from_base = statement.base(contract.notes);
-  contract.policies = statement.policies(contract.notes);
+  contract.loads = statement.loads(contract.notes);
+  contract.pick = statement.pick();
+  const std::vector<LegLoad> loads = carried_under(contract);
+  contract.policies = statement.policies(loads, contract.notes);
   contract.padding = statement.padding();
   contract.seen_within = statement.seen_within();
   contract.position_accuracy = statement.position_accuracy();
   contract.demands = options.survey;
-  require_parts(contract.demands.allow_outside, robot, "--allow-outside");
+  require_parts(contract.demands.allow_outside, with_all_loads(robot, loads), "--allow-outside");
   if (query) {
     const std::vector<std::string>& allowed = query->allow_outside;
     contract.demands.allow_outside.insert(contract.demands.allow_outside.end(), allowed.begin(),
@@ -246,8 +294,13 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   }
   contract.map_sha256 = {map_digest, TermSource::flag};
   contract.start = statement.start();
-  contract.goals = statement.goals();
+  contract.goals = statement.goals(contract.pick.value.has_value());
   return contract;
+}
+
+std::vector<LegLoad> carried_under(const Contract& contract) {
+  if (!contract.pick.value) return contract.loads.value;
+  return {{contract.pick.value->object, {2, 3, 4}}};
 }
 
 Robot robot_of(const Contract& contract, const Robot& robot) {

@@ -33,7 +33,9 @@ struct Contract {
   std::map<std::string, Term<double>> held;  ///< joints that stand still, rad or m at full size
   Term<double> scale;
   Term<Eigen::Isometry3d> map_from_base;
-  std::map<std::string, Term<Policy>> policies;  ///< of every part
+  std::map<std::string, Term<Policy>> policies;  ///< of every part, loads included
+  Term<std::vector<LegLoad>> loads;              ///< that ride on the robot
+  Term<std::optional<Pick>> pick;                ///< what is taken; its load is not in `loads`
   Term<double> padding;                          ///< metres
   Term<double> seen_within;                      ///< of parts under known_free, seconds; 0: ever
   double position_accuracy = 0.0;                ///< of the robot at the contract's scale, metres
@@ -61,6 +63,9 @@ Robot robot_to_check(const CheckOptions& options, const Plan& plan);
 /// when that is of this map and of the robot that --robot names; else from the plan. Three terms do not
 /// follow the plan where it asks for less: the scale is then the robot's own, the padding its position
 /// accuracy, and a part of which the plan says nothing has the policy that it would have by default.
+/// What a plan carries that neither flags nor record name counts, since it asks for more. A load whose policy
+/// they do not name keeps what its holders keep.
+/// A pick is never taken from the plan, because it frees voxels and lets things touch.
 /// @param robot robot_to_check()
 /// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
@@ -68,16 +73,19 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
                         const std::optional<QueryRecord>& record);
 
 /// All in which the plan loosens the contract: another robot, scale, base or map; a policy that is looser or
-/// missing, a smaller padding; another start, goals that its legs do not reach one after the other. What the
-/// plan tightens is none.
+/// missing, a smaller padding; a load that is missing or another; another start, goals that its legs do not
+/// reach one after the other. What the plan tightens is none.
 std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
                                   const std::set<AcceptedTerm>& accepted);
 
-/// Takes from the plan what it loosens and the user accepts: scale, base, policies and padding.
+/// Takes from the plan what it loosens and the user accepts: scale, base, policies, padding and loads.
 void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract);
 
-/// The robot at the scale and base of the contract.
+/// The robot at the scale and base of the contract, without its loads.
 Robot robot_of(const Contract& contract, const Robot& robot);
+
+/// The loads of the contract; of a pick its object on the legs that carry it.
+std::vector<LegLoad> carried_under(const Contract& contract);
 
 /// The policy of each part.
 std::map<std::string, Policy> policies_of(const Contract& contract);

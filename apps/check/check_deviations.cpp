@@ -3,6 +3,7 @@
 
 #include "apps/check/check_contract.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/query/loads.hpp"
 
 #include "planning/problem/planner.hpp"
 namespace clearway {
@@ -35,6 +36,8 @@ class Comparison {
     compare_policies();
     compare_padding();
     compare_seen_within();
+    compare_loads();
+    compare_pick();
     compare_map();
     compare_start();
     compare_goals();
@@ -78,11 +81,20 @@ class Comparison {
       if (term.source == TermSource::plan || term.source == TermSource::by_default) continue;
       const auto said = plan_.policies.find(part);
       if (said != plan_.policies.end() && said->second <= term.value) continue;
+      if (said == plan_.policies.end() && is_missing_load(part)) continue;  // told as such
       const std::string says =
           said == plan_.policies.end() ? "nothing of it" : std::string(to_string(said->second));
       add(AcceptedTerm::policy, "policy of " + part + ": expected " + std::string(to_string(term.value)) +
                                     by(term.source) + ", the plan says " + says);
     }
+  }
+
+  /// One of the contract's that the plan does not carry.
+  bool is_missing_load(const std::string& part) const {
+    const auto is_it = [&](const LegLoad& load) { return load.load.name == part; };
+    const std::vector<LegLoad> loads = carried_under(contract_);
+    return std::any_of(loads.begin(), loads.end(), is_it) &&
+           std::none_of(plan_.loads.begin(), plan_.loads.end(), is_it);
   }
 
   void compare_padding() {
@@ -100,6 +112,39 @@ class Comparison {
     add(AcceptedTerm::policy,
         "seen within: expected " + significant(seconds) + " s" + by(source) + ", the plan says " +
             (plan_.seen_within > 0.0 ? significant(plan_.seen_within) + " s" : std::string("ever")));
+  }
+
+  /// What the plan carries beyond the contract only makes its way narrower.
+  void compare_loads() {
+    const auto& [loads, source] = contract_.loads;
+    for (const LegLoad& load : loads) {
+      const auto said = std::find_if(plan_.loads.begin(), plan_.loads.end(),
+                                     [&](const LegLoad& other) { return other.load.name == load.load.name; });
+      const std::string expected = "load: expected " + describe_load(load) + by(source) + ", the plan ";
+      if (said == plan_.loads.end()) {
+        add(AcceptedTerm::load, expected + "says nothing of it");
+        continue;
+      }
+      if (!is_same(load.load, said->load))
+        add(AcceptedTerm::load, expected + "says another shape, place, mass or touching links of it");
+      for (std::size_t leg = 0; leg < contract_.goals.value.size(); ++leg) {
+        if (!load.rides_on(static_cast<int>(leg)) || said->rides_on(static_cast<int>(leg))) continue;
+        add(AcceptedTerm::load, expected + "leaves it off on leg " + std::to_string(leg + 1));
+      }
+    }
+  }
+
+  /// A pick frees voxels, and lets some things touch.
+  void compare_pick() {
+    const auto& [pick, source] = contract_.pick;
+    if (!pick && !plan_.pick) return;
+    if (!pick)
+      return add(AcceptedTerm::load, "pick: expected --pick, because the plan takes the voxels of '" +
+                                         plan_.pick->object.name + "' out of the map and touches it");
+    const std::string expected = "pick: expected that '" + pick->object.name + "' is picked" + by(source);
+    if (!plan_.pick) return add(AcceptedTerm::load, expected + ", the plan says nothing of it");
+    if (!is_same(*pick, *plan_.pick))
+      add(AcceptedTerm::load, expected + ", the plan says another shape, pose, grasp, place or way of it");
   }
 
   void compare_map() {
@@ -165,12 +210,28 @@ std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
   return Comparison(contract, plan, accepted).run();
 }
 
+namespace {
+
+/// With their policies: who names a load that nothing else names, names what it must lie in, too.
+void adopt_loads(const Plan& plan, Contract& contract) {
+  contract.loads = {plan.loads, TermSource::plan};
+  contract.pick = {plan.pick, TermSource::plan};
+  for (const LegLoad& load : plan.loads) {
+    const auto said = plan.policies.find(load.load.name);
+    const Policy policy = said == plan.policies.end() ? Policy::painted : said->second;
+    contract.policies.insert({load.load.name, {policy, TermSource::plan}});
+  }
+}
+
+}  // namespace
+
 void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract) {
   for (const Deviation& deviation : found) {
     if (!deviation.is_accepted) continue;
     if (deviation.term == AcceptedTerm::scale) contract.scale = {plan.robot_scale, TermSource::plan};
     if (deviation.term == AcceptedTerm::base) contract.map_from_base = {plan.map_from_base, TermSource::plan};
     if (deviation.term == AcceptedTerm::padding) contract.padding = {plan.padding, TermSource::plan};
+    if (deviation.term == AcceptedTerm::load) adopt_loads(plan, contract);
     if (deviation.term != AcceptedTerm::policy) continue;
     Term<double>& seen_within = contract.seen_within;
     const bool is_looser = plan.seen_within == 0.0 || plan.seen_within > seen_within.value;

@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/parse.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "apps/query/survey_figures.hpp"
+#include "planning/files/load_json.hpp"
 
 namespace clearway {
 
@@ -28,6 +30,8 @@ std::string_view name_of(AcceptedTerm term) {
       return "policy";
     case AcceptedTerm::padding:
       return "padding";
+    case AcceptedTerm::load:
+      return "load";
     case AcceptedTerm::map:
       return "map";
     case AcceptedTerm::goals:
@@ -57,6 +61,14 @@ Json contract_json(const Contract& contract) {
     json["policy"][part] = term_json(to_string(term.value), term.source);
   json["padding_m"] = term_json(contract.padding.value, contract.padding.source);
   json["seen_within_s"] = term_json(contract.seen_within.value, contract.seen_within.source);
+  if (!contract.loads.value.empty()) {
+    json["loads"]["value"] = json_of(contract.loads.value);
+    json["loads"]["source"] = to_string(contract.loads.source);
+  }
+  if (contract.pick.value) {
+    json["pick"]["value"] = json_of(*contract.pick.value);
+    json["pick"]["source"] = to_string(contract.pick.source);
+  }
   json["map_sha256"] = term_json(contract.map_sha256.value, contract.map_sha256.source);
   json["start"] = term_json(numbers(contract.start.value), contract.start.source);
   Json goals = Json::array();
@@ -93,6 +105,10 @@ void append_contract(const Contract& contract, Rows& rows) {
   for (const auto& [joint, term] : contract.held)
     rows.emplace_back("held", joint + " at " + significant(term.value) + from(term.source));
   rows.emplace_back("base", to_text(contract.map_from_base.value) + from(contract.map_from_base.source));
+  for (const LegLoad& load : contract.loads.value)
+    rows.emplace_back("load", describe_load(load) + from(contract.loads.source));
+  if (contract.pick.value)
+    rows.emplace_back("pick", contract.pick.value->object.name + from(contract.pick.source));
   rows.emplace_back("policy", policy_text(contract));
   if (contract.seen_within.value > 0.0)
     rows.emplace_back("seen within", significant(contract.seen_within.value) +

@@ -15,13 +15,34 @@ namespace clearway {
 
 namespace {
 
+/// Where the plan says that the load rides; check_pick proves it.
+Eigen::Isometry3d pose_of_load(const Plan& plan, const std::string& name) {
+  for (const LegLoad& load : plan.loads)
+    if (load.load.name == name) return load.load.link_from_load;
+  return Eigen::Isometry3d::Identity();
+}
+
+/// The plan's legs with the loads of the contract.
+std::vector<LegsToCheck> legs_under(const Contract& contract, const Robot& robot, const Snapshot& map,
+                                    Plan plan) {
+  std::vector<LegLoad> loads = carried_under(contract);
+  for (LegLoad& load : loads)
+    if (contract.pick.value) load.load.link_from_load = pose_of_load(plan, load.load.name);
+  plan.loads = std::move(loads);
+  return legs_of(plan, robot_of(contract, robot), map);
+}
+
 /// The path itself, under the contract's terms.
 PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const Snapshot& map,
                             const Plan& plan) {
-  const std::vector<Configuration> waypoints = plan.waypoints();
-  if (!waypoints.empty()) {
-    return check_path(robot_of(contract, robot), map, policies_of(contract), contract.padding.value,
-                      waypoints, 0.0, contract.seen_within.value);
+  if (contract.pick.value && !plan.waypoints().empty()) {
+    const Robot placed = robot_of(contract, robot);
+    return check_pick(pick_of(plan, *contract.pick.value, placed, map), policies_of(contract),
+                      contract.padding.value, contract.seen_within.value);
+  }
+  if (!plan.waypoints().empty()) {
+    return check_legs(legs_under(contract, robot, map, plan), policies_of(contract), contract.padding.value,
+                      0.0, contract.seen_within.value);
   }
   PathVerdict none;
   none.first_contact = "the plan has no path (status " + std::string(to_string(plan.status())) + ")";
@@ -44,8 +65,10 @@ int run_check(const CheckOptions& options, Console& console) {
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
   // A path that is malformed (its clearances were not measured) leads nowhere.
-  const auto path = report.path.clearance.empty() ? std::vector<Configuration>{} : plan.waypoints();
-  report.survey = survey_path(robot_of(report.contract, robot), map, policies_of(report.contract), path);
+  std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
+  if (report.path.clearance.empty())
+    for (LegsToCheck& part : legs) part.waypoints.clear();
+  report.survey = survey_legs(legs, policies_of(report.contract));
   refuse_surveyed(report.survey, report.contract.demands, report.path);
   report.map_integration = to_string(integration_of(map));
   report.map_caveat = map_caveat(map);

@@ -27,6 +27,8 @@ Command add_check(CLI::App& app, Console& console) {
                    .padding = otherwise + "the plan's, at least the robot's position accuracy",
                    .seen_within = otherwise + "the plan's"});
   add_survey_flags(*command, options->survey);
+  add_attach(*command, options->attach, otherwise + "the plan's");
+  add_pick(*command, options->pick, options->place, "; default: the map's own query; a plan's is refused");
   command
       ->add_option(
           "--start", options->start,
@@ -48,6 +50,7 @@ Command add_check(CLI::App& app, Console& console) {
   accept("base", AcceptedTerm::base, "the plan's base counts where it differs");
   accept("policy", AcceptedTerm::policy, "the plan's policies count where they are looser");
   accept("padding", AcceptedTerm::padding, "the plan's padding counts where it is smaller");
+  accept("load", AcceptedTerm::load, "the plan's loads and its pick count where it drops or changes one");
   accept("map", AcceptedTerm::map, "the plan may be made on another map (another sha256)");
   accept("goals", AcceptedTerm::goals, "the path may start elsewhere and leave out goals");
   return [options](Console& c) { return run_check(*options, c); };

@@ -145,6 +145,9 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("MAP");
   add_robot_flags(*command, options->robot);
   add_survey_flags(*command, options->survey);
+  add_attach(*command, options->attach, "");
+  add_pick(*command, options->pick, options->place,
+           "; --goal is then where the robot goes afterwards, if at all");
   command->get_option("--robot")->required(false);
   command
       ->add_option("--start", options->start,
@@ -209,7 +212,8 @@ Command add_plan(CLI::App& app, Console& console) {
       for (const auto& [missing, flag] :
            {std::pair{options->map.empty(), "--map"}, std::pair{options->robot.robot.empty(), "--robot"},
             std::pair{options->start.empty(), "--start"},
-            std::pair{options->goals.empty() && options->goal_poses.empty(), "--goal"}}) {
+            std::pair{options->goals.empty() && options->goal_poses.empty() && options->pick.empty(),
+                      "--goal"}}) {
         if (missing) throw std::invalid_argument(std::string(flag) + " is required");
       }
     }

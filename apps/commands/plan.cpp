@@ -8,12 +8,14 @@
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/pages/map_page.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "planning/files/trajectory_file.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot/goal_configurations.hpp"
 
@@ -106,12 +108,25 @@ void tell_default_policy(const PlanOptions& options, const Plan& plan, const Con
               "counts as free");
 }
 
+/// What --pick asks for. Other flags that do not go with it are refused.
+std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
+  if (options.pick.empty()) {
+    if (options.place.empty()) return std::nullopt;
+    throw std::invalid_argument("--place: expected --pick with it");
+  }
+  if (!options.attach.empty())
+    throw std::invalid_argument("--attach: expected either --attach or --pick, got both");
+  if (options.goals.size() + options.goal_poses.size() > 1)
+    throw std::invalid_argument("--goal: expected at most one with --pick");
+  return choose_pick(options.pick, options.place, robot);
+}
+
 std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
                       const Configuration& start) {
   ReportPage page = page_of_map(space.map(), space.robot().name + ", " + plan.planner);
   page.subtitle = options.map.string();
   look_from(page, space.map(), space.robot().map_from_base.translation());
-  show_robot(page, space.robot(), start);
+  show_robot(page, with_all_loads(space.robot(), plan.loads), start);
   page.plans.push_back(page_of_plan(plan, space, start, plan.planner));
   return render_report_page(page);
 }
@@ -136,8 +151,13 @@ int run_plan(const PlanOptions& options, Console& console) {
     goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
   }
   tell_degrees(options, robot, start, goals, console);
-  const Policies policies = choose_policies(options.robot.policies, robot);
-  require_parts(options.survey.allow_outside, robot, "--allow-outside");
+  const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
+  const std::optional<Pick> pick = pick_of(options, robot);
+  const std::vector<LegLoad> riding = pick ? std::vector<LegLoad>{{pick->object, {}}} : loads;
+  const Robot loaded = with_all_loads(robot, riding);
+  const auto [policies, load_policies] =
+      parted_policies(choose_policies(options.robot.policies, loaded), riding);
+  require_parts(options.survey.allow_outside, loaded, "--allow-outside");
   require_files(options);
   const Snapshot map = load_map(options.map);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
@@ -147,20 +167,22 @@ int run_plan(const PlanOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const ConfigurationSpace space =
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
-  if (goals.empty()) goals = goals_at_poses(options, space, start);
+  if (goals.empty() && !options.goal_poses.empty()) goals = goals_at_poses(options, space, start);
   PlanQuery query{.space = space,
                   .start = start,
                   .goals = goals,
                   .planner = planner,
                   .seed = options.seed,
                   .time_limit = options.time_limit,
+                  .loads = loads,
+                  .load_policies = load_policies,
                   .payload = options.cost.payload,
                   .survey = options.survey,
                   .robot_name = options.robot.robot,
                   .map_file = options.map,
                   .map_digest = map_sha256(options.map)};
   if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
-  const Plan plan = plan_and_check(query);
+  const Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
   tell_default_policy(options, plan, space, console);
   const std::string text = to_json(plan);
   if (!options.out.empty()) save_file(options.out, text);

@@ -13,6 +13,7 @@
 #include "apps/inspect/map_folder.hpp"
 #include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "apps/teach/session_folder.hpp"
 #include "mapping/files/map_file.hpp"
@@ -90,9 +91,11 @@ class QueryRunner {
     robot_.map_from_base = setup_.robot->map_from_base;
     for (const QuerySetup& query : setup_.queries) {
       require_file_name(query.name);
-      choose_policies(policy_texts(query), robot_);
-      require_seen_within(query);
-      require_parts(query.allow_outside, robot_, "setup, query '" + query.name + "', field 'allow_outside'");
+      loads_.push_back(loads_of(query));
+      const Robot loaded = with_all_loads(robot_, loads_.back());
+      choose_policies(policy_texts(query), loaded);
+      require_seen_within(query, loads_.back());
+      require_parts(query.allow_outside, loaded, "setup, query '" + query.name + "', field 'allow_outside'");
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
       for (const std::string& planner : planners(query))
@@ -105,12 +108,16 @@ class QueryRunner {
     const std::string digest = map_sha256(folder_);
     std::vector<ReplayPlan> plans;
     QueryRecord record{digest, {}};
-    for (const QuerySetup& query : setup_.queries) {
+    for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
+      const QuerySetup& query = setup_.queries[i];
+      const auto [own, of_loads] = policies_of(query, loads_[i]);
       spaces_.push_back(std::make_unique<ConfigurationSpace>(
-          robot_, map_, choose_policies(policy_texts(query), robot_),
+          robot_, map_, own,
           SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
                        .seen_within = seen_within(query)}));
       record.queries.push_back(terms_of(query, *spaces_.back()));
+      record.queries.back().loads = loads_[i];
+      record.queries.back().policies = loaded_policies(*spaces_.back(), loads_[i], of_loads);
     }
     save_file(folder_ / "queries.json", to_json(record));
     for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
@@ -125,6 +132,8 @@ class QueryRunner {
                                     .planner = make_planner(planner, planner_options(query, planner)),
                                     .seed = options_.seed,
                                     .time_limit = options_.time_limit,
+                                    .loads = loads_[i],
+                                    .load_policies = policies_of(query, loads_[i]).second,
                                     .payload = setup_.robot->payload,
                                     .gravity = setup_.robot->gravity,
                                     .survey = SurveyDemands{.allow_outside = query.allow_outside},
@@ -142,6 +151,26 @@ class QueryRunner {
   }
 
  private:
+  static std::vector<LegLoad> loads_of(const QuerySetup& query) try {
+    std::vector<LegLoad> loads;
+    for (const LoadSetup& load : query.loads) {
+      loads.push_back(leg_load(load));
+      for (const int leg : load.legs)
+        if (leg > static_cast<int>(query.goals.size()))
+          throw std::invalid_argument("load '" + load.name + "': leg " + std::to_string(leg) +
+                                      ", expected legs from 1 to " + std::to_string(query.goals.size()));
+    }
+    return loads;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
+  }
+
+  /// Of the robot's own parts, and of its loads.
+  std::pair<Policies, std::map<std::string, Policy>> policies_of(const QuerySetup& query,
+                                                                 const std::vector<LegLoad>& loads) const {
+    return parted_policies(choose_policies(policy_texts(query), with_all_loads(robot_, loads)), loads);
+  }
+
   QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space) const {
     return {.name = query.name,
             .robot = setup_.robot->name,
@@ -164,9 +193,9 @@ class QueryRunner {
     return options_.seen_within.value_or(query.seen_within);
   }
 
-  void require_seen_within(const QuerySetup& query) const {
+  void require_seen_within(const QuerySetup& query, const std::vector<LegLoad>& loads) const {
     try {
-      const Policies policies = choose_policies(policy_texts(query), robot_);
+      const Policies policies = policies_of(query, loads).first;
       clearway::require_seen_within(seen_within(query), map_, part_policies(robot_, map_, policies));
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
@@ -191,6 +220,7 @@ class QueryRunner {
   const Setup& setup_;
   const Snapshot& map_;
   Robot robot_;
+  std::vector<std::vector<LegLoad>> loads_;  ///< of each query
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
 };
 

@@ -107,6 +107,9 @@ struct PlanOptions {
   std::vector<std::string> goals;
   std::vector<std::string> goal_poses;  ///< "x,y,z[,roll,pitch,yaw]" of the tip, map frame; instead of goals
   std::string tip;                      ///< link whose frame the poses place; empty: the robot's own tip
+  std::vector<std::filesystem::path> attach = {};  ///< files of loads
+  std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: none
+  std::string place = {};                          ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's
   bool degrees = false;
   CostChoice cost;
   SurveyDemands survey;
@@ -123,13 +126,16 @@ struct PlanOptions {
 int run_plan(const PlanOptions& options, Console& console);
 
 /// What a plan may loosen when the user names it (--accept-…).
-enum class AcceptedTerm { robot, held, scale, base, policy, padding, map, goals };
+enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, map, goals };
 
 struct CheckOptions {
   std::filesystem::path map;
   RobotChoice robot;
   std::string start;
   std::vector<std::string> goals;
+  std::vector<std::filesystem::path> attach = {};  ///< files of loads; none: the map's or the plan's
+  std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: the map's
+  std::string place = {};                          ///< where it goes; empty: the file's
   bool degrees = false;
   std::set<AcceptedTerm> accepted;
   SurveyDemands survey;

@@ -151,6 +151,35 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
   add_seen_within(command, choice.seen_within, notes.seen_within);
 }
 
+void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, const std::string& note) {
+  command
+      .add_option(
+          "--attach", files,
+          "load that rides on the robot: a YAML file of its shape, link, pose, mass, touches and legs; "
+          "repeatable" +
+              note)
+      ->check(file_name)
+      ->type_name("LOAD.yaml")
+      ->allow_extra_args(false)
+      ->take_all();
+}
+
+void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note) {
+  command
+      .add_option(
+          "--pick", file,
+          "an object that stands in the map is taken and put elsewhere, in the legs approach, reach, "
+          "lift, carry, lower and retreat: a YAML file of its shape, pose, link, touches, grasp, place, "
+          "approach, lift" +
+              note)
+      ->check(file_name)
+      ->type_name("PICK.yaml");
+  command
+      .add_option("--place", place,
+                  "x,y,z[,roll,pitch,yaw] of the object afterwards, m and rad; default: the file's")
+      ->type_name("POSE");
+}
+
 void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
   command
       .add_option(

@@ -50,6 +50,12 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 /// `check` share them.
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
+/// --attach, as `plan` and `check` share it. @param note of its default
+void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, const std::string& note);
+
+/// --pick and --place, as `plan` and `check` share them. @param note of --pick's default
+void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note);
+
 /// --allow-outside and --strict, as `plan` and `check` share them.
 void add_survey_flags(CLI::App& command, SurveyDemands& demands);
 

@@ -7,6 +7,7 @@
 
 #include "apps/console/parse.hpp"
 #include "apps/pages/plan_motion.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "planning/geometry/convex_hull.hpp"
 
@@ -42,6 +43,42 @@ std::vector<Configuration> subdivided(const std::vector<Configuration>& path, co
   }
   if (!path.empty()) dense.push_back(path.back());
   return dense;
+}
+
+/// Of each leg the waypoint of the page at which it ends: the one nearest to the plan's.
+std::vector<std::size_t> ends_of_legs(const Plan& plan, const std::vector<Configuration>& waypoints) {
+  std::vector<std::size_t> ends;
+  std::size_t from = 0;
+  for (const PlanResult& leg : plan.legs) {
+    if (leg.waypoints.empty()) break;
+    std::size_t best = from;
+    for (std::size_t i = from; i < waypoints.size(); ++i)
+      if ((waypoints[i] - leg.waypoints.back()).norm() < (waypoints[best] - leg.waypoints.back()).norm())
+        best = i;
+    ends.push_back(best);
+    from = best;
+  }
+  return ends;
+}
+
+/// A load that rides on some legs rests before and after them where it is taken and put down.
+void rest_loads(const Plan& plan, std::size_t first_link, PagePlan& page) {
+  const std::vector<std::size_t> ends = ends_of_legs(plan, page.waypoints);
+  if (ends.empty()) return;
+  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
+    const std::vector<int>& legs = plan.loads[i].legs;
+    if (legs.empty()) continue;
+    const auto [first, last] = std::minmax_element(legs.begin(), legs.end());
+    const auto end_of = [&](int leg) {
+      return leg < 0 ? std::size_t{0} : ends[std::min(static_cast<std::size_t>(leg), ends.size() - 1)];
+    };
+    const std::size_t link = first_link + i, taken = end_of(*first - 1), put = end_of(*last);
+    const Eigen::Isometry3d before = page.link_poses[taken][link], after = page.link_poses[put][link];
+    for (std::size_t k = 0; k < page.link_poses.size(); ++k)
+      if (k < taken || k > put) page.link_poses[k][link] = k < taken ? before : after;
+    if (*first > 0) page.start_poses[link] = before;
+    if (!page.goal_poses.empty()) page.goal_poses[link] = after;
+  }
 }
 
 }  // namespace
@@ -158,14 +195,16 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   for (const PlanResult& leg : plan.legs)
     if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())
       shown_plan.security_distance = kept->second;
+  const Robot loaded = with_all_loads(robot, plan.loads);
   for (const Configuration& q : shown_plan.waypoints) {
-    shown_plan.link_poses.push_back(forward_kinematics(robot, q));
-    shown_plan.clearance.push_back(space.clearance(q));
+    shown_plan.link_poses.push_back(forward_kinematics(loaded, q));
+    if (plan.loads.empty()) shown_plan.clearance.push_back(space.clearance(q));  // of the robot alone
     shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
   }
   for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.sphere);
-  shown_plan.start_poses = forward_kinematics(robot, start);
-  if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(robot, plan.goals.back());
+  shown_plan.start_poses = forward_kinematics(loaded, start);
+  if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(loaded, plan.goals.back());
+  rest_loads(plan, robot.links.size(), shown_plan);
   return shown_plan;
 }
 

@@ -22,7 +22,8 @@ void show_robot(ReportPage& page, const Robot& robot, const Configuration& home)
 /// A shape without its place, link and part.
 PageShape page_shape(const Shape& shape);
 
-/// A plan as the page animates it: in time, as show_motion has it, with clearances from `space`. A path that
+/// A plan as the page animates it: in time, as show_motion has it, with clearances from `space` (none with
+/// loads, which it does not know). A load rests where it is taken and put down. A path that
 /// cannot be given time has waypoints at most 3 degrees (or 20 mm) apart, of more than 600 an even choice. A
 /// plan without a path shows what was explored, and its start and goal.
 PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/survey_figures.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
@@ -196,6 +197,19 @@ void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std:
 
 }  // namespace
 
+namespace {
+
+/// "approach, reach, lift": the legs that a pick has got.
+std::string legs_of_pick(const Plan& plan) {
+  const std::vector<std::string> names = names_of_legs(plan.legs.size() > names_of_legs(false).size());
+  std::string text;
+  for (std::size_t i = 0; i < plan.legs.size(); ++i)
+    if (plan.legs[i].status == PlanStatus::solved) text += (text.empty() ? "" : ", ") + names.at(i);
+  return text;
+}
+
+}  // namespace
+
 std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) {
   std::size_t steps = 0, checks = 0;
   double joules = 0.0, rest = 0.0;
@@ -208,6 +222,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   std::vector<std::pair<std::string, std::string>> rows{{"status", std::string(to_string(plan.status()))}};
   if (!plan.explanation().empty()) rows.emplace_back("explanation", plan.explanation());
   if (!plan.waypoints().empty()) {
+    if (plan.pick) rows.emplace_back("pick", plan.pick->object.name + ": " + legs_of_pick(plan));
     rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
     rows.emplace_back("steps", grouped(steps));
     rows.emplace_back(
@@ -219,6 +234,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   }
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
+  for (const LegLoad& load : plan.loads) rows.emplace_back("load", describe_load(load));
   rows.emplace_back("policy", describe_policies(plan.policies, plan.seen_within));
   rows.emplace_back("padding", describe_padding(plan.padding, plan.position_accuracy));
   if (plan.survey) {

@@ -311,7 +311,7 @@ void require_joints(const YamlFields& fields, const Setup& setup) {
                                  "' is on a link: expected `robot` with joint_file or " + "joint_topic");
 }
 
-QuerySetup read_query(const YamlFields& fields) {
+QuerySetup read_query(const YamlFields& fields, const std::filesystem::path& folder) {
   QuerySetup query;
   query.name = fields.text("name");
   read_legs(fields, query.start, query.goals);
@@ -328,6 +328,7 @@ QuerySetup read_query(const YamlFields& fields) {
   query.padding = read_padding(fields);
   query.allow_outside = fields.texts("allow_outside");
   query.seen_within = fields.number("seen_within", not_negative, 0);
+  for (const auto& entry : fields.list_of_maps("loads")) query.loads.push_back(read_load(entry, folder));
   fields.finish();
   return query;
 }
@@ -403,7 +404,8 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("robot"))
     setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());
   require_joints(fields, setup);
-  for (const auto& entry : fields.list_of_maps("queries")) setup.queries.push_back(read_query(entry));
+  for (const auto& entry : fields.list_of_maps("queries"))
+    setup.queries.push_back(read_query(entry, std::filesystem::path(name).parent_path()));
   fields.finish();
   return setup;
 }

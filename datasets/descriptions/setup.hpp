@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/descriptions/load_setup.hpp"
 #include "datasets/sources/frame_source.hpp"
 #include "datasets/sources/recording.hpp"
 
@@ -173,6 +174,7 @@ struct QuerySetup {
   std::optional<double> padding;                ///< m, distance that every body keeps; none: `auto`
   std::vector<std::string> allow_outside;       ///< parts that may leave the map's bounds, or "all"
   double seen_within = 0;                       ///< s, how long a look counts under known_free; 0: ever
+  std::vector<LoadSetup> loads;                 ///< that ride on the robot
 };
 
 /// Everything about a teaching session that is not in the sensors' data. See datasets/FORMATS.md for the

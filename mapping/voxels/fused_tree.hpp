@@ -102,6 +102,10 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// Precondition: something is stored there.
   void take_back(const Eigen::Vector3i& cell);
 
+  /// Makes one voxel observed and as free as can be, and paints it with `volumes` (bits). Prunes and updates
+  /// the nodes above.
+  void free_voxel(const Eigen::Vector3i& cell, std::uint16_t volumes);
+
   /// How the scans agreed with the map before them. A copy has it, too.
   const ScanAgreement& agreement() const { return agreement_; }
   void add_agreement(const ScanAgreement& more) { agreement_.add(more); }
@@ -157,6 +161,8 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   void repaint_cube(FusedNode& node, bool just_created, const Repainting& work);
   void repaint_all(FusedNode& node, bool paint, const CellCube& cube, const Repainting& work);
   void take_back_below(FusedNode& node, int level, const Eigen::Vector3i& cell);
+  void free_below(FusedNode& node, bool just_created, int level, const Eigen::Vector3i& cell,
+                  std::uint16_t volumes);
   bool may_be_painted(const FusedNode& node, unsigned index, bool just_created, std::uint16_t bit) const;
   void remove_child(FusedNode& node, unsigned index);
 

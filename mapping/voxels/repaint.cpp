@@ -122,6 +122,26 @@ void FusedTree::take_back_below(FusedNode& node, int level, const Eigen::Vector3
   if (node.has_children() && !pruneNode(&node)) node.updateOccupancyChildren();
 }
 
+void FusedTree::free_voxel(const Eigen::Vector3i& cell, std::uint16_t volumes) {
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  free_below(top, created, static_cast<int>(tree_depth), cell, volumes);
+}
+
+void FusedTree::free_below(FusedNode& node, bool just_created, int level, const Eigen::Vector3i& cell,
+                           std::uint16_t volumes) {
+  if (level == 0) {
+    node.observe(getClampingThresMinLog());
+    return node.add_paint(volumes);
+  }
+  const auto upper = [&](int axis) { return static_cast<unsigned>(cell[axis] + 32768) >> (level - 1) & 1U; };
+  bool created = false;
+  FusedNode& child =
+      child_for_writing(node, upper(0) | upper(1) << 1U | upper(2) << 2U, just_created, created);
+  free_below(child, created, level - 1, cell, volumes);
+  if (!pruneNode(&node)) node.updateOccupancyChildren();
+}
+
 /// Takes a leaf away, and the child array with the last one.
 void FusedTree::remove_child(FusedNode& node, unsigned index) {
   FusedNode::release(static_cast<FusedNode*>(node.children[index]));

@@ -272,9 +272,10 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
   if (!verdict.first_contact.empty()) return verdict;
   verdict.edge = -1;
   try {
-    const check::KdlArm arm(robot);
-    if (!robot.source.empty()) check::require_same_poses(robot, arm);
-    return Checker(robot, arm, map, policies, padding, waypoints, distance_cap, seen_within).run();
+    const Robot stated = check::with_stated_loads(robot);
+    const check::KdlArm arm(stated);
+    if (!robot.source.empty() || !robot.loads.empty()) check::require_same_poses(robot, arm);
+    return Checker(stated, arm, map, policies, padding, waypoints, distance_cap, seen_within).run();
   } catch (const check::FileDisagrees& error) {
     verdict.first_contact = error.what();
     return verdict;

@@ -35,6 +35,8 @@ struct PathVerdict {
 /// elsewhere than the planners' kinematics do, or the file has narrower limits or other bodies, the path is
 /// refused in a sentence that names link, joint or body. A robot that was made in memory has no source: its
 /// KDL chain is built from it. Who changes a loaded robot's links, joints or bodies clears its source.
+/// Loads (Robot::loads) are placed, shaped and held as they are stated there; where the robot's own links
+/// and bodies say otherwise the path is refused.
 /// @param seen_within of parts under `known_free`: voxels that were seen free, but not in the last so many
 ///        seconds up to the map's newest look, count as unknown; 0: whenever they were seen.
 /// @throws std::invalid_argument for a padding or cap that is no length, a seen_within that the map cannot

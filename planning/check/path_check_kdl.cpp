@@ -40,7 +40,8 @@ KDL::Segment segment_of(const Robot& robot, const Link& link) {
 
 KdlLinks links_of_robot(const Robot& robot) {
   KdlLinks links;
-  for (const Link& link : robot.links) {
+  for (std::size_t i = 0; i < own_links(robot); ++i) {
+    const Link& link = robot.links[i];
     links.segments.push_back(std::make_shared<KDL::Segment>(segment_of(robot, link)));
     links.parent.push_back(link.parent);
     links.joint.push_back(link.joint);
@@ -49,7 +50,9 @@ KdlLinks links_of_robot(const Robot& robot) {
     links.is_held.push_back(link.is_held);
     links.is_turned.push_back(false);
   }
-  for (const Body& body : robot.bodies) links.link_from_body.push_back(body.link_from_shape);
+  for (std::size_t i = 0; i < own_bodies(robot); ++i)
+    links.link_from_body.push_back(robot.bodies[i].link_from_shape);
+  add_loads(robot, links);
   return links;
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -49,6 +50,21 @@ KdlLinks links_of_robot(const Robot& robot);
 /// @throws FileDisagrees for links, joints, limits or bodies that are not those of the robot;
 /// std::invalid_argument when the file can no longer be read.
 KdlLinks links_of_file(const Robot& robot);
+
+/// How many of the robot's links and bodies are its own: its loads' come last.
+std::size_t own_links(const Robot& robot);
+std::size_t own_bodies(const Robot& robot);
+
+/// The robot with its loads as Robot::loads states them, whatever its bodies say.
+/// @throws FileDisagrees unless a link and a body of each load's name come last, in order, on the link that
+/// it names.
+Robot with_stated_loads(const Robot& robot);
+
+/// Adds a fixed link and a body for each load, from Robot::loads alone.
+void add_loads(const Robot& robot, KdlLinks& links);
+
+/// Whether two bodies may touch because one is a load and the other what holds it; none: neither is a load.
+std::optional<bool> is_held(const Robot& robot, std::size_t a, std::size_t b);
 
 /// The joints of the robot's planning group that move in its URDF and mimic none, read from its SRDF again.
 /// @throws FileDisagrees when there is no such group.

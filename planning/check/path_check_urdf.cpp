@@ -106,14 +106,15 @@ class FileReader {
  public:
   explicit FileReader(const Robot& robot) : robot_(robot), model_(scaled_model(robot)) {
     if (!kdl_parser::treeFromUrdfModel(*model_, tree_)) disagree(robot, "kdl_parser refuses it");
-    if (model_->links_.size() != robot.links.size())
+    if (model_->links_.size() != own_links(robot))
       disagree(robot, "it has " + std::to_string(model_->links_.size()) + " links, not " +
-                          std::to_string(robot.links.size()));
+                          std::to_string(own_links(robot)));
   }
 
   KdlLinks links() {
-    for (const Link& link : robot_.links) add_link(link);
+    for (std::size_t i = 0; i < own_links(robot_); ++i) add_link(robot_.links[i]);
     add_bodies();
+    add_loads(robot_, links_);
     require_group();
     return std::move(links_);
   }
@@ -135,7 +136,7 @@ class FileReader {
   }
 
   int index_of(const std::string& link) const {
-    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+    for (std::size_t i = 0; i < own_links(robot_); ++i)
       if (robot_.links[i].name == link) return static_cast<int>(i);
     disagree(robot_, "link '" + link + "' is none of the robot's");
   }
@@ -202,7 +203,8 @@ class FileReader {
 
   void add_bodies() {
     std::map<int, std::size_t> seen;
-    for (const Body& body : robot_.bodies) {
+    for (std::size_t own = 0; own < own_bodies(robot_); ++own) {
+      const Body& body = robot_.bodies[own];
       const std::string& link = robot_.links[static_cast<std::size_t>(body.link)].name;
       const auto& collisions = model_->links_.at(link)->collision_array;
       const std::size_t number = seen[body.link]++;
@@ -210,7 +212,7 @@ class FileReader {
         disagree(robot_, "link '" + link + "' has only " + std::to_string(collisions.size()) + " bodies");
       links_.link_from_body.push_back(isometry(collisions[number]->origin));
     }
-    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+    for (std::size_t i = 0; i < own_links(robot_); ++i) {
       const auto& collisions = model_->links_.at(robot_.links[i].name)->collision_array;
       if (seen[static_cast<int>(i)] != collisions.size())
         disagree(robot_, "link '" + robot_.links[i].name + "' has " + std::to_string(collisions.size()) +
@@ -227,8 +229,10 @@ class FileReader {
 }  // namespace
 
 void disagree(const Robot& robot, const std::string& what) {
-  throw FileDisagrees("robot '" + robot.name + "' is not what its file " + file_of(robot).string() +
-                      " says, read again: " + what);
+  const std::string stated = robot.source.empty()
+                                 ? "it is stated to be"
+                                 : "its file " + file_of(robot).string() + " says, read again";
+  throw FileDisagrees("robot '" + robot.name + "' is not what " + stated + ": " + what);
 }
 
 KdlLinks links_of_file(const Robot& robot) { return FileReader(robot).links(); }

@@ -6,6 +6,7 @@
 
 #include "mapping/system/number_text.hpp"
 #include "planning/files/json_field.hpp"
+#include "planning/files/load_json.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/problem/option_reader.hpp"
 
@@ -123,6 +124,36 @@ std::vector<Configuration> Plan::waypoints() const {
   return path;
 }
 
+std::vector<LegsToCheck> legs_of(const Plan& plan, const Robot& robot, const Snapshot& map) {
+  const auto names = [&](int leg) {
+    std::vector<std::string> riding;
+    for (const LegLoad& load : plan.loads)
+      if (load.rides_on(leg)) riding.push_back(load.load.name);
+    return riding;
+  };
+  std::vector<LegsToCheck> parts;
+  for (int leg = 0; leg < static_cast<int>(plan.legs.size()); ++leg) {
+    const std::vector<Configuration>& path = plan.legs[static_cast<std::size_t>(leg)].waypoints;
+    if (path.empty()) break;
+    if (parts.empty() || names(leg) != names(leg - 1))
+      parts.push_back({robot_of_leg(robot, plan.loads, leg), map, {}});
+    std::vector<Configuration>& joined = parts.back().waypoints;
+    const bool is_joined = !joined.empty() && joined.back() == path.front();
+    joined.insert(joined.end(), path.begin() + (is_joined ? 1 : 0), path.end());
+  }
+  if (parts.empty()) parts.push_back({robot_of_leg(robot, plan.loads, 0), map, {}});
+  return parts;
+}
+
+PickToCheck pick_of(const Plan& plan, const Pick& pick, const Robot& robot, const Snapshot& map) {
+  PickToCheck check{robot, map, pick, Eigen::Isometry3d::Identity(), {}};
+  for (const LegLoad& load : plan.loads)
+    if (load.load.name == pick.object.name) check.link_from_load = load.load.link_from_load;
+  for (const PlanResult& leg : plan.legs)
+    if (!leg.waypoints.empty()) check.legs.push_back(leg.waypoints);
+  return check;
+}
+
 std::string to_json(const Plan& plan) {
   const std::vector<Configuration> path = plan.waypoints();
   Json json = {
@@ -154,6 +185,8 @@ std::string to_json(const Plan& plan) {
       {"payload_kg", plan.payload},
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
   if (!plan.cost_caveat.empty()) json["cost_caveat"] = plan.cost_caveat;
+  if (!plan.loads.empty()) json["loads"] = json_of(plan.loads);
+  if (plan.pick) json["pick"] = json_of(*plan.pick);
   if (!plan.group.empty()) json["group"] = plan.group;
   if (!plan.held.empty()) json["held"] = plan.held;
   if (!plan.query.empty()) json["query"] = plan.query;

@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "planning/advice/paint_advice.hpp"
+#include "planning/check/check_legs.hpp"
+#include "planning/check/check_pick.hpp"
 #include "planning/check/path_check.hpp"
+#include "planning/problem/pick.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/survey/path_survey.hpp"
 
@@ -34,6 +37,8 @@ struct Plan {
   double payload = 0.0;                      ///< kg at the tip, full size, that costs were reckoned with
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, of the costs
   std::vector<PlanResult> legs;              ///< each starts where the one before it ended
+  std::vector<LegLoad> loads{};              ///< that ride on the robot, on some legs or all
+  std::optional<Pick> pick{};                ///< what the legs do, if they pick and place
   std::string cost_caveat{};                 ///< why the costs say nothing, one sentence; may be empty
   std::string query;                         ///< its name in the map folder's record; empty: none
   Configuration start;                       ///< as asked; of no size when the file does not say
@@ -51,6 +56,15 @@ struct Plan {
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
 };
+
+/// The solved legs of a plan for the check, those that follow each other with the same loads in one; of a
+/// plan without a path one without waypoints.
+/// @param robot at the plan's place and scale, without loads
+std::vector<LegsToCheck> legs_of(const Plan& plan, const Robot& robot, const Snapshot& map);
+
+/// A plan that picks, for check_pick. @pre plan.pick @param pick as it is stated; outlives the result, as
+/// robot and map
+PickToCheck pick_of(const Plan& plan, const Pick& pick, const Robot& robot, const Snapshot& map);
 
 /// plan.json text, keys in fixed order, numbers with full precision.
 std::string to_json(const Plan& plan);

@@ -4,6 +4,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"
+#include "planning/files/load_json.hpp"
 #include "planning/files/plan_file.hpp"
 
 namespace clearway {
@@ -122,6 +123,8 @@ Plan read_plan(const JsonField& root) {
     for (const JsonField& part : root.at("allow_outside").items()) plan.allow_outside.push_back(part.text());
   }
   if (root.has("payload_kg")) plan.payload = root.at("payload_kg").number();
+  if (root.has("loads")) plan.loads = loads_of(root.at("loads"));
+  if (root.has("pick")) plan.pick = pick_of(root.at("pick"));
   if (root.has("gravity")) plan.gravity = root.at("gravity").numbers(3);
   if (!root.has("paint")) return plan;
   for (const JsonField& item : root.at("paint").items()) plan.paint.push_back(paint_hint(item));

@@ -10,6 +10,7 @@
 #include "mapping/system/input_file.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"
+#include "planning/files/load_json.hpp"
 
 namespace clearway {
 namespace {
@@ -20,16 +21,19 @@ constexpr const char* format = "clearway queries 1";
 constexpr std::size_t most_bytes = 16U << 20;
 
 Json terms_json(const QueryTerms& query) {
-  return {{"name", query.name},
-          {"robot", query.robot},
-          {"scale", query.scale},
-          {"base", json_of(query.map_from_base)},
-          {"policy", json_of(query.policies)},
-          {"padding_m", query.padding},
-          {"seen_within_s", query.seen_within},
-          {"allow_outside", query.allow_outside},
-          {"start", json_of(query.start)},
-          {"goals", json_of(query.goals)}};
+  Json json = {{"name", query.name},
+               {"robot", query.robot},
+               {"scale", query.scale},
+               {"base", json_of(query.map_from_base)},
+               {"policy", json_of(query.policies)},
+               {"padding_m", query.padding},
+               {"seen_within_s", query.seen_within},
+               {"allow_outside", query.allow_outside},
+               {"start", json_of(query.start)},
+               {"goals", json_of(query.goals)}};
+  if (!query.loads.empty()) json["loads"] = json_of(query.loads);
+  if (query.pick) json["pick"] = json_of(*query.pick);
+  return json;
 }
 
 QueryTerms terms_of(const JsonField& field) {
@@ -48,6 +52,8 @@ QueryTerms terms_of(const JsonField& field) {
   const std::size_t joints = field.at("start").items().size();
   query.start = field.at("start").numbers(joints);
   query.goals = field.at("goals").vectors(joints);
+  if (field.has("pick")) query.pick = pick_of(field.at("pick"));
+  if (field.has("loads")) query.loads = loads_of(field.at("loads"));
   return query;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mapping/voxels/voxel_state.hpp"
+#include "planning/problem/pick.hpp"
 #include "planning/robot/kinematics.hpp"
 
 namespace clearway {
@@ -23,6 +24,8 @@ struct QueryTerms {
   std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
   Configuration start;
   std::vector<Configuration> goals;
+  std::vector<LegLoad> loads = {};  ///< that ride on the robot
+  std::optional<Pick> pick = {};    ///< what is picked and placed
 };
 
 /// The record that a map folder keeps of its queries, in DIR/queries.json. It holds for one map.

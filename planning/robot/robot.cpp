@@ -36,6 +36,10 @@ Robot scaled(const Robot& robot, double factor) {
     }
   }
   result.link_from_tip.translation() *= factor;
+  for (Load& load : result.loads) {
+    load.link_from_load.translation() *= factor;
+    load.shape = load.shape.scaled(factor);
+  }
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include "mapping/voxels/sphere.hpp"
 #include "mapping/voxels/voxel_state.hpp"
 #include "planning/geometry/shape.hpp"
+#include "planning/robot/load.hpp"
 
 namespace clearway {
 
@@ -89,6 +90,7 @@ struct Robot {
   std::string group{};               ///< planning group of the SRDF whose joints move; empty: all joints
   std::vector<HeldJoint> held{};     ///< the others, by name
   std::vector<NamedState> states{};  ///< of the SRDF, by name
+  std::vector<Load> loads{};         ///< that ride on it (with_load): the last links and bodies, one each
 
   std::size_t dof() const { return joints.size(); }
 };

@@ -47,8 +47,8 @@ EndEffector find_end_effector(const ConfigurationSpace& space) {
   if (body.shape.has_exact_distance())
     hand.inner_radius = std::max(0.0, -body.shape.signed_distance(Eigen::Vector3d::Zero()));
   hand.outer_radius = body.shape.bounding_radius();
-  hand.requirement =
-      part_requirement(space.map(), body.part, space.policies().at(body.part), space.options().seen_within);
+  hand.requirement = part_requirement(robot, space.map(), body.part, space.policies().at(body.part),
+                                      space.options().seen_within);
   return hand;
 }
 

@@ -10,8 +10,8 @@
 namespace clearway {
 namespace {
 
-std::uint16_t volumes_that_count(const Snapshot& map, const std::string& part) {
-  return part_requirement(map, part, Policy::painted).volumes;
+std::uint16_t volumes_that_count(const ConfigurationSpace& space, const std::string& part) {
+  return part_requirement(space.robot(), space.map(), part, Policy::painted).volumes;
 }
 
 /// Numbers of the pieces that hold the point.
@@ -41,7 +41,7 @@ std::string parted_volume_sentence(const PlanProblem& problem) {
   std::uint16_t volumes_of_graph = 0;
   for (const Body& body : robot.bodies) {
     if (problem.space.policies().at(body.part) != Policy::painted) continue;
-    const std::uint16_t volumes = volumes_that_count(problem.space.map(), body.part);
+    const std::uint16_t volumes = volumes_that_count(problem.space, body.part);
     if (!graph || volumes != volumes_of_graph)
       graph.emplace(problem.space.map(), volumes, 0.0, problem.out_of_time);
     volumes_of_graph = volumes;

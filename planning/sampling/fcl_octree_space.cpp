@@ -83,7 +83,7 @@ FclOctreeSpace::FclOctreeSpace(const ConfigurationSpace& space) {
     scene->padded.push_back(fcl_geometry(body.shape.grown(padding)));
     if (!is_policed(scene->robot, body.link)) continue;
     const std::size_t blocked = scene->blocked_index(part_requirement(
-        space.map(), body.part, space.policies().at(body.part), space.options().seen_within));
+        scene->robot, space.map(), body.part, space.policies().at(body.part), space.options().seen_within));
     scene->moved.insert(scene->moved.begin(), {i, blocked});
   }
   for (Scene::Blocked& blocked : scene->blocked) {

@@ -123,7 +123,8 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     return reaches.emplace_back(requirement, Eigen::AlignedBox3d()).second;
   };
   const auto requirement_of = [&](const Body& body) {
-    return part_requirement(model.map, body.part, model.policies.at(body.part), options.seen_within);
+    return part_requirement(model.robot, model.map, body.part, model.policies.at(body.part),
+                            options.seen_within);
   };
   for (const Body& body : model.robot.bodies) {
     if (is_policed(model.robot, body.link))

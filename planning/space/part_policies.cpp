@@ -27,6 +27,24 @@ Policy usual_policy(const Robot& robot, const Snapshot& map, const Policies& pol
   return is_cautious && has_free_space(map) ? Policy::known_free : Policy::not_occupied;
 }
 
+/// The painted volumes that count for a part; of a load that none names its holders'.
+std::uint16_t volumes_of(const Robot& robot, const Snapshot& map, const std::string& part) {
+  std::uint16_t volumes = map.volumes_of_part(part);
+  for (const std::string& holder : holders_of(robot, part))
+    if (volumes == 0) volumes = map.volumes_of_part(holder);
+  return volumes;
+}
+
+/// Loads must lie in what their holders must. A load may hold another: the later one.
+void restrict_loads(const Robot& robot, const Policies& policies, std::map<std::string, Policy>& chosen) {
+  for (const Load& load : robot.loads) {
+    if (policies.parts.contains(load.name)) continue;
+    Policy& policy = chosen.at(load.name);
+    for (const std::string& holder : holders_of(robot, load.name))
+      policy = std::min(policy, chosen.at(holder));
+  }
+}
+
 bool has_sphere(const Snapshot& map, std::uint16_t volumes) {
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     if ((volumes >> v & 1U) != 0 && !map.volumes()[v].spheres.empty()) return true;
@@ -54,11 +72,14 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
     const bool is_given = policies.parts.contains(body.part);
     chosen[body.part] = is_critical && !is_given ? of_critical_parts() : usual;
   }
+  const auto given = [&](const std::string& part, Policy otherwise) {
+    const auto found = policies.parts.find(part);
+    return found == policies.parts.end() ? otherwise : found->second;
+  };
+  for (auto& [part, policy] : chosen) policy = given(part, policy);
+  restrict_loads(robot, policies, chosen);
   for (const auto& [part, policy] : policies.parts) {
-    if (const auto known = chosen.find(part); known != chosen.end()) {
-      known->second = policy;
-      continue;
-    }
+    if (chosen.contains(part)) continue;
     std::string names;
     for (const auto& entry : chosen) names += (names.empty() ? "" : ", ") + entry.first;
     throw std::invalid_argument("policy names the part '" + part + "', expected a part of " + robot.name +
@@ -67,13 +88,14 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
   return chosen;
 }
 
-Requirement part_requirement(const Snapshot& map, const std::string& part, Policy policy,
+Requirement part_requirement(const Robot& robot, const Snapshot& map, const std::string& part, Policy policy,
                              double seen_within) {
   Requirement requirement;
   requirement.policy = policy;
   if (policy == Policy::known_free) requirement.seen_within = seen_within;
   if (policy == Policy::painted) {
-    if (const std::uint16_t volumes = map.volumes_of_part(part); volumes != 0) requirement.volumes = volumes;
+    if (const std::uint16_t volumes = volumes_of(robot, map, part); volumes != 0)
+      requirement.volumes = volumes;
   }
   return requirement;
 }
@@ -93,7 +115,7 @@ void require_seen_within(double seen_within, const Snapshot& map,
 std::string empty_volume_sentence(const ConfigurationSpace& space) {
   for (const auto& [part, policy] : space.policies()) {
     if (policy != Policy::painted ||
-        has_sphere(space.map(), part_requirement(space.map(), part, policy).volumes))
+        has_sphere(space.map(), part_requirement(space.robot(), space.map(), part, policy).volumes))
       continue;
     return "the part '" + part +
            "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "

@@ -114,6 +114,51 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
   return survey;
 }
 
+namespace {
+
+void add_swept(const std::optional<SweptVoxels>& more, std::optional<SweptVoxels>& all) {
+  if (!more || !all) {  // what cannot be counted on one leg is not known of all
+    all.reset();
+    return;
+  }
+  all->painted += more->painted;
+  all->seen_free += more->seen_free;
+  all->seen_once += more->seen_once;
+  all->occupied += more->occupied;
+  all->unknown += more->unknown;
+  all->beyond += more->beyond;
+  const bool is_known = more->oldest_look && all->oldest_look;
+  all->oldest_look = is_known ? std::optional(std::max(*more->oldest_look, *all->oldest_look)) : std::nullopt;
+}
+
+template <typename Item>
+void add_new(const std::vector<Item>& more, std::vector<Item>& all) {
+  for (const Item& item : more)
+    if (std::find(all.begin(), all.end(), item) == all.end()) all.push_back(item);
+}
+
+}  // namespace
+
+PathSurvey survey_legs(const std::vector<LegsToCheck>& legs, const std::map<std::string, Policy>& policies) {
+  PathSurvey all;
+  int first_edge = 0;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    PathSurvey part = survey_path(legs[i].robot, legs[i].map, policies, legs[i].waypoints);
+    for (LeavingPart& leaving : part.leaving) leaving.place.edge += first_edge;
+    first_edge += std::max(0, static_cast<int>(legs[i].waypoints.size()) - 1);
+    if (i == 0) {
+      all = std::move(part);
+      continue;
+    }
+    add_swept(part.swept, all.swept);
+    add_new(part.standing, all.standing);
+    add_new(part.unknown_free, all.unknown_free);
+    std::sort(all.unknown_free.begin(), all.unknown_free.end());
+    all.leaving.insert(all.leaving.end(), part.leaving.begin(), part.leaving.end());
+  }
+  return all;
+}
+
 std::string describe_standing(const std::vector<StandingContact>& standing) {
   std::ostringstream text = sentence();
   for (const StandingContact& contact : standing) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planning/check/check_legs.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/survey/path_poses.hpp"
 #include "planning/survey/swept_voxels.hpp"
@@ -47,6 +48,10 @@ struct SurveyDemands {
 /// @throws std::invalid_argument for a path that moves a body over more than a million voxels.
 PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        const std::vector<Configuration>& path);
+
+/// The same of legs on which the robot carries different loads, in one: edges are numbered as if it were one
+/// path, and a voxel that is swept on two legs with different loads counts twice.
+PathSurvey survey_legs(const std::vector<LegsToCheck>& legs, const std::map<std::string, Policy>& policies);
 
 /// Takes the word "valid" back from a path that is refused for what was surveyed; `first_contact` says why.
 void refuse_surveyed(const PathSurvey& survey, const SurveyDemands& demands, PathVerdict& verdict);

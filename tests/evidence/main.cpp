@@ -5,6 +5,7 @@
 //   clearway_evidence gate --count 1000000 --seed 1 --jobs 2
 //   clearway_evidence poses --count 1000 --seed 1 --jobs 2
 //   clearway_evidence people --count 50 --seed 1 --jobs 2
+//   clearway_evidence picks --count 500 --seed 1 --jobs 2
 // Prints one JSON object; exit status 1 when a promise is broken. The same seed draws the same problems.
 
 #include <CLI/CLI.hpp>
@@ -19,6 +20,7 @@
 #include "tests/evidence/gate_evidence.hpp"
 #include "tests/evidence/path_evidence.hpp"
 #include "tests/evidence/people_evidence.hpp"
+#include "tests/evidence/pick_evidence.hpp"
 #include "tests/evidence/pose_evidence.hpp"
 
 namespace {
@@ -145,6 +147,35 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   return evidence.broken.empty() && some_approve ? 0 : 1;
 }
 
+/// Exit status 1 when the check refuses a plan; how many are planned in time is told.
+int run_picks(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
+  using clearway::evidence::PickEvidence;
+  PickEvidence evidence = in_parts<PickEvidence>(
+      count, jobs, [&](std::uint64_t i) { return clearway::evidence::pick_and_place(seed, i); });
+  nlohmann::ordered_json json{{"name", "picks"}, {"seed", seed}};
+  std::uint64_t asked = 0, planned = 0, in_time = 0;
+  for (auto& [name, tally] : evidence.tallies) {
+    const auto quick = static_cast<std::uint64_t>(
+        std::count_if(tally.seconds.begin(), tally.seconds.end(), [](double s) { return s <= 1.0; }));
+    json["by"][name] = {
+        {"asked", tally.asked},
+        {"planned", tally.planned},
+        {"refused_by_the_check", tally.refused},
+        {"within_1_s_of_cpu", quick},
+        {"cpu_s", {{"median", quantile(tally.seconds, 0.5)}, {"p95", quantile(tally.seconds, 0.95)}}}};
+    asked += tally.asked;
+    planned += tally.planned;
+    in_time += quick;
+  }
+  json["asked"] = asked;
+  json["planned"] = planned;
+  json["planned_within_1_s_of_cpu"] = in_time;
+  json["failures"] = evidence.failures;
+  json["broken"] = evidence.broken;
+  std::cout << json.dump(2) << std::endl;
+  return evidence.broken.empty() && planned > 0 ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -153,15 +184,16 @@ int main(int argc, char** argv) {
   std::uint64_t count = 240, seed = 1;
   unsigned jobs = 1;
   double severity = 1.0;
-  app.add_option("WHAT", what, "problems, altered, gate, poses or people")
+  app.add_option("WHAT", what, "problems, altered, gate, poses, people or picks")
       ->required()
-      ->check(CLI::IsMember({"problems", "altered", "gate", "poses", "people"}));
-  app.add_option("--count", count, "Problems, altered paths that are violated, chunks, or sessions");
+      ->check(CLI::IsMember({"problems", "altered", "gate", "poses", "people", "picks"}));
+  app.add_option("--count", count, "Problems, altered paths that are violated, chunks, sessions, or picks");
   app.add_option("--severity", severity, "poses: multiplies all errors that the tracker is not told");
   app.add_option("--seed", seed, "The same seed draws the same");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1U, 64U));
   CLI11_PARSE(app, argc, argv);
   if (what == "gate") return run_gate(count, seed, jobs);
+  if (what == "picks") return run_picks(count, seed, jobs);
   if (what == "people") return run_people(count, seed, jobs);
   if (what == "poses") return run_poses(count, seed, severity, jobs);
   const std::uint64_t chunk = what == "problems" ? 24 : 25;

@@ -207,7 +207,8 @@ inline BruteForce brute_force_of(const ConfigurationSpace& space) {
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(2.0);
   std::vector<Requirement> requirements;
   for (const Body& body : space.robot().bodies) {
-    requirements.push_back(part_requirement(space.map(), body.part, space.policies().at(body.part)));
+    requirements.push_back(
+        part_requirement(space.robot(), space.map(), body.part, space.policies().at(body.part)));
   }
   return {space.robot(), {space.map(), {-reach, reach}}, requirements};
 }

@@ -1,0 +1,103 @@
+#include "apps/query/loads.hpp"
+
+#include <stdexcept>
+
+#include "apps/console/parse.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/mesh_file.hpp"
+#include "planning/space/part_policies.hpp"
+
+namespace clearway {
+namespace {
+
+Shape mesh_shape(const LoadMesh& mesh, const std::string& what) {
+  const MeshHull hull = read_mesh_hulls({{mesh.file, Eigen::Vector3d::Constant(mesh.scale)}}).front();
+  if (hull.is_damaged) throw DamagedFile(what + ": " + hull.failure);
+  if (!hull.failure.empty()) throw std::invalid_argument(what + ": " + hull.failure);
+  return Shape::convex(hull.corners);
+}
+
+}  // namespace
+
+Shape load_shape(const LoadShape& shape, const std::string& what) {
+  if (const auto* box = std::get_if<LoadBox>(&shape)) return Shape::box(box->edges);
+  if (const auto* round = std::get_if<LoadCylinder>(&shape))
+    return Shape::cylinder(round->radius, round->length);
+  if (const auto* round = std::get_if<LoadCapsule>(&shape))
+    return Shape::capsule(round->radius, round->length);
+  if (const auto* ball = std::get_if<LoadSphere>(&shape)) return Shape::sphere(ball->radius);
+  return mesh_shape(std::get<LoadMesh>(shape), what);
+}
+
+LegLoad leg_load(const LoadSetup& setup) {
+  LegLoad load;
+  load.load = {setup.name, setup.link,   setup.link_from_load, load_shape(setup.shape, "load " + setup.name),
+               setup.mass, setup.touches};
+  for (const int leg : setup.legs) load.legs.push_back(leg - 1);
+  return load;
+}
+
+std::vector<LegLoad> choose_loads(const std::vector<std::filesystem::path>& files, const Robot& robot) {
+  std::vector<LegLoad> loads;
+  for (const std::filesystem::path& file : files) loads.push_back(leg_load(load_load(file)));
+  with_all_loads(robot, loads);
+  return loads;
+}
+
+Pick choose_pick(const std::filesystem::path& file, const std::string& place, const Robot& robot) {
+  const PickSetup setup = load_pick(file);
+  Pick pick;
+  pick.object = {
+      setup.name, setup.link,   Eigen::Isometry3d::Identity(), load_shape(setup.shape, "pick " + setup.name),
+      setup.mass, setup.touches};
+  pick.map_from_object = setup.map_from_object;
+  pick.object_from_tip = setup.object_from_tip;
+  pick.approach = setup.approach;
+  pick.lift = setup.lift;
+  pick.contact = setup.contact;
+  pick.margin = setup.margin;
+  if (place.empty() && !setup.map_from_place)
+    throw std::invalid_argument("--place: expected where " + quote(setup.name) +
+                                " goes, here or as 'place' in " + quote_path(file.string()));
+  pick.map_from_place =
+      place.empty() ? *setup.map_from_place : pose_from_numbers(parse_numbers(place, "--place"), "--place");
+  with_load(robot, pick.object);
+  return pick;
+}
+
+Robot with_all_loads(const Robot& robot, const std::vector<LegLoad>& loads) {
+  Robot loaded = robot;
+  for (const LegLoad& load : loads) loaded = with_load(loaded, load.load);
+  return loaded;
+}
+
+std::pair<Policies, std::map<std::string, Policy>> parted_policies(Policies policies,
+                                                                   const std::vector<LegLoad>& loads) {
+  std::map<std::string, Policy> of_loads;
+  for (const LegLoad& load : loads) {
+    const auto found = policies.parts.find(load.load.name);
+    if (found == policies.parts.end()) continue;
+    of_loads.insert(*found);
+    policies.parts.erase(found);
+  }
+  return {std::move(policies), std::move(of_loads)};
+}
+
+std::map<std::string, Policy> loaded_policies(const ConfigurationSpace& space,
+                                              const std::vector<LegLoad>& loads,
+                                              const std::map<std::string, Policy>& of_loads) {
+  Policies policies{.parts = space.policies(), .other = Policy::not_occupied};
+  policies.parts.insert(of_loads.begin(), of_loads.end());
+  return part_policies(with_all_loads(space.robot(), loads), space.map(), policies);
+}
+
+std::string describe_load(const LegLoad& load) {
+  std::string text = load.load.name + " on " + load.load.link;
+  for (std::size_t i = 0; i < load.legs.size(); ++i)
+    text +=
+        (i == 0 ? (load.legs.size() == 1 ? ", leg " : ", legs ") : ", ") + std::to_string(load.legs[i] + 1);
+  return text;
+}
+
+}  // namespace clearway

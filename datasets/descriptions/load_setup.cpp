@@ -1,0 +1,65 @@
+#include "datasets/descriptions/load_setup.hpp"
+
+#include "datasets/descriptions/setup.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+
+LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path& folder) {
+  const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("capsule") +
+                    fields.has("sphere") + fields.has("mesh");
+  if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder, capsule, sphere and mesh");
+  if (fields.has("box")) return LoadBox{Eigen::Vector3d(fields.numbers("box", positive, 3).data())};
+  if (fields.has("sphere")) return LoadSphere{fields.number("sphere", positive)};
+  if (fields.has("mesh")) return LoadMesh{folder / fields.file("mesh"), fields.number("scale", positive, 1)};
+  const bool is_capsule = fields.has("capsule");
+  const auto sizes = fields.numbers(is_capsule ? "capsule" : "cylinder", positive, 2);
+  if (is_capsule) return LoadCapsule{sizes[0], sizes[1]};
+  return LoadCylinder{sizes[0], sizes[1]};
+}
+
+LoadSetup read_load(const YamlFields& fields, const std::filesystem::path& folder) {
+  LoadSetup load;
+  load.name = fields.text("name");
+  load.shape = read_load_shape(fields, folder);
+  load.link = fields.text("link");
+  load.link_from_load = fields.pose("pose", load.link_from_load);
+  load.mass = fields.number("mass", not_negative, 0);
+  load.touches = fields.texts("touches");
+  if (fields.has("legs")) {
+    for (const double leg : fields.numbers("legs", {1, 1000})) {
+      load.legs.push_back(static_cast<int>(leg));
+      if (load.legs.back() != leg) fields.fail("legs", "expected numbers of legs: 1, 2, …");
+    }
+    if (load.legs.empty()) fields.fail("legs", "expected at least one leg, or no such key");
+  }
+  fields.finish();
+  return load;
+}
+
+LoadSetup load_load(const std::filesystem::path& file) {
+  return read_load(YamlFields(read_text(file, "a load"), "load " + quote_path(file.string())),
+                   file.parent_path());
+}
+
+PickSetup load_pick(const std::filesystem::path& file) {
+  const YamlFields fields(read_text(file, "a pick"), "pick " + quote_path(file.string()));
+  PickSetup pick;
+  pick.name = fields.text("name");
+  pick.shape = read_load_shape(fields, file.parent_path());
+  pick.link = fields.text("link");
+  pick.mass = fields.number("mass", not_negative, 0);
+  pick.touches = fields.texts("touches");
+  pick.map_from_object = fields.pose("pose");
+  if (fields.has_angles("place")) pick.map_from_place = fields.pose("place");
+  pick.object_from_tip = fields.pose("grasp");
+  if (fields.has("approach")) pick.approach = fields.vector("approach");
+  pick.lift = fields.number("lift", positive, pick.lift);
+  pick.contact = fields.number("contact", not_negative, pick.contact);
+  pick.margin = fields.number("margin", not_negative, pick.margin);
+  fields.finish();
+  return pick;
+}
+
+}  // namespace clearway

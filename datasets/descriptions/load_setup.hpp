@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace clearway {
+
+class YamlFields;
+
+/// Shapes of an object, metres, each about the origin of its own frame; cylinders and capsules along z.
+struct LoadBox {
+  Eigen::Vector3d edges = Eigen::Vector3d::Ones();
+};
+struct LoadCylinder {
+  double radius = 1, length = 1;
+};
+struct LoadCapsule {
+  double radius = 1, length = 1;  ///< between the centres of the caps
+};
+struct LoadSphere {
+  double radius = 1;
+};
+struct LoadMesh {
+  std::filesystem::path file;  ///< .dae, .obj, .ply or .stl; its convex hull counts
+  double scale = 1;
+};
+using LoadShape = std::variant<LoadBox, LoadCylinder, LoadCapsule, LoadSphere, LoadMesh>;
+
+/// An object that rides on a link of the robot. See datasets/FORMATS.md for the file.
+struct LoadSetup {
+  std::string name;
+  LoadShape shape;
+  std::string link;
+  Eigen::Isometry3d link_from_load = Eigen::Isometry3d::Identity();
+  double mass = 0;                   ///< kg, full size
+  std::vector<std::string> touches;  ///< links beside `link` that may touch it
+  std::vector<int> legs;             ///< from 1; empty: all
+};
+
+/// An object that stands in the map, is taken and is put elsewhere. See datasets/FORMATS.md for the file.
+struct PickSetup {
+  std::string name;
+  LoadShape shape;
+  std::string link;  ///< that carries it
+  double mass = 0;   ///< kg, full size
+  std::vector<std::string> touches;
+  Eigen::Isometry3d map_from_object = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Isometry3d> map_from_place;  ///< none: whoever asks says it
+  Eigen::Isometry3d object_from_tip = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d approach{0, 0, -0.1};  ///< m, map frame
+  double lift = 0.1;                     ///< m
+  double contact = 0;                    ///< m; 0: chosen
+  double margin = 0;                     ///< m
+};
+
+/// One of box, cylinder, capsule, sphere and mesh. @param folder that a mesh's file is relative to
+/// @throws std::invalid_argument
+LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path& folder);
+
+/// @param folder that a mesh's file is relative to @throws std::invalid_argument
+LoadSetup read_load(const YamlFields& fields, const std::filesystem::path& folder);
+
+/// A load's file. @throws std::invalid_argument in one sentence naming file, line, key and what was expected.
+LoadSetup load_load(const std::filesystem::path& file);
+
+/// A pick's file. @throws as load_load
+PickSetup load_pick(const std::filesystem::path& file);
+
+}  // namespace clearway

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planning/check/path_check.hpp"
+#include "planning/problem/pick.hpp"
+
+namespace clearway {
+
+/// What a plan says of a pick, to be checked.
+struct PickToCheck {
+  const Robot& robot;                            ///< without loads
+  const Snapshot& map;                           ///< with the object
+  const Pick& pick;                              ///< as it is stated, not as the plan has it
+  Eigen::Isometry3d link_from_load;              ///< where the plan says that the object rides
+  std::vector<std::vector<Configuration>> legs;  ///< of the plan: as Pick lists them
+};
+
+/// Checks a picked object's way in code that no planner shares: check_path of every leg with the bodies and
+/// voxels that Pick states for it; the object's voxels and the layers are found anew, by FCL; where the plan
+/// grasps and puts the object is compared with what the pick states (1e-5 m and rad, 1e-3 for the tip); how
+/// low the load comes on the first and last metres is proved by conservative advancement over KDL's
+/// kinematics. Edges are numbered over all legs. Clearances are those of the path as it is checked.
+/// @throws std::invalid_argument as check_path, or for a pick that is not sound.
+PathVerdict check_pick(const PickToCheck& plan, const std::map<std::string, Policy>& policies, double padding,
+                       double seen_within = 0.0);
+
+}  // namespace clearway

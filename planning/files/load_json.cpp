@@ -1,0 +1,129 @@
+#include "planning/files/load_json.hpp"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json numbers_of(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Shape read_shape(const JsonField& field) {
+  if (field.has("sphere")) return Shape::sphere(field.at("sphere").number());
+  if (field.has("box")) return Shape::box(field.at("box").numbers(3));
+  for (const bool is_capsule : {false, true}) {
+    const char* kind = is_capsule ? "capsule" : "cylinder";
+    if (!field.has(kind)) continue;
+    const Eigen::VectorXd sizes = field.at(kind).numbers(2);
+    return is_capsule ? Shape::capsule(sizes[0], sizes[1]) : Shape::cylinder(sizes[0], sizes[1]);
+  }
+  if (!field.has("hull")) field.refuse("sphere, capsule, cylinder, box or hull");
+  std::vector<Eigen::Vector3d> corners;
+  for (const Eigen::VectorXd& corner : field.at("hull").vectors(3)) corners.emplace_back(corner);
+  return Shape::convex(std::move(corners));
+}
+
+LegLoad read_load(const JsonField& field) {
+  LegLoad load;
+  load.load.name = field.at("name").text();
+  load.load.link = field.at("link").text();
+  load.load.link_from_load = pose_of(field.at("pose"));
+  load.load.shape = shape_of(field.at("shape"));
+  load.load.mass = field.at("mass_kg").number();
+  for (const JsonField& link : field.at("touches").items()) load.load.touches.push_back(link.text());
+  if (!field.has("legs")) return load;
+  for (const JsonField& leg : field.at("legs").items()) {
+    if (leg.whole_number() < 1) leg.refuse("a number of a leg, from 1");
+    load.legs.push_back(leg.whole_number() - 1);
+  }
+  if (load.legs.empty()) field.at("legs").refuse("at least one leg");
+  return load;
+}
+
+}  // namespace
+
+Json json_of(const Shape& shape) {
+  switch (shape.kind()) {
+    case Shape::Kind::sphere:
+      return {{"sphere", shape.radius()}};
+    case Shape::Kind::capsule:
+      return {{"capsule", {shape.radius(), shape.length()}}};
+    case Shape::Kind::cylinder:
+      return {{"cylinder", {shape.radius(), shape.length()}}};
+    case Shape::Kind::box:
+      return {{"box", numbers_of(shape.edges())}};
+    case Shape::Kind::convex:
+      break;
+  }
+  Json hull = Json::array();
+  for (const Eigen::Vector3d& corner : shape.vertices()) hull.push_back(numbers_of(corner));
+  return {{"hull", std::move(hull)}};
+}
+
+Shape shape_of(const JsonField& field) {
+  std::string wrong;
+  try {
+    return read_shape(field);
+  } catch (const std::invalid_argument& error) {
+    wrong = error.what();
+  }
+  if (wrong.find("field '") != std::string::npos) throw std::invalid_argument(wrong);
+  field.refuse("a shape of some size, found one of which " + wrong);
+}
+
+Json json_of(const std::vector<LegLoad>& loads) {
+  Json list = Json::array();
+  for (const LegLoad& load : loads) {
+    Json json = {{"name", load.load.name},
+                 {"link", load.load.link},
+                 {"pose", json_of(load.load.link_from_load)},
+                 {"shape", json_of(load.load.shape)},
+                 {"mass_kg", load.load.mass},
+                 {"touches", load.load.touches}};
+    for (const int leg : load.legs) json["legs"].push_back(leg + 1);
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+Json json_of(const Pick& pick) {
+  return {{"name", pick.object.name},
+          {"link", pick.object.link},
+          {"shape", json_of(pick.object.shape)},
+          {"mass_kg", pick.object.mass},
+          {"touches", pick.object.touches},
+          {"pose", json_of(pick.map_from_object)},
+          {"place", json_of(pick.map_from_place)},
+          {"grasp", json_of(pick.object_from_tip)},
+          {"approach", numbers_of(pick.approach)},
+          {"lift_m", pick.lift},
+          {"contact_m", pick.contact},
+          {"margin_m", pick.margin}};
+}
+
+Pick pick_of(const JsonField& field) {
+  Pick pick;
+  pick.object.name = field.at("name").text();
+  pick.object.link = field.at("link").text();
+  pick.object.shape = shape_of(field.at("shape"));
+  pick.object.mass = field.at("mass_kg").number();
+  for (const JsonField& link : field.at("touches").items()) pick.object.touches.push_back(link.text());
+  pick.map_from_object = pose_of(field.at("pose"));
+  pick.map_from_place = pose_of(field.at("place"));
+  pick.object_from_tip = pose_of(field.at("grasp"));
+  pick.approach = field.at("approach").numbers(3);
+  pick.lift = field.at("lift_m").number();
+  pick.contact = field.at("contact_m").number();
+  pick.margin = field.at("margin_m").number();
+  return pick;
+}
+
+std::vector<LegLoad> loads_of(const JsonField& field) {
+  std::vector<LegLoad> loads;
+  for (const JsonField& item : field.items()) loads.push_back(read_load(item));
+  return loads;
+}
+
+}  // namespace clearway

@@ -1,0 +1,335 @@
+#include "planning/plan_pick.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "mapping/system/thread_time.hpp"
+#include "planning/auto_planner.hpp"
+#include "planning/check/check_pick.hpp"
+#include "planning/picks/pick_scene.hpp"
+#include "planning/picks/straight_motion.hpp"
+#include "planning/robot/goal_configurations.hpp"
+#include "planning/sampling/rrtconnect.hpp"
+
+namespace clearway {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Path = std::vector<Configuration>;
+
+constexpr double straight_step = 0.01;  ///< m of the tip, full size
+constexpr double least_sinking = 1e-4;  ///< m; as Pick says
+constexpr int turns_of_axial = 12;
+constexpr int starts = 72;              ///< of inverse kinematics for a pose, a sixth for each turn
+constexpr std::size_t most_tried = 48;  ///< grasps that lead on, and places of each, in the last round
+
+/// A configuration that holds the object, by a turn about the object's axis.
+struct Hold {
+  Configuration q;
+  double turn = 0.0;
+};
+
+/// The straight legs at the object, each as the robot goes it.
+struct Taking {
+  Hold grasp;
+  Path reach, lift;
+};
+struct Putting {
+  Path lower, retreat;
+};
+
+class PickPlanner {
+ public:
+  PickPlanner(const PlanQuery& query, const Pick& pick, std::shared_ptr<const Planner> planner)
+      : query_(query),
+        pick_(pick),
+        rounds_(rounds_of(std::move(planner))),
+        robot_(query.space.robot()),
+        padding_(query.space.options().padding),
+        contact_(contact_length(pick, query.space.map().resolution(), padding_)),
+        step_(straight_step * query.space.robot().scale),
+        scene_(query.space, pick, query.load_policies) {}
+
+  /// The legs, up to the first that fails.
+  std::vector<PlanResult> run() {
+    const std::vector<Hold> grasps = holds(pick_.map_from_object, query_.start);
+    std::string why = "no configuration within the limits was found that puts the tip at the grasp";
+    for (const Round& round : rounds_) {
+      round_ = &round;
+      if (join_any(grasps, why)) return best_;
+      const bool is_hopeless = best_.empty() || best_.front().status == PlanStatus::start_invalid;
+      if (is_hopeless || is_out_of_time()) break;
+    }
+    if (!best_.empty()) return best_;
+    return {failure(is_out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path,
+                    "The object cannot be taken: " + why + ".")};
+  }
+
+  const Load& load() const { return scene_.load(); }
+  std::map<std::string, Policy> policies() { return scene_.carrying().policies(); }
+
+ private:
+  /// Who is asked for the legs that are not straight, and how many grasps, and places of each, are tried.
+  struct Round {
+    std::shared_ptr<const Planner> planner;
+    std::size_t most = 0;
+  };
+
+  /// `auto` does not end before its time is out: first short looks at several grasps and places, by what it
+  /// would begin with.
+  static std::vector<Round> rounds_of(std::shared_ptr<const Planner> planner) {
+    std::vector<Round> rounds;
+    if (planner->name() == AutoPlanner::table_name) {
+      rounds.push_back({std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = 1000}), 6});
+      rounds.push_back({std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = 4000}), 12});
+    }
+    rounds.push_back({std::move(planner), most_tried});
+    return rounds;
+  }
+
+  /// Whether some grasp leads to a plan; else the legs that came farthest are kept.
+  bool join_any(const std::vector<Hold>& grasps, std::string& why) {
+    std::size_t tried = 0;
+    for (const Hold& grasp : grasps) {
+      if (tried == round_->most || is_out_of_time()) return false;
+      const auto taking = take(grasp, why);
+      if (!taking) continue;
+      ++tried;
+      std::vector<PlanResult> legs = plan_from(*taking);
+      const bool is_solved = legs.back().status == PlanStatus::solved;
+      if (is_solved || legs.size() > best_.size()) best_ = std::move(legs);
+      if (is_solved) return true;
+      if (best_.front().status == PlanStatus::start_invalid) return false;
+    }
+    return false;
+  }
+
+  static PlanResult failure(PlanStatus status, const std::string& explanation) {
+    PlanResult result;
+    result.status = status;
+    result.explanation = explanation;
+    return result;
+  }
+
+  bool is_out_of_time() const {
+    return std::chrono::duration<double>(Clock::now() - begin_).count() > query_.time_limit;
+  }
+
+  /// Configurations that hold the object where it is, nearest to `near` first.
+  std::vector<Hold> holds(const Eigen::Isometry3d& map_from_object, const Configuration& near) const {
+    const int turns = pick_.object.shape.is_axial() ? turns_of_axial : 1;
+    std::vector<Hold> found;
+    for (int i = 0; i < turns && !is_out_of_time(); ++i) {
+      const double turn = 2.0 * std::numbers::pi * i / turns;
+      const Eigen::Isometry3d tip =
+          map_from_object * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * pick_.object_from_tip;
+      for (Configuration& q :
+           goal_configurations(robot_, tip, near, starts / (turns > 1 ? 6 : 1), query_.seed))
+        found.push_back({std::move(q), turn});
+    }
+    std::stable_sort(found.begin(), found.end(), [&](const Hold& a, const Hold& b) {
+      return (a.q - near).lpNorm<Eigen::Infinity>() < (b.q - near).lpNorm<Eigen::Infinity>();
+    });
+    return found;
+  }
+
+  Eigen::Isometry3d link_pose(const Configuration& q) const {
+    const LinkPoses poses = forward_kinematics(robot_, q);
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      if (robot_.links[i].name == pick_.object.link) return poses[i];
+    return poses.front();
+  }
+
+  /// The plane on which the object stands.
+  double plane_at(const Eigen::Isometry3d& map_from_object) const {
+    return pick_.object.shape.bounds(map_from_object).min().z();
+  }
+
+  /// The part of a straight way on the support, and the rest of it, are free; `path` begins at the support.
+  bool is_contact_free(const ConfigurationSpace& on_layer, const Eigen::Isometry3d& map_from_object,
+                       const Path& on_support) {
+    const double plane = plane_at(map_from_object), sinking = std::max(padding_, least_sinking);
+    return is_path_free(scene_.bare(), on_support) && is_path_free(on_layer, on_support) &&
+           keeps_height(on_layer.robot(), on_layer.robot().bodies.size() - 1, on_support, plane - sinking,
+                        plane + contact_ + sinking);
+  }
+
+  /// Straight up from where the object stands: on the support first, with a waypoint where that ends.
+  std::optional<std::pair<Path, Path>> upwards(const Configuration& from) const {
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    auto first = straight_motion(robot_, from, contact_ * up, step_);
+    if (!first) return std::nullopt;
+    Path rest = {first->back()};
+    if (pick_.lift > contact_) {
+      auto more = straight_motion(robot_, first->back(), (pick_.lift - contact_) * up, step_);
+      if (!more) return std::nullopt;
+      rest = std::move(*more);
+    }
+    return std::pair(std::move(*first), std::move(rest));
+  }
+
+  static Path joined(Path first, const Path& rest) {
+    first.insert(first.end(), rest.begin() + 1, rest.end());
+    return first;
+  }
+
+  std::optional<Taking> take(const Hold& grasp, std::string& why) {
+    why = "no grasp is free: " + scene_.grasping().check(grasp.q).sentence();
+    if (!scene_.grasping().is_free(grasp.q)) return std::nullopt;
+    const auto back = straight_motion(robot_, grasp.q, -pick_.approach, step_);
+    const auto up = upwards(grasp.q);
+    why = "no arm configuration at the grasp can go the straight ways of approach and lift";
+    if (!back || !up) return std::nullopt;
+    const Path reach(back->rbegin(), back->rend());
+    why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
+    if (!scene_.before().is_free(reach.front())) return std::nullopt;
+    why = "the straight ways at the grasp are not free";
+    if (!is_path_free(scene_.grasping(), reach)) return std::nullopt;
+    const Eigen::Isometry3d turned =
+        pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
+    scene_.hold(link_pose(grasp.q).inverse() * turned);
+    if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
+    if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
+    return Taking{grasp, reach, joined(up->first, up->second)};
+  }
+
+  std::optional<Putting> put(const Taking& taking, const Configuration& placed, std::string& why) {
+    const auto up = upwards(placed);
+    const Eigen::Matrix3d turned =
+        tip_pose(robot_, placed).linear() * tip_pose(robot_, taking.grasp.q).linear().transpose();
+    const auto retreat = straight_motion(robot_, placed, -(turned * pick_.approach), step_);
+    why = "no arm configuration at the place can go the straight ways of lowering and retreat";
+    if (!up || !retreat) return std::nullopt;
+    why = "the straight ways at the place are not free";
+    if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
+    if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
+    if (!is_path_free(scene_.releasing(), *retreat)) return std::nullopt;
+    const Path upward = joined(up->first, up->second);
+    return Putting{{upward.rbegin(), upward.rend()}, *retreat};
+  }
+
+  PlanResult plan_leg(const ConfigurationSpace& space, const Configuration& from, const Configuration& to) {
+    const PathCost cost = path_cost(query_, space.robot());
+    PlanResult leg =
+        round_->planner->plan({space, cost, from, to, query_.seed, [this] { return is_out_of_time(); }});
+    if (leg.status == PlanStatus::solved && leg.waypoints.back() != to) {
+      leg.status = PlanStatus::no_path;
+      leg.explanation = "The planner ends short of where the straight way begins.";
+      leg.explored = std::move(leg.waypoints);
+      leg.waypoints.clear();
+    }
+    return leg;
+  }
+
+  PlanResult straight_leg(const ConfigurationSpace& space, const Path& path) const {
+    PlanResult leg;
+    leg.status = PlanStatus::solved;
+    leg.waypoints = path;
+    leg.cost = path_cost(query_, space.robot())(path);
+    leg.search_steps = static_cast<int>(path.size()) - 1;
+    return leg;
+  }
+
+  std::vector<PlanResult> plan_from(const Taking& taking) {
+    std::vector<PlanResult> legs = {plan_leg(scene_.before(), query_.start, taking.reach.front())};
+    if (legs.back().status != PlanStatus::solved) return legs;
+    legs.push_back(straight_leg(scene_.bare(), taking.reach));
+    legs.push_back(straight_leg(scene_.carrying(), taking.lift));
+    const std::size_t taken = legs.size();
+    PlanResult failed = failure(PlanStatus::no_path, "");
+    std::string why = "no configuration within the limits was found that puts the object at its place";
+    std::size_t tried = 0;
+    for (const Hold& place : holds(pick_.map_from_place, taking.lift.back())) {
+      if (tried == round_->most || is_out_of_time()) break;
+      const auto putting = put(taking, place.q, why);
+      if (!putting) continue;
+      ++tried;
+      legs.resize(taken);
+      legs.push_back(plan_leg(scene_.carrying(), taking.lift.back(), putting->lower.front()));
+      if (legs.back().status != PlanStatus::solved) {
+        failed = legs.back();
+        why = "from there: " + failed.explanation;
+        continue;
+      }
+      legs.push_back(straight_leg(scene_.carrying(), putting->lower));
+      legs.push_back(straight_leg(scene_.bare(), putting->retreat));
+      if (!query_.goals.empty())
+        legs.push_back(plan_leg(scene_.after(), putting->retreat.back(), query_.goals.front()));
+      return legs;
+    }
+    legs.resize(taken);
+    failed.status = is_out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
+    failed.waypoints.clear();
+    failed.explanation = "The object cannot be put down: " + why + ".";
+    legs.push_back(failed);
+    return legs;
+  }
+
+  const PlanQuery& query_;
+  const Pick& pick_;
+  std::vector<Round> rounds_;
+  const Round* round_ = nullptr;
+  const Robot& robot_;
+  double padding_, contact_, step_;
+  PickScene scene_;
+  Clock::time_point begin_ = Clock::now();
+  std::vector<PlanResult> best_;
+};
+
+void require_query(const PlanQuery& query) {
+  if (query.goals.size() > 1)
+    throw std::invalid_argument("plan query: goals are " + std::to_string(query.goals.size()) +
+                                ": expected at most one with a pick");
+  if (!query.loads.empty()) throw std::invalid_argument("plan query: loads: expected none with a pick");
+}
+
+void check_legs_of(const ConfigurationSpace& space, const Pick& pick, Plan& plan) {
+  const auto begin = Clock::now();
+  const ThreadStopwatch cpu(plan.check_cpu_s);
+  plan.validation = check_pick(pick_of(plan, pick, space.robot(), space.map()), plan.policies, plan.padding,
+                               plan.seen_within);
+  plan.check_s = std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+void tell_ends(const PlanQuery& query, Plan& plan) {
+  plan.goals.clear();
+  for (const PlanResult& leg : plan.legs)
+    if (!leg.waypoints.empty()) plan.goals.push_back(leg.waypoints.back());
+  if (plan.legs.size() == names_of_legs(true).size()) {
+    plan.goals.resize(names_of_legs(false).size());
+    plan.goals.push_back(query.goals.front());
+  }
+}
+
+}  // namespace
+
+Plan plan_pick(const PlanQuery& query, const Pick& pick) {
+  require_query(query);
+  const auto planner = query.planner ? query.planner : std::make_shared<const AutoPlanner>();
+  const ConfigurationSpace& space = query.space;
+  require_sound(pick, space.map().resolution(), space.options().padding);
+  Plan plan = empty_plan(query, *planner);
+  const auto begin = Clock::now();
+  {
+    const ThreadStopwatch cpu(plan.cpu_s);
+    PickPlanner legs(query, pick, planner);
+    plan.legs = legs.run();
+    plan.loads = {{legs.load(), {2, 3, 4}}};
+    plan.policies = legs.policies();
+  }
+  plan.pick = pick;
+  tell_ends(query, plan);
+  plan.time_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  if (plan.status() == PlanStatus::solved) check_legs_of(space, pick, plan);
+  if (query.survey) {
+    plan.survey = survey_legs(legs_of(plan, space.robot(), space.map()), plan.policies);
+    plan.allow_outside = query.survey->allow_outside;
+    refuse_surveyed(*plan.survey, *query.survey, plan.validation);
+  }
+  return plan;
+}
+
+}  // namespace clearway

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "planning/robot/load.hpp"
+
+namespace clearway {
+
+/// An object that stands in the map, how a robot takes it, and where it puts it (Chong et al. 2008, section
+/// 4). Whoever states it says that nothing but the object is in the voxels that it reaches into. "Up" is the
+/// map's z; the object stands on the horizontal plane through its lowest point.
+///
+/// Legs, and what holds on each beside the contract of check_path:
+///   approach  from the start to the grasp less `approach`; the object is a body that nothing may touch
+///   reach     straight to the grasp; the object's voxels have left the map, its shape stands in their place,
+///             and only the link that carries it and `touches` may touch it
+///   lift      straight up; the object is the robot's load. On its first `contact` metres the load may touch
+///             voxels of the support's layer, provided its lowest point never sinks below the plane that it
+///             stood on by more than the padding (at least 0.1 mm); the robot itself keeps clear of these
+///   carry     to above the place
+///   lower     straight down; the same on its last `contact` metres, with the layer at the place
+///   retreat   back along the approach, turned as the object was; as `reach`, the object at its place
+///   leave     to the goal, if there is one; the object, at its place, may not be touched
+///
+/// The object's voxels: those wholly above the plane that it reaches into, or comes within `margin` of. The
+/// layer: voxels that lie wholly within the box about the object, one voxel and the padding wider, from one
+/// voxel and the padding below the plane to one voxel above it.
+struct Pick {
+  Load object;  ///< its link_from_load is not used: it is where the grasp has it
+  Eigen::Isometry3d map_from_object = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d map_from_place = Eigen::Isometry3d::Identity();  ///< of the object, afterwards
+  /// Where the tip takes it, in the object's frame. One of an axial shape may be turned about its axis, and
+  /// so may the place.
+  Eigen::Isometry3d object_from_tip = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d approach{0.0, 0.0, -0.1};  ///< the tip's motion to the grasp, metres, map frame
+  double lift = 0.1;                         ///< metres
+  double contact = 0.0;                      ///< metres of the lift; 0: two voxels and twice the padding
+  double margin = 0.0;                       ///< metres
+};
+
+/// Names of the legs in order; with a goal `leave` is one more.
+std::vector<std::string> names_of_legs(bool has_goal);
+
+/// `contact`, chosen where it is 0. @param resolution of the map, metres
+double contact_length(const Pick& pick, double resolution, double padding);
+
+/// @throws std::invalid_argument in one sentence naming the field: poses and lengths that are none, an
+/// approach of no length, a contact shorter than a voxel and the padding, a lift shorter than the contact.
+void require_sound(const Pick& pick, double resolution, double padding);
+
+/// The same object, grasp, place and lengths, within 1e-6 m.
+bool is_same(const Pick& a, const Pick& b);
+
+}  // namespace clearway

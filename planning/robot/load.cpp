@@ -1,0 +1,140 @@
+#include "planning/robot/load.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot/robot.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double same_length = 1e-6;  ///< m, kg
+
+bool is_plain_name(const std::string& name) {
+  const auto is_plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  };
+  return !name.empty() && name.size() <= 80 && std::all_of(name.begin(), name.end(), is_plain);
+}
+
+int link_of(const Robot& robot, const std::string& name, const std::string& what) {
+  std::vector<std::string> names;
+  for (const Link& link : robot.links) names.push_back(link.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<int>(found - names.begin());
+  throw std::invalid_argument(what + ": robot " + quote(robot.name) + " has no link " + quote(name) +
+                              ", did you mean " + quote(nearest_name(name.substr(0, 100), names)) + "?");
+}
+
+void require_sound(const Robot& robot, const Load& load) {
+  const std::string what = "load " + quote(load.name);
+  if (!is_plain_name(load.name))
+    throw std::invalid_argument(what + ": expected a name of letters, digits, '_', '-' and '.'");
+  for (const Link& link : robot.links)
+    if (link.name == load.name)
+      throw std::invalid_argument(what + ": robot " + quote(robot.name) +
+                                  " has a link of that name, expected another one");
+  for (const Body& body : robot.bodies)
+    if (body.part == load.name)
+      throw std::invalid_argument(what + ": robot " + quote(robot.name) +
+                                  " has a part of that name, expected another one");
+  const Eigen::Matrix3d turn = load.link_from_load.linear();
+  const bool is_turn =
+      turn.allFinite() && (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0.0;
+  if (!is_turn || !load.link_from_load.translation().allFinite())
+    throw std::invalid_argument(what + ", pose: expected finite numbers and a rotation");
+  if (!std::isfinite(load.mass) || load.mass < 0.0)
+    throw std::invalid_argument(what + ", mass: expected a finite number of kg from 0");
+}
+
+/// Farthest along each axis and each diagonal of the axes: tells shapes apart that look alike in a box.
+bool are_alike(const Shape& a, const Shape& b) {
+  if (a.kind() != b.kind()) return false;
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const Eigen::Vector3d n(x, y, z);
+        if (!(std::abs(n.dot(a.support(n)) - n.dot(b.support(n))) <= same_length)) return false;
+      }
+  if (a.vertices().size() != b.vertices().size()) return false;
+  for (std::size_t i = 0; i < a.vertices().size(); ++i)
+    if (!((a.vertices()[i] - b.vertices()[i]).norm() <= same_length)) return false;
+  return true;
+}
+
+}  // namespace
+
+bool LegLoad::rides_on(int leg) const {
+  return legs.empty() || std::find(legs.begin(), legs.end(), leg) != legs.end();
+}
+
+Robot with_load(const Robot& robot, const Load& load) {
+  require_sound(robot, load);
+  const std::string what = "load " + quote(load.name);
+  Robot result = robot;
+  Link link;
+  link.name = load.name;
+  link.parent = link_of(robot, load.link, what);
+  link.parent_from_link = load.link_from_load;
+  link.mass = load.mass * std::pow(robot.scale, 3);
+  Body body;
+  body.part = load.name;
+  body.link = static_cast<int>(robot.links.size());
+  body.shape = load.shape;
+  body.cover = load.shape.sphere_cover();
+  std::set<int> holding = {link.parent};
+  for (const std::string& name : load.touches) holding.insert(link_of(robot, name, what + ", touches"));
+  const int index = static_cast<int>(robot.bodies.size());
+  for (int other = 0; other < index; ++other)
+    if (holding.contains(robot.bodies[static_cast<std::size_t>(other)].link))
+      result.exempt.emplace_back(other, index);
+  std::sort(result.exempt.begin(), result.exempt.end());
+  result.links.push_back(std::move(link));
+  result.bodies.push_back(std::move(body));
+  result.loads.push_back(load);
+  return result;
+}
+
+Robot robot_of_leg(const Robot& robot, const std::vector<LegLoad>& loads, int leg) {
+  Robot result = robot;
+  for (const LegLoad& load : loads)
+    if (load.rides_on(leg)) result = with_load(result, load.load);
+  return result;
+}
+
+std::vector<std::string> holders_of(const Robot& robot, const std::string& part) {
+  const auto load = std::find_if(robot.loads.begin(), robot.loads.end(),
+                                 [&](const Load& known) { return known.name == part; });
+  if (load == robot.loads.end()) return {};
+  std::vector<std::string> holders;
+  const auto add_parts_of = [&](int link) {
+    for (const Body& body : robot.bodies)
+      if (body.link == link && body.part != part) holders.push_back(body.part);
+  };
+  const auto found = std::find_if(robot.links.begin(), robot.links.end(),
+                                  [&](const Link& link) { return link.name == load->link; });
+  for (auto i = static_cast<int>(found - robot.links.begin());
+       i >= 0 && i < static_cast<int>(robot.links.size()) && holders.empty();
+       i = robot.links[static_cast<std::size_t>(i)].parent)
+    add_parts_of(i);
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (std::find(load->touches.begin(), load->touches.end(), robot.links[i].name) != load->touches.end())
+      add_parts_of(static_cast<int>(i));
+  return holders;
+}
+
+bool is_same(const Load& a, const Load& b) {
+  const auto names = [](const Load& load) {
+    return std::set<std::string>(load.touches.begin(), load.touches.end());
+  };
+  const double apart = (a.link_from_load.matrix() - b.link_from_load.matrix()).cwiseAbs().maxCoeff();
+  return a.name == b.name && a.link == b.link && names(a) == names(b) && apart <= same_length &&
+         std::abs(a.mass - b.mass) <= same_length && are_alike(a.shape, b.shape);
+}
+
+}  // namespace clearway

@@ -1,0 +1,225 @@
+// `plan --attach` and `--pick`, and plans edited so that they carry less, as `check` sees them.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_file.hpp"
+#include "planning/files/query_record.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace attach_test {
+
+using Json = nlohmann::json;
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+}
+
+/// Two posts 0.7 m apart: the point robot's disc of 0.2 m passes between them, a rod of 1 m does not.
+class Attach : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const VoxelScene scene{
+        0.05, {box_of(0.9, 0.35, -0.1, 1.0, 0.45, 0.1), box_of(0.9, -0.45, -0.1, 1.0, -0.35, 0.1)}, {}, {}};
+    save_map(scene.snapshot(), folder_.path() / "map");
+    rod_ = folder_.write("rod.yaml", "{name: rod, box: [0.05, 1.0, 0.05], link: base, mass: 2}");
+  }
+
+  CommandRun plan(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"plan",      "--start=0,0", "--goal=2,0", "--goal=0,0",
+                                       "--planner", "rrtconnect",  "--out",      folder_.file("plan.json")};
+    return run(std::move(arguments), more);
+  }
+  Json written() const { return Json::parse(read_file(folder_.file("plan.json"))); }
+
+  CommandRun check(const Json& plan, const std::vector<std::string>& more = {}) const {
+    return run({"check", folder_.write("edited.json", plan.dump())}, more);
+  }
+
+  /// On the map, for the point robot; unknown counts as free.
+  CommandRun run(std::vector<std::string> arguments, const std::vector<std::string>& more) const {
+    for (const std::string& word :
+         {std::string("--map"), folder_.file("map"), std::string("--robot"), std::string("point"),
+          std::string("--policy"), std::string("not_occupied"), std::string("--allow-outside"),
+          std::string("all")})
+      arguments.push_back(word);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+
+  TemporaryFolder folder_;
+  std::string rod_;
+};
+
+TEST_F(Attach, a_load_leads_the_robot_round_and_is_in_the_plan) {
+  ASSERT_EQ(plan({}).status, exit_done);
+  EXPECT_EQ(written()["waypoints"].size(), 3U);  // straight through, and back
+  EXPECT_FALSE(written().contains("loads"));
+  const CommandRun run = plan({"--attach", rod_});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  expect_words(run.out, {"rod on base"});
+  EXPECT_GT(written()["waypoints"].size(), 4U);
+  EXPECT_EQ(written()["loads"][0]["shape"], Json({{"box", {0.05, 1.0, 0.05}}}));
+  EXPECT_EQ(written()["policy"]["rod"], "not_occupied");
+  const CommandRun checked = check(written());
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  expect_words(checked.out, {"rod on base (plan)", "is what the plan says"});
+  expect_words(check(written(), {"--attach", rod_}).out, {"rod on base (flag)", "valid"});
+}
+
+TEST_F(Attach, a_load_may_ride_on_one_leg_alone) {
+  const std::string back =
+      folder_.write("back.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, legs: [2]}");
+  const CommandRun run = plan({"--attach", back});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_EQ(written()["legs"][0]["waypoints"], Json({0, 1}));
+  EXPECT_GT(written()["legs"][1]["waypoints"][1].get<int>(), 2);
+  EXPECT_EQ(written()["loads"][0]["legs"], Json({2}));
+  EXPECT_EQ(check(written(), {"--attach", back}).status, exit_done);
+  const CommandRun both = check(written(), {"--attach", rod_});
+  EXPECT_EQ(both.status, exit_no);
+  expect_words(both.out, {"leaves it off on leg 1", "--accept-load"});
+}
+
+TEST_F(Attach, check_refuses_a_plan_that_drops_or_shrinks_its_load) {
+  ASSERT_EQ(plan({}).status, exit_done);
+  const CommandRun dropped = check(written(), {"--attach", rod_});
+  EXPECT_EQ(dropped.status, exit_no);
+  expect_words(dropped.out,
+               {"load: expected rod on base, the plan says nothing of it", "rod comes too near to a voxel"});
+  EXPECT_EQ(check(written(), {"--attach", rod_, "--accept-load"}).status, exit_done);
+
+  Json shrunk = written();
+  shrunk["policy"]["rod"] = "not_occupied";
+  shrunk["loads"] = {{{"name", "rod"},
+                      {"link", "base"},
+                      {"pose", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}},
+                      {"shape", {{"box", {0.05, 0.05, 0.05}}}},
+                      {"mass_kg", 2.0},
+                      {"touches", Json::array()}}};
+  const CommandRun small = check(shrunk, {"--attach", rod_});
+  EXPECT_EQ(small.status, exit_no);
+  expect_words(small.out, {"says another shape", "rod comes too near to a voxel"});
+}
+
+/// The map folder's record knows the load: a plan of that query that forgets it is refused without a flag.
+TEST_F(Attach, check_takes_the_load_from_the_maps_record) {
+  ASSERT_EQ(plan({}).status, exit_done);
+  QueryTerms terms;
+  terms.name = "there and back";
+  terms.robot = "point";
+  terms.policies = {{"base", Policy::not_occupied}, {"rod", Policy::not_occupied}};
+  terms.padding = 0.001;
+  terms.start = Eigen::Vector2d(0.0, 0.0);
+  terms.goals = {Eigen::Vector2d(2.0, 0.0), Eigen::Vector2d(0.0, 0.0)};
+  Load rod;
+  rod.name = "rod", rod.link = "base", rod.shape = Shape::box({0.05, 1.0, 0.05}), rod.mass = 2.0;
+  terms.loads = {{rod, {}}};
+  write_file(folder_.path() / "map" / "queries.json", to_json({map_sha256(folder_.path() / "map"), {terms}}));
+  const CommandRun forgotten = check(written());
+  EXPECT_EQ(forgotten.status, exit_no);
+  expect_words(forgotten.out,
+               {"load: expected rod on base by the map's record", "rod comes too near to a voxel"});
+  ASSERT_EQ(plan({"--attach", rod_}).status, exit_done);
+  const CommandRun kept = check(written());
+  EXPECT_EQ(kept.status, exit_done) << kept.out;
+  expect_words(kept.out, {"rod on base (map)"});
+}
+
+TEST_F(Attach, what_no_robot_can_carry_is_told_in_one_sentence) {
+  const auto refused = [&](const std::string& text, const std::string& word) {
+    const CommandRun run = plan({"--attach", folder_.write("bad.yaml", text)});
+    EXPECT_EQ(run.status, exit_bad_input) << run.out;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    expect_words(run.log, {word});
+  };
+  refused("{name: rod, box: [1, 1, 1], link: bse}", "did you mean 'base'?");
+  refused("{name: rod, box: [1, 1], link: base}", "box");
+  refused("{name: rod, mesh: no.stl, link: base}", "no.stl");
+  refused("{name: rod, box: [1, 1, 1], link: base, legs: [3]}", "leg 3");
+  EXPECT_EQ(plan({"--attach", folder_.file("none.yaml")}).status, exit_bad_input);
+  EXPECT_EQ(plan({"--place", "0,0,0"}).status, exit_bad_input);
+}
+
+/// A can on a table, and where it goes.
+class PickCommand : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const VoxelScene scene{
+        0.02,
+        {box_of(0.24, -0.46, 0.04, 0.7, 0.46, 0.099), box_of(0.4, 0.14, 0.1, 0.44, 0.18, 0.22)},
+        {},
+        {}};
+    save_map(scene.snapshot(), folder_->path() / "map");
+    const std::string pick = folder_->write(
+        "pick.yaml",
+        "{name: can, cylinder: [0.03, 0.12], link: hand, pose: [0.42, 0.16, 0.16, 0, 0, 0], mass: 0.3, "
+        "place: [0.42, -0.2, 0.16, 0, 0, 0], grasp_deg: [0, 0, 0.04, 180, 0, 0]}");
+    plan_ = new CommandRun(
+        run_command({"plan", "--map", folder_->file("map"), "--robot", "arm6", "--policy", "not_occupied",
+                     "--start=0,-1.9,1.7,-1.4,-1.57,0", "--pick", pick, "--out", folder_->file("plan.json"),
+                     "--view", folder_->file("plan.html")}));
+  }
+  static void TearDownTestSuite() {
+    delete plan_;
+    delete folder_;
+  }
+
+  static CommandRun check(const Json& plan, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"check",   "--map", folder_->file("map"),
+                                       "--robot", "arm6",  folder_->write("edited.json", plan.dump())};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+  static Json written() { return Json::parse(read_file(folder_->file("plan.json"))); }
+
+  static TemporaryFolder* folder_;
+  static CommandRun* plan_;
+};
+TemporaryFolder* PickCommand::folder_ = nullptr;
+CommandRun* PickCommand::plan_ = nullptr;
+
+TEST_F(PickCommand, takes_a_can_and_puts_it_down) {
+  ASSERT_EQ(plan_->status, exit_done) << plan_->out << plan_->log;
+  expect_words(plan_->out, {"can: approach, reach, lift, carry, lower, retreat", "6 of 6", "valid"});
+  EXPECT_EQ(written()["loads"][0]["legs"], Json({3, 4, 5}));
+  EXPECT_TRUE(std::filesystem::exists(folder_->file("plan.html")));
+}
+
+TEST_F(PickCommand, check_never_takes_the_pick_from_the_plan) {
+  const CommandRun without = check(written(), {"--policy", "not_occupied"});
+  EXPECT_EQ(without.status, exit_no);
+  expect_words(without.out, {"expected --pick, because the plan takes the voxels of 'can' out of the map"});
+  const CommandRun with =
+      check(written(), {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml")});
+  EXPECT_EQ(with.status, exit_done) << with.out << with.log;
+  expect_words(with.out, {"can (flag)"});
+  const CommandRun accepted = check(written(), {"--policy", "not_occupied", "--accept-load"});
+  EXPECT_EQ(accepted.status, exit_done) << accepted.out;
+  const CommandRun elsewhere = check(written(), {"--policy", "not_occupied", "--pick",
+                                                 folder_->file("pick.yaml"), "--place", "0.42,-0.21,0.16"});
+  EXPECT_EQ(elsewhere.status, exit_no);
+  expect_words(elsewhere.out, {"the plan says another shape, pose, grasp, place or way", "from its place"});
+}
+
+TEST_F(PickCommand, a_plan_that_loosens_its_pick_in_its_file_is_refused) {
+  Json plan = written();
+  plan["loads"][0]["pose"][2][3] = plan["loads"][0]["pose"][2][3].get<double>() - 0.02;
+  const CommandRun moved = check(plan, {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml")});
+  EXPECT_EQ(moved.status, exit_no);
+  expect_words(moved.out, {"the load rides"});
+  plan = written();
+  plan.erase("loads");
+  EXPECT_EQ(check(plan, {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml")}).status, exit_no);
+  plan = written();
+  plan.erase("pick");
+  EXPECT_EQ(check(plan, {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml")}).status, exit_no);
+}
+
+}  // namespace attach_test
+}  // namespace clearway

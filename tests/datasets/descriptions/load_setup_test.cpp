@@ -1,0 +1,84 @@
+#include "datasets/descriptions/load_setup.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace load_setup_test {
+
+class LoadFiles : public ::testing::Test {
+ protected:
+  LoadSetup load(const std::string& text) { return load_load(folder_.write("load.yaml", text)); }
+  PickSetup pick(const std::string& text) { return load_pick(folder_.write("pick.yaml", text)); }
+
+  std::string sentence(const std::string& text) {
+    try {
+      load(text);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(LoadFiles, SayShapePlaceAndLegs) {
+  const LoadSetup can = load(
+      "{name: can, cylinder: [0.03, 0.12], link: hand, pose_deg: [0, 0, 0.13, 180, 0, 0], mass: 0.3, "
+      "touches: [finger], legs: [2, 3]}");
+  EXPECT_EQ(can.name, "can");
+  EXPECT_EQ(std::get<LoadCylinder>(can.shape).length, 0.12);
+  EXPECT_NEAR(can.link_from_load.linear()(2, 2), -1.0, 1e-12);
+  EXPECT_EQ(can.link_from_load.translation().z(), 0.13);
+  EXPECT_EQ(can.mass, 0.3);
+  EXPECT_EQ(can.touches, std::vector<std::string>{"finger"});
+  EXPECT_EQ(can.legs, (std::vector<int>{2, 3}));
+  EXPECT_EQ(std::get<LoadBox>(load("{name: a, box: [1, 2, 3], link: b}").shape).edges.z(), 3.0);
+  EXPECT_EQ(std::get<LoadSphere>(load("{name: a, sphere: 2, link: b}").shape).radius, 2.0);
+  EXPECT_EQ(std::get<LoadCapsule>(load("{name: a, capsule: [1, 2], link: b}").shape).length, 2.0);
+  const LoadMesh mesh = std::get<LoadMesh>(load("{name: a, mesh: cup.stl, scale: 0.001, link: b}").shape);
+  EXPECT_EQ(mesh.file.filename(), "cup.stl");
+  EXPECT_EQ(mesh.file.parent_path(), folder_.path());
+  EXPECT_EQ(mesh.scale, 0.001);
+}
+
+TEST_F(LoadFiles, AreRefusedInASentenceThatNamesTheKey) {
+  const auto names = [&](const std::string& word, const std::string& text) {
+    EXPECT_NE(sentence(text).find(word), std::string::npos) << sentence(text);
+    EXPECT_NE(sentence(text).find("load.yaml"), std::string::npos) << sentence(text);
+  };
+  names("exactly one of box", "{name: a, link: b}");
+  names("exactly one of box", "{name: a, box: [1, 1, 1], sphere: 1, link: b}");
+  names("box", "{name: a, box: [1, 1], link: b}");
+  names("sphere", "{name: a, sphere: -1, link: b}");
+  names("sphere", "{name: a, sphere: .nan, link: b}");
+  names("link", "{name: a, sphere: 1}");
+  names("mass", "{name: a, sphere: 1, link: b, mass: -1}");
+  names("legs", "{name: a, sphere: 1, link: b, legs: [0]}");
+  names("legs", "{name: a, sphere: 1, link: b, legs: [1.5]}");
+  names("legs", "{name: a, sphere: 1, link: b, legs: []}");
+  names("tuoches", "{name: a, sphere: 1, link: b, tuoches: [c]}");
+  names("map", "[1, 2]");
+}
+
+TEST_F(LoadFiles, SayHowAnObjectIsTaken) {
+  const PickSetup can = pick(
+      "{name: can, sphere: 0.1, link: hand, pose: [1, 0, 0, 0, 0, 0], grasp: [0, 0, 0.1, 0, 0, 0], "
+      "approach: [0.1, 0, 0], lift: 0.05}");
+  EXPECT_EQ(can.map_from_object.translation().x(), 1.0);
+  EXPECT_EQ(can.object_from_tip.translation().z(), 0.1);
+  EXPECT_FALSE(can.map_from_place.has_value());
+  EXPECT_EQ(can.approach.x(), 0.1);
+  EXPECT_EQ(can.lift, 0.05);
+  EXPECT_EQ(can.contact, 0.0);
+  EXPECT_THROW(pick("{name: can, sphere: 0.1, link: hand, pose: [1, 0, 0, 0, 0, 0]}"), std::invalid_argument);
+  EXPECT_THROW(pick("{name: can, sphere: 0.1, link: hand, grasp: [1, 0, 0, 0, 0, 0]}"),
+               std::invalid_argument);
+}
+
+}  // namespace load_setup_test
+}  // namespace clearway

@@ -1,0 +1,165 @@
+#include "planning/check/check_legs.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/plan_and_check.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace check_legs_test {
+
+Load rod(const std::string& link, double length) {
+  Load load;
+  load.name = "rod";
+  load.link = link;
+  load.link_from_load.translation().z() = 0.15 + length / 2;
+  load.shape = Shape::box({0.04, 0.04, length});
+  return load;
+}
+
+Policies anywhere() {
+  Policies policies;
+  policies.critical_by_default = false;
+  return policies;
+}
+
+/// Edges of a robot with a load among random voxels: what the planners prove the check does not refuse, and
+/// what it proves is free at many places of the planners'.
+TEST(CheckLegs, AgreesWithTheSpaceOfALoadedRobot) {
+  int both = 0, neither = 0;
+  for (const char* name : {"arm6", "puma560", "panda"}) {
+    Random random(7);
+    const Robot robot = load_robot(name);
+    const std::string hand = robot.links[static_cast<std::size_t>(robot.tip_link)].name;
+    const Robot loaded = with_load(robot, rod(hand, 0.25));
+    FreeSpaceMap builder({.resolution = 0.05});
+    for (int i = 0; i < 15; ++i) {
+      const Eigen::Vector3d at = tip_pose(robot, random.configuration(robot)).translation();
+      occupy(builder, ((at / 0.05).array().floor() + 0.5) * 0.05);
+    }
+    const ConfigurationSpace space(loaded, builder.snapshot(), anywhere());
+    for (int i = 0; i < 60; ++i) {
+      const Configuration from = random.configuration(robot);
+      const Configuration to = from + 0.1 * (random.configuration(robot) - from);
+      const PathVerdict verdict = check_legs({{loaded, space.map(), {from, to}}}, space.policies(), 0.0);
+      const bool is_free = space.is_edge_free(from, to);
+      EXPECT_TRUE(!is_free || verdict.valid || verdict.undecided) << verdict.first_contact;
+      for (int k = 0; verdict.valid && k <= 20; ++k)
+        EXPECT_TRUE(space.is_free(Configuration(from + k / 20.0 * (to - from))));
+      both += is_free && verdict.valid;
+      neither += !is_free && !verdict.valid;
+    }
+  }
+  EXPECT_GT(both, 20);
+  EXPECT_GT(neither, 20);
+}
+
+/// The check believes Robot::loads alone: a body that planners shrank, moved or dropped is refused.
+TEST(CheckLegs, RefusesALoadThatIsNotAsItIsStated) {
+  const Robot robot = load_robot("arm6");
+  const Robot loaded = with_load(robot, rod("hand", 0.25));
+  const Snapshot map = VoxelScene{0.05, {box_of(5.0, 5.0, 5.0, 5.1, 5.1, 5.1)}, {}, {}}.snapshot();
+  const Configuration q = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
+  const auto verdict = [&](const Robot& spoilt) { return check_path(spoilt, map, {}, 0.0, {q}); };
+  ASSERT_TRUE(verdict(loaded).valid) << verdict(loaded).first_contact;
+
+  Robot moved = loaded;
+  moved.links.back().parent_from_link.translation().x() += 1e-6;
+  EXPECT_FALSE(verdict(moved).valid);
+  Robot in_body = loaded;
+  in_body.bodies.back().link_from_shape.translation().x() += 1e-6;
+  EXPECT_FALSE(verdict(in_body).valid);
+  Robot dropped = loaded;
+  dropped.bodies.pop_back();
+  EXPECT_FALSE(verdict(dropped).valid);
+  EXPECT_NE(verdict(dropped).first_contact.find("does not carry its load 'rod'"), std::string::npos);
+  Robot elsewhere = loaded;
+  elsewhere.bodies.back().link = 0;
+  EXPECT_FALSE(verdict(elsewhere).valid);
+  Robot forgotten = loaded;  // a load that Robot::loads does not have is a link that the file does not have
+  forgotten.loads.clear();
+  EXPECT_FALSE(verdict(forgotten).valid);
+}
+
+/// Where a planner's body is smaller than the load that is stated, and may touch what that may not, the
+/// stated one counts.
+TEST(CheckLegs, TakesShapeAndHoldersFromTheStatedLoad) {
+  const Robot robot = load_robot("arm6");
+  const Configuration q = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
+  const Robot loaded = with_load(robot, rod("hand", 0.25));
+  const Eigen::Vector3d end = forward_kinematics(loaded, q).back() * Eigen::Vector3d(0.0, 0.0, 0.12);
+  FreeSpaceMap builder({.resolution = 0.01});
+  occupy(builder, ((end / 0.01).array().floor() + 0.5) * 0.01);
+  const Snapshot map = builder.snapshot();
+  Robot shrunk = loaded;
+  shrunk.bodies.back().shape = Shape::box({0.01, 0.01, 0.01});
+  EXPECT_TRUE(ConfigurationSpace(shrunk, map, anywhere()).is_free(q));
+  const PathVerdict refused = check_path(shrunk, map, {}, 0.0, {q});
+  EXPECT_NE(refused.first_contact.find("rod touches a voxel that is occupied"), std::string::npos)
+      << refused.first_contact;
+
+  Load backwards = rod("hand", 0.9);  // through the forearm
+  backwards.link_from_load.translation().z() = -0.3;
+  const Snapshot nothing = VoxelScene{0.05, {box_of(5.0, 5.0, 5.0, 5.1, 5.1, 5.1)}, {}, {}}.snapshot();
+  Robot exempted = with_load(robot, backwards);
+  EXPECT_NE(check_path(exempted, nothing, {}, 0.0, {q}).first_contact.find(" touches "), std::string::npos);
+  const int rod_body = static_cast<int>(exempted.bodies.size()) - 1;
+  for (int body = 0; body < rod_body; ++body) exempted.exempt.emplace_back(body, rod_body);
+  EXPECT_TRUE(ConfigurationSpace(exempted, nothing, anywhere()).is_free(q));
+  EXPECT_FALSE(check_path(exempted, nothing, {}, 0.0, {q}).valid);
+}
+
+/// Two legs, the load on one: an obstacle that only the load meets refuses that leg alone, and edges are
+/// numbered over both.
+TEST(CheckLegs, ChecksEachLegWithItsOwnRobot) {
+  const Robot robot = load_robot("arm6"), loaded = with_load(robot, rod("hand", 0.25));
+  const Configuration a = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
+  Configuration b = a, c = a;
+  b[0] = 0.4, c[0] = 0.8;
+  const Configuration middle = 0.5 * (b + c);
+  const Eigen::Vector3d end = forward_kinematics(loaded, middle).back() * Eigen::Vector3d(0.0, 0.0, 0.12);
+  FreeSpaceMap builder({.resolution = 0.01});
+  occupy(builder, ((end / 0.01).array().floor() + 0.5) * 0.01);
+  const Snapshot map = builder.snapshot();
+  const auto verdict = [&](const Robot& first, const Robot& second) {
+    return check_legs({{first, map, {a, b}}, {second, map, {b, c}}}, {}, 0.0);
+  };
+  EXPECT_TRUE(verdict(robot, robot).valid);
+  EXPECT_TRUE(verdict(loaded, robot).valid) << verdict(loaded, robot).first_contact;
+  EXPECT_EQ(verdict(loaded, robot).clearance.size(), 3U);
+  const PathVerdict refused = verdict(robot, loaded);
+  EXPECT_FALSE(refused.valid);
+  EXPECT_EQ(refused.edge, 1);
+  EXPECT_TRUE(refused.first_contact.starts_with("edge 1 at ")) << refused.first_contact;
+  // A gap between the legs is an edge of the later one.
+  const PathVerdict jumped = check_legs({{robot, map, {a, b}}, {loaded, map, {c}}}, {}, 0.0);
+  EXPECT_FALSE(jumped.valid);
+  EXPECT_FALSE(check_legs({}, {}, 0.0).valid);
+}
+
+/// The same through the whole door: the plan goes round with its load what it passes without.
+TEST(CheckLegs, PlansGoRoundWithALoadWhatTheyPassWithout) {
+  const Robot robot = load_robot("arm6"), loaded = with_load(robot, rod("hand", 0.25));
+  const Configuration a = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
+  Configuration b = a;
+  b[0] = 0.8;
+  const Configuration middle = 0.5 * (a + b);
+  const Eigen::Vector3d end = forward_kinematics(loaded, middle).back() * Eigen::Vector3d(0.0, 0.0, 0.12);
+  FreeSpaceMap builder({.resolution = 0.01});
+  occupy(builder, ((end / 0.01).array().floor() + 0.5) * 0.01);
+  const ConfigurationSpace space(robot, builder.snapshot(), anywhere());
+  PlanQuery query{.space = space, .start = a, .goals = {b, a}, .survey = std::nullopt};
+  query.loads = {{rod("hand", 0.25), {1}}};
+  const Plan plan = plan_and_check(query);
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  EXPECT_EQ(plan.legs[0].waypoints.size(), 2U);
+  EXPECT_GT(plan.legs[1].waypoints.size(), 2U);
+  EXPECT_EQ(plan.policies.at("rod"), Policy::not_occupied);
+  query.loads.front().legs = {2};
+  EXPECT_THROW(plan_and_check(query), std::invalid_argument);
+}
+
+}  // namespace check_legs_test
+}  // namespace clearway

@@ -1,0 +1,211 @@
+#include "planning/plan_pick.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "mapping/maps/map_difference.hpp"
+#include "planning/check/check_pick.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace plan_pick_test {
+
+constexpr double edge = 0.02;
+constexpr double top = 0.1;  ///< of the table, m
+
+/// A table before the arm, a can on it as voxels, and a wall between the can and its place.
+VoxelScene table() {
+  return {edge,
+          {box_of(0.24, -0.46, 0.04, 0.7, 0.46, top - 0.001),  // table
+           box_of(0.375, 0.125, top, 0.465, 0.195, 0.239),     // can and a little more
+           box_of(0.26, -0.02, top, 0.7, 0.02, 0.26)},         // wall
+          {},
+          {}};
+}
+
+Pick can() {
+  Pick pick;
+  pick.object.name = "can";
+  pick.object.link = "hand";
+  pick.object.shape = Shape::cylinder(0.03, 0.12);
+  pick.object.mass = 0.3;
+  pick.map_from_object.translation() << 0.42, 0.16, top + 0.06;
+  pick.map_from_place.translation() << 0.42, -0.2, top + 0.06;
+  pick.object_from_tip =
+      Eigen::Translation3d(0.0, 0.0, 0.04) * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());
+  pick.margin = 0.02;  // the can's voxels are those of a box about it
+  return pick;
+}
+
+Policies anywhere() {
+  Policies policies;
+  policies.critical_by_default = false;
+  return policies;
+}
+
+const Configuration home = (Configuration(6) << 0.0, -1.9, 1.7, -1.4, -1.57, 0.0).finished();
+
+class PlanPick : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    space_ = new ConfigurationSpace(load_robot("arm6"), table().snapshot(), anywhere(), {.padding = 0.001});
+    plan_ =
+        new Plan(plan_pick({.space = *space_, .start = home, .goals = {}, .survey = std::nullopt}, can()));
+  }
+  static void TearDownTestSuite() {
+    delete plan_;
+    delete space_;
+  }
+
+  /// The verdict of the check on a plan and a pick that were changed.
+  static PathVerdict verdict(
+      const std::function<void(Plan&)>& change_plan,
+      const std::function<void(Pick&)>& change_pick = [](Pick&) {}) {
+    Plan plan = *plan_;
+    Pick pick = can();
+    change_plan(plan);
+    change_pick(pick);
+    return check_pick(pick_of(plan, pick, space_->robot(), space_->map()), plan.policies, plan.padding);
+  }
+
+  static ConfigurationSpace* space_;
+  static Plan* plan_;
+};
+ConfigurationSpace* PlanPick::space_ = nullptr;
+Plan* PlanPick::plan_ = nullptr;
+
+TEST_F(PlanPick, CarriesACanOverAWallAndPutsItDown) {
+  const Plan& plan = *plan_;
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  ASSERT_EQ(plan.legs.size(), 6U);
+  EXPECT_EQ(plan.goals.size(), 6U);
+  EXPECT_EQ(plan.waypoints().front(), home);
+  const Robot& robot = space_->robot();
+  const auto tip = [&](std::size_t leg) { return tip_pose(robot, plan.legs[leg].waypoints.back()); };
+  const Eigen::Isometry3d grasp = can().map_from_object * can().object_from_tip;
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR((tip(0).translation() - grasp.translation() - 0.1 * up).norm(), 0.0, 1e-5);
+  EXPECT_NEAR((tip(1).translation() - grasp.translation()).norm(), 0.0, 1e-5);
+  EXPECT_NEAR((tip(2).translation() - grasp.translation() - 0.1 * up).norm(), 0.0, 1e-5);
+  const Eigen::Vector3d moved = can().map_from_place.translation() - can().map_from_object.translation();
+  EXPECT_NEAR((tip(4).translation() - grasp.translation() - moved).norm(), 0.0, 1e-5);
+  EXPECT_EQ(plan.legs.front().waypoints.front(), home);
+  for (std::size_t leg = 1; leg < 6; ++leg)
+    EXPECT_EQ(plan.legs[leg].waypoints.front(), plan.legs[leg - 1].waypoints.back());
+  ASSERT_EQ(plan.loads.size(), 1U);
+  EXPECT_EQ(plan.loads.front().legs, (std::vector<int>{2, 3, 4}));
+  // The carried can never meets the wall: its voxels are met by none of many places on the way.
+  const Robot loaded = with_load(robot, plan.loads.front().load);
+  for (std::size_t leg = 2; leg < 5; ++leg)
+    for (std::size_t i = 0; i + 1 < plan.legs[leg].waypoints.size(); ++i)
+      for (int k = 0; k <= 10; ++k) {
+        const Configuration q = plan.legs[leg].waypoints[i] +
+                                k / 10.0 * (plan.legs[leg].waypoints[i + 1] - plan.legs[leg].waypoints[i]);
+        const Eigen::Isometry3d pose = forward_kinematics(loaded, q).back();
+        for (double x = 0.27; x < 0.7; x += edge)
+          for (double y : {-0.01, 0.01})
+            for (double z = 0.11; z < 0.26; z += edge)
+              ASSERT_GT(distance_to_cube(can().object.shape, pose, {x, y, z}, edge).lower, 0.0);
+        ASSERT_GT(can().object.shape.bounds(pose).min().z(), top - 0.001);
+      }
+}
+
+/// The start is asked for by touching voxels of its own: nothing of the map is changed for it.
+TEST_F(PlanPick, LeavesTheMapAsItIs) {
+  EXPECT_FALSE(difference(space_->map(), table().snapshot()).any());
+  EXPECT_EQ(space_->map().state({0.43, 0.17, 0.15}), VoxelState::occupied);
+}
+
+TEST_F(PlanPick, IsTheSameAgain) {
+  const Plan again = plan_pick({.space = *space_, .start = home, .goals = {}, .survey = std::nullopt}, can());
+  ASSERT_EQ(again.waypoints().size(), plan_->waypoints().size());
+  for (std::size_t i = 0; i < again.waypoints().size(); ++i)
+    EXPECT_EQ(again.waypoints()[i], plan_->waypoints()[i]);
+}
+
+TEST_F(PlanPick, LeavesToAGoal) {
+  const Plan plan =
+      plan_pick({.space = *space_, .start = home, .goals = {home}, .survey = std::nullopt}, can());
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  EXPECT_EQ(plan.legs.size(), 7U);
+  EXPECT_EQ(plan.waypoints().back(), home);
+}
+
+TEST_F(PlanPick, SaysWhatIsInTheWay) {
+  Pick far = can();
+  far.map_from_object.translation().x() = 3.0;
+  const auto plan = [&](const Pick& pick) {
+    return plan_pick(
+        {.space = *space_, .start = home, .goals = {}, .time_limit = 20.0, .survey = std::nullopt}, pick);
+  };
+  EXPECT_NE(plan(far).explanation().find("no configuration within the limits"), std::string::npos);
+  EXPECT_FALSE(plan(far).is_proved());
+  Pick in_the_wall = can();
+  in_the_wall.map_from_place.translation().y() = 0.0;
+  const Plan refused = plan(in_the_wall);
+  EXPECT_EQ(refused.legs.size(), 4U);
+  EXPECT_NE(refused.explanation().find("cannot be put down"), std::string::npos) << refused.explanation();
+  Pick sunken = can();
+  sunken.map_from_object.translation().z() -= 0.03;  // the table is no part of the can
+  EXPECT_FALSE(plan(sunken).is_proved());
+  Pick unsound = can();
+  unsound.lift = 0.01;
+  EXPECT_THROW(plan(unsound), std::invalid_argument);
+}
+
+/// Whatever a plan loosens the check refuses: it asks the pick as it is stated.
+TEST_F(PlanPick, IsRefusedWhereItLoosensThePick) {
+  const auto nothing = [](Plan&) {};
+  ASSERT_TRUE(verdict(nothing).valid) << verdict(nothing).first_contact;
+  const auto refuses = [&](
+                           const std::string& words, const std::function<void(Plan&)>& plan,
+                           const std::function<void(Pick&)>& pick = [](Pick&) {}) {
+    const PathVerdict found = verdict(plan, pick);
+    EXPECT_FALSE(found.valid) << words;
+    EXPECT_NE(found.first_contact.find(words), std::string::npos) << found.first_contact;
+    EXPECT_EQ(found.min_clearance, 0.0);
+  };
+  refuses("the load rides",
+          [](Plan& plan) { plan.loads.front().load.link_from_load.translation().z() -= 0.05; });
+  refuses("pose is not finite", [](Plan& plan) {
+    plan.loads.front().load.link_from_load.translation().z() = std::numeric_limits<double>::quiet_NaN();
+  });
+  refuses("solved legs", [](Plan& plan) { plan.legs.pop_back(); });
+  refuses("starts elsewhere", [](Plan& plan) { plan.legs[3].waypoints.front()[0] += 1e-9; });
+  refuses("no configuration",
+          [](Plan& plan) { plan.legs[3].waypoints[1][0] = std::numeric_limits<double>::quiet_NaN(); });
+  refuses("from its place", nothing, [](Pick& pick) { pick.map_from_place.translation().x() += 0.001; });
+  refuses("from the grasp", nothing, [](Pick& pick) { pick.map_from_object.translation().z() += 0.01; });
+  refuses("reach", nothing, [](Pick& pick) { pick.approach.z() = -0.08; });
+  refuses("retreat", [](Plan& plan) { plan.legs[5].waypoints.pop_back(); });
+  refuses("off its straight way", [](Plan& plan) { plan.legs[2].waypoints[2][0] += 0.01; });
+}
+
+/// A can that is larger, or a table that is higher, than the planner knew.
+TEST_F(PlanPick, IsRefusedInAnotherWorld) {
+  const auto nothing = [](Plan&) {};
+  const PathVerdict wide =
+      verdict(nothing, [](Pick& pick) { pick.object.shape = Shape::cylinder(0.2, 0.12); });
+  EXPECT_FALSE(wide.valid);
+  const auto in = [&](const Eigen::AlignedBox3d& more) {
+    VoxelScene scene = table();
+    scene.occupied.push_back(more);
+    const Snapshot map = scene.snapshot();
+    const Pick pick = can();
+    return check_pick(pick_of(*plan_, pick, space_->robot(), map), plan_->policies, plan_->padding);
+  };
+  ASSERT_TRUE(in(box_of(5.0, 5.0, 5.0, 5.1, 5.1, 5.1)).valid);
+  // One voxel over the layer of the place, which the layer's own voxels do not excuse.
+  const PathVerdict higher = in(box_of(0.42, -0.22, top + edge, 0.44, -0.18, top + 2 * edge));
+  EXPECT_FALSE(higher.valid);
+  EXPECT_NE(higher.first_contact.find("leg "), std::string::npos);
+  // Above the can at its first place: lift and hand.
+  EXPECT_FALSE(in(box_of(0.40, 0.12, 0.34, 0.44, 0.2, 0.38)).valid);
+}
+
+}  // namespace plan_pick_test
+}  // namespace clearway

@@ -1,0 +1,151 @@
+#include "planning/robot/load.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+
+#include "planning/problem/path_cost.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/robot.hpp"
+#include "planning/robot/self_collision.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/space/part_policies.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace load_test {
+
+Load can(const std::string& link) {
+  Load load;
+  load.name = "can";
+  load.link = link;
+  load.link_from_load =
+      Eigen::Translation3d(0.0, 0.02, 0.2) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX());
+  load.shape = Shape::cylinder(0.03, 0.12);
+  load.mass = 0.4;
+  return load;
+}
+
+TEST(Load, RidesWhereItsLinkTakesIt) {
+  Random random(1);
+  const Robot robot = load_robot("panda"), loaded = with_load(robot, can("hand"));
+  ASSERT_EQ(loaded.bodies.size(), robot.bodies.size() + 1);
+  ASSERT_EQ(loaded.links.back().name, "can");
+  const Body& body = loaded.bodies.back();
+  for (int i = 0; i < 20; ++i) {
+    const Configuration q = random.configuration(robot);
+    const LinkPoses before = forward_kinematics(robot, q), after = forward_kinematics(loaded, q);
+    for (std::size_t link = 0; link < before.size(); ++link)
+      ASSERT_EQ(before[link].matrix(), after[link].matrix());
+    const Eigen::Isometry3d expected = before.back() * can("hand").link_from_load;
+    EXPECT_TRUE((after.back() * body.link_from_shape).isApprox(expected, 1e-12));
+  }
+  for (int i = 0; i < 2000; ++i) {  // the spheres hold the shape
+    const Eigen::Vector3d point = body.shape.support(random.point(1.0)) * random.unit();
+    bool is_held = false;
+    for (const Sphere& sphere : body.cover)
+      is_held = is_held || (sphere.center - point).norm() <= sphere.radius * (1.0 + 1e-9);
+    ASSERT_TRUE(is_held);
+  }
+}
+
+TEST(Load, MayTouchWhatHoldsItAndNothingElse) {
+  const Robot robot = load_robot("arm6");
+  for (const bool touches : {false, true}) {
+    Load load = can("hand");
+    if (touches) load.touches = {"link5"};
+    const Robot loaded = with_load(robot, load);
+    const int index = static_cast<int>(loaded.bodies.size()) - 1;
+    std::set<std::string> tested, own;
+    for (const BodyPair& pair : self_collision_pairs(loaded))
+      if (pair.second == index) tested.insert(loaded.bodies[static_cast<std::size_t>(pair.first)].part);
+    for (const Body& body : robot.bodies) own.insert(body.part);
+    own.erase("hand");
+    own.erase("link6");  // the hand is fixed on it: nothing moves the load against it
+    if (touches) own.erase("link5");
+    EXPECT_EQ(tested, own);
+  }
+}
+
+/// A load whose centre is at the tip costs what a payload there costs, whatever the scale.
+TEST(Load, WeighsAsAPayloadAtItsPlace) {
+  Random random(2);
+  for (const double scale : {1.0, 0.1}) {
+    const Robot robot = scaled(load_robot("puma560"), scale);
+    Load load = can("tool");
+    load.link_from_load = robot.link_from_tip;
+    const PathCost with_payload(robot, {.payload_mass = 0.4}), loaded(with_load(robot, load));
+    for (int i = 0; i < 20; ++i) {
+      const Configuration q = random.configuration(robot);
+      EXPECT_TRUE(with_payload.generalized_forces(q).isApprox(loaded.generalized_forces(q), 1e-9));
+    }
+  }
+}
+
+TEST(Load, ScalesWithItsRobotThereAndBack) {
+  const Robot loaded = with_load(load_robot("arm6"), can("hand"));
+  const Robot back = scaled(scaled(loaded, 0.1), 10.0);
+  EXPECT_TRUE(is_same(back.loads.front(), loaded.loads.front()));
+  EXPECT_NEAR(scaled(loaded, 0.1).loads.front().shape.radius(), 0.003, 1e-15);
+  EXPECT_NEAR(back.bodies.back().shape.length(), 0.12, 1e-12);
+}
+
+TEST(Load, LiesInWhatItsHoldersMustLieIn) {
+  const VoxelScene scene{0.05, {}, {{{0.0, 0.0, 0.0}, 0.5}}, {"hand"}};
+  const Snapshot map = scene.snapshot();
+  const Robot loaded = with_load(load_robot("arm6"), can("hand"));
+  EXPECT_EQ(part_policies(loaded, map, {}).at("can"), Policy::painted);
+  EXPECT_EQ(part_requirement(loaded, map, "can", Policy::painted).volumes, map.volumes_of_part("hand"));
+  EXPECT_EQ(part_policies(loaded, map, {.parts = {{"hand", Policy::known_free}}}).at("can"),
+            Policy::known_free);
+  EXPECT_EQ(part_policies(loaded, map, {.parts = {{"can", Policy::not_occupied}}}).at("can"),
+            Policy::not_occupied);
+  Load touching = can("link3");
+  touching.touches = {"hand"};
+  EXPECT_EQ(part_policies(with_load(load_robot("arm6"), touching), map, {}).at("can"), Policy::painted);
+  EXPECT_EQ(part_policies(with_load(load_robot("arm6"), can("link3")), map, {}).at("can"),
+            Policy::not_occupied);
+}
+
+TEST(Load, RidesOnItsLegsAlone) {
+  const Robot robot = load_robot("arm6");
+  const std::vector<LegLoad> loads = {{can("hand"), {1}}};
+  EXPECT_EQ(robot_of_leg(robot, loads, 0).loads.size(), 0U);
+  EXPECT_EQ(robot_of_leg(robot, loads, 1).loads.size(), 1U);
+  EXPECT_EQ(robot_of_leg(robot, {{can("hand"), {}}}, 7).loads.size(), 1U);
+}
+
+/// What is wrong is told in a sentence that names it.
+TEST(Load, RefusesWhatNoRobotCanCarry) {
+  const Robot robot = load_robot("arm6");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto sentence = [&](const std::function<void(Load&)>& spoil) {
+    Load load = can("hand");
+    spoil(load);
+    try {
+      with_load(robot, load);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  const auto names = [&](const std::string& word, const std::function<void(Load&)>& spoil) {
+    EXPECT_NE(sentence(spoil).find(word), std::string::npos) << sentence(spoil);
+  };
+  names("did you mean 'hand'?", [](Load& load) { load.link = "hadn"; });
+  names("touches: robot 'arm6' has no link 'fingr'", [](Load& load) { load.touches = {"fingr"}; });
+  names("has a link of that name", [](Load& load) { load.name = "link3"; });
+  names("expected a name of letters", [](Load& load) { load.name = "a can"; });
+  names("expected a name of letters", [](Load& load) { load.name = ""; });
+  names("mass", [&](Load& load) { load.mass = nan; });
+  names("mass", [](Load& load) { load.mass = -1.0; });
+  names("pose", [&](Load& load) { load.link_from_load.translation().x() = nan; });
+  names("pose", [](Load& load) { load.link_from_load.linear() *= 1.1; });
+  names("pose", [](Load& load) { load.link_from_load.linear().col(0) *= -1.0; });
+  EXPECT_THROW(with_load(with_load(robot, can("hand")), can("hand")), std::invalid_argument);
+}
+
+}  // namespace load_test
+}  // namespace clearway
