@@ -1,0 +1,45 @@
+#include "planning/planned_motion.hpp"
+
+#include <stdexcept>
+
+#include "mapping/system/thread_time.hpp"
+
+namespace clearway {
+
+PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
+                          const SmoothMotionOptions& options) {
+  if (!plan.is_proved())
+    throw std::invalid_argument("motion: the plan is not proved, expected one that is solved and valid");
+  std::vector<std::vector<Configuration>> legs;
+  for (const PlanResult& leg : plan.legs) legs.push_back(leg.waypoints);
+  PlannedMotion planned;
+  planned.scales = options.scales;
+  const RateLimits limits = rate_limits(space.robot(), options.scales);
+  for (const double share : {1.0, 0.125, 0.0}) {
+    SmoothMotionOptions tried = options;
+    tried.reach *= share;
+    if (share == 0.0) tried.straighten = 0.0;
+    const double begin = thread_cpu_seconds();
+    SmoothMotion made = smooth_motion(space, legs, tried);
+    planned.cpu_s += thread_cpu_seconds() - begin;
+    planned.motion = std::move(made.motion);
+    planned.leg_ends = std::move(made.leg_ends);
+    planned.blended = made.blended;
+    planned.stops = made.stops;
+    planned.validation =
+        check_motion(space.robot(), space.map(), space.policies(), space.options().padding, planned.motion,
+                     planned.leg_ends, plan.stops(), limits, space.options().seen_within);
+    if (planned.validation.valid) break;
+  }
+  return planned;
+}
+
+Trajectory trajectory_of(const Motion& motion) {
+  Trajectory trajectory{motion.period, {}};
+  for (std::size_t k = 0; k < motion.positions.size(); ++k)
+    trajectory.points.push_back({static_cast<double>(k) * motion.period, motion.positions[k],
+                                 motion.velocities[k], motion.accelerations[k]});
+  return trajectory;
+}
+
+}  // namespace clearway
