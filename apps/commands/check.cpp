@@ -28,6 +28,17 @@ PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const 
   return none;
 }
 
+/// Its motion, under the same terms and the limits of the robot's own files.
+void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, CheckReport& report) {
+  if (!plan.motion || plan.stops().empty() || !report.path.valid) return;
+  const Contract& contract = report.contract;
+  const Robot placed = robot_of(contract, robot);
+  report.motion_duration = plan.motion->motion.duration();
+  report.motion = check_motion(placed, map, policies_of(contract), contract.padding.value,
+                               plan.motion->motion, plan.motion->leg_ends, plan.stops(),
+                               rate_limits(placed, plan.motion->scales), contract.seen_within.value);
+}
+
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
@@ -43,6 +54,7 @@ int run_check(const CheckOptions& options, Console& console) {
   report.deviations = deviations(report.contract, plan, options.accepted);
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
+  check_motion_of(plan, robot, map, report);
   // A path that is malformed (its clearances were not measured) leads nowhere.
   const auto path = report.path.clearance.empty() ? std::vector<Configuration>{} : plan.waypoints();
   report.survey = survey_path(robot_of(report.contract, robot), map, policies_of(report.contract), path);
