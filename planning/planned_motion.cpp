@@ -1,8 +1,12 @@
 #include "planning/planned_motion.hpp"
 
+#include <cmath>
+#include <memory>
 #include <stdexcept>
 
 #include "mapping/system/thread_time.hpp"
+#include "planning/check/motion_torques.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
 
@@ -14,9 +18,12 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
   for (const PlanResult& leg : plan.legs) legs.push_back(leg.waypoints);
   PlannedMotion planned;
   planned.scales = options.scales;
+  const auto torques =
+      std::make_shared<const TorqueTerms>(torque_terms(space.robot(), load_of(plan, space.robot())));
   const RateLimits limits = rate_limits(space.robot(), options.scales);
   for (const double share : {1.0, 0.125, 0.0}) {
     SmoothMotionOptions tried = options;
+    tried.torques = torques;
     tried.reach *= share;
     if (share == 0.0) tried.straighten = 0.0;
     const double begin = thread_cpu_seconds();
@@ -29,9 +36,19 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
     planned.validation =
         check_motion(space.robot(), space.map(), space.policies(), space.options().padding, planned.motion,
                      planned.leg_ends, plan.stops(), limits, space.options().seen_within);
+    const std::string fault = torque_fault(space.robot(), planned.motion, *torques,
+                                           greatest_torques(space.robot(), planned.motion, *torques));
+    if (planned.validation.valid && !fault.empty()) {
+      planned.validation.valid = false;
+      planned.validation.fault = fault;
+    }
     if (planned.validation.valid) break;
   }
   return planned;
+}
+
+JointLoad load_of(const Plan& plan, const Robot& robot) {
+  return {.payload = plan.payload * std::pow(robot.scale, 3), .gravity = plan.gravity};
 }
 
 Trajectory trajectory_of(const Motion& motion) {

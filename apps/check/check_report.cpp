@@ -123,6 +123,13 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
                                   std::to_string(motion.samples) + " samples");
 }
 
+void append_torques(const TorqueFinding& torques, Rows& rows) {
+  if (torques.share > 0.0) rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit");
+  for (const std::string& joint : torques.overloaded)
+    rows.emplace_back("note", "gravity alone takes 95 % or more of the torque limit of joint " + joint +
+                                  ", which is not judged");
+}
+
 Json motion_json(const MotionVerdict& motion, double duration) {
   return {{"verdict", motion.valid       ? "valid"
                       : motion.undecided ? "undecided"
@@ -164,6 +171,7 @@ Rows check_rows(const CheckReport& report) {
   if (report.path.valid)
     rows.emplace_back("min. clearance", significant(report.path.min_clearance * 1000.0, 3) + " mm");
   if (report.motion) append_motion(*report.motion, report.motion_duration, rows);
+  if (report.torques) append_torques(*report.torques, rows);
   rows.emplace_back("waypoints", std::to_string(report.waypoints));
   for (auto& row : survey_figures(report.survey)) rows.push_back(std::move(row));
   if (report.plan_status != PlanStatus::solved)
@@ -189,6 +197,10 @@ Json check_json(const CheckReport& report) {
   json["parameter"] = report.path.parameter;
   json["min_clearance_m"] = report.path.min_clearance;
   if (report.motion) json["motion"] = motion_json(*report.motion, report.motion_duration);
+  if (report.torques) {
+    json["motion"]["torque_share"] = report.torques->share;
+    json["motion"]["overloaded_joints"] = report.torques->overloaded;
+  }
   for (const auto& [part, term] : contract.policies) json["policy"][part] = to_string(term.value);
   if (contract.seen_within.value > 0.0) json["seen_within_s"] = contract.seen_within.value;
   json["padding_m"] = contract.padding.value;

@@ -8,6 +8,7 @@
 
 #include "apps/check/check_contract.hpp"
 #include "planning/check/motion_check.hpp"
+#include "planning/check/motion_torques.hpp"
 #include "planning/check/path_check.hpp"
 
 namespace clearway {
@@ -16,10 +17,11 @@ namespace clearway {
 struct CheckReport {
   Contract contract;
   std::vector<Deviation> deviations;
-  std::optional<MotionVerdict> motion{};  ///< of the plan's motion, when it has one
-  double motion_duration = 0.0;           ///< seconds
-  PathVerdict path;                       ///< of the plan's waypoints under the contract
-  PathSurvey survey;                      ///< what the map knows of where they lead
+  std::optional<MotionVerdict> motion{};   ///< of the plan's motion, when it has one
+  std::optional<TorqueFinding> torques{};  ///< of a motion that is valid but for these
+  double motion_duration = 0.0;            ///< seconds
+  PathVerdict path;                        ///< of the plan's waypoints under the contract
+  PathSurvey survey;                       ///< what the map knows of where they lead
   PlanStatus plan_status = PlanStatus::no_path;
   std::size_t waypoints = 0;
   std::string map_integration{};  ///< which integration made the map

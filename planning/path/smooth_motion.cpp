@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -16,9 +18,27 @@ namespace {
 
 using Waypoints = std::vector<Configuration>;
 
-/// Of the acceleration limit: less of it needs a shorter window for the same jerk.
+/// How hard a motion is driven before it is averaged: less acceleration, and a level speed between
+/// acceleration and braking, need a shorter window for the same jerk.
+struct Drive {
+  double share = 1.0;  ///< of the acceleration limit
+  bool is_level = false;
+};
+constexpr std::array<Drive, 8> drives = {{{1.0, false},
+                                          {1.0, true},
+                                          {0.7, false},
+                                          {0.7, true},
+                                          {0.5, false},
+                                          {0.5, true},
+                                          {0.35, false},
+                                          {0.35, true}}};
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+constexpr double most_of_gravity = 0.95;  ///< of a torque limit that is kept
+constexpr double slowing = 0.9;           ///< of speeds, where torques are too great
+constexpr int most_slowings = 60;
+
 constexpr double end_share = 1.6;  ///< as much more a blend may take of the first and of the last edge
-constexpr std::array<double, 4> acceleration_shares = {1.0, 0.7, 0.5, 0.35};
 
 /// A motion from rest to rest. Control point i is the mean of samples i - 1 - window to i - 2, knot i stands
 /// at control point i + 1; what lies before the first sample and after the last rests.
@@ -29,6 +49,7 @@ struct Section {
   SmoothPath path;
   PathSamples samples;
   std::size_t window = 1;
+  std::optional<Drive> drive;  ///< once it is chosen
   Waypoints control;
   Motion motion;
 
@@ -59,6 +80,11 @@ void require_sound(const ConfigurationSpace& space, const std::vector<Waypoints>
   if (!(options.reach >= 0.0 && options.reach <= 0.5))
     refuse("reach is " + short_text(options.reach) + ", expected a share from 0 to 0.5");
   if (options.halvings < 0) refuse("halvings is below 0, expected a number of halvings");
+  const bool has_torques = options.torques != nullptr;
+  if (has_torques && (options.torques->inertia.size() != space.robot().links.size() ||
+                      options.torques->limits.size() != static_cast<Eigen::Index>(space.robot().dof()) ||
+                      !(options.torques->limits.minCoeff() > 0.0)))
+    refuse("torques are not those of the robot, expected an inertia for each link and limits above 0");
   if (legs.empty()) refuse("the path has no legs");
   const auto dof = static_cast<Eigen::Index>(space.robot().dof());
   for (std::size_t i = 0; i < legs.size(); ++i) {
@@ -205,22 +231,28 @@ Waypoints averaged(const Waypoints& samples, std::size_t window) {
   return control;
 }
 
-void time_section(Section& section, const RateLimits& limits, double period) {
+void time_once(Section& section, const RateLimits& limits, double period) {
   section.path = blended_path(section.waypoints, section.reach);
-  std::size_t least = 0;
+  Drive chosen;
   const double rise = limits.acceleration.cwiseQuotient(limits.jerk).maxCoeff();
-  for (const double share : acceleration_shares) {
-    for (const double cruise : {0.0, share * rise + 2.0 * period}) {
-      PathSamples samples =
-          time_optimal_samples(section.path, limits.velocity, share * limits.acceleration, period, cruise);
-      const std::size_t window = least_window(samples.positions, limits, period);
-      const std::size_t knots = samples.positions.size() + window;
-      if (least > 0 && knots >= least) continue;
-      least = knots;
-      section.samples = std::move(samples);
-      section.window = window;
-    }
+  const auto drive = [&](const Drive& as) {
+    PathSamples samples = time_optimal_samples(section.path, limits.velocity, as.share * limits.acceleration,
+                                               period, as.is_level ? as.share * rise + 2.0 * period : 0.0);
+    const std::size_t window = least_window(samples.positions, limits, period);
+    const bool is_first = section.samples.positions.empty();
+    if (!is_first && samples.positions.size() + window >= section.samples.positions.size() + section.window)
+      return;
+    section.samples = std::move(samples);
+    section.window = window;
+    chosen = as;
+  };
+  section.samples = {};
+  if (section.drive) {
+    drive(*section.drive);
+  } else {
+    for (const Drive& as : drives) drive(as);
   }
+  section.drive = chosen;
   section.control = averaged(section.samples.positions, section.window);
   section.motion = spline_motion(section.control, period);
   Configuration lowest = section.waypoints.front(), highest = lowest;
@@ -229,6 +261,46 @@ void time_section(Section& section, const RateLimits& limits, double period) {
     highest = highest.cwiseMax(q);
   }
   for (Configuration& q : section.motion.positions) q = q.cwiseMax(lowest).cwiseMin(highest);  // rounding
+}
+
+/// The greatest share of a torque limit at any knot.
+double torque_share(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
+                    const Eigen::VectorXd& limits) {
+  double share = 0.0;
+  for (std::size_t k = 0; k < motion.positions.size(); ++k)
+    share = std::max(
+        share, joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms)
+                   .cwiseAbs()
+                   .cwiseQuotient(limits)
+                   .maxCoeff());
+  return share;
+}
+
+/// The limits of joints that hold what hangs on them with some to spare; the others have none.
+Eigen::VectorXd limits_beside_gravity(const Robot& robot, const Motion& motion, const TorqueTerms& terms) {
+  Eigen::VectorXd limits = terms.limits;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
+  for (const Configuration& q : motion.positions) {
+    const Eigen::VectorXd held = joint_torques(robot, q, rest, rest, terms).cwiseAbs();
+    limits = (held.array() <= most_of_gravity * limits.array()).select(limits, no_limit);
+  }
+  return limits;
+}
+
+/// Slower until torques keep their limits, too.
+void time_section(Section& section, const Robot& robot, RateLimits limits,
+                  const SmoothMotionOptions& options) {
+  time_once(section, limits, options.period);
+  if (!options.torques || options.torques->limits.minCoeff() == no_limit) return;
+  const TorqueTerms& terms = *options.torques;
+  if (torque_share(robot, section.motion, terms, terms.limits) <= 1.0) return;
+  const Eigen::VectorXd torques = limits_beside_gravity(robot, section.motion, terms);
+  for (int i = 0; i < most_slowings; ++i) {
+    if (torque_share(robot, section.motion, terms, torques) <= 1.0) return;
+    limits.velocity *= slowing;
+    limits.acceleration *= slowing * slowing;
+    time_once(section, limits, options.period);
+  }
 }
 
 // --- 4. The proof ---
@@ -315,7 +387,7 @@ class LegMotion {
         section = part_of(section, stop, section.waypoints.size() - 1);
         continue;
       }
-      time_section(section, limits_, options_.period);
+      time_section(section, space_.robot(), limits_, options_);
       std::set<std::size_t> blamed;
       for (const std::size_t i : SplineProof(space_, section).unproved()) blamed.merge(blends_at(section, i));
       if (blamed.empty()) break;

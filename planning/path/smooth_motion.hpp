@@ -1,17 +1,19 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
+#include <memory>
 #include <vector>
 
 #include "planning/path/motion.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
 
 struct SmoothMotionOptions {
   MotionScales scales{};
-  double period = 0.008;    ///< between knots, seconds
+  std::shared_ptr<const TorqueTerms> torques = nullptr;  ///< whose limits are kept; null: none
+  double period = 0.008;                                 ///< between knots, seconds
   double straighten = 0.1;  ///< rad or m: waypoints no joint of which is farther from a certified edge are
                             ///< left out; 0: none
   double reach =
@@ -37,12 +39,16 @@ struct SmoothMotion {
 /// 3. Averaged over a window of time, as control points of a cubic spline: velocities and accelerations stay
 ///    within what they were, and jerk within the change of acceleration over the window (Biagiotti and
 ///    Melchiorri, "FIR filters for online trajectory planning with time- and frequency-domain
-///    specifications", 2012). Of several shares of the acceleration limit the one that ends first is taken.
+///    specifications", 2012). Of several shares of the acceleration limit, with and without level speed
+///    between acceleration and braking, the one that ends first is taken.
 /// 4. The spline lies on the edges but near blends; there it is proved, piece by piece, by certified chords
 ///    with tubes that hold its control points. A blend that is not proved is halved, at last a stop.
 ///
-/// Every limit holds at all times, within rounding. Positions are averages of points of the path, so that
-/// joint limits hold too. The same on every machine; nothing depends on time.
+/// Where a torque exceeds its limit at a knot, speed and acceleration between two stops are lowered until
+/// none does, but for joints of whose limit gravity alone takes 95 % on the way: they have none.
+///
+/// Limits of velocity, acceleration and jerk hold at all times, within rounding. Positions are averages of
+/// points of the path, so that joint limits hold too. The same on every machine; nothing depends on time.
 /// @param legs waypoints of each leg, whose edges are certified in `space`; each begins where the last ended
 /// @throws std::invalid_argument for no legs or an empty one, waypoints of a wrong size or not finite, legs
 ///         that do not join, an option out of range, or a motion of more than a million samples a leg.

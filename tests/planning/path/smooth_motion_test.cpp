@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "planning/check/motion_check.hpp"
+#include "planning/check/motion_torques.hpp"
 #include "planning/path/trajectory.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
@@ -148,6 +150,38 @@ TEST(SmoothMotion, StraightensAStaircaseOnlyWhereTheEdgeIsCertified) {
   EXPECT_GT(made.straightened, 30U);
   EXPECT_LT(made.motion.duration(), 1.3);  // 0.5 m at 1 m/s and 5 m/s^2 in each joint takes 0.7 s
   EXPECT_EQ(smooth_motion(open, {stairs}, {.straighten = 0.0}).straightened, 0U);
+}
+
+TEST(SmoothMotion, TorquesStayWithinTheirLimitsByKdlToo) {
+  const Robot robot = load_robot("panda");
+  const ConfigurationSpace space = space_of(robot, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
+  Configuration from(7), to(7);
+  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
+  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  ASSERT_TRUE(space.is_edge_free(from, to));
+  const SmoothMotion free = smooth_motion(space, {{from, to}});
+  TorqueTerms terms = torque_terms(robot);
+  const TorqueFinding all = greatest_torques(robot, free.motion, terms);
+  ASSERT_GT(all.share, 0.05);
+  EXPECT_LT(all.share, 1.0);
+  // Limits that gravity leaves little of: the arm has to go slower.
+  Eigen::VectorXd held = Eigen::VectorXd::Zero(7);
+  const Eigen::VectorXd rest = held;
+  for (const Configuration& q : free.motion.positions)
+    held = held.cwiseMax(joint_torques(robot, q, rest, rest, terms).cwiseAbs());
+  terms.limits = held * 1.1 + Eigen::VectorXd::Constant(7, 0.3);
+  ASSERT_GT(greatest_torques(robot, free.motion, terms).share, 1.0);
+  const SmoothMotion kept =
+      smooth_motion(space, {{from, to}}, {.torques = std::make_shared<const TorqueTerms>(terms)});
+  EXPECT_LE(greatest_torques(robot, kept.motion, terms).share, 1.0 + 1e-9);
+  EXPECT_GT(kept.motion.duration(), free.motion.duration());
+  // A joint that cannot even hold the arm is named, and its limit not kept.
+  terms.limits[1] = 0.9 * held[1];
+  const SmoothMotion weak =
+      smooth_motion(space, {{from, to}}, {.torques = std::make_shared<const TorqueTerms>(terms)});
+  const TorqueFinding found = greatest_torques(robot, weak.motion, terms);
+  EXPECT_EQ(found.overloaded, std::vector<std::string>{robot.joints[1].name});
+  EXPECT_LE(found.share, 1.0 + 1e-9);
 }
 
 TEST(SmoothMotion, APathThatGoesNowhereRests) {
