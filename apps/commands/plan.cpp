@@ -32,15 +32,23 @@ bool wants_motion(const PlanOptions& options) {
   return !options.trajectories.empty() || !options.view.empty() || options.motion;
 }
 
+/// Empty, or why the plan has no motion: what was planned is not lost for it.
+std::string give_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan) try {
+  plan.motion = plan_motion(space, plan, {.scales = options.scales});
+  if (plan.motion->validation.valid) return {};
+  const std::string fault = plan.motion->validation.fault;
+  plan.motion.reset();
+  return "the check refuses it: " + fault;
+} catch (const std::invalid_argument& error) {
+  return error.what();
+}
+
 /// Nothing but a proved path is given time: a controller would follow it.
 void add_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan, Console& console) {
   if (!wants_motion(options)) return;
   if (plan.is_proved()) {
-    plan.motion = plan_motion(space, plan, {.scales = options.scales});
-    if (plan.motion->validation.valid) return;
-    console.warn("clearway: no trajectory was written, because the motion is refused by the check: " +
-                 plan.motion->validation.fault);
-    plan.motion.reset();
+    const std::string fault = give_motion(options, space, plan);
+    if (!fault.empty()) console.warn("clearway: no trajectory was written: " + fault);
   } else if (!options.trajectories.empty() || options.motion) {
     console.warn("clearway: no trajectory was written, because the plan is " +
                  (plan.status() == PlanStatus::solved

@@ -36,6 +36,7 @@ constexpr std::array<Drive, 8> drives = {{{1.0, false},
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double most_of_gravity = 0.95;  ///< of a torque limit that is kept
 constexpr double slowing = 0.9;           ///< of speeds, where torques are too great
+constexpr double most_terms = 2e8;        ///< of all means over windows
 constexpr int most_slowings = 60;
 
 constexpr double end_share = 1.6;  ///< as much more a blend may take of the first and of the last edge
@@ -211,13 +212,16 @@ std::size_t least_window(const Waypoints& samples, const RateLimits& limits, dou
           (second.rightCols(second.cols() - w) - second.leftCols(second.cols() - w)).cwiseAbs().maxCoeff());
     const auto kept = static_cast<double>(window) * (1.0 + 1e-12);
     if (most <= kept || enough <= kept) return window;
-    window = std::max(window + 1, static_cast<std::size_t>(0.5 * most));
+    window = std::max(window + 1 + window / 64, static_cast<std::size_t>(0.5 * most));
   }
 }
 
 Waypoints averaged(const Waypoints& samples, std::size_t window) {
   const auto last = static_cast<std::ptrdiff_t>(samples.size()) - 1;
   const auto w = static_cast<std::ptrdiff_t>(window);
+  if (static_cast<double>(w) * static_cast<double>(w + last) > most_terms)
+    throw std::invalid_argument("motion: jerk limits are so low that acceleration builds up over " +
+                                std::to_string(window) + " periods, expected greater ones");
   Waypoints control;
   for (std::ptrdiff_t c = -2; c <= last + w + 1; ++c) {
     const auto sample = [&](std::ptrdiff_t k) -> const Configuration& {

@@ -51,7 +51,8 @@ struct SmoothMotion {
 /// points of the path, so that joint limits hold too. The same on every machine; nothing depends on time.
 /// @param legs waypoints of each leg, whose edges are certified in `space`; each begins where the last ended
 /// @throws std::invalid_argument for no legs or an empty one, waypoints of a wrong size or not finite, legs
-///         that do not join, an option out of range, or a motion of more than a million samples a leg.
+///         that do not join, an option out of range, a motion of more than a million samples a leg, or jerk
+///         limits that no window of sensible length keeps.
 SmoothMotion smooth_motion(const ConfigurationSpace& space,
                            const std::vector<std::vector<Configuration>>& legs,
                            const SmoothMotionOptions& options = {});

@@ -203,6 +203,8 @@ TEST(SmoothMotion, RefusesWhatIsNoPath) {
   EXPECT_THROW(smooth_motion(space, path, {.period = 0.0}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.reach = 0.6}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 2.0}}), std::invalid_argument);
+  EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 1e-6}}), std::invalid_argument);
+  EXPECT_THROW(smooth_motion(space, path, {.scales = {.jerk = 1e-5}}), std::invalid_argument);
 }
 
 }  // namespace smooth_motion_test
