@@ -125,16 +125,53 @@ void append_contract(const Contract& contract, Rows& rows) {
   for (const std::string& note : contract.notes) rows.emplace_back("note", note);
 }
 
+std::string percent(double share) { return significant(100.0 * share, 4) + " %"; }
+
+void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
+  if (!motion.valid) {
+    rows.emplace_back("refused for", motion.fault);
+    return;
+  }
+  rows.emplace_back("motion", "valid: " + significant(duration, 4) + " s, at most " +
+                                  percent(motion.shares.velocity) + " of velocity, " +
+                                  percent(motion.shares.acceleration) + " of acceleration and " +
+                                  percent(motion.shares.jerk) + " of jerk limits at " +
+                                  std::to_string(motion.samples) + " samples");
+}
+
+void append_torques(const TorqueFinding& torques, Rows& rows) {
+  if (torques.share > 0.0) rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit");
+  for (const std::string& joint : torques.overloaded)
+    rows.emplace_back("note", "gravity alone takes 95 % or more of the torque limit of joint " + joint +
+                                  ", which is not judged");
+}
+
+Json motion_json(const MotionVerdict& motion, double duration) {
+  return {{"verdict", motion.valid       ? "valid"
+                      : motion.undecided ? "undecided"
+                                         : "refused"},
+          {"fault", motion.fault},
+          {"duration_s", duration},
+          {"min_clearance_m", motion.min_clearance},
+          {"samples", motion.samples},
+          {"velocity_share", motion.shares.velocity},
+          {"acceleration_share", motion.shares.acceleration},
+          {"jerk_share", motion.shares.jerk}};
+}
+
 }  // namespace
 
 bool CheckReport::is_valid() const {
-  return path.valid && std::all_of(deviations.begin(), deviations.end(),
-                                   [](const Deviation& deviation) { return deviation.is_accepted; });
+  return path.valid && (!motion || motion->valid) &&
+         std::all_of(deviations.begin(), deviations.end(),
+                     [](const Deviation& deviation) { return deviation.is_accepted; });
 }
 
 std::string_view CheckReport::word() const {
   if (is_valid()) return "valid";
-  return path.undecided ? "undecided" : "refused";
+  const bool is_motion_refused = motion && !motion->valid && !motion->undecided;
+  const bool is_undecided = path.undecided || (path.valid && motion && motion->undecided);
+  return is_undecided && !is_motion_refused ? "undecided" : "refused";
 }
 
 Rows check_rows(const CheckReport& report) {
@@ -149,6 +186,8 @@ Rows check_rows(const CheckReport& report) {
   if (!report.path.first_contact.empty()) rows.emplace_back("first contact", report.path.first_contact);
   if (report.path.valid)
     rows.emplace_back("min. clearance", significant(report.path.min_clearance * 1000.0, 3) + " mm");
+  if (report.motion) append_motion(*report.motion, report.motion_duration, rows);
+  if (report.torques) append_torques(*report.torques, rows);
   rows.emplace_back("waypoints", std::to_string(report.waypoints));
   for (auto& row : survey_figures(report.survey)) rows.push_back(std::move(row));
   if (report.plan_status != PlanStatus::solved)
@@ -173,6 +212,11 @@ Json check_json(const CheckReport& report) {
   json["edge"] = report.path.edge;
   json["parameter"] = report.path.parameter;
   json["min_clearance_m"] = report.path.min_clearance;
+  if (report.motion) json["motion"] = motion_json(*report.motion, report.motion_duration);
+  if (report.torques) {
+    json["motion"]["torque_share"] = report.torques->share;
+    json["motion"]["overloaded_joints"] = report.torques->overloaded;
+  }
   for (const auto& [part, term] : contract.policies) json["policy"][part] = to_string(term.value);
   if (contract.seen_within.value > 0.0) json["seen_within_s"] = contract.seen_within.value;
   json["padding_m"] = contract.padding.value;

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "apps/check/check_contract.hpp"
+#include "planning/check/motion_check.hpp"
+#include "planning/check/motion_torques.hpp"
 #include "planning/check/path_check.hpp"
 
 namespace clearway {
@@ -14,14 +17,17 @@ namespace clearway {
 struct CheckReport {
   Contract contract;
   std::vector<Deviation> deviations;
-  PathVerdict path;   ///< of the plan's waypoints under the contract
-  PathSurvey survey;  ///< what the map knows of where they lead
+  std::optional<MotionVerdict> motion{};   ///< of the plan's motion, when it has one
+  std::optional<TorqueFinding> torques{};  ///< of a motion that is valid but for these
+  double motion_duration = 0.0;            ///< seconds
+  PathVerdict path;                        ///< of the plan's waypoints under the contract
+  PathSurvey survey;                       ///< what the map knows of where they lead
   PlanStatus plan_status = PlanStatus::no_path;
   std::size_t waypoints = 0;
   std::string map_integration{};  ///< which integration made the map
   std::string map_caveat{};       ///< what the verdict must say of that, one or two sentences; may be empty
 
-  /// The path holds, and the plan loosens nothing that the user does not accept.
+  /// Path and motion hold, and the plan loosens nothing that the user does not accept.
   bool is_valid() const;
   std::string_view word() const;  ///< "valid", "undecided" or "refused"
 };

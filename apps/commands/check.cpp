@@ -9,7 +9,9 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "planning/files/plan_file.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
 
@@ -49,6 +51,28 @@ PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const 
   return none;
 }
 
+/// Its motion, under the same terms and the limits of the robot's own files.
+void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, CheckReport& report) {
+  if (!plan.motion || plan.stops().empty() || !report.path.valid) return;
+  const Contract& contract = report.contract;
+  const Robot placed = robot_of(contract, robot);
+  report.motion_duration = plan.motion->motion.duration();
+  if (!carried_under(contract).empty() || contract.pick.value) {
+    report.motion.emplace();
+    report.motion->fault =
+        "motions of robots that carry loads are not checked, expected a plan without `motion`";
+    return;
+  }
+  report.motion = check_motion(placed, map, policies_of(contract), contract.padding.value,
+                               plan.motion->motion, plan.motion->leg_ends, plan.stops(),
+                               rate_limits(placed, plan.motion->scales), contract.seen_within.value);
+  const TorqueTerms terms = torque_terms(placed, load_of(plan, placed));
+  if (!report.motion->valid) return;
+  report.torques = greatest_torques(placed, plan.motion->motion, terms);
+  report.motion->fault = torque_fault(placed, plan.motion->motion, terms, *report.torques);
+  report.motion->valid = report.motion->fault.empty();
+}
+
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
@@ -64,6 +88,7 @@ int run_check(const CheckOptions& options, Console& console) {
   report.deviations = deviations(report.contract, plan, options.accepted);
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
+  check_motion_of(plan, robot, map, report);
   // A path that is malformed (its clearances were not measured) leads nowhere.
   std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
   if (report.path.clearance.empty())

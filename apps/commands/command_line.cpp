@@ -201,12 +201,23 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("FILE.html")
       ->check(file_name);
   command
-      ->add_option("--trajectory", options->trajectories,
+      ->add_option("--trajectory,--export", options->trajectories,
                    "write the motion with time, for a plan that is solved and valid: ros (JointTrajectory "
-                   "YAML) or urscript; repeatable")
+                   "YAML), ros-json, urscript, json or csv; repeatable")
       ->type_name("FORMAT FILE")
       ->expected(1)
       ->take_all();
+  command->add_flag("--motion", options->motion,
+                    "put the motion into the plan's JSON, where `check` checks it too; --trajectory does");
+  const auto add_scale = [&](const char* flag, double& scale, const char* what) {
+    command->add_option(flag, scale, what)
+        ->check(number("a share above 0, at most 1", 1e-6, 1.0))
+        ->capture_default_str()
+        ->type_name("SHARE");
+  };
+  add_scale("--speed", options->scales.speed, "of the joints' velocity limits that the motion may use");
+  add_scale("--acceleration", options->scales.acceleration, "the same of their acceleration limits");
+  add_scale("--jerk", options->scales.jerk, "the same of their jerk limits");
   return [options](Console& c) {
     if (!options->print_options) {
       for (const auto& [missing, flag] :

@@ -16,6 +16,7 @@
 #include "planning/files/trajectory_file.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot/goal_configurations.hpp"
 
@@ -29,17 +30,51 @@ int print_planner_options(const PlanOptions& options, Console& console) {
   return exit_done;
 }
 
+bool wants_motion(const PlanOptions& options) {
+  return !options.trajectories.empty() || !options.view.empty() || options.motion;
+}
+
+/// Empty, or why the plan has no motion: what was planned is not lost for it.
+std::string give_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan) try {
+  plan.motion = plan_motion(space, plan, {.scales = options.scales});
+  if (plan.motion->validation.valid) return {};
+  const std::string fault = plan.motion->validation.fault;
+  plan.motion.reset();
+  return "the check refuses it: " + fault;
+} catch (const std::invalid_argument& error) {
+  return error.what();
+}
+
+/// Blends are proved for the robot alone.
+bool has_loads(const Plan& plan) { return !plan.loads.empty() || plan.pick; }
+
 /// Nothing but a proved path is given time: a controller would follow it.
-void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan, Console& console) {
-  if (options.trajectories.empty()) return;
-  if (!plan.is_proved()) {
+void add_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan, Console& console) {
+  if (!wants_motion(options)) return;
+  if (plan.is_proved() && has_loads(plan)) {
+    if (!options.trajectories.empty() || options.motion)
+      console.warn(
+          "note: with loads the robot goes edge by edge and rests where legs end: blends are proved without");
+  } else if (plan.is_proved()) {
+    const std::string fault = give_motion(options, space, plan);
+    if (!fault.empty()) console.warn("clearway: no trajectory was written: " + fault);
+  } else if (!options.trajectories.empty() || options.motion) {
     console.warn("clearway: no trajectory was written, because the plan is " +
                  (plan.status() == PlanStatus::solved
                       ? "refused by the check"
                       : "not solved (" + std::string(to_string(plan.status())) + ")"));
-    return;
   }
-  const Trajectory trajectory = time_parameterize(robot, plan.waypoints());
+}
+
+/// The motion is in the file when it was asked for, not for the page alone.
+Plan plan_to_file(const PlanOptions& options, Plan plan) {
+  if (options.trajectories.empty() && !options.motion) plan.motion.reset();
+  return plan;
+}
+
+void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
+  if (!plan.motion && !(plan.is_proved() && has_loads(plan))) return;
+  const Trajectory trajectory = plan.motion ? trajectory_of(plan.motion->motion) : timed_legs(robot, plan);
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
   }
@@ -140,6 +175,7 @@ int run_plan(const PlanOptions& options, Console& console) {
       make_planner(options.planner, choose_planner_options(options.settings));
   const Robot robot = choose_robot(options.robot);
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
+  rate_limits(robot, options.scales);
   const Configuration start = choose_configuration(options.start, "--start", robot, options.degrees);
   if (!options.goals.empty() && !options.goal_poses.empty())
     throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
@@ -182,13 +218,14 @@ int run_plan(const PlanOptions& options, Console& console) {
                   .map_file = options.map,
                   .map_digest = map_sha256(options.map)};
   if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
-  const Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
+  Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
+  add_motion(options, space, plan, console);
   tell_default_policy(options, plan, space, console);
-  const std::string text = to_json(plan);
+  const std::string text = to_json(plan_to_file(options, plan));
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
   if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, start));
-  save_trajectories(options, robot, plan, console);
+  save_trajectories(options, robot, plan);
   if (console.json) {
     console.out() << text << '\n';
   } else {
@@ -196,7 +233,8 @@ int run_plan(const PlanOptions& options, Console& console) {
     if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
     if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
     for (const auto& [format, file] : options.trajectories) {
-      if (plan.is_proved()) console.out() << "  trajectory: " << file << '\n';
+      if (plan.motion || (plan.is_proved() && has_loads(plan)))
+        console.out() << "  trajectory: " << file << '\n';
     }
   }
   return plan.is_proved() ? exit_done : exit_no;

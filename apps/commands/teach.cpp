@@ -122,7 +122,8 @@ class TaughtFolder {
     const Trajectory motion = time_parameterize(robot, taught.plan.waypoints());
     fs::create_directories(folder_ / "approved");
     for (const TrajectoryFormat& format : trajectory_formats()) {
-      if (!format.refusal(robot).empty()) continue;
+      const bool is_for_robots = format.name == "ros" || format.name == "urscript";
+      if (!is_for_robots || !format.refusal(robot).empty()) continue;
       const std::string extension = format.name == "ros" ? ".yaml" : "." + std::string(format.name);
       save_file(folder_ / "approved" / (taught.name + extension), format.write(robot, taught.plan, motion));
     }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/console/console.hpp"
+#include "planning/path/motion.hpp"
 #include "planning/survey/path_survey.hpp"
 
 namespace clearway {
@@ -120,7 +121,9 @@ struct PlanOptions {
   std::filesystem::path out;  ///< plan.json; empty: none
   std::filesystem::path csv;
   std::filesystem::path view;                                     ///< HTML; empty: none
-  std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE)
+  std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE), …
+  MotionScales scales{};                                          ///< of the motion
+  bool motion = false;                                            ///< in plan.json
   bool print_options = false;
 };
 int run_plan(const PlanOptions& options, Console& console);

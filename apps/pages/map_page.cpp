@@ -190,8 +190,9 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     const std::vector<Configuration>& explored = plan.legs.back().explored;
     path.insert(path.end(), explored.begin(), explored.end());
   }
-  if (show_motion(shown_plan, robot, path).empty())
-    shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
+  const auto shown = plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion)
+                                 : show_motion(shown_plan, robot, path);
+  if (shown.empty()) shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
   for (const PlanResult& leg : plan.legs)
     if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())
       shown_plan.security_distance = kept->second;

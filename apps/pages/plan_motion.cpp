@@ -38,6 +38,14 @@ Eigen::VectorXd greatest_acceleration(const std::vector<Eigen::VectorXd>& veloci
   return greatest;
 }
 
+/// Of samples `first` to `last` the greatest value of each joint, either way.
+Eigen::VectorXd greatest_of(const std::vector<Eigen::VectorXd>& values, std::size_t first, std::size_t last) {
+  Eigen::VectorXd greatest = values[first];
+  for (std::size_t k = first; k <= last; ++k)
+    greatest = (values[k].cwiseAbs().array() > greatest.cwiseAbs().array()).select(values[k], greatest);
+  return greatest;
+}
+
 std::string percent(double share) { return significant(100.0 * share, 3) + " % of limit"; }
 
 }  // namespace
@@ -64,6 +72,32 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
     plan.accelerations.push_back(greatest_acceleration(velocities, next, k, period));
     next = k + 1;
   }
+  return shown;
+}
+
+std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot,
+                                            const PlannedMotion& planned) {
+  const Motion& motion = planned.motion;
+  if (motion.positions.size() < 2 || motion.duration() > longest_motion) return {};
+  const RateLimits limits = rate_limits(robot);
+  const auto shown = show_motion(plan, robot, motion.positions, motion.velocities, motion.period, 1.0);
+  const auto list = [](const Eigen::VectorXd& values) {
+    return std::vector<double>(values.begin(), values.end());
+  };
+  plan.max_speed = list(limits.velocity);
+  plan.max_acceleration = list(limits.acceleration);
+  plan.max_jerk = list(limits.jerk);
+  plan.accelerations.clear();
+  std::size_t next = 0;
+  for (const std::size_t k : shown) {
+    plan.accelerations.push_back(greatest_of(motion.accelerations, next, k));
+    plan.jerks.push_back(greatest_acceleration(motion.accelerations, next, k, motion.period));
+    next = k + 1;
+  }
+  const MotionShares shares = shares_of(greatest_rates(motion), limits);
+  plan.figures.emplace_back("top joint speed", percent(shares.velocity));
+  plan.figures.emplace_back("top acceleration", percent(shares.acceleration));
+  plan.figures.emplace_back("top jerk", percent(shares.jerk));
   return shown;
 }
 

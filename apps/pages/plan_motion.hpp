@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/pages/report_page.hpp"
+#include "planning/files/plan_file.hpp"
 #include "planning/path/trajectory.hpp"
 
 namespace clearway {
@@ -23,5 +24,8 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
 /// are: nothing is returned.
 std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
                                      const std::vector<Configuration>& path);
+
+/// The same of the motion that a plan is given with it, at its knots: limits are the robot's own.
+std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned);
 
 }  // namespace clearway

@@ -171,6 +171,12 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
   for (const auto* limits : {&plan.max_speed, &plan.max_acceleration})
     if (limits->size() != (plan.period > 0.0 ? plan.joints.size() : 0))
       refuse(of + "max_speed and max_acceleration", "must have one entry per joint of a plan with time");
+  if (plan.jerks.size() != (plan.max_jerk.empty() ? 0 : waypoints) ||
+      (!plan.max_jerk.empty() && (plan.period <= 0.0 || plan.max_jerk.size() != plan.joints.size())))
+    refuse(of + "jerks", "must have one entry per waypoint of a plan with time, and max_jerk one per joint");
+  for (const Eigen::VectorXd& jerk : plan.jerks)
+    if (static_cast<std::size_t>(jerk.size()) != plan.joints.size())
+      refuse(of + "jerks", "must have one value per joint");
   for (const auto* values : {&plan.map_age, &plan.true_separation})
     if (values->size() != (plan.seen.empty() ? 0 : waypoints))
       refuse(of + "map_age and true_separation", "must have one entry per waypoint while the map changes");
@@ -244,12 +250,14 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"duration", plan.duration},
           {"maxSpeed", plan.max_speed},
           {"maxAcceleration", plan.max_acceleration},
+          {"maxJerk", plan.max_jerk},
           {"security", plan.security_distance},
           {"waypoints", plan.waypoints.size()},
           {"links", plan.link_poses.empty() ? 0 : plan.link_poses.front().size()},
           {"values", place_joints(arrays, plan.waypoints, joints)},
           {"speeds", place_joints(arrays, plan.speeds, joints)},
           {"accelerations", place_joints(arrays, plan.accelerations, joints)},
+          {"jerks", place_joints(arrays, plan.jerks, joints)},
           {"poses", place(arrays.add(std::span<const float>(poses)))},
           {"clearance", place(arrays.add(std::span<const float>(clearance)))},
           {"trueSeparation", place_numbers(arrays, plan.true_separation)},

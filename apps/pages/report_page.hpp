@@ -56,7 +56,11 @@ struct PagePlan {
   /// before, of several in between the greatest, rad/s^2 (m/s^2). Else empty.
   std::vector<Eigen::VectorXd> speeds, accelerations;
   std::vector<double> max_speed, max_acceleration;  ///< limits of each joint, of a plan with time
-  double security_distance = 0.0;                   ///< m: what was to be kept; 0: nothing was said
+  /// With time, where it is known: jerk, the greatest since the waypoint before, rad/s^3 (m/s^3), and the
+  /// limit of each joint. Else empty.
+  std::vector<Eigen::VectorXd> jerks{};
+  std::vector<double> max_jerk{};
+  double security_distance = 0.0;  ///< m: what was to be kept; 0: nothing was said
   /// While a map changes: what is blocked anew from time to time, the edge of these voxels, and at each
   /// waypoint how old the map was, s, and the true distance from what `clearance` has from the map alone, m.
   /// Else empty.

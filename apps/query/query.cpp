@@ -195,6 +195,16 @@ void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std:
   }
 }
 
+void tell_motion(const PlannedMotion& planned, std::vector<std::pair<std::string, std::string>>& rows) {
+  rows.emplace_back("motion", significant(planned.motion.duration(), 4) + " s, a point every " +
+                                  significant(1000.0 * planned.motion.period) + " ms");
+  rows.emplace_back("corners", std::to_string(planned.blended) + " blended, " +
+                                   std::to_string(planned.stops) + " with a stop");
+  const std::string clear = significant(planned.validation.min_clearance * 1000.0, 3) + " mm clear";
+  rows.emplace_back("motion check",
+                    planned.validation.valid ? "valid, " + clear : "REFUSED: " + planned.validation.fault);
+}
+
 }  // namespace
 
 namespace {
@@ -232,6 +242,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
     rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }
+  if (plan.motion) tell_motion(*plan.motion, rows);
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
   for (const LegLoad& load : plan.loads) rows.emplace_back("load", describe_load(load));

@@ -34,12 +34,14 @@ class Checker {
  public:
   Checker(const Robot& robot, const check::KdlArm& arm, const Snapshot& map,
           const std::map<std::string, Policy>& policies, double padding,
-          const std::vector<Configuration>& path, double cap, double seen_within)
+          const std::vector<Configuration>& path, double cap, double seen_within,
+          const std::vector<Eigen::VectorXd>& deviations)
       : robot_(robot),
         map_(map),
         padding_(padding),
         seen_within_(seen_within),
         path_(path),
+        deviations_(deviations),
         cap_(cap),
         arm_(arm),
         fcl_(robot),
@@ -110,13 +112,14 @@ class Checker {
     const Eigen::VectorXd dq = step(edge), abs_dq = dq.cwiseAbs();
     const double rate = (1.0 + 1e-9) * (item.other ? arm_.approach(item.body, *item.other, abs_dq)
                                                    : arm_.motion(item.body, abs_dq));
-    const double keep = item.other ? 0.0 : padding_;
+    const double aside = motion_aside(item, edge);
+    const double keep = aside + (item.other ? 0.0 : padding_);
     const double length = dq.norm();
     std::optional<Eigen::Vector3d> hint;
     for (double t = 0.0;;) {
       if (contact_ && contact_->edge == edge && contact_->parameter <= t) return;
       // No more is asked of a pair than takes it through the rest of the edge.
-      Nearest near = nearest(item, start(edge) + t * dq, (1.0 - t) * rate / 0.9, hint);
+      Nearest near = nearest(item, start(edge) + t * dq, aside + (1.0 - t) * rate / 0.9, hint);
       hint = near.cube;
       if (t == 0.0 && !item.other) note_clearance(static_cast<std::size_t>(edge), near.distance);
       const double room = near.distance - keep;
@@ -126,13 +129,21 @@ class Checker {
       const double ahead = rate > 0.0 ? 0.9 * spend / rate : 1.0;
       if (room <= 0.0 || (t + ahead < 1.0 && ahead * length < finest_step))
         return stall(item, edge, t, length, near);
-      if (!item.other) least_ = std::min(least_, near.distance - std::min(ahead, 1.0 - t) * rate);
+      if (!item.other) least_ = std::min(least_, near.distance - aside - std::min(ahead, 1.0 - t) * rate);
       t += ahead;
       if (t >= 1.0) return;
     }
   }
 
   void stall(const Item& item, int edge, double t, double length, Nearest near);
+
+  /// How much nearer the item may be where the joints leave the edge.
+  double motion_aside(const Item& item, int edge) const {
+    if (deviations_.empty()) return 0.0;
+    const Eigen::VectorXd& deviation = deviations_[static_cast<std::size_t>(edge)];
+    return (1.0 + 1e-9) * (item.other ? arm_.approach(item.body, *item.other, deviation)
+                                      : arm_.motion(item.body, deviation));
+  }
 
   /// @param enough of a pair's distance: where more is proved, it may be less than the distance
   /// @param hint a blocked voxel that may be near
@@ -173,6 +184,7 @@ class Checker {
   double padding_;
   double seen_within_;
   const std::vector<Configuration>& path_;
+  const std::vector<Eigen::VectorXd>& deviations_;  ///< of each edge; empty: none
   double cap_;
   const check::KdlArm& arm_;
   check::FclBodies fcl_;
@@ -256,11 +268,30 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
   return {};
 }
 
+void require_deviations(const std::vector<Configuration>& path,
+                        const std::vector<Eigen::VectorXd>& deviations) {
+  if (deviations.empty()) return;
+  if (deviations.size() != std::max<std::size_t>(path.size(), 2) - 1)
+    throw std::invalid_argument("deviations must be one for each edge");
+  for (const Eigen::VectorXd& deviation : deviations)
+    if (deviation.size() != path.front().size() || !deviation.allFinite() || deviation.minCoeff() < 0.0)
+      throw std::invalid_argument("a deviation must be of finite numbers not below 0, one for each joint");
+}
+
 }  // namespace
 
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap,
                        double seen_within) {
+  return check_tubes(robot, map, policies, padding, waypoints, {}, distance_cap, seen_within);
+}
+
+PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
+                        const std::map<std::string, Policy>& policies, double padding,
+                        const std::vector<Configuration>& waypoints,
+                        const std::vector<Eigen::VectorXd>& deviations, double distance_cap,
+                        double seen_within) {
+  require_deviations(waypoints, deviations);
   if (!std::isfinite(padding) || padding < 0.0)
     throw std::invalid_argument("padding must be a finite length not below 0, in metres");
   if (!std::isfinite(distance_cap) || distance_cap < 0.0)
@@ -275,7 +306,8 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
     const Robot stated = check::with_stated_loads(robot);
     const check::KdlArm arm(stated);
     if (!robot.source.empty() || !robot.loads.empty()) check::require_same_poses(robot, arm);
-    return Checker(stated, arm, map, policies, padding, waypoints, distance_cap, seen_within).run();
+    return Checker(stated, arm, map, policies, padding, waypoints, distance_cap, seen_within, deviations)
+        .run();
   } catch (const check::FileDisagrees& error) {
     verdict.first_contact = error.what();
     return verdict;

@@ -46,4 +46,14 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap = 0.0,
                        double seen_within = 0.0);
 
+/// The same for every configuration of which no joint is farther than deviations[i] (rad or m, one value for
+/// each joint) from where it is at one place of edge i: a tube about each edge, for curves that stay in it.
+/// Of joint limits only those of the waypoints are asked. No deviations: none.
+/// @throws std::invalid_argument too for deviations that are not one for each edge, finite and not below 0.
+PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
+                        const std::map<std::string, Policy>& policies, double padding,
+                        const std::vector<Configuration>& waypoints,
+                        const std::vector<Eigen::VectorXd>& deviations, double distance_cap = 0.0,
+                        double seen_within = 0.0);
+
 }  // namespace clearway

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "mapping/system/number_text.hpp"
+#include "planning/files/csv_field.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/load_json.hpp"
 #include "planning/path/path_pieces.hpp"
@@ -76,19 +77,24 @@ Json paint_json(const std::vector<PaintHint>& hints) {
   return json;
 }
 
+Json motion_json(const PlannedMotion& planned) {
+  return {{"period_s", planned.motion.period},
+          {"duration_s", planned.motion.duration()},
+          {"speed", planned.scales.speed},
+          {"acceleration", planned.scales.acceleration},
+          {"jerk", planned.scales.jerk},
+          {"verdict", planned.validation.valid ? "valid" : "refused"},
+          {"min_clearance_m", planned.validation.min_clearance},
+          {"leg_ends", planned.leg_ends},
+          {"positions", json_of(planned.motion.positions)},
+          {"velocities", json_of(planned.motion.velocities)}};
+}
+
 template <typename Value>
 Value total(const std::vector<PlanResult>& legs, Value PlanResult::*figure) {
   Value sum{};
   for (const PlanResult& leg : legs) sum += leg.*figure;
   return sum;
-}
-
-/// A CSV field: quoted when it holds a comma, a quote or a line break.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace
@@ -154,6 +160,16 @@ PickToCheck pick_of(const Plan& plan, const Pick& pick, const Robot& robot, cons
   return check;
 }
 
+std::vector<Configuration> Plan::stops() const {
+  std::vector<Configuration> stops;
+  for (const PlanResult& leg : legs) {
+    if (leg.waypoints.empty()) break;
+    if (stops.empty()) stops.push_back(leg.waypoints.front());
+    stops.push_back(leg.waypoints.back());
+  }
+  return stops;
+}
+
 std::string to_json(const Plan& plan) {
   const std::vector<Configuration> path = plan.waypoints();
   Json json = {
@@ -184,6 +200,7 @@ std::string to_json(const Plan& plan) {
       {"allow_outside", plan.allow_outside},
       {"payload_kg", plan.payload},
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
+  if (plan.motion) json["motion"] = motion_json(*plan.motion);
   if (!plan.cost_caveat.empty()) json["cost_caveat"] = plan.cost_caveat;
   if (!plan.loads.empty()) json["loads"] = json_of(plan.loads);
   if (plan.pick) json["pick"] = json_of(*plan.pick);

@@ -8,12 +8,23 @@
 #include "planning/advice/paint_advice.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/check/check_pick.hpp"
+#include "planning/check/motion_check.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/problem/pick.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/survey/path_survey.hpp"
 
 namespace clearway {
+
+/// The motion along a plan's path, as plan.json stores it.
+struct PlannedMotion {
+  MotionScales scales{};  ///< of the robot's limits, that it keeps
+  Motion motion{};
+  std::vector<std::size_t> leg_ends{};  ///< the knot at which each leg ends, at rest
+  std::size_t blended = 0, stops = 0;   ///< waypoints passed without and with a stop; in no file
+  double cpu_s = 0.0;                   ///< of making it; in no file
+  MotionVerdict validation{};           ///< of the independent check
+};
 
 /// One plan of one or several legs, as plan.json stores it (keys fixed by the design page).
 struct Plan {
@@ -49,12 +60,14 @@ struct Plan {
   std::vector<PaintHint> paint;             ///< of a plan that is not solved: where painting would help
   PathVerdict validation;            ///< of the whole path; `valid == false` and empty contact: not checked
   std::optional<PathSurvey> survey;  ///< what the map knows of where the robot goes
+  std::optional<PlannedMotion> motion{};   ///< when one was asked for
   std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved
   bool is_proved() const;     ///< every leg is solved, and the check found the whole path valid
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
+  std::vector<Configuration> stops() const;      ///< where the first leg begins and each solved one ends
 };
 
 /// The solved legs of a plan for the check, those that follow each other with the same loads in one; of a

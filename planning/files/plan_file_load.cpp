@@ -81,12 +81,42 @@ PaintHint paint_hint(const JsonField& field) {
   return hint;
 }
 
+double scale_at(const JsonField& field) {
+  const double scale = field.number();
+  if (!(scale > 0.0 && scale <= 1.0)) field.refuse("a number above 0, at most 1");
+  return scale;
+}
+
+PlannedMotion planned_motion(const JsonField& field, std::size_t dof) {
+  PlannedMotion planned;
+  Motion& motion = planned.motion;
+  motion.period = field.at("period_s").number();
+  if (!(motion.period >= 1e-4 && motion.period <= 10.0))
+    field.at("period_s").refuse("seconds from 0.0001 to 10");
+  planned.scales.speed = scale_at(field.at("speed"));
+  planned.scales.acceleration = scale_at(field.at("acceleration"));
+  planned.scales.jerk = scale_at(field.at("jerk"));
+  motion.positions = field.at("positions").vectors(dof);
+  motion.velocities = field.at("velocities").vectors(dof);
+  if (motion.positions.empty()) field.at("positions").refuse("at least one knot");
+  if (motion.velocities.size() != motion.positions.size())
+    field.at("velocities").refuse("as many as there are positions");
+  for (const JsonField& knot : field.at("leg_ends").items()) planned.leg_ends.push_back(knot.count());
+  motion.accelerations = hermite_accelerations(motion);
+  const JsonField verdict = field.at("verdict");
+  planned.validation.valid = verdict.text() == "valid";
+  if (!planned.validation.valid && verdict.text() != "refused") verdict.refuse("valid or refused");
+  planned.validation.min_clearance = field.at("min_clearance_m").number();
+  return planned;
+}
+
 Plan read_plan(const JsonField& root) {
   Plan plan;
   plan.robot = root.at("robot").text();
   for (const JsonField& joint : root.at("joints").items()) plan.joints.push_back(joint.text());
   if (plan.joints.empty()) root.at("joints").refuse("at least one joint");
   const std::size_t dof = plan.joints.size();
+  if (root.has("motion")) plan.motion = planned_motion(root.at("motion"), dof);
   if (root.has("cost_caveat")) plan.cost_caveat = root.at("cost_caveat").text();
   if (root.has("group")) plan.group = root.at("group").text();
   if (root.has("held")) {

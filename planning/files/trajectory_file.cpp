@@ -7,6 +7,8 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
+#include "planning/files/csv_field.hpp"
+#include "planning/files/json_field.hpp"
 #include "planning/problem/option_reader.hpp"
 
 namespace clearway {
@@ -51,10 +53,70 @@ std::string write_ros(const Robot& robot, const Plan& plan, const Trajectory& tr
   for (const TrajectoryPoint& point : trajectory.points) {
     const long long nanoseconds = std::llround(point.time * 1e9);
     text += "  - positions: " + list(point.position) + "\n    velocities: " + list(point.velocity) +
+            (point.acceleration.size() > 0 ? "\n    accelerations: " + list(point.acceleration) : "") +
             "\n    time_from_start: {sec: " + std::to_string(nanoseconds / 1'000'000'000) +
             ", nanosec: " + std::to_string(nanoseconds % 1'000'000'000) + "}\n";
   }
   return text;
+}
+
+nlohmann::ordered_json time_json(double time) {
+  const long long nanoseconds = std::llround(time * 1e9);
+  return {{"sec", nanoseconds / 1'000'000'000}, {"nanosec", nanoseconds % 1'000'000'000}};
+}
+
+std::vector<std::string> names_of(const Robot& robot) {
+  std::vector<std::string> names;
+  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  return names;
+}
+
+std::string text_of(const nlohmann::ordered_json& json) {
+  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string write_ros_json(const Robot& robot, const Plan&, const Trajectory& trajectory) {
+  nlohmann::ordered_json json = {
+      {"header", {{"stamp", time_json(0.0)}, {"frame_id", robot.links.front().name}}},
+      {"joint_names", names_of(robot)}};
+  json["points"] = nlohmann::ordered_json::array();
+  for (const TrajectoryPoint& point : trajectory.points)
+    json["points"].push_back({{"positions", json_of(point.position)},
+                              {"velocities", json_of(point.velocity)},
+                              {"accelerations", json_of(point.acceleration)},
+                              {"effort", nlohmann::ordered_json::array()},
+                              {"time_from_start", time_json(point.time)}});
+  return text_of(json);
+}
+
+std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
+  nlohmann::ordered_json json = {
+      {"robot", plan.robot},       {"planner", plan.planner},
+      {"seed", plan.seed},         {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}}},
+      {"joints", names_of(robot)}, {"period_s", trajectory.sampling_period}};
+  for (const char* name : {"times_s", "positions", "velocities", "accelerations"})
+    json[name] = nlohmann::ordered_json::array();
+  for (const TrajectoryPoint& point : trajectory.points) {
+    json["times_s"].push_back(point.time);
+    json["positions"].push_back(json_of(point.position));
+    json["velocities"].push_back(json_of(point.velocity));
+    json["accelerations"].push_back(json_of(point.acceleration));
+  }
+  return text_of(json);
+}
+
+std::string write_csv(const Robot& robot, const Plan&, const Trajectory& trajectory) {
+  std::string text = "time_s";
+  for (const char* what : {"", " velocity", " acceleration"}) {
+    if (*what == ' ' && what[1] == 'a' && trajectory.points.front().acceleration.size() == 0) break;
+    for (const Joint& joint : robot.joints) text += "," + csv_field(joint.name + what);
+  }
+  for (const TrajectoryPoint& point : trajectory.points) {
+    text += "\n" + to_text(point.time);
+    for (const auto* values : {&point.position, &point.velocity, &point.acceleration})
+      for (const double value : *values) text += "," + to_text(value);
+  }
+  return text + "\n";
 }
 
 std::string urscript_refusal(const Robot& robot) {
@@ -95,7 +157,10 @@ std::string write_urscript(const Robot& robot, const Plan& plan, const Trajector
 const std::vector<TrajectoryFormat>& trajectory_formats() {
   static const std::vector<TrajectoryFormat> table = {
       {"ros", "YAML of a trajectory_msgs/JointTrajectory", no_refusal, write_ros},
+      {"ros-json", "the same message as JSON", no_refusal, write_ros_json},
       {"urscript", "a URScript program that streams with servoj", urscript_refusal, write_urscript},
+      {"json", "arrays of times, positions, velocities and accelerations", no_refusal, write_json},
+      {"csv", "the same as a table, one line for each time", no_refusal, write_csv},
   };
   return table;
 }

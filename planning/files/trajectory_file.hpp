@@ -24,7 +24,14 @@ struct TrajectoryFormat {
 /// - `urscript`: a program `clearway_path()` for Universal Robots controllers that streams the points with
 ///   servoj; for robots of six revolute joints. It stops with a message when the arm is not within 0.01 rad
 ///   of the start. servoj follows with a lag and rounds corners by what `lookahead_time` smooths.
-/// Every number reads back to the same double.
+/// - `ros-json`: the message of `ros` as JSON;
+/// - `json`: arrays of times, positions, velocities and accelerations, with robot, planner and map;
+/// - `csv`: a table with a heading: time, then positions, velocities and accelerations of all joints.
+/// Joints are the robot's own: those of its planning group. Accelerations are written where the trajectory
+/// has them. A smooth motion (trajectory_of) goes by cubics between its points: controllers that interpolate
+/// positions and velocities by cubics, or accelerations too by quintics, follow the proved curve itself.
+/// servoj is given the positions at their rate; between them the robot's own controller interpolates, and its
+/// lag and smoothing are not part of the proof. Every number reads back to the same double.
 const std::vector<TrajectoryFormat>& trajectory_formats();
 
 /// The format `name` for the robot. @throws std::invalid_argument when there is no such format, naming the

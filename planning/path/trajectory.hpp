@@ -18,6 +18,7 @@ struct TrajectoryOptions {
 struct TrajectoryPoint {
   double time = 0.0;  ///< seconds since the start
   Configuration position, velocity;
+  Configuration acceleration{};  ///< rad/s^2 or m/s^2; of no size where none is known
 };
 
 /// A path with time. Point k is at k * sampling_period.

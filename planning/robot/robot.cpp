@@ -17,6 +17,8 @@ Robot scaled(const Robot& robot, double factor) {
     joint.lower *= factor;
     joint.upper *= factor;
     joint.max_velocity *= factor;
+    joint.max_acceleration *= factor;
+    joint.max_jerk *= factor;
     joint.step *= factor;
   }
   for (Link& link : result.links) {

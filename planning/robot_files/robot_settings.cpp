@@ -130,7 +130,8 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
 RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& root) {
   const Section section(file, "", root,
                         {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
-                         "position_accuracy", "inverse_kinematics", "exempt", "srdf", "group", "fixed"});
+                         "max_acceleration", "max_jerk", "position_accuracy", "inverse_kinematics", "exempt",
+                         "srdf", "group", "fixed"});
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
@@ -146,6 +147,8 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
   settings.critical_parts = section.texts("critical_parts");
   settings.friction = per_joint(file, section, "friction", 0.0);
   settings.step = per_joint(file, section, "step", 1e-12);
+  settings.max_acceleration = per_joint(file, section, "max_acceleration", 1e-9);
+  settings.max_jerk = per_joint(file, section, "max_jerk", 1e-9);
   settings.position_accuracy = section.number("position_accuracy", settings.position_accuracy, 0.0);
   if (settings.position_accuracy > most_position_accuracy)
     section.refuse("position_accuracy", "a length from 0 to 1 (metres)");
@@ -208,11 +211,15 @@ void apply_settings(const RobotSettings& settings, const std::filesystem::path& 
     throw std::invalid_argument(file.string() + ": '" + key + "' names " + quote(name) + ", which " +
                                 robot.name + " does not have");
   };
-  for (const auto* values : {&settings.friction, &settings.step}) {
+  const std::pair<const char*, const PerJoint*> given[] = {{"friction", &settings.friction},
+                                                           {"step", &settings.step},
+                                                           {"max_acceleration", &settings.max_acceleration},
+                                                           {"max_jerk", &settings.max_jerk}};
+  for (const auto& [key, values] : given) {
     for (const auto& [name, value] : values->by_name) {
       const bool known = std::any_of(robot.joints.begin(), robot.joints.end(),
                                      [&, joint = name](const Joint& j) { return j.name == joint; });
-      if (!known) refuse(values == &settings.friction ? "friction" : "step", name);
+      if (!known) refuse(key, name);
     }
   }
   const auto chosen = [](const PerJoint& values, const Joint& joint, double fallback) {
@@ -223,6 +230,8 @@ void apply_settings(const RobotSettings& settings, const std::filesystem::path& 
     joint.friction = chosen(settings.friction, joint, default_friction);
     joint.step =
         chosen(settings.step, joint, joint.kind == JointKind::revolute ? default_step_rad : default_step_m);
+    joint.max_acceleration = chosen(settings.max_acceleration, joint, 0.0);
+    joint.max_jerk = chosen(settings.max_jerk, joint, 0.0);
   }
   for (const std::string& part : settings.critical_parts) {
     const bool known =

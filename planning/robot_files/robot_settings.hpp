@@ -26,8 +26,10 @@ struct RobotSettings {
   std::string tip_link;  ///< empty: the last link of the longest branch
   Eigen::Isometry3d link_from_tip = Eigen::Isometry3d::Identity();
   std::vector<std::string> critical_parts;
-  PerJoint friction;  ///< mu_j of Chong et al. 2008, eq. 8; default 0.1
-  PerJoint step;      ///< epsilon_j in rad or m; default 0.5 deg or 0.01 m
+  PerJoint friction;          ///< mu_j of Chong et al. 2008, eq. 8; default 0.1
+  PerJoint step;              ///< epsilon_j in rad or m; default 0.5 deg or 0.01 m
+  PerJoint max_acceleration;  ///< rad/s^2 or m/s^2, above 0; none: Joint::max_acceleration stays 0
+  PerJoint max_jerk;          ///< rad/s^3 or m/s^3, the same
   double position_accuracy = default_position_accuracy;
   std::string inverse_kinematics = "numeric";
   std::optional<std::vector<std::pair<std::string, std::string>>> exempt;  ///< pairs of parts

@@ -103,7 +103,13 @@ class ConfigurationSpace {
   /// clearance over the bodies' reach bounds. False when blocked or undecided at options().edge_resolution.
   bool is_edge_free(const Configuration& from, const Configuration& to) const;
 
-  /// The same of many.
+  /// Certified for every configuration of which no joint is farther than `deviation` (rad, m; one value for
+  /// each joint) from where it is at one place of the straight edge: a tube about the edge. Of joint limits
+  /// only the edge's own are asked. False for a deviation of a wrong size, negative or not finite.
+  bool is_edge_free(const Configuration& from, const Configuration& to,
+                    const Eigen::VectorXd& deviation) const;
+
+  /// The same of many edges.
   std::vector<bool> is_edge_free(std::span<const Edge> edges) const;
 
   /// How much of the straight edge is certified free from its start on, 0..1: 1 where is_edge_free() holds,

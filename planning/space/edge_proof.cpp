@@ -26,6 +26,7 @@ struct EdgeScratch {
   std::vector<int> open;       ///< body i as i, pair k as (number of bodies + k)
   std::vector<double> motion;  ///< of each body, or approach of each pair, over the whole edge, metres
   std::vector<double> bend;  ///< how far any point of each body leaves its chord, over the whole edge, metres
+  std::vector<double> aside;  ///< motion or approach of each member by leaving the edge, metres
   Configuration q;
   Eigen::VectorXd step, distance;
   const Configuration *from, *to;
@@ -100,9 +101,15 @@ Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& 
 /// One proof: the edge is halved until each member is proved free on each piece.
 class EdgeProof {
  public:
+  /// @param deviation how far each joint may be from the edge; null: not at all
   EdgeProof(const CollisionModel& model, EdgeScratch& scratch, std::vector<RecentCubes>& recent,
-            KnownClearances* known_from, KnownClearances* known_to)
-      : model_(model), scratch_(scratch), recent_(recent), known_from_(known_from), known_to_(known_to) {}
+            KnownClearances* known_from, KnownClearances* known_to,
+            const Eigen::VectorXd* deviation = nullptr)
+      : model_(model), scratch_(scratch), recent_(recent), known_from_(known_from), known_to_(known_to) {
+    scratch_.aside.assign(model_.members(), 0.0);
+    if (deviation == nullptr) return;
+    for (std::size_t i = 0; i < model_.members(); ++i) scratch_.aside[i] = model_.motion(i, *deviation);
+  }
 
   bool holds(const std::vector<int>& members) {
     bound_motions(members);
@@ -173,8 +180,10 @@ class EdgeProof {
 
   bool is_clear_where_it_stands(std::size_t member) {
     const std::size_t bodies = model_.bodies.size();
-    return member < bodies ? model_.bodies[member].is_clear(pose(0, member), model_.options.padding)
-                           : is_apart(model_.robot, model_.pairs[member - bodies], scratch_.samples[0], 0.0);
+    const double aside = scratch_.aside[member];
+    return member < bodies
+               ? model_.bodies[member].is_clear(pose(0, member), model_.options.padding + aside)
+               : is_apart(model_.robot, model_.pairs[member - bodies], scratch_.samples[0], aside);
   }
 
   /// Proves what it can half way, and leaves the rest to both halves. False: something is not free, or not
@@ -189,7 +198,7 @@ class EdgeProof {
       const Finding finding = id < bodies ? examine_body(id, piece, sample)
                                           : examine_pair(model_.robot, model_.pairs[id - bodies],
                                                          scratch_.samples[static_cast<std::size_t>(sample)],
-                                                         scratch_.motion[id] * half);
+                                                         scratch_.motion[id] * half + scratch_.aside[id]);
       if (finding == Finding::proved) continue;
       if (finding == Finding::blocked || is_finest) return false;
       scratch_.open.push_back(static_cast<int>(id));
@@ -205,7 +214,7 @@ class EdgeProof {
   /// No point of the body is farther than its motion over half the piece from where it is at the middle.
   Finding examine_body(std::size_t id, Piece& piece, int middle) {
     const BodyCollision& body = model_.bodies[id];
-    const double part = piece.end - piece.begin, padding = model_.options.padding;
+    const double part = piece.end - piece.begin, padding = model_.options.padding + scratch_.aside[id];
     const double bend = scratch_.bend[id] * part * part, resolution = model_.map.resolution();
     const bool is_short = bend <= bend_within_voxels * resolution &&
                           scratch_.motion[id] * part <= sweep_within_voxels * resolution;
@@ -279,6 +288,19 @@ double proved_share(const CollisionModel& model, const Configuration& from, cons
 
 bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
   return proved_share(*model_, from, to, 1.0) == 1.0;
+}
+
+bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to,
+                                      const Eigen::VectorXd& deviation) const {
+  const CollisionModel& model = *model_;
+  const bool is_sound =
+      deviation.size() == from.size() && deviation.allFinite() && deviation.minCoeff() >= 0.0;
+  if (!is_sound || !model.is_within_limits(from) || !model.is_within_limits(to)) return false;
+  std::vector<int> all(model.members());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<RecentCubes> recent(model.bodies.size());
+  EdgeScratch& scratch = scratch_for(from, to, nullptr);
+  return EdgeProof(model, scratch, recent, nullptr, nullptr, &deviation).holds(all);
 }
 
 double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {

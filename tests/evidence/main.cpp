@@ -4,6 +4,8 @@
 //   clearway_evidence altered --count 2000 --seed 1 --jobs 2
 //   clearway_evidence gate --count 1000000 --seed 1 --jobs 2
 //   clearway_evidence poses --count 1000 --seed 1 --jobs 2
+//   clearway_evidence motions --count 1000 --seed 1 --jobs 2
+//   clearway_evidence motions --suite datasets/suites/quick.yaml --count 20
 //   clearway_evidence people --count 50 --seed 1 --jobs 2
 //   clearway_evidence picks --count 500 --seed 1 --jobs 2
 // Prints one JSON object; exit status 1 when a promise is broken. The same seed draws the same problems.
@@ -18,6 +20,7 @@
 #include <thread>
 
 #include "tests/evidence/gate_evidence.hpp"
+#include "tests/evidence/motion_evidence.hpp"
 #include "tests/evidence/path_evidence.hpp"
 #include "tests/evidence/people_evidence.hpp"
 #include "tests/evidence/pick_evidence.hpp"
@@ -127,6 +130,40 @@ int run_poses(std::uint64_t count, std::uint64_t seed, double severity, unsigned
   return outside <= 0.003 && evidence.voxels_beyond == 0 && evidence.accepted > 0 ? 0 : 1;
 }
 
+/// Exit status 1 when a motion exceeds a limit or is not found valid.
+int run_motions(std::uint64_t count, std::uint64_t seed, unsigned jobs, const std::string& suite) {
+  using clearway::evidence::MotionEvidence;
+  constexpr std::uint64_t each = 24;
+  MotionEvidence evidence =
+      suite.empty() ? in_parts<MotionEvidence>((count + each - 1) / each, jobs,
+                                               [&](std::uint64_t i) {
+                                                 return clearway::evidence::judge_motions(
+                                                     seed, i * each, std::min(count, (i + 1) * each));
+                                               })
+                    : clearway::evidence::judge_motions_of(suite, count);
+  const nlohmann::ordered_json json{
+      {"name", "motions"},
+      {"seed", seed},
+      {"paths", evidence.paths},
+      {"waypoints_blended", evidence.blended},
+      {"waypoints_with_a_stop", evidence.stops},
+      {"time_over_edge_trajectories",
+       {{"p10", quantile(evidence.ratio, 0.1)},
+        {"median", quantile(evidence.ratio, 0.5)},
+        {"p90", quantile(evidence.ratio, 0.9)}}},
+      {"cpu_ms",
+       {{"median", 1e3 * quantile(evidence.cpu, 0.5)},
+        {"p90", 1e3 * quantile(evidence.cpu, 0.9)},
+        {"median_of_20_waypoints", 2e4 * quantile(evidence.cpu_by_waypoint, 0.5)}}},
+      {"samples", evidence.samples},
+      {"greatest_share_of_limits",
+       {{"velocity", evidence.velocity}, {"acceleration", evidence.acceleration}, {"jerk", evidence.jerk}}},
+      {"refused_by_the_check", evidence.refused},
+      {"broken", evidence.broken}};
+  std::cout << json.dump(2) << std::endl;
+  return evidence.broken.empty() && evidence.paths > 0 ? 0 : 1;
+}
+
 int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   using clearway::evidence::PeopleEvidence;
   const PeopleEvidence evidence = in_parts<PeopleEvidence>(
@@ -180,20 +217,22 @@ int run_picks(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Drawn problems, altered paths and chunks, put to the independent check."};
-  std::string what;
+  std::string what, suite;
   std::uint64_t count = 240, seed = 1;
   unsigned jobs = 1;
   double severity = 1.0;
-  app.add_option("WHAT", what, "problems, altered, gate, poses, people or picks")
+  app.add_option("WHAT", what, "problems, altered, gate, poses, motions, people or picks")
       ->required()
-      ->check(CLI::IsMember({"problems", "altered", "gate", "poses", "people", "picks"}));
+      ->check(CLI::IsMember({"problems", "altered", "gate", "poses", "motions", "people", "picks"}));
   app.add_option("--count", count, "Problems, altered paths that are violated, chunks, sessions, or picks");
+  app.add_option("--suite", suite, "motions: of this suite, count problems of each experiment");
   app.add_option("--severity", severity, "poses: multiplies all errors that the tracker is not told");
   app.add_option("--seed", seed, "The same seed draws the same");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1U, 64U));
   CLI11_PARSE(app, argc, argv);
   if (what == "gate") return run_gate(count, seed, jobs);
   if (what == "picks") return run_picks(count, seed, jobs);
+  if (what == "motions") return run_motions(count, seed, jobs, suite);
   if (what == "people") return run_people(count, seed, jobs);
   if (what == "poses") return run_poses(count, seed, severity, jobs);
   const std::uint64_t chunk = what == "problems" ? 24 : 25;

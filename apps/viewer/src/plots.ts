@@ -1,4 +1,4 @@
-// The plots along a plan: joint values, separation, and of a plan with time joint speeds and accelerations: one
+// The plots along a plan: joint values, separation, and of a plan with time joint speeds, accelerations and jerk: one
 // time axis, one playhead.
 
 import type uPlot from "uplot";
@@ -66,6 +66,7 @@ export class Plots {
     byId("joint-card").hidden = !plan || plan.waypoints < 1 || plan.joints.length === 0;
     byId("clearance-card").hidden = !plan || this.clearances.length < 1;
     byId("speed-card").hidden = byId("acceleration-card").hidden = !hasTime;
+    byId("jerk-card").hidden = !hasTime || !plan.maxJerk.length;
     if (!plan) return;
     this.scale = TimeScale.of(plan);
     byId("joint-name").textContent = plan.period > 0 ? "Joints" : "Joint profiles";
@@ -112,10 +113,12 @@ export class Plots {
     const unit: RateUnit = this.shares ? "share" : this.degrees ? "deg" : "rad";
     byId("rate-unit").textContent = this.shares ? (plan.prismatic.includes(false) ? (this.degrees ? "deg/s" : "rad/s") : "m/s") : "% of limit";
     const of = { joints: plan.joints, prismatic: plan.prismatic };
-    const both: Rates[] = [
-      { ...of, id: "speed", per: "/s", values: this.jointsOf(plan, plan.speeds), limits: plan.maxSpeed },
-      { ...of, id: "acceleration", per: "/s²", values: this.jointsOf(plan, plan.accelerations), limits: plan.maxAcceleration }];
-    this.rates = both.map((rates) => new RatePlot(rates, unit, this.scale, steps, kHeight, this.hidden, (time) => this.onSeek(time)));
+    const hasJerk = plan.maxJerk.length > 0;
+    const all: Rates[] = [
+      { ...of, id: "speed", per: "/s", isLast: false, values: this.jointsOf(plan, plan.speeds), limits: plan.maxSpeed },
+      { ...of, id: "acceleration", per: "/s²", isLast: !hasJerk, values: this.jointsOf(plan, plan.accelerations), limits: plan.maxAcceleration }];
+    if (hasJerk) all.push({ ...of, id: "jerk", per: "/s³", isLast: true, values: this.jointsOf(plan, plan.jerks), limits: plan.maxJerk });
+    this.rates = all.map((rates) => new RatePlot(rates, unit, this.scale, steps, kHeight, this.hidden, (time) => this.onSeek(time)));
   }
 
   private drawClearance(plan: Plan, steps: number[]): void {

@@ -1,4 +1,4 @@
-// Speeds or accelerations of all joints in time, against their limits.
+// Speeds, accelerations or jerk of all joints in time, against their limits.
 
 import type uPlot from "uplot";
 import { byId } from "./dom";
@@ -7,10 +7,11 @@ import { TimePlot, TimeScale, axis, limitLine } from "./time_plot";
 
 export type RateUnit = "share" | "rad" | "deg";
 
-/// What one plot shows; values and limits in rad and m, per second or second².
+/// What one plot shows; values and limits in rad and m, per second, second² or second³.
 export interface Rates {
-  id: "speed" | "acceleration";
-  per: "/s" | "/s²";
+  id: "speed" | "acceleration" | "jerk";
+  per: "/s" | "/s²" | "/s³";
+  isLast: boolean;  // of the plots: it names the time axis
   joints: string[]; prismatic: boolean[];
   values: Float32Array[]; limits: number[];
 }
@@ -48,7 +49,7 @@ export class RatePlot {
         for (const sign of [1, -1]) limitLine(u, scaleOf(j), sign * limits[j] * factor(j), color(j), 0, [3, 5]);
       });
     };
-    const axes = [scale.axis(rates.id === "acceleration" ? "s" : undefined), ...scales.map((name, i) => axis({
+    const axes = [scale.axis(rates.isLast ? "s" : undefined), ...scales.map((name, i) => axis({
       scale: name, label: name === "%" ? "% of limit" : name, ...(i > 0 ? { side: 1 as const, grid: { show: false } } : {}),
     }))];
     this.plot = new TimePlot(byId(`${rates.id}-plot`), height, scale, {
@@ -79,7 +80,7 @@ export class RatePlot {
     const now = byId(`${id}-now`);
     now.textContent = share(most) < 5e-4 ? "at rest"
       : `${joints[most]} ${three(value * (degrees ? kDegrees : 1))} ${unit}${per}, ${three(100 * share(most))} %`;
-    if (id === "acceleration" && share(most) < 5e-4) now.textContent = "0";
+    if (id !== "speed" && share(most) < 5e-4) now.textContent = "0";
     now.classList.toggle("bad", share(most) > 1.0005);
   }
 }

@@ -10,7 +10,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "planning/files/plan_file.hpp"
-#include "planning/path/trajectory.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/page_reader.hpp"
 #include "tests/apps/run_command.hpp"
@@ -229,14 +229,17 @@ TEST_F(CommandLine, a_solved_plan_is_written_as_a_trajectory_of_its_waypoints) {
 
 TEST_F(CommandLine, a_plan_is_shown_on_a_page_in_the_time_of_its_trajectory) {
   const std::string page = folder_.file("plan.html"), file = folder_.file("shown.json");
-  const CommandRun run = plan("-1,0", "1.4,0.1", {"--view", page, "--out", file});
+  const CommandRun run = plan("-1,0", "1.4,0.1", {"--view", page, "--out", file, "--motion"});
   ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_NE(run.out.find("page: " + page), std::string::npos);
   const PageReader reader(read_file(page));
   const auto& shown = reader.page.at("plans").at(0);
   EXPECT_EQ(shown.at("status"), "solved");
-  const auto points = time_parameterize(load_robot("point"), load_plan(file).waypoints()).points;
+  const auto motion = load_plan(file).motion;
+  ASSERT_TRUE(motion);
+  const auto points = trajectory_of(motion->motion).points;
   ASSERT_EQ(shown.at("waypoints"), points.size());
+  EXPECT_EQ(shown.at("maxJerk"), nlohmann::json({100.0, 100.0}));
   const auto values = reader.array<float>(shown.at("values")),
              speeds = reader.array<float>(shown.at("speeds"));
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -251,6 +254,39 @@ TEST_F(CommandLine, a_plan_is_shown_on_a_page_in_the_time_of_its_trajectory) {
   expect_refused(plan("-1,0", "1,1", {"--view", page, "--trajectory", "ros", folder_.file("./plan.html")}),
                  exit_bad_input, {"--view", "--trajectory"});
   EXPECT_EQ(plan("0.5,0", "1,1", {"--view", page}).status, exit_no) << "a plan that fails is shown, too";
+}
+
+TEST_F(CommandLine, check_refuses_a_motion_that_was_altered_and_accepts_the_one_that_was_written) {
+  const std::string file = folder_.file("plan.json"), csv = folder_.file("motion.csv");
+  const CommandRun run = plan("-1,0", "1.4,0.1", {"--export", "csv", csv, "--out", file, "--speed", "0.5"});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_EQ(read_file(csv).substr(0, 12), "time_s,x,y,x");
+  const auto check = [&] {
+    return run_command({"check", file, "--map", map_, "--robot", "point", "--json"});
+  };
+  CommandRun checked = check();
+  ASSERT_EQ(checked.status, exit_done) << checked.out << checked.log;
+  EXPECT_EQ(nlohmann::json::parse(checked.out)["motion"]["verdict"], "valid");
+  const auto written = nlohmann::ordered_json::parse(read_file(file));
+  const auto refused_after = [&](const auto& alter) {
+    auto altered = written;
+    alter(altered["motion"]);
+    folder_.write("plan.json", altered.dump());
+    checked = check();
+    EXPECT_EQ(checked.status, exit_no) << checked.out << checked.log;
+    return nlohmann::json::parse(checked.out)["motion"]["fault"].template get<std::string>();
+  };
+  EXPECT_NE(refused_after([](auto& motion) { motion["speed"] = 0.25; }).find("velocity"), std::string::npos);
+  EXPECT_NE(refused_after([](auto& motion) { motion["period_s"] = 0.001; }), "");
+  EXPECT_NE(refused_after([](auto& motion) { motion["positions"][40][1] = 0.5; }), "");
+  EXPECT_NE(refused_after([](auto& motion) { motion["leg_ends"][0] = 3; }), "");
+  for (const double speed : {0.0, 1.5}) {
+    auto altered = written;
+    altered["motion"]["speed"] = speed;
+    folder_.write("plan.json", altered.dump());
+    expect_refused(check(), exit_bad_input, {"motion.speed", "above 0"});
+  }
+  expect_refused(plan("-1,0", "1,1", {"--jerk", "0"}), exit_bad_input, {"--jerk", "above 0"});
 }
 
 TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot_it_does_not_fit) {

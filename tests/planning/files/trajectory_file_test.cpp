@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
@@ -123,6 +125,61 @@ TEST(TrajectoryFile, UrscriptIsForSixRevoluteJointsAndUnknownFormatsAreNamed) {
       "trajectory: urscript drives six revolute joints, robot 'chain' has 5 joints, 5 of them revolute");
   EXPECT_NE(refusal("urscript", chain(6, true)).find("6 joints, 5 of them revolute"), std::string::npos);
   EXPECT_NE(refusal("ross", chain(6, false)).find("'ross'; did you mean 'ros'?"), std::string::npos);
+}
+
+/// A motion of two knots with accelerations.
+Trajectory smooth(const Robot& robot) {
+  Trajectory trajectory = motion(robot);
+  for (TrajectoryPoint& point : trajectory.points)
+    point.acceleration = Configuration::Constant(static_cast<Eigen::Index>(robot.dof()), 1.0 / 3.0);
+  return trajectory;
+}
+
+TEST(TrajectoryFile, AccelerationsAreWrittenWhereTheyAreKnown) {
+  const Robot robot = chain(2, false);
+  const Trajectory trajectory = smooth(robot);
+  const YAML::Node ros = YAML::Load(trajectory_format("ros", robot).write(robot, plan_of(robot), trajectory));
+  EXPECT_EQ(numbers(ros["points"][1]["accelerations"]), trajectory.points[1].acceleration);
+  for (const char* format : {"ros-json", "json"}) {
+    const auto json =
+        nlohmann::json::parse(trajectory_format(format, robot).write(robot, plan_of(robot), trajectory));
+    const bool is_ros = std::string(format) == "ros-json";
+    const auto& names = json[is_ros ? "joint_names" : "joints"];
+    EXPECT_EQ(names, nlohmann::json({"yes", "joint 1"}));
+    for (std::size_t k = 0; k < trajectory.points.size(); ++k) {
+      const auto values = [&](const char* what) {
+        return (is_ros ? json["points"][k][what] : json[what][k]).get<std::vector<double>>();
+      };
+      const TrajectoryPoint& point = trajectory.points[k];
+      EXPECT_EQ(values("positions"), std::vector<double>(point.position.begin(), point.position.end()));
+      EXPECT_EQ(values("velocities"), std::vector<double>(point.velocity.begin(), point.velocity.end()));
+      EXPECT_EQ(values("accelerations"),
+                std::vector<double>(point.acceleration.begin(), point.acceleration.end()));
+    }
+  }
+}
+
+TEST(TrajectoryFile, CsvHasAHeadingAndALineForEachPoint) {
+  Robot robot = chain(2, false);
+  robot.joints[1].name = "el,bow";
+  const Trajectory trajectory = smooth(robot);
+  std::istringstream text(trajectory_format("csv", robot).write(robot, plan_of(robot), trajectory));
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(
+      line,
+      "time_s,yes,\"el,bow\",yes velocity,\"el,bow velocity\",yes acceleration,\"el,bow acceleration\"");
+  std::size_t lines = 0;
+  for (; std::getline(text, line); ++lines) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 6);
+    std::istringstream numbers_of(line);
+    std::string field;
+    std::getline(numbers_of, field, ',');
+    EXPECT_EQ(std::stod(field), trajectory.points.at(lines).time);
+    std::getline(numbers_of, field, ',');
+    EXPECT_EQ(std::stod(field), trajectory.points.at(lines).position[0]);
+  }
+  EXPECT_EQ(lines, trajectory.points.size());
 }
 
 }  // namespace trajectory_file_test

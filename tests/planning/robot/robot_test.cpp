@@ -183,6 +183,20 @@ TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
                   .starts_with("unknown robot 'no_such_robot': expected one of arm5, arm6, panda, "));
 }
 
+TEST_F(RobotFile, SettingsGiveLimitsOfAccelerationAndJerk) {
+  urdf(sphere, turning);
+  const Robot none = load_robot(write("r.yaml", "friction: 0.1"));
+  EXPECT_EQ(none.joints[0].max_acceleration, 0.0);
+  EXPECT_EQ(none.joints[0].max_jerk, 0.0);
+  const std::string name = none.joints[0].name;
+  const Robot robot = load_robot(write("r.yaml", "max_acceleration: 7.5\nmax_jerk: {" + name + ": 150}"));
+  EXPECT_EQ(robot.joints[0].max_acceleration, 7.5);
+  EXPECT_EQ(robot.joints[0].max_jerk, 150.0);
+  EXPECT_EQ(refusal(write("r.yaml", "max_jerk: 0")), "r.yaml: 'max_jerk' must be a finite number above 0");
+  EXPECT_EQ(refusal(write("r.yaml", "max_acceleration: {k: 0.2}")),
+            "r.yaml: 'max_acceleration' names 'k', which r does not have");
+}
+
 TEST_F(RobotFile, UnlimitedAndMimicJointsAndUnnormalisedAxesAreUnderstood) {
   const Robot robot = load_robot(write(
       "r.urdf",

@@ -203,5 +203,47 @@ TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOf
   }
 }
 
+/// Whatever is in the tube, corners and all, is free; and none but a sound deviation is taken.
+TEST(EdgeProof, NoTubeIsAcceptedInWhichSomethingTouches) {
+  for (const char* name : {"panda", "arm5", "arm6"}) {
+    const Robot robot = load_robot(name);
+    Random random(21);
+    const std::vector<Eigen::Vector3d> cubes = cubes_about(robot, random, 6);
+    const ConfigurationSpace space(robot, map_of(cubes), not_occupied());
+    const FclTruth truth(robot, cubes, edge);
+    int accepted = 0, refused = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Configuration from = random.configuration(robot);
+      const Configuration to = from + 0.3 * random.unit() * (random.configuration(robot) - from);
+      Eigen::VectorXd aside(from.size());
+      for (double& value : aside) value = random.below(3) == 0 ? 0.0 : random.between(0.0, 0.1);
+      const bool is_free = space.is_edge_free(from, to, aside);
+      (is_free ? accepted : refused)++;
+      if (!is_free) continue;
+      ASSERT_TRUE(space.is_edge_free(from, to)) << name << " " << i;
+      for (int k = 0; k < 300; ++k) {
+        Configuration q = from + random.unit() * (to - from);
+        for (Eigen::Index j = 0; j < q.size(); ++j)
+          q[j] += aside[j] * (k % 2 == 0 ? 1 - 2 * random.below(2) : random.between(-1, 1));
+        const LinkPoses poses = forward_kinematics(robot, q);
+        ASSERT_FALSE(truth.touches_itself(poses) || truth.touches_cube(poses)) << name << " " << i;
+      }
+    }
+    EXPECT_GT(accepted, 20) << name;
+    EXPECT_GT(refused, 10) << name;
+  }
+}
+
+TEST(EdgeProof, ATubeWithoutWidthIsTheEdgeAndOneThatIsNoTubeIsRefused) {
+  const Robot robot = load_robot("planar2");
+  const ConfigurationSpace space(robot, map_of({{5.025, 5.025, 0.025}}), not_occupied());
+  const Eigen::Vector2d from(0.0, 0.5), to(0.5, 1.0);
+  EXPECT_TRUE(space.is_edge_free(from, to, Eigen::Vector2d::Zero()));
+  EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(0.0, -1e-9)));
+  EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(0.0, std::nan(""))));
+  EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(HUGE_VAL, 0.0)));
+  EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector3d::Zero()));
+}
+
 }  // namespace edge_proof_test
 }  // namespace clearway

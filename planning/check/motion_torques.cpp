@@ -1,0 +1,132 @@
+#include "planning/check/motion_torques.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <kdl/tree.hpp>
+#include <kdl/treeidsolver_recursive_newton_euler.hpp>
+#include <limits>
+#include <locale>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+
+#include "planning/check/path_check_links.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double most_held = 0.95;  ///< share of a limit that gravity may take where the limit counts
+
+KDL::Vector kdl_vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// The robot as a KDL tree with masses.
+class MassTree {
+ public:
+  MassTree(const Robot& robot, const TorqueTerms& terms)
+      : links_(check::links_of_robot(robot)), tree_("robot base") {
+    for (std::size_t i = 0; i < robot.links.size(); ++i) add(robot, terms, i);
+    const JointLoad& load = terms.load;
+    if (load.payload > 0.0 && !robot.links.empty()) {
+      const Eigen::Vector3d tip = robot.link_from_tip.translation();
+      const KDL::Segment point("payload of the tip", KDL::Joint("payload of the tip", KDL::Joint::None),
+                               KDL::Frame(kdl_vector(tip)),
+                               KDL::RigidBodyInertia(load.payload, KDL::Vector::Zero()));
+      tree_.addSegment(point, name(static_cast<std::size_t>(robot.tip_link)));
+    }
+    const Eigen::Vector3d gravity = robot.map_from_base.linear().transpose() * load.gravity;
+    solver_ = std::make_unique<KDL::TreeIdSolver_RNE>(tree_, kdl_vector(gravity));
+    dof_ = static_cast<Eigen::Index>(robot.dof());
+  }
+
+  Eigen::VectorXd torques(const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
+                          const Eigen::VectorXd& acceleration) {
+    const auto count = static_cast<unsigned>(moved_.size());
+    KDL::JntArray position(count), rate(count), change(count), result(count);
+    for (unsigned k = 0; k < count; ++k) {
+      const std::size_t link = moved_[k];
+      const int joint = links_.joint[link];
+      position(k) = links_.multiplier[link] * q[joint] + links_.offset[link];
+      rate(k) = links_.multiplier[link] * velocity[joint];
+      change(k) = links_.multiplier[link] * acceleration[joint];
+    }
+    if (solver_->CartToJnt(position, rate, change, {}, result) < 0)
+      throw std::runtime_error("KDL's inverse dynamics refuses the robot");
+    Eigen::VectorXd torques = Eigen::VectorXd::Zero(dof_);
+    for (unsigned k = 0; k < count; ++k) {
+      const std::size_t link = moved_[k];
+      torques[links_.joint[link]] += links_.multiplier[link] * result(k);
+    }
+    return torques;
+  }
+
+ private:
+  static std::string name(std::size_t link) { return "link " + std::to_string(link); }
+
+  void add(const Robot& robot, const TorqueTerms& terms, std::size_t i) {
+    const Link& link = robot.links[i];
+    const KDL::Segment& moved = *links_.segments[i];
+    const Eigen::Matrix3d& about = terms.inertia[i];
+    const KDL::RigidBodyInertia mass(
+        link.mass, kdl_vector(link.center_of_mass),
+        KDL::RotationalInertia(about(0, 0), about(1, 1), about(2, 2), about(0, 1), about(0, 2), about(1, 2)));
+    const KDL::Segment segment(name(i), moved.getJoint(), moved.getFrameToTip(), mass);
+    const int parent = links_.parent[i];
+    tree_.addSegment(segment, parent < 0 ? "robot base" : name(static_cast<std::size_t>(parent)));
+    if (links_.joint[i] >= 0) moved_.push_back(i);
+  }
+
+  check::KdlLinks links_;
+  KDL::Tree tree_;
+  std::unique_ptr<KDL::TreeIdSolver_RNE> solver_;
+  std::vector<std::size_t> moved_;  ///< the link of each of the tree's joints
+  Eigen::Index dof_ = 0;
+};
+
+}  // namespace
+
+Eigen::VectorXd kdl_torques(const Robot& robot, const Configuration& q, const Eigen::VectorXd& velocity,
+                            const Eigen::VectorXd& acceleration, const TorqueTerms& terms) {
+  return MassTree(robot, terms).torques(q, velocity, acceleration);
+}
+
+TorqueFinding greatest_torques(const Robot& robot, const Motion& motion, const TorqueTerms& terms) {
+  TorqueFinding found;
+  Eigen::VectorXd limits = terms.limits;
+  if (limits.size() == 0 || limits.minCoeff() == std::numeric_limits<double>::infinity()) return found;
+  MassTree tree(robot, terms);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
+  for (const Configuration& q : motion.positions) {
+    const Eigen::VectorXd torques = tree.torques(q, rest, rest);
+    for (Eigen::Index j = 0; j < limits.size(); ++j) {
+      if (!(std::abs(torques[j]) > most_held * limits[j])) continue;
+      limits[j] = std::numeric_limits<double>::infinity();
+      found.overloaded.push_back(robot.joints[static_cast<std::size_t>(j)].name);
+    }
+  }
+  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
+    const Eigen::VectorXd torques =
+        tree.torques(motion.positions[k], motion.velocities[k], motion.accelerations[k]);
+    for (Eigen::Index j = 0; j < limits.size(); ++j) {
+      const double share = std::abs(torques[j]) / limits[j];
+      if (!(share > found.share)) continue;
+      found.share = share;
+      found.torque = torques[j];
+      found.knot = k;
+      found.joint = j;
+    }
+  }
+  return found;
+}
+
+std::string torque_fault(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
+                         const TorqueFinding& found) {
+  if (found.share <= 1.0 + 1e-6) return {};
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << "motion: after " << motion.period * static_cast<double>(found.knot) << " s the torque of joint "
+       << robot.joints[static_cast<std::size_t>(found.joint)].name << " is " << found.torque << ", its limit "
+       << terms.limits[found.joint];
+  return text.str();
+}
+
+}  // namespace clearway

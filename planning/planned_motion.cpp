@@ -1,0 +1,79 @@
+#include "planning/planned_motion.hpp"
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+#include "mapping/system/thread_time.hpp"
+#include "planning/check/motion_torques.hpp"
+#include "planning/robot_files/torque_terms.hpp"
+
+namespace clearway {
+
+PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
+                          const SmoothMotionOptions& options) {
+  if (!plan.is_proved())
+    throw std::invalid_argument("motion: the plan is not proved, expected one that is solved and valid");
+  if (!plan.loads.empty() || plan.pick)
+    throw std::invalid_argument(
+        "motion: the plan carries loads, expected one without: edges alone are proved with them");
+  std::vector<std::vector<Configuration>> legs;
+  for (const PlanResult& leg : plan.legs) legs.push_back(leg.waypoints);
+  PlannedMotion planned;
+  planned.scales = options.scales;
+  const auto torques =
+      std::make_shared<const TorqueTerms>(torque_terms(space.robot(), load_of(plan, space.robot())));
+  const RateLimits limits = rate_limits(space.robot(), options.scales);
+  for (const double share : {1.0, 0.125, 0.0}) {
+    SmoothMotionOptions tried = options;
+    tried.torques = torques;
+    tried.reach *= share;
+    if (share == 0.0) tried.straighten = 0.0;
+    const double begin = thread_cpu_seconds();
+    SmoothMotion made = smooth_motion(space, legs, tried);
+    planned.cpu_s += thread_cpu_seconds() - begin;
+    planned.motion = std::move(made.motion);
+    planned.leg_ends = std::move(made.leg_ends);
+    planned.blended = made.blended;
+    planned.stops = made.stops;
+    planned.validation =
+        check_motion(space.robot(), space.map(), space.policies(), space.options().padding, planned.motion,
+                     planned.leg_ends, plan.stops(), limits, space.options().seen_within);
+    const std::string fault = torque_fault(space.robot(), planned.motion, *torques,
+                                           greatest_torques(space.robot(), planned.motion, *torques));
+    if (planned.validation.valid && !fault.empty()) {
+      planned.validation.valid = false;
+      planned.validation.fault = fault;
+    }
+    if (planned.validation.valid) break;
+  }
+  return planned;
+}
+
+JointLoad load_of(const Plan& plan, const Robot& robot) {
+  return {.payload = plan.payload * std::pow(robot.scale, 3), .gravity = plan.gravity};
+}
+
+Trajectory timed_legs(const Robot& robot, const Plan& plan) {
+  Trajectory joined;
+  for (const PlanResult& leg : plan.legs) {
+    const Trajectory own = time_parameterize(robot, leg.waypoints);
+    const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
+    joined.period = own.period;
+    for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
+      joined.points.push_back(own.points[k]);
+      joined.points.back().time += begin;
+    }
+  }
+  return joined;
+}
+
+Trajectory trajectory_of(const Motion& motion) {
+  Trajectory trajectory{motion.period, {}};
+  for (std::size_t k = 0; k < motion.positions.size(); ++k)
+    trajectory.points.push_back({static_cast<double>(k) * motion.period, motion.positions[k],
+                                 motion.velocities[k], motion.accelerations[k]});
+  return trajectory;
+}
+
+}  // namespace clearway

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "planning/files/plan_file.hpp"
+#include "planning/path/smooth_motion.hpp"
+#include "planning/path/trajectory.hpp"
+
+namespace clearway {
+
+/// The smooth motion along a proved plan, re-checked by check_motion under the plan's own terms. Where the
+/// check does not follow our proof, blends are made shorter, and at last the motion stops at each waypoint.
+/// Torque limits (torque_terms) are kept with the plan's payload and gravity, and judged by KDL. Whoever
+/// drives a robot asks PlannedMotion::validation first.
+/// @param space the plan's own: robot, map, policies and padding
+/// @throws std::invalid_argument for a plan that is not proved or carries loads, and as smooth_motion and
+/// check_motion.
+PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
+                          const SmoothMotionOptions& options = {});
+
+/// What the plan was told to carry, at the robot's scale.
+JointLoad load_of(const Plan& plan, const Robot& robot);
+
+/// A plan that carries loads in time: each leg's edges without blends (time_parameterize), at rest where legs
+/// end. @throws std::invalid_argument as time_parameterize
+Trajectory timed_legs(const Robot& robot, const Plan& plan);
+
+/// The same motion as points in time, one at each knot, with accelerations.
+Trajectory trajectory_of(const Motion& motion);
+
+}  // namespace clearway

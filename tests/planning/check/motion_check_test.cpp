@@ -1,0 +1,111 @@
+#include "planning/check/motion_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/path/smooth_motion.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace motion_check_test {
+
+Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
+
+/// The disc of 0.2 m goes round a corner; each test does something to its motion.
+struct Corner {
+  Robot robot = load_robot("point");
+  std::vector<Configuration> stops{at(0, 0), at(1, 1)};
+  ConfigurationSpace space = space_with({box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
+  SmoothMotion made = smooth_motion(space, {{at(0, 0), at(1, 0), at(1, 1)}});
+  Motion& motion = made.motion;
+  RateLimits limits = rate_limits(robot);
+
+  ConfigurationSpace space_with(const std::vector<Eigen::AlignedBox3d>& occupied) const {
+    return ConfigurationSpace(robot, VoxelScene{0.05, occupied, {}, {}}.snapshot(),
+                              {.parts = {}, .critical_by_default = false});
+  }
+  MotionVerdict verdict(const Snapshot& map) const {
+    return check_motion(robot, map, space.policies(), 0.0, motion, made.leg_ends, stops, limits);
+  }
+  std::string fault() const {
+    const MotionVerdict found = verdict(space.map());
+    EXPECT_EQ(found.valid, found.fault.empty());
+    return found.fault;
+  }
+};
+
+TEST(MotionCheck, AcceptsASmoothMotionAndCountsItsSamples) {
+  const Corner corner;
+  const MotionVerdict verdict = corner.verdict(corner.space.map());
+  EXPECT_TRUE(verdict.valid) << verdict.fault;
+  EXPECT_GE(static_cast<double>(verdict.samples), 1000 * corner.motion.duration());
+  EXPECT_GT(verdict.shares.velocity, 0.8);
+  EXPECT_LE(verdict.shares.acceleration, 1.0 + 1e-6);
+}
+
+TEST(MotionCheck, RefusesAMotionThatIsTooFast) {
+  Corner corner;
+  for (auto* limit : {&corner.limits.velocity, &corner.limits.acceleration, &corner.limits.jerk}) {
+    const Eigen::VectorXd kept = *limit;
+    *limit *= 0.6;
+    EXPECT_NE(corner.fault().find("its limit"), std::string::npos) << corner.fault();
+    *limit = kept;
+  }
+  EXPECT_EQ(corner.fault(), "");
+  corner.motion.period *= 0.97;
+  EXPECT_NE(corner.fault(), "");
+}
+
+TEST(MotionCheck, RefusesAKnotThatIsElsewhere) {
+  for (const double off : {1e-4, 1e-2}) {
+    Corner corner;
+    corner.motion.positions[corner.motion.positions.size() / 2][1] += off;
+    EXPECT_NE(corner.fault(), "") << off;
+  }
+}
+
+TEST(MotionCheck, RefusesAccelerationsThatAreNotThoseOfTheCubics) {
+  Corner corner;
+  corner.motion.accelerations[20][0] += 0.01;
+  EXPECT_NE(corner.fault().find("acceleration between the knots"), std::string::npos) << corner.fault();
+}
+
+TEST(MotionCheck, RefusesOtherEndsAndMissingRests) {
+  Corner corner;
+  corner.stops[1][0] += 1e-3;
+  EXPECT_NE(corner.fault().find("not where"), std::string::npos);
+  corner.stops[1] = at(1, 1);
+  corner.made.leg_ends = {corner.motion.positions.size() - 2};
+  EXPECT_NE(corner.fault(), "");
+  corner.made.leg_ends = {corner.motion.positions.size()};
+  EXPECT_NE(corner.fault(), "");
+  corner.made.leg_ends = {};
+  EXPECT_NE(corner.fault(), "");
+}
+
+TEST(MotionCheck, RefusesValuesThatAreNoNumbersAndSizesThatDoNotAgree) {
+  for (int which = 0; which < 4; ++which) {
+    Corner corner;
+    if (which == 0) corner.motion.positions[5][0] = std::nan("");
+    if (which == 1) corner.motion.velocities[5][1] = HUGE_VAL;
+    if (which == 2) corner.motion.velocities.pop_back();
+    if (which == 3) corner.motion.period = std::nan("");
+    EXPECT_NE(corner.fault(), "") << which;
+  }
+}
+
+TEST(MotionCheck, RefusesAnObstacleInsideTheBlendAndOneInsideTheEdgesIsNoMatter) {
+  const Corner corner;
+  // The blend cuts the corner at (1, 0): the disc no longer covers what lies beyond it.
+  const Configuration middle = corner.motion.at(corner.motion.duration() / 2).position;
+  const auto post = [](double x, double y) {
+    return box_of(x - 0.03, y - 0.03, -0.05, x + 0.03, y + 0.03, 0.05);
+  };
+  const auto in_way = corner.space_with({post(middle[0] - 0.15, middle[1] + 0.15)});
+  EXPECT_FALSE(corner.verdict(in_way.map()).valid);
+  const auto far = corner.space_with({post(middle[0] - 0.5, middle[1] + 0.5)});
+  EXPECT_TRUE(corner.verdict(far.map()).valid);
+}
+
+}  // namespace motion_check_test
+}  // namespace clearway
