@@ -59,7 +59,7 @@ Trajectory timed_legs(const Robot& robot, const Plan& plan) {
   for (const PlanResult& leg : plan.legs) {
     const Trajectory own = time_parameterize(robot, leg.waypoints);
     const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
-    joined.period = own.period;
+    joined.sampling_period = own.sampling_period;
     for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
       joined.points.push_back(own.points[k]);
       joined.points.back().time += begin;

@@ -10,6 +10,7 @@
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/planned_motion.hpp"
 
 namespace clearway {
 
@@ -190,8 +191,11 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     const std::vector<Configuration>& explored = plan.legs.back().explored;
     path.insert(path.end(), explored.begin(), explored.end());
   }
+  const bool has_loads = !plan.loads.empty() || plan.pick;
   const auto shown = plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion)
-                                 : show_motion(shown_plan, robot, path);
+                     : has_loads && plan.is_proved()
+                         ? show_trajectory(shown_plan, robot, timed_legs(robot, plan))
+                         : show_motion(shown_plan, robot, path);
   if (shown.empty()) shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
   for (const PlanResult& leg : plan.legs)
     if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())

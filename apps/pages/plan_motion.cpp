@@ -105,8 +105,12 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
                                      const std::vector<Configuration>& path) {
   const double least = least_duration(robot, path);
   if (least == 0.0 || least > longest_motion) return {};
+  return show_trajectory(plan, robot, time_parameterize(robot, path));
+}
+
+std::vector<std::size_t> show_trajectory(PagePlan& plan, const Robot& robot, const Trajectory& trajectory) {
   const TrajectoryOptions options;
-  const Trajectory trajectory = time_parameterize(robot, path, options);
+  if (trajectory.points.size() < 2 || trajectory.points.back().time > longest_motion) return {};
   std::vector<Configuration> positions;
   std::vector<Eigen::VectorXd> velocities;
   for (const TrajectoryPoint& point : trajectory.points) {

@@ -25,6 +25,9 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
 std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
                                      const std::vector<Configuration>& path);
 
+/// The same of such a motion that is given.
+std::vector<std::size_t> show_trajectory(PagePlan& plan, const Robot& robot, const Trajectory& trajectory);
+
 /// The same of the motion that a plan is given with it, at its knots: limits are the robot's own.
 std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned);
 

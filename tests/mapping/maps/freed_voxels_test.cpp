@@ -14,7 +14,7 @@ namespace freed_voxels_test {
 
 /// A block of 8 x 8 x 8 occupied voxels, half of it painted over.
 Snapshot block() {
-  VoxelScene scene{0.05, {box_of(0.0, 0.0, 0.0, 0.4, 0.4, 0.4)}, {{{0.0, 0.2, 0.2}, 0.5}}, {"tool"}};
+  VoxelScene scene{0.05, {box_of(0.0, 0.0, 0.0, 0.4, 0.4, 0.4)}, {{{0.0, 0.2, 0.2}, 0.3}}, {"tool"}};
   return scene.snapshot();
 }
 
