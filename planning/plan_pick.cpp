@@ -20,8 +20,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Path = std::vector<Configuration>;
 
-constexpr double straight_step = 0.01;  ///< m of the tip, full size
-constexpr double least_sinking = 1e-4;  ///< m; as Pick says
+constexpr double straight_step = 0.01;                       ///< m of the tip, full size
+constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick says
 constexpr int turns_of_axial = 12;
 constexpr int starts = 72;              ///< of inverse kinematics for a pose, a sixth for each turn
 constexpr std::size_t most_tried = 48;  ///< grasps that lead on, and places of each, in the last round
@@ -151,7 +151,8 @@ class PickPlanner {
   /// The part of a straight way on the support, and the rest of it, are free; `path` begins at the support.
   bool is_contact_free(const ConfigurationSpace& on_layer, const Eigen::Isometry3d& map_from_object,
                        const Path& on_support) {
-    const double plane = plane_at(map_from_object), sinking = std::max(padding_, least_sinking);
+    const double plane = plane_at(map_from_object),
+                 sinking = std::clamp(padding_, least_sinking, most_sinking);
     return is_path_free(scene_.bare(), on_support) && is_path_free(on_layer, on_support) &&
            keeps_height(on_layer.robot(), on_layer.robot().bodies.size() - 1, on_support, plane - sinking,
                         plane + contact_ + sinking);

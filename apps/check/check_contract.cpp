@@ -58,13 +58,26 @@ class Statement {
     return {plan_.map_from_base, TermSource::plan};
   }
 
-  Term<std::vector<LegLoad>> loads(std::vector<std::string>& notes) const {
-    if (!options_.attach.empty()) return {choose_loads(options_.attach, robot_), TermSource::flag};
-    if (query_) return {query_->loads, TermSource::map};
-    if (plan_.pick) return {{}, TermSource::plan};
-    for (const LegLoad& load : plan_.loads)
+  /// What flags or record state; what the plan carries beyond that counts as well, since it asks for more.
+  Term<std::vector<LegLoad>> loads(const std::optional<Pick>& pick, std::vector<std::string>& notes) const {
+    Term<std::vector<LegLoad>> stated{{}, TermSource::plan};
+    if (!options_.attach.empty())
+      stated = {choose_loads(options_.attach, robot_), TermSource::flag};
+    else if (query_)
+      stated = {query_->loads, TermSource::map};
+    const auto is_known = [&](const std::string& name) {
+      return std::any_of(stated.value.begin(), stated.value.end(),
+                         [&](const LegLoad& load) { return load.load.name == name; });
+    };
+    const std::string picked = pick         ? pick->object.name
+                               : plan_.pick ? plan_.pick->object.name
+                                            : std::string();
+    for (const LegLoad& load : plan_.loads) {
+      if (load.load.name == picked || is_known(load.load.name)) continue;
       notes.push_back("that the robot carries " + describe_load(load) + " is what the plan says");
-    return {plan_.loads, TermSource::plan};
+      stated.value.push_back(load);
+    }
+    return stated;
   }
 
   Term<std::optional<Pick>> pick() const {
@@ -132,7 +145,7 @@ class Statement {
       const TermSource source = goals.empty() ? TermSource::plan : TermSource::flag;
       if (goals.empty() && query_) goals = query_->goals;
       std::vector<Configuration> ends = plan_.goals;
-      ends.resize(std::min(ends.size(), names_of_legs(false).size()));
+      if (!goals.empty()) ends.resize(std::min(ends.size(), names_of_legs(false).size()));
       ends.insert(ends.end(), goals.begin(), goals.end());
       return {ends, source};
     }
@@ -278,8 +291,11 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   note_held(options, contract, robot, contract.notes);
   contract.scale = statement.scale();
   contract.map_from_base = statement.base(contract.notes);
-  contract.loads = statement.loads(contract.notes);
   contract.pick = statement.pick();
+  contract.loads = statement.loads(contract.pick.value, contract.notes);
+  if (contract.pick.value && !contract.loads.value.empty())
+    throw std::invalid_argument("load '" + contract.loads.value.front().load.name +
+                                "': expected none beside a pick, whose object is the one load");
   const std::vector<LegLoad> loads = carried_under(contract);
   contract.policies = statement.policies(loads, contract.notes);
   contract.padding = statement.padding();

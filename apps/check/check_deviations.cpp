@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "apps/check/check_contract.hpp"
 #include "apps/console/parse.hpp"
@@ -127,11 +128,24 @@ class Comparison {
       }
       if (!is_same(load.load, said->load))
         add(AcceptedTerm::load, expected + "says another shape, place, mass or touching links of it");
+      require_legs(load, source);
       for (std::size_t leg = 0; leg < contract_.goals.value.size(); ++leg) {
         if (!load.rides_on(static_cast<int>(leg)) || said->rides_on(static_cast<int>(leg))) continue;
         add(AcceptedTerm::load, expected + "leaves it off on leg " + std::to_string(leg + 1));
       }
     }
+  }
+
+  /// A load that rides on single legs rides on none that the plan cut away or numbered anew.
+  void require_legs(const LegLoad& load, TermSource source) {
+    if (load.legs.empty() || source == TermSource::plan) return;
+    const std::string expected = "load: expected " + describe_load(load) + by(source) + ", ";
+    if (contract_.goals.source == TermSource::plan)
+      add(AcceptedTerm::load, expected + "and --goal for each leg: the plan alone says which leg is which");
+    const int legs = static_cast<int>(std::min(contract_.goals.value.size(), plan_.legs.size()));
+    for (const int leg : load.legs)
+      if (leg >= legs)
+        add(AcceptedTerm::load, expected + "the plan has only " + std::to_string(legs) + " legs");
   }
 
   /// A pick frees voxels, and lets some things touch.
@@ -213,7 +227,14 @@ std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
 namespace {
 
 /// With their policies: who names a load that nothing else names, names what it must lie in, too.
+/// @throws std::invalid_argument for a pick beside other loads, which nobody plans.
 void adopt_loads(const Plan& plan, Contract& contract) {
+  if (plan.pick)
+    for (const LegLoad& load : plan.loads)
+      if (load.load.name != plan.pick->object.name)
+        throw std::invalid_argument(
+            "load '" + load.load.name +
+            "' of the plan: expected none beside a pick, whose object is the one load");
   contract.loads = {plan.loads, TermSource::plan};
   contract.pick = {plan.pick, TermSource::plan};
   for (const LegLoad& load : plan.loads) {

@@ -14,11 +14,11 @@
 namespace clearway {
 namespace {
 
-constexpr double same_place = 1e-5;      ///< m, rad: of the load on its link and at its place
-constexpr double same_tip = 1e-3;        ///< m, rad: of the tip on its way
-constexpr double skin = 1e-6;            ///< m that the object reaches into a voxel that is its own
-constexpr double least_sinking = 1e-4;   ///< m
-constexpr double finest_advance = 1e-9;  ///< of an edge
+constexpr double same_place = 1e-5;  ///< m, rad: of the load on its link and at its place
+constexpr double same_tip = 1e-3;    ///< m, rad: of the tip on its way
+constexpr double skin = 1e-6;        ///< m that the object reaches into a voxel that is its own
+constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m
+constexpr double finest_advance = 1e-9;                      ///< of an edge
 
 /// A reason to refuse, with the leg that it is of.
 struct Refusal {
@@ -173,6 +173,47 @@ class PickCheck {
     require_straight(lift, pick_.lift * Eigen::Vector3d::UnitZ());
     require_straight(lower, -pick_.lift * Eigen::Vector3d::UnitZ());
     require_straight(retreat, back());
+    require_no_bow(reach, pick_.approach);
+    require_no_bow(lift, pick_.lift * Eigen::Vector3d::UnitZ());
+    require_no_bow(lower, -pick_.lift * Eigen::Vector3d::UnitZ());
+    require_no_bow(retreat, back());
+  }
+
+  /// Between waypoints, too: conservative advancement over points of the load as it is held.
+  void require_no_bow(std::size_t index, const Eigen::Vector3d& way) const {
+    const Robot carrying = loaded();
+    const check::KdlArm arm(carrying);
+    const std::size_t body = carrying.bodies.size() - 1;
+    const double length = way.norm(), most = same_tip * (2.0 + check::extent(shape_));
+    const Eigen::Vector3d along = way / length;
+    std::vector<Eigen::Vector3d> points;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {1.0, -1.0})
+        points.push_back(shape_.support(sign * Eigen::Vector3d::Unit(axis)));
+    const std::vector<Configuration>& path = leg(index);
+    const Eigen::Isometry3d begin = arm.place(path.front(), body);
+    const auto off = [&](const Eigen::Isometry3d& pose) {
+      double farthest = 0.0;
+      for (const Eigen::Vector3d& point : points) {
+        const Eigen::Vector3d moved = pose * point - begin * point;
+        const double on = moved.dot(along);
+        farthest = std::max({farthest, (moved - on * along).norm(), -on, on - length});
+      }
+      return farthest;
+    };
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      const Eigen::VectorXd step = path[i + 1] - path[i];
+      const double rate = arm.motion(body, step.cwiseAbs()) * (1.0 + 1e-9);
+      for (double t = 0.0;;) {
+        const double room = most - off(arm.place(path[i] + t * step, body));
+        if (!(room > 0.0)) refuse(names_of_legs(true)[index] + " leaves its straight way between waypoints");
+        const double ahead = rate > 0.0 ? 0.9 * room / rate : 1.0;
+        if (!(t + ahead < 1.0)) break;
+        if (!(ahead > finest_advance))
+          refuse(names_of_legs(true)[index] + ": cannot prove that its way is straight");
+        t += ahead;
+      }
+    }
   }
 
   /// The object on the robot's root.
@@ -298,7 +339,7 @@ class PickCheck {
     if (!verdict_.valid) return;
     const double plane = lowest(shape_, map_from_object);
     const double contact = contact_length(pick_, plan_.map.resolution(), padding_);
-    const double sinking = std::max(padding_, least_sinking);
+    const double sinking = std::clamp(padding_, least_sinking, most_sinking);
     const check::KdlArm arm(carrying);
     for (std::size_t i = 0; i + 1 < path.size(); ++i)
       require_height(arm, carrying.bodies.size() - 1, path[i], path[i + 1], plane - sinking,

@@ -1,5 +1,6 @@
 #include "planning/files/load_json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -10,18 +11,41 @@ using Json = nlohmann::ordered_json;
 
 Json numbers_of(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
+constexpr double largest = 1e6;  ///< m, as in files by hand
+
+/// A number, or a refusal of what is no length or place.
+double length_of(double value, const JsonField& field) {
+  if (!(std::abs(value) <= largest)) field.refuse("lengths of at most 1e6 m");
+  return value;
+}
+
+Eigen::VectorXd lengths_of(const Eigen::VectorXd& values, const JsonField& field) {
+  for (const double value : values) length_of(value, field);
+  return values;
+}
+
+Eigen::Isometry3d place_of(const JsonField& field) {
+  const Eigen::Isometry3d pose = pose_of(field);
+  lengths_of(pose.translation(), field);
+  return pose;
+}
+
 Shape read_shape(const JsonField& field) {
-  if (field.has("sphere")) return Shape::sphere(field.at("sphere").number());
-  if (field.has("box")) return Shape::box(field.at("box").numbers(3));
+  int kinds = 0;
+  for (const char* kind : {"sphere", "box", "capsule", "cylinder", "hull"}) kinds += field.has(kind) ? 1 : 0;
+  if (kinds > 1) field.refuse("one of sphere, capsule, cylinder, box and hull, found several");
+  if (field.has("sphere")) return Shape::sphere(length_of(field.at("sphere").number(), field));
+  if (field.has("box")) return Shape::box(lengths_of(field.at("box").numbers(3), field));
   for (const bool is_capsule : {false, true}) {
     const char* kind = is_capsule ? "capsule" : "cylinder";
     if (!field.has(kind)) continue;
-    const Eigen::VectorXd sizes = field.at(kind).numbers(2);
+    const Eigen::VectorXd sizes = lengths_of(field.at(kind).numbers(2), field);
     return is_capsule ? Shape::capsule(sizes[0], sizes[1]) : Shape::cylinder(sizes[0], sizes[1]);
   }
   if (!field.has("hull")) field.refuse("sphere, capsule, cylinder, box or hull");
   std::vector<Eigen::Vector3d> corners;
-  for (const Eigen::VectorXd& corner : field.at("hull").vectors(3)) corners.emplace_back(corner);
+  for (const Eigen::VectorXd& corner : field.at("hull").vectors(3))
+    corners.emplace_back(lengths_of(corner, field));
   return Shape::convex(std::move(corners));
 }
 
@@ -29,7 +53,7 @@ LegLoad read_load(const JsonField& field) {
   LegLoad load;
   load.load.name = field.at("name").text();
   load.load.link = field.at("link").text();
-  load.load.link_from_load = pose_of(field.at("pose"));
+  load.load.link_from_load = place_of(field.at("pose"));
   load.load.shape = shape_of(field.at("shape"));
   load.load.mass = field.at("mass_kg").number();
   for (const JsonField& link : field.at("touches").items()) load.load.touches.push_back(link.text());
@@ -110,9 +134,9 @@ Pick pick_of(const JsonField& field) {
   pick.object.shape = shape_of(field.at("shape"));
   pick.object.mass = field.at("mass_kg").number();
   for (const JsonField& link : field.at("touches").items()) pick.object.touches.push_back(link.text());
-  pick.map_from_object = pose_of(field.at("pose"));
-  pick.map_from_place = pose_of(field.at("place"));
-  pick.object_from_tip = pose_of(field.at("grasp"));
+  pick.map_from_object = place_of(field.at("pose"));
+  pick.map_from_place = place_of(field.at("place"));
+  pick.object_from_tip = place_of(field.at("grasp"));
   pick.approach = field.at("approach").numbers(3);
   pick.lift = field.at("lift_m").number();
   pick.contact = field.at("contact_m").number();

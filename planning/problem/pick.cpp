@@ -11,6 +11,7 @@ namespace {
 
 constexpr double same_pick = 1e-6;  ///< m
 constexpr double longest = 10.0;    ///< m, of approach and lift
+constexpr double most_voxels = 1e7;
 
 bool is_pose(const Eigen::Isometry3d& pose) {
   const Eigen::Matrix3d turn = pose.linear();
@@ -45,6 +46,11 @@ void require_sound(const Pick& pick, double resolution, double padding) {
   require(pick.approach.norm() > 0.0 && pick.approach.norm() <= longest, "approach",
           "a way of more than 0 and at most 10 m");
   require(pick.margin >= 0.0 && pick.margin <= 0.1, "margin", "a length from 0 to 0.1 m");
+  for (const Eigen::Isometry3d& pose : {pick.map_from_object, pick.map_from_place}) {
+    const Eigen::Array3d sizes =
+        pick.object.shape.bounds(pose).sizes().array() + 2.0 * (pick.margin + padding);
+    require((sizes / resolution + 3.0).prod() <= most_voxels, "shape", "at most 10 million voxels round it");
+  }
   const double contact = contact_length(pick, resolution, padding), least = resolution + padding;
   require(contact > least && contact <= 0.1 + 2.0 * least, "contact",
           "more than a voxel and the padding, " + short_text(least) +

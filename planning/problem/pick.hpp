@@ -18,7 +18,7 @@ namespace clearway {
 ///             and only the link that carries it and `touches` may touch it
 ///   lift      straight up; the object is the robot's load. On its first `contact` metres the load may touch
 ///             voxels of the support's layer, provided its lowest point never sinks below the plane that it
-///             stood on by more than the padding (at least 0.1 mm); the robot itself keeps clear of these
+///             stood on by more than the padding (0.1 to 1 mm); the robot itself keeps clear of these
 ///   carry     to above the place
 ///   lower     straight down; the same on its last `contact` metres, with the layer at the place
 ///   retreat   back along the approach, turned as the object was; as `reach`, the object at its place

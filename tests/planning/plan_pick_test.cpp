@@ -186,6 +186,19 @@ TEST_F(PlanPick, IsRefusedWhereItLoosensThePick) {
 }
 
 /// A can that is larger, or a table that is higher, than the planner knew.
+TEST_F(PlanPick, IsRefusedWhereAStraightWayBowsBetweenItsWaypoints) {
+  for (const std::size_t leg : {1U, 2U, 4U, 5U}) {
+    const PathVerdict bowed = verdict([&](Plan& plan) {
+      std::vector<Configuration>& path = plan.legs[leg].waypoints;
+      ASSERT_GT(path.size(), 2U);
+      path.erase(path.begin() + 1, path.end() - 1);
+    });
+    EXPECT_FALSE(bowed.valid) << leg;
+    EXPECT_NE(bowed.first_contact.find("straight"), std::string::npos) << bowed.first_contact;
+  }
+  EXPECT_TRUE(verdict([](Plan&) {}).valid);
+}
+
 TEST_F(PlanPick, IsRefusedInAnotherWorld) {
   const auto nothing = [](Plan&) {};
   const PathVerdict wide =

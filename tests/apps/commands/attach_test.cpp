@@ -79,7 +79,8 @@ TEST_F(Attach, a_load_may_ride_on_one_leg_alone) {
   EXPECT_EQ(written()["legs"][0]["waypoints"], Json({0, 1}));
   EXPECT_GT(written()["legs"][1]["waypoints"][1].get<int>(), 2);
   EXPECT_EQ(written()["loads"][0]["legs"], Json({2}));
-  EXPECT_EQ(check(written(), {"--attach", back}).status, exit_done);
+  EXPECT_EQ(check(written(), {"--attach", back, "--goal=2,0", "--goal=0,0"}).status, exit_done);
+  expect_words(check(written(), {"--attach", back}).out, {"--goal for each leg", "refused"});
   const CommandRun both = check(written(), {"--attach", rod_});
   EXPECT_EQ(both.status, exit_no);
   expect_words(both.out, {"leaves it off on leg 1", "--accept-load"});
@@ -104,6 +105,44 @@ TEST_F(Attach, check_refuses_a_plan_that_drops_or_shrinks_its_load) {
   const CommandRun small = check(shrunk, {"--attach", rod_});
   EXPECT_EQ(small.status, exit_no);
   expect_words(small.out, {"says another shape", "rod comes too near to a voxel"});
+}
+
+TEST_F(Attach, a_load_on_a_leg_that_the_plan_does_not_have_is_missed) {
+  ASSERT_EQ(plan({}).status, exit_done);
+  Json one = written();
+  one["goals"].erase(1);
+  one["legs"].erase(1);
+  const std::string back =
+      folder_.write("back.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, legs: [2]}");
+  const CommandRun run = check(one, {"--attach", back, "--goal=2,0"});
+  EXPECT_EQ(run.status, exit_no);
+  expect_words(run.out, {"the plan has only 1 legs"});
+}
+
+TEST_F(Attach, what_a_plan_carries_beyond_the_flags_is_checked_too) {
+  ASSERT_EQ(plan({"--attach", rod_}).status, exit_done);
+  Json through = written(), straight = (plan({}), written());
+  straight["loads"] = through["loads"];
+  straight["policy"]["rod"] = "not_occupied";
+  const std::string peg = folder_.write("peg.yaml", "{name: peg, box: [0.05, 0.05, 0.05], link: base}");
+  const CommandRun run = check(straight, {"--attach", peg, "--accept-load"});
+  EXPECT_EQ(run.status, exit_no);
+  expect_words(run.out, {"rod comes too near to a voxel"});
+}
+
+TEST_F(Attach, a_load_of_any_size_in_a_plan_is_refused_and_never_valid) {
+  ASSERT_EQ(plan({"--attach", rod_}).status, exit_done);
+  const Json good = written();
+  for (const char* shape :
+       {R"({"box": [1e9, 1e9, 1e9]})", R"({"box": [0.05, 1e9, 0.05]})", R"({"sphere": 1e200})",
+        R"({"capsule": [0.01, 1e9]})", R"({"box": [1e5, 1e5, 1e5]})", R"({"sphere": 0.01, "box": [1, 1, 1]})",
+        R"({"hull": [[0, 0, 0], [1e300, 0, 0], [0, 1, 0], [0, 0, 1]]})"}) {
+    Json large = good;
+    large["loads"][0]["shape"] = Json::parse(shape);
+    const CommandRun run = check(large);
+    EXPECT_NE(run.status, exit_done) << shape << run.out;
+    EXPECT_TRUE(run.status == exit_no || run.told_in_one_sentence()) << shape << run.log;
+  }
 }
 
 /// The map folder's record knows the load: a plan of that query that forgets it is refused without a flag.
@@ -205,6 +244,30 @@ TEST_F(PickCommand, check_never_takes_the_pick_from_the_plan) {
                                                  folder_->file("pick.yaml"), "--place", "0.42,-0.21,0.16"});
   EXPECT_EQ(elsewhere.status, exit_no);
   expect_words(elsewhere.out, {"the plan says another shape, pose, grasp, place or way", "from its place"});
+}
+
+TEST_F(PickCommand, nothing_rides_beside_what_is_picked) {
+  const std::string bar = folder_->write("bar.yaml", "{name: bar, box: [0.6, 0.6, 0.01], link: hand}");
+  const std::vector<std::string> both{
+      "--policy", "not_occupied", "--pick", folder_->file("pick.yaml"), "--attach", bar};
+  EXPECT_EQ(check(written(), both).status, exit_bad_input);
+  Json plan = written();
+  plan["loads"].push_back(plan["loads"][0]);
+  plan["loads"][1]["name"] = "bar";
+  plan["loads"][1]["shape"] = {{"box", {0.6, 0.6, 0.01}}};
+  EXPECT_NE(check(plan, {both.begin(), both.begin() + 4}).status, exit_done);
+  EXPECT_NE(check(plan, {"--policy", "not_occupied", "--accept-load"}).status, exit_done);
+}
+
+TEST_F(PickCommand, an_object_of_too_many_voxels_is_told_at_once) {
+  const std::string huge =
+      folder_->write("huge.yaml",
+                     "{name: can, box: [100, 100, 100], link: hand, pose: [0, 0, 50, 0, 0, 0], place: [1, 0, "
+                     "50, 0, 0, 0], grasp_deg: [0, 0, 0.04, 180, 0, 0]}");
+  const CommandRun run = run_command({"plan", "--map", folder_->file("map"), "--robot", "arm6", "--policy",
+                                      "not_occupied", "--start=0,-1.9,1.7,-1.4,-1.57,0", "--pick", huge});
+  EXPECT_EQ(run.status, exit_bad_input);
+  expect_words(run.log, {"at most 10 million voxels"});
 }
 
 TEST_F(PickCommand, a_plan_that_loosens_its_pick_in_its_file_is_refused) {
