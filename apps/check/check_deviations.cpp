@@ -144,8 +144,7 @@ class Comparison {
       add(AcceptedTerm::load, expected + "and --goal for each leg: the plan alone says which leg is which");
     const int legs = static_cast<int>(std::min(contract_.goals.value.size(), plan_.legs.size()));
     for (const int leg : load.legs)
-      if (leg >= legs)
-        add(AcceptedTerm::load, expected + "the plan has only " + std::to_string(legs) + " legs");
+      if (leg >= legs) add(AcceptedTerm::load, expected + "the plan has no leg " + std::to_string(leg + 1));
   }
 
   /// A pick frees voxels, and lets some things touch.

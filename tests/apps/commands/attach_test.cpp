@@ -108,15 +108,18 @@ TEST_F(Attach, check_refuses_a_plan_that_drops_or_shrinks_its_load) {
 }
 
 TEST_F(Attach, a_load_on_a_leg_that_the_plan_does_not_have_is_missed) {
-  ASSERT_EQ(plan({}).status, exit_done);
-  Json one = written();
-  one["goals"].erase(1);
-  one["legs"].erase(1);
   const std::string back =
       folder_.write("back.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, legs: [2]}");
+  ASSERT_EQ(plan({"--attach", back}).status, exit_done);
+  const Json loads = written()["loads"];
+  ASSERT_EQ(run({"plan", "--start=0,0", "--goal=2,0", "--out", folder_.file("plan.json")}, {}).status,
+            exit_done);
+  Json one = written();
+  one["loads"] = loads;
+  one["policy"]["rod"] = "not_occupied";
   const CommandRun run = check(one, {"--attach", back, "--goal=2,0"});
   EXPECT_EQ(run.status, exit_no);
-  expect_words(run.out, {"the plan has only 1 legs"});
+  expect_words(run.out, {"the plan has no leg 2"});
 }
 
 TEST_F(Attach, what_a_plan_carries_beyond_the_flags_is_checked_too) {
