@@ -260,7 +260,11 @@ void time_once(Section& section, const RateLimits& limits, double period) {
   if (section.drive) {
     drive(*section.drive);
   } else {
-    for (const Drive& as : drives) drive(as);
+    for (const Drive& as : drives) try {
+        drive(as);
+      } catch (const std::invalid_argument&) {  // too slow: no matter where another is not
+        if (section.samples.positions.empty()) throw;
+      }
   }
   section.drive = chosen;
   section.control = averaged(section.samples.positions, section.window);
@@ -392,14 +396,21 @@ class LegMotion {
   LegMotion(const ConfigurationSpace& space, const RateLimits& limits, const SmoothMotionOptions& options)
       : space_(space), limits_(limits), options_(options) {}
 
-  void run(Section section, SmoothMotion& result) const {
+  /// From stop to stop.
+  void run(const Section& section, SmoothMotion& result) const {
+    const std::size_t last = section.waypoints.size() - 1;
+    for (std::size_t begin = 0; begin < last;) {
+      const std::size_t end = next_stop(section, begin);
+      if (end < last) ++result.stops;
+      run_between_stops(part_of(section, begin, end), result);
+      begin = end;
+    }
+  }
+
+ private:
+  void run_between_stops(Section section, SmoothMotion& result) const {
+    const std::size_t last = section.waypoints.size() - 1;
     for (;;) {
-      if (const std::size_t stop = first_stop(section); stop > 0) {
-        ++result.stops;
-        run(part_of(section, 0, stop), result);
-        section = part_of(section, stop, section.waypoints.size() - 1);
-        continue;
-      }
       time_section(section, space_.robot(), limits_, options_);
       std::set<std::size_t> blamed;
       for (const std::size_t i : SplineProof(space_, section).unproved()) blamed.merge(blends_at(section, i));
@@ -408,17 +419,19 @@ class LegMotion {
         section.reach[corner] =
             ++section.halved[corner] <= options_.halvings ? 0.5 * section.reach[corner] : 0.0;
       }
+      if (next_stop(section, 0) == last) continue;
+      section = part_of(section, 0, last);  // without its samples
+      return run(section, result);
     }
     result.blended += section.waypoints.size() - 2;
     append(result.motion, section.motion);
   }
 
- private:
-  /// The first waypoint between the ends without a blend; 0: none.
-  static std::size_t first_stop(const Section& section) {
-    for (std::size_t i = 1; i + 1 < section.waypoints.size(); ++i)
-      if (section.reach[i] == 0.0) return i;
-    return 0;
+  /// The first waypoint after `begin` without a blend, or the last.
+  static std::size_t next_stop(const Section& section, std::size_t begin) {
+    std::size_t i = begin + 1;
+    while (i + 1 < section.waypoints.size() && section.reach[i] != 0.0) ++i;
+    return i;
   }
 
   const ConfigurationSpace& space_;
