@@ -23,6 +23,10 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+// What plan files may say, too (files/plan_file_load.cpp).
+constexpr double most_payload = 1e6;  ///< kg
+constexpr double most_gravity = 1e3;  ///< m/s^2
+
 [[noreturn]] void refuse_field(const std::string& what, const std::string& expected) {
   throw std::invalid_argument("plan query: " + what + ": expected " + expected);
 }
@@ -43,11 +47,11 @@ void require_fields(const PlanQuery& query) {
     refuse_field("time_limit is " + short_text(query.time_limit) + " s", "a number above 0");
   if (!(query.advice_time >= 0.0))
     refuse_field("advice_time is " + short_text(query.advice_time) + " s", "a number from 0");
-  if (!(query.payload >= 0.0) || !std::isfinite(query.payload))
-    refuse_field("payload is " + short_text(query.payload) + " kg", "a finite number from 0");
-  if (!query.gravity.allFinite()) {
+  if (!(query.payload >= 0.0 && query.payload <= most_payload))
+    refuse_field("payload is " + short_text(query.payload) + " kg", "a number from 0 to 1000000");
+  if (!(query.gravity.norm() <= most_gravity)) {
     const std::vector<double> values(query.gravity.begin(), query.gravity.end());
-    refuse_field("gravity is " + to_text(values) + " m/s^2", "finite numbers");
+    refuse_field("gravity is " + to_text(values) + " m/s^2", "finite numbers, at most 1000 m/s^2 together");
   }
   Robot loaded = robot;
   for (const LegLoad& load : query.loads) {

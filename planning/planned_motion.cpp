@@ -39,12 +39,10 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
     planned.validation =
         check_motion(space.robot(), space.map(), space.policies(), space.options().padding, planned.motion,
                      planned.leg_ends, plan.stops(), limits, space.options().seen_within);
-    const std::string fault = torque_fault(space.robot(), planned.motion, *torques,
-                                           greatest_torques(space.robot(), planned.motion, *torques));
-    if (planned.validation.valid && !fault.empty()) {
-      planned.validation.valid = false;
-      planned.validation.fault = fault;
-    }
+    if (!planned.validation.valid) continue;
+    planned.validation.fault = torque_fault(space.robot(), planned.motion, *torques,
+                                            greatest_torques(space.robot(), planned.motion, *torques));
+    planned.validation.valid = planned.validation.fault.empty();
     if (planned.validation.valid) break;
   }
   return planned;

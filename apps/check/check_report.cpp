@@ -140,10 +140,13 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
 }
 
 void append_torques(const TorqueFinding& torques, Rows& rows) {
-  if (torques.share > 0.0) rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit");
+  const Eigen::Vector3d& gravity = torques.load.gravity;
+  if (torques.share != 0.0)
+    rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit, with payload " +
+                                     significant(torques.load.payload) + " kg and gravity " +
+                                     to_text(Configuration(gravity)) + " m/s^2");
   for (const std::string& joint : torques.overloaded)
-    rows.emplace_back("note", "gravity alone takes 95 % or more of the torque limit of joint " + joint +
-                                  ", which is not judged");
+    rows.emplace_back("note", "gravity alone takes more than 95 % of the torque limit of joint " + joint);
 }
 
 Json motion_json(const MotionVerdict& motion, double duration) {

@@ -72,8 +72,16 @@ Plan plan_to_file(const PlanOptions& options, Plan plan) {
   return plan;
 }
 
+/// Of plans with loads, edge by edge.
+bool has_trajectory(const Plan& plan) { return plan.motion || (plan.is_proved() && has_loads(plan)); }
+
+/// A file that was there before stays: who asked for a new one has to learn that it was not written.
+bool lacks_trajectory(const PlanOptions& options, const Plan& plan) {
+  return (!options.trajectories.empty() || options.motion) && !has_trajectory(plan);
+}
+
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
-  if (!plan.motion && !(plan.is_proved() && has_loads(plan))) return;
+  if (!has_trajectory(plan)) return;
   const Trajectory trajectory = plan.motion ? trajectory_of(plan.motion->motion) : timed_legs(robot, plan);
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
@@ -233,11 +241,10 @@ int run_plan(const PlanOptions& options, Console& console) {
     if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
     if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
     for (const auto& [format, file] : options.trajectories) {
-      if (plan.motion || (plan.is_proved() && has_loads(plan)))
-        console.out() << "  trajectory: " << file << '\n';
+      if (has_trajectory(plan)) console.out() << "  trajectory: " << file << '\n';
     }
   }
-  return plan.is_proved() ? exit_done : exit_no;
+  return plan.is_proved() && !lacks_trajectory(options, plan) ? exit_done : exit_no;
 }
 
 }  // namespace clearway

@@ -14,6 +14,7 @@ namespace {
 constexpr double excess = 1e-6;          ///< share of a limit that rounding may take
 constexpr double rounded_away = 1e-9;    ///< rad or m: of positions
 constexpr double sample_period = 0.001;  ///< seconds, at most
+constexpr double longest = 43200.0;      ///< seconds: more is not sampled
 constexpr double widest_tube = 5e-4;     ///< rad or m of a joint, where one chord stands for several cubics
 
 /// The cubic between two knots.
@@ -69,6 +70,8 @@ class MotionChecker {
         if (values->size() != static_cast<Eigen::Index>(robot_.dof()) || !values->allFinite())
           return refuse("knot " + std::to_string(k) + " is not of " + std::to_string(robot_.dof()) +
                         " finite values");
+    if (!(motion_.duration() <= longest))
+      refuse("it lasts more than " + std::to_string(static_cast<int>(longest)) + " s");
   }
 
   void require_rests(const std::vector<std::size_t>& rests, const std::vector<Configuration>& stops) {

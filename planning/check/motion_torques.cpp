@@ -15,7 +15,8 @@
 namespace clearway {
 namespace {
 
-constexpr double most_held = 0.95;  ///< share of a limit that gravity may take where the limit counts
+constexpr double most_held = 0.95;        ///< share of a limit that gravity may take unnamed
+constexpr double longest_sample = 0.008;  ///< seconds
 
 KDL::Vector kdl_vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -82,6 +83,20 @@ class MassTree {
   Eigen::Index dof_ = 0;
 };
 
+/// Moments of a motion: all knots, and so many between them that none is farther from the next than 8 ms.
+template <typename Visit>
+void visit_samples(const Motion& motion, const Visit& visit) {
+  const int pieces = std::max(1, static_cast<int>(std::ceil(motion.period / longest_sample - 1e-9)));
+  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
+    const auto begin = static_cast<double>(k);
+    visit(begin, {motion.positions[k], motion.velocities[k], motion.accelerations[k], {}});
+    for (int i = 1; k + 1 < motion.positions.size() && i < pieces; ++i) {
+      const double place = begin + static_cast<double>(i) / pieces;
+      visit(place, motion.at(motion.period * place));
+    }
+  }
+}
+
 }  // namespace
 
 Eigen::VectorXd kdl_torques(const Robot& robot, const Configuration& q, const Eigen::VectorXd& velocity,
@@ -91,30 +106,27 @@ Eigen::VectorXd kdl_torques(const Robot& robot, const Configuration& q, const Ei
 
 TorqueFinding greatest_torques(const Robot& robot, const Motion& motion, const TorqueTerms& terms) {
   TorqueFinding found;
-  Eigen::VectorXd limits = terms.limits;
-  if (limits.size() == 0 || limits.minCoeff() == std::numeric_limits<double>::infinity()) return found;
+  found.load = terms.load;
+  const Eigen::VectorXd& limits = terms.limits;
+  if (limits.size() == 0 || (limits.array() == std::numeric_limits<double>::infinity()).all()) return found;
   MassTree tree(robot, terms);
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
-  for (const Configuration& q : motion.positions) {
-    const Eigen::VectorXd torques = tree.torques(q, rest, rest);
+  std::vector<bool> is_overloaded(static_cast<std::size_t>(limits.size()), false);
+  visit_samples(motion, [&](double place, const MotionState& state) {
+    const Eigen::VectorXd held = tree.torques(state.position, rest, rest);
+    const Eigen::VectorXd torques = tree.torques(state.position, state.velocity, state.acceleration);
     for (Eigen::Index j = 0; j < limits.size(); ++j) {
-      if (!(std::abs(torques[j]) > most_held * limits[j])) continue;
-      limits[j] = std::numeric_limits<double>::infinity();
-      found.overloaded.push_back(robot.joints[static_cast<std::size_t>(j)].name);
-    }
-  }
-  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
-    const Eigen::VectorXd torques =
-        tree.torques(motion.positions[k], motion.velocities[k], motion.accelerations[k]);
-    for (Eigen::Index j = 0; j < limits.size(); ++j) {
+      if (!(std::abs(held[j]) <= most_held * limits[j])) is_overloaded[static_cast<std::size_t>(j)] = true;
       const double share = std::abs(torques[j]) / limits[j];
-      if (!(share > found.share)) continue;
+      if (share <= found.share || std::isnan(found.share)) continue;  // what is no number is kept
       found.share = share;
       found.torque = torques[j];
-      found.knot = k;
+      found.place = place;
       found.joint = j;
     }
-  }
+  });
+  for (std::size_t j = 0; j < is_overloaded.size(); ++j)
+    if (is_overloaded[j]) found.overloaded.push_back(robot.joints[j].name);
   return found;
 }
 
@@ -123,7 +135,7 @@ std::string torque_fault(const Robot& robot, const Motion& motion, const TorqueT
   if (found.share <= 1.0 + 1e-6) return {};
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text << "motion: after " << motion.period * static_cast<double>(found.knot) << " s the torque of joint "
+  text << "motion: after " << motion.period * found.place << " s the torque of joint "
        << robot.joints[static_cast<std::size_t>(found.joint)].name << " is " << found.torque << ", its limit "
        << terms.limits[found.joint];
   return text.str();

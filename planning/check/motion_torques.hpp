@@ -9,19 +9,21 @@
 
 namespace clearway {
 
-/// The knot and joint with the greatest share of a torque limit.
+/// The moment and joint with the greatest share of a torque limit.
 struct TorqueFinding {
-  double share = 0.0, torque = 0.0;  ///< N m or N
-  std::size_t knot = 0;
+  double share = 0.0, torque = 0.0;  ///< N m or N; not a number where a torque is none
+  double place = 0.0;                ///< in periods from the begin: 1.5 is midway between knots 1 and 2
   Eigen::Index joint = 0;
-  std::vector<std::string> overloaded;  ///< joints that gravity alone takes 95 % of the limit of: not counted
+  JointLoad load{};                     ///< what hangs on the robot
+  std::vector<std::string> overloaded;  ///< joints of whose limit gravity alone takes more than 95 %
 };
 
-/// Torques at all knots by KDL's recursive Newton-Euler on a tree, with the robot's masses: not by
-/// joint_torques, which plans them.
+/// Torques at all knots, and between them at least every 8 ms, by KDL's recursive Newton-Euler on a tree,
+/// with the robot's masses: not by joint_torques, which plans them.
+/// @pre check_motion found the motion valid: its knots are finite and it is not too long
 TorqueFinding greatest_torques(const Robot& robot, const Motion& motion, const TorqueTerms& terms);
 
-/// One sentence when a torque exceeds its limit, else empty.
+/// One sentence when a torque exceeds its limit or is not a number, else empty.
 std::string torque_fault(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
                          const TorqueFinding& found);
 

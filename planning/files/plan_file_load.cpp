@@ -81,6 +81,20 @@ PaintHint paint_hint(const JsonField& field) {
   return hint;
 }
 
+double payload_of(const JsonField& field) {
+  constexpr double greatest = 1e6;
+  const double payload = field.number();
+  if (!(payload >= 0.0 && payload <= greatest)) field.refuse("kg from 0 to 1000000");
+  return payload;
+}
+
+Eigen::Vector3d gravity_of(const JsonField& field) {
+  constexpr double greatest = 1e3;
+  const Eigen::Vector3d gravity = field.numbers(3);
+  if (!(gravity.norm() <= greatest)) field.refuse("a vector of at most 1000 m/s^2");
+  return gravity;
+}
+
 double scale_at(const JsonField& field) {
   const double scale = field.number();
   if (!(scale > 0.0 && scale <= 1.0)) field.refuse("a number above 0, at most 1");
@@ -152,10 +166,10 @@ Plan read_plan(const JsonField& root) {
   if (root.has("allow_outside")) {
     for (const JsonField& part : root.at("allow_outside").items()) plan.allow_outside.push_back(part.text());
   }
-  if (root.has("payload_kg")) plan.payload = root.at("payload_kg").number();
+  if (root.has("payload_kg")) plan.payload = payload_of(root.at("payload_kg"));
   if (root.has("loads")) plan.loads = loads_of(root.at("loads"));
   if (root.has("pick")) plan.pick = pick_of(root.at("pick"));
-  if (root.has("gravity")) plan.gravity = root.at("gravity").numbers(3);
+  if (root.has("gravity")) plan.gravity = gravity_of(root.at("gravity"));
   if (!root.has("paint")) return plan;
   for (const JsonField& item : root.at("paint").items()) plan.paint.push_back(paint_hint(item));
   return plan;

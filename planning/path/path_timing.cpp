@@ -13,6 +13,7 @@ constexpr double least_nodes = 200.0;    ///< of a path
 constexpr double longest_step = 0.02;    ///< between nodes, rad or m
 constexpr double fewest_in_blend = 6.0;  ///< intervals
 constexpr double most_samples_of_leg = 1e6;
+constexpr double longest_level = 4.0;      ///< times what it should be
 constexpr double safe_side = 1.0 - 1e-12;  ///< keeps what is computed on the safe side
 
 /// A stretch between two nodes. x is the path speed squared, u the path acceleration: x' = x + 2 length u.
@@ -109,7 +110,8 @@ class Timing {
     }
   }
 
-  /// Cuts off each peak of x so that the speed stays level for `cruise` seconds.
+  /// Cuts off each peak of x so that the speed stays level for `cruise` seconds. Where it would be level for
+  /// far longer the peak is kept: it is a brief one beside a long stretch, which would creep.
   void level_peaks(double cruise) {
     for (std::size_t k = 1; k + 1 < x_.size(); ++k) {
       if (!(x_[k] > x_[k - 1] && x_[k] > x_[k + 1])) continue;
@@ -118,7 +120,7 @@ class Timing {
         const double level = 0.5 * (low + high);
         (level_time(k, level) < cruise ? high : low) = level;
       }
-      level_peak(k, low);
+      if (level_time(k, low) <= longest_level * cruise) level_peak(k, low);
     }
   }
 

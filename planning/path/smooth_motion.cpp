@@ -34,12 +34,13 @@ constexpr std::array<Drive, 8> drives = {{{1.0, false},
                                           {0.35, true}}};
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
-constexpr double most_of_gravity = 0.95;  ///< of a torque limit that is kept
+constexpr double most_of_gravity = 0.99;  ///< of a torque limit that is kept
 constexpr double slowing = 0.9;           ///< of speeds, where torques are too great
 constexpr double most_terms = 2e8;        ///< of all means over windows
 constexpr int most_slowings = 60;
 
-constexpr double end_share = 1.6;  ///< as much more a blend may take of the first and of the last edge
+constexpr double least_reach = 1e-9;  ///< rad or m; of a shorter blend acceleration is rounding
+constexpr double end_share = 1.6;     ///< as much more a blend may take of the first and of the last edge
 
 /// A motion from rest to rest. Control point i is the mean of samples i - 1 - window to i - 2, knot i stands
 /// at control point i + 1; what lies before the first sample and after the last rests.
@@ -108,6 +109,9 @@ Configuration nearest_on(const Configuration& from, const Configuration& to, con
   return length > 0.0 ? (from + std::clamp(step.dot(q - from) / length, 0.0, 1.0) * step).eval() : from;
 }
 
+/// Whether the edge between them has a length that is not rounded to 0.
+bool is_apart(const Configuration& a, const Configuration& b) { return (a - b).squaredNorm() > 0.0; }
+
 class Straightener {
  public:
   Straightener(const ConfigurationSpace& space, const Waypoints& path, double tolerance)
@@ -144,7 +148,7 @@ class Straightener {
       const Configuration there = nearest_on(path_[from], path_[to], path_[i]);
       if ((path_[i] - there).cwiseAbs().maxCoeff() > tolerance_) return false;
     }
-    return path_[from] != path_[to] && space_.is_edge_free(path_[from], path_[to]);
+    return is_apart(path_[from], path_[to]) && space_.is_edge_free(path_[from], path_[to]);
   }
 
   const ConfigurationSpace& space_;
@@ -155,7 +159,7 @@ class Straightener {
 Waypoints without_doubles(const Waypoints& path) {
   Waypoints kept{path.front()};
   for (const Configuration& q : path)
-    if (q != kept.back()) kept.push_back(q);
+    if (is_apart(q, kept.back())) kept.push_back(q);
   return kept;
 }
 
@@ -167,7 +171,9 @@ Section section_of(Waypoints waypoints, double share) {
   for (std::size_t i = 1; i < last; ++i) {  // the first and the last edge have one blend each
     const double in = (waypoints[i] - waypoints[i - 1]).norm(),
                  out = (waypoints[i + 1] - waypoints[i]).norm();
-    section.reach[i] = share * std::min(i == 1 ? end_share * in : in, i + 1 == last ? end_share * out : out);
+    const double reach =
+        share * std::min(i == 1 ? end_share * in : in, i + 1 == last ? end_share * out : out);
+    section.reach[i] = reach < least_reach ? 0.0 : reach;
   }
   section.waypoints = std::move(waypoints);
   return section;
@@ -254,7 +260,11 @@ void time_once(Section& section, const RateLimits& limits, double period) {
   if (section.drive) {
     drive(*section.drive);
   } else {
-    for (const Drive& as : drives) drive(as);
+    for (const Drive& as : drives) try {
+        drive(as);
+      } catch (const std::invalid_argument&) {  // too slow: no matter where another is not
+        if (section.samples.positions.empty()) throw;
+      }
   }
   section.drive = chosen;
   section.control = averaged(section.samples.positions, section.window);
@@ -267,17 +277,19 @@ void time_once(Section& section, const RateLimits& limits, double period) {
   for (Configuration& q : section.motion.positions) q = q.cwiseMax(lowest).cwiseMin(highest);  // rounding
 }
 
-/// The greatest share of a torque limit at any knot.
+/// The greatest share of a torque limit at any knot; not a number where a torque is none.
 double torque_share(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
                     const Eigen::VectorXd& limits) {
-  double share = 0.0;
-  for (std::size_t k = 0; k < motion.positions.size(); ++k)
-    share = std::max(
-        share, joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms)
-                   .cwiseAbs()
-                   .cwiseQuotient(limits)
-                   .maxCoeff());
-  return share;
+  double greatest = 0.0;
+  for (std::size_t k = 0; k < motion.positions.size() && !std::isnan(greatest); ++k) {
+    const double share =
+        joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms)
+            .cwiseAbs()
+            .cwiseQuotient(limits)
+            .maxCoeff<Eigen::PropagateNaN>();
+    if (!(share <= greatest)) greatest = share;
+  }
+  return greatest;
 }
 
 /// The limits of joints that hold what hangs on them with some to spare; the others have none.
@@ -297,7 +309,8 @@ void time_section(Section& section, const Robot& robot, RateLimits limits,
   time_once(section, limits, options.period);
   if (!options.torques || options.torques->limits.minCoeff() == no_limit) return;
   const TorqueTerms& terms = *options.torques;
-  if (torque_share(robot, section.motion, terms, terms.limits) <= 1.0) return;
+  const double share = torque_share(robot, section.motion, terms, terms.limits);
+  if (share <= 1.0 || !std::isfinite(share)) return;  // the check refuses what is not finite
   const Eigen::VectorXd torques = limits_beside_gravity(robot, section.motion, terms);
   for (int i = 0; i < most_slowings; ++i) {
     if (torque_share(robot, section.motion, terms, torques) <= 1.0) return;
@@ -383,14 +396,21 @@ class LegMotion {
   LegMotion(const ConfigurationSpace& space, const RateLimits& limits, const SmoothMotionOptions& options)
       : space_(space), limits_(limits), options_(options) {}
 
-  void run(Section section, SmoothMotion& result) const {
+  /// From stop to stop.
+  void run(const Section& section, SmoothMotion& result) const {
+    const std::size_t last = section.waypoints.size() - 1;
+    for (std::size_t begin = 0; begin < last;) {
+      const std::size_t end = next_stop(section, begin);
+      if (end < last) ++result.stops;
+      run_between_stops(part_of(section, begin, end), result);
+      begin = end;
+    }
+  }
+
+ private:
+  void run_between_stops(Section section, SmoothMotion& result) const {
+    const std::size_t last = section.waypoints.size() - 1;
     for (;;) {
-      if (const std::size_t stop = first_stop(section); stop > 0) {
-        ++result.stops;
-        run(part_of(section, 0, stop), result);
-        section = part_of(section, stop, section.waypoints.size() - 1);
-        continue;
-      }
       time_section(section, space_.robot(), limits_, options_);
       std::set<std::size_t> blamed;
       for (const std::size_t i : SplineProof(space_, section).unproved()) blamed.merge(blends_at(section, i));
@@ -399,17 +419,19 @@ class LegMotion {
         section.reach[corner] =
             ++section.halved[corner] <= options_.halvings ? 0.5 * section.reach[corner] : 0.0;
       }
+      if (next_stop(section, 0) == last) continue;
+      section = part_of(section, 0, last);  // without its samples
+      return run(section, result);
     }
     result.blended += section.waypoints.size() - 2;
     append(result.motion, section.motion);
   }
 
- private:
-  /// The first waypoint between the ends without a blend; 0: none.
-  static std::size_t first_stop(const Section& section) {
-    for (std::size_t i = 1; i + 1 < section.waypoints.size(); ++i)
-      if (section.reach[i] == 0.0) return i;
-    return 0;
+  /// The first waypoint after `begin` without a blend, or the last.
+  static std::size_t next_stop(const Section& section, std::size_t begin) {
+    std::size_t i = begin + 1;
+    while (i + 1 < section.waypoints.size() && section.reach[i] != 0.0) ++i;
+    return i;
   }
 
   const ConfigurationSpace& space_;

@@ -45,7 +45,8 @@ struct SmoothMotion {
 ///    with tubes that hold its control points. A blend that is not proved is halved, at last a stop.
 ///
 /// Where a torque exceeds its limit at a knot, speed and acceleration between two stops are lowered until
-/// none does, but for joints of whose limit gravity alone takes 95 % on the way: they have none.
+/// none does, but for joints of whose limit gravity alone takes 99 % on the way: slower motion hardly helps
+/// them, and greatest_torques (check/motion_torques.hpp) judges whether they hold.
 ///
 /// Limits of velocity, acceleration and jerk hold at all times, within rounding. Positions are averages of
 /// points of the path, so that joint limits hold too. The same on every machine; nothing depends on time.

@@ -121,9 +121,9 @@ TEST(PlanAndCheck, RefusesEachFieldThatIsWrongInASentence) {
   EXPECT_EQ(refusal([](PlanQuery& query) { query.advice_time = -1.0; }),
             "plan query: advice_time is -1 s: expected a number from 0");
   EXPECT_EQ(refusal([](PlanQuery& query) { query.payload = -2.0; }),
-            "plan query: payload is -2 kg: expected a finite number from 0");
+            "plan query: payload is -2 kg: expected a number from 0 to 1000000");
   EXPECT_EQ(refusal([=](PlanQuery& query) { query.gravity.z() = nan; }),
-            "plan query: gravity is 0,0,nan m/s^2: expected finite numbers");
+            "plan query: gravity is 0,0,nan m/s^2: expected finite numbers, at most 1000 m/s^2 together");
   EXPECT_NE(refusal([](PlanQuery& query) { query.survey->allow_outside = {"tool"}; }).find("allow_outside"),
             std::string::npos);
 }

@@ -70,6 +70,12 @@ TEST(MotionCheck, RefusesAccelerationsThatAreNotThoseOfTheCubics) {
   EXPECT_NE(corner.fault().find("acceleration between the knots"), std::string::npos) << corner.fault();
 }
 
+TEST(MotionCheck, RefusesAMotionOfManyHours) {
+  Corner corner;
+  corner.motion.period = 1e4;
+  EXPECT_EQ(corner.fault(), "motion: it lasts more than 43200 s");
+}
+
 TEST(MotionCheck, RefusesOtherEndsAndMissingRests) {
   Corner corner;
   corner.stops[1][0] += 1e-3;

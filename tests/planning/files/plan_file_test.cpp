@@ -166,6 +166,10 @@ TEST(PlanFile, WrongValuesAreNamedWithTheirPlace) {
   EXPECT_NE(with("/seed", -1).find("seed"), std::string::npos);
   EXPECT_NE(with("/map/resolution", "fine").find("map.resolution"), std::string::npos);
   EXPECT_NE(with("/scale", 0).find("scale"), std::string::npos);
+  for (const double payload : {-1.0, 1e7, 1e308})
+    EXPECT_NE(with("/payload_kg", payload).find("field 'payload_kg': expected kg"), std::string::npos);
+  EXPECT_NE(with("/gravity", {0, 0, -1001}).find("field 'gravity': expected a vector"), std::string::npos);
+  EXPECT_NE(with("/gravity", {0, 1e300, 0}).find("field 'gravity': expected a vector"), std::string::npos);
   EXPECT_NE(with("/joints", Json::array()).find("joints"), std::string::npos);
 }
 

@@ -79,6 +79,15 @@ TEST(PathTiming, SamplesOfRandomPathsKeepVelocityAndAcceleration) {
   }
 }
 
+/// The peak on the short edge is not cut down to what both long edges would have to go at.
+TEST(PathTiming, LevelSpeedOnAVeryShortEdgeDoesNotSlowTheLongOnes) {
+  const double e = 1e-4;
+  const SmoothPath path = blended_path({at(0, 0), at(1, 0), at(1, e), at(2, e)}, {0, 0.3 * e, 0.3 * e, 0});
+  const double free = duration(time_optimal_samples(path, both(1.0), both(5.0), period));
+  const double level = duration(time_optimal_samples(path, both(1.0), both(5.0), period, 0.05));
+  EXPECT_LT(level, 1.5 * free);
+}
+
 TEST(PathTiming, AReversalIsPassedWithoutBreakingALimit) {
   const SmoothPath back = blended_path({at(0, 0), at(1, 0), at(0, 0.0)}, {0, 0.5, 0});
   const auto positions = time_optimal_samples(back, both(1.0), both(5.0), 1e-3).positions;

@@ -175,13 +175,73 @@ TEST(SmoothMotion, TorquesStayWithinTheirLimitsByKdlToo) {
       smooth_motion(space, {{from, to}}, {.torques = std::make_shared<const TorqueTerms>(terms)});
   EXPECT_LE(greatest_torques(robot, kept.motion, terms).share, 1.0 + 1e-9);
   EXPECT_GT(kept.motion.duration(), free.motion.duration());
-  // A joint that cannot even hold the arm is named, and its limit not kept.
+  // A joint that cannot even hold the arm is named, and refused by its limit.
   terms.limits[1] = 0.9 * held[1];
   const SmoothMotion weak =
       smooth_motion(space, {{from, to}}, {.torques = std::make_shared<const TorqueTerms>(terms)});
   const TorqueFinding found = greatest_torques(robot, weak.motion, terms);
   EXPECT_EQ(found.overloaded, std::vector<std::string>{robot.joints[1].name});
-  EXPECT_LE(found.share, 1.0 + 1e-9);
+  EXPECT_GT(found.share, 1.0);
+  EXPECT_EQ(found.joint, 1);
+  EXPECT_NE(torque_fault(robot, weak.motion, terms, found), "");
+}
+
+TEST(SmoothMotion, LoadsThatTheArmCannotHoldAndTorquesThatAreNoNumbersAreRefused) {
+  const Robot robot = load_robot("panda");
+  const ConfigurationSpace space = space_of(robot, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
+  Configuration from(7), to(7);
+  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
+  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  for (const double payload : {1.0, 50.0, 500.0, 1e308}) {
+    const auto terms = std::make_shared<const TorqueTerms>(torque_terms(robot, {.payload = payload}));
+    const SmoothMotion made = smooth_motion(space, {{from, to}}, {.torques = terms});
+    const TorqueFinding found = greatest_torques(robot, made.motion, *terms);
+    EXPECT_EQ(torque_fault(robot, made.motion, *terms, found).empty(), payload == 1.0) << payload;
+    EXPECT_EQ(found.overloaded.empty(), payload == 1.0) << payload;
+  }
+}
+
+/// One cubic of 4 s that leaves the upright arm and comes back: torques are small at both knots.
+TEST(SmoothMotion, TorquesAreJudgedBetweenKnotsThatAreFarApart) {
+  const Robot robot = load_robot("panda");
+  Configuration upright(7), aside(7);
+  upright << 0, 0, 0, -0.1, 0, 1.6, 0;
+  aside = upright;
+  aside[1] = 1.5;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(7), leaves = 1.5 * Eigen::VectorXd::Unit(7, 1);
+  Motion motion{4.0, {upright, upright}, {leaves, -leaves}, {}};
+  motion.accelerations = hermite_accelerations(motion);
+  ASSERT_TRUE(motion.at(2.0).position.isApprox(aside, 1e-12));
+  TorqueTerms terms = torque_terms(robot);
+  const double held = std::abs(joint_torques(robot, aside, rest, rest, terms)[1]);
+  terms.limits = Eigen::VectorXd::Constant(7, 1e6);
+  terms.limits[1] = 0.9 * held;
+  const auto share = [&](std::size_t k) {
+    return std::abs(kdl_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k],
+                                terms)[1]) /
+           terms.limits[1];
+  };
+  ASSERT_LT(std::max(share(0), share(1)), 0.9);
+  const TorqueFinding found = greatest_torques(robot, motion, terms);
+  EXPECT_GT(found.share, 1.1);
+  EXPECT_NEAR(found.place, 0.5, 0.25);
+  EXPECT_EQ(found.overloaded, std::vector<std::string>{robot.joints[1].name});
+  EXPECT_NE(torque_fault(robot, motion, terms, found), "");
+}
+
+TEST(SmoothMotion, EdgesTooShortForTheirSquaresAreNone) {
+  const Robot robot = load_robot("point");
+  const ConfigurationSpace space = space_of(robot, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
+  EXPECT_EQ(smooth_motion(space, {{at(0, 0), at(1e-170, 0)}}).motion.positions.size(), 1U);
+  for (const double e : {1e-170, 1e-162, 2e-162, 1e-161, 1e-155, 1e-120, 1e-60, 1e-17, 1e-12, 1e-9, 1e-6}) {
+    for (const Path& path : {Path{at(0, 0), at(e, 0)}, Path{at(0, 0), at(e, 0), at(e, e)},
+                             Path{at(0, 0), at(1, 0), at(1, e)}, Path{at(e, 0), at(0, 0), at(0, 1)}}) {
+      const Motion motion = smooth_motion(space, {path}, {.straighten = 0.0}).motion;
+      for (std::size_t k = 0; k < motion.positions.size(); ++k)
+        ASSERT_TRUE(motion.positions[k].allFinite() && motion.accelerations[k].allFinite()) << e;
+      EXPECT_LT((motion.positions.back() - path.back()).norm(), 1e-12) << e;
+    }
+  }
 }
 
 TEST(SmoothMotion, APathThatGoesNowhereRests) {

@@ -55,6 +55,27 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
   EXPECT_EQ(with("", "<mimic/>"), "r.urdf: joint 'finger': <mimic joint=…> is missing");
 }
 
+TEST(MimicJoints, ItsOwnSpeedIsKept) {
+  const auto speed = [](const std::string& own, const std::string& mimic) {
+    const auto limit = [](const std::string& velocity) {
+      return "<limit lower='-1' upper='1' effort='1' velocity='" + velocity + "'/>";
+    };
+    const worlds::UrdfRobot pair(
+        "pair", worlds::urdf_link("base", "0 0 0", "<sphere radius='0.1'/>") +
+                    worlds::urdf_link("a", "0.5 0 0", "<sphere radius='0.1'/>") +
+                    worlds::urdf_link("b", "0.5 0.5 0.2", "<sphere radius='0.1'/>") +
+                    worlds::urdf_joint("left", "revolute", "base", "a", "0 0 0", "0 0 1", limit("2")) +
+                    worlds::urdf_joint("right", "revolute", "base", "b", "0 0 0", "0 0 1",
+                                       limit(own) + "<mimic joint='left' " + mimic + "/>"));
+    return pair.robot().joints.front().max_velocity;
+  };
+  EXPECT_EQ(speed("2", ""), 2.0);
+  EXPECT_EQ(speed("0.5", ""), 0.5);
+  EXPECT_EQ(speed("2", "multiplier='-4'"), 0.5);
+  EXPECT_EQ(speed("2", "multiplier='0.5'"), 2.0);
+  EXPECT_EQ(speed("0", "multiplier='4'"), 2.0);  // none is known
+}
+
 /// A follower's frame is turned so that its axis is its master's: its bodies stay where they are.
 TEST(MimicJoints, AxesThatAreAlmostOppositeMoveNoBody) {
   for (const std::string axis : {"0 0 1", "0 0 -1", "1.5e-06 0 -1", "3.67e-06 0 -1", "1e-04 0 -1", "1 0 0"}) {
