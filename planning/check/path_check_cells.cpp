@@ -31,7 +31,7 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
     : edge_(map.resolution()), outside_blocked_(policy != Policy::not_occupied) {
   const Eigen::Array3d across = box.sizes().array() / edge_ + 2.0;
   const double farthest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) / edge_;
-  if (!(across.prod() <= most_cells && farthest <= 1e9))  // before they become whole numbers
+  if (!(across.prod() <= most_cells && farthest <= 2.1e9))  // before they become whole numbers
     throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
   first_ = cell(box.min());
   size_ = cell(box.max()) - first_ + Eigen::Vector3i::Ones();
