@@ -10,7 +10,8 @@ namespace clearway::check {
 namespace {
 
 constexpr double most_cells = 1e9;
-constexpr int most_key = 32768;  ///< of a tree's cells, either way
+constexpr double largest_cell = 2.1e9;  ///< far beyond what a map reaches, and still a whole number
+constexpr int most_key = 32768;         ///< of a tree's cells, either way
 
 /// True when the voxel of a point was not seen in the last seconds up to the map's newest look.
 bool is_stale(const Snapshot& map, const Eigen::Vector3d& point, double seconds) {
@@ -31,7 +32,8 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
     : edge_(map.resolution()), outside_blocked_(policy != Policy::not_occupied) {
   const Eigen::Array3d across = box.sizes().array() / edge_ + 2.0;
   const double farthest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) / edge_;
-  if (!(across.prod() <= most_cells && farthest <= 2.1e9))  // before they become whole numbers
+  // Before they become whole numbers. Where no map reaches nothing is occupied, but all of it unknown.
+  if (!(across.prod() <= most_cells) || (outside_blocked_ && !(farthest <= largest_cell)))
     throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
   first_ = cell(box.min());
   size_ = cell(box.max()) - first_ + Eigen::Vector3i::Ones();
@@ -147,7 +149,7 @@ void BlockedCells::list_block(const Bits& shell, const Eigen::Vector3i& corner) 
 }
 
 Eigen::Vector3i BlockedCells::cell(const Eigen::Vector3d& point) const {
-  return (point.array() / edge_).floor().cast<int>().matrix();
+  return (point.array() / edge_).floor().max(-largest_cell).min(largest_cell).cast<int>().matrix();
 }
 
 std::size_t BlockedCells::row(int y, int z) const {
