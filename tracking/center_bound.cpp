@@ -1,23 +1,15 @@
 #include "tracking/center_bound.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace {
 
-using Matrix36 = Eigen::Matrix<double, 3, 6>;
-
 double largest_sigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
-}
-
-Matrix36 point_by_motion(const Eigen::Vector3d& point) {
-  Matrix36 by_motion;
-  by_motion << Eigen::Matrix3d::Identity(), -cross_matrix(point);
-  return by_motion;
+  return UncertainPoint{{}, covariance}.largest_sigma();
 }
 
 // How far the ball is off when one of the two poses is one of its limits.
@@ -46,16 +38,13 @@ CenterBound added_up(const Eigen::Matrix3d& noise, const Eigen::Matrix3d& camera
 }
 
 /// Of a point that the pose alone moves, by `by_motion`; `limits` are the places it may have.
-CenterBound of_one_body(const BodyPose& body, const Matrix36& by_motion,
+CenterBound of_one_body(const BodyPose& body, const Matrix36d& by_motion,
                         const std::vector<Eigen::Isometry3d>& limits, const Eigen::Vector3d& point,
                         const Eigen::Vector3d& found, int noise_freedom) {
-  const auto carried = [&](const Matrix6d& of_pose) -> Eigen::Matrix3d {
-    return by_motion * of_pose * by_motion.transpose();
-  };
-  const auto by_camera = (by_motion * body.errors.by_camera).eval();
-  return added_up(carried(body.errors.noise), by_camera * by_camera.transpose(), carried(body.errors.tags),
-                  carried(body.errors.edges), farthest_move(limits, point, found),
-                  noise_freedom + body.freedom);
+  const PoseErrors& errors = body.errors;
+  return added_up(sandwich(by_motion, errors.noise), squared(product(by_motion, errors.by_camera)),
+                  sandwich(by_motion, errors.tags), sandwich(by_motion, errors.edges),
+                  farthest_move(limits, point, found), noise_freedom + body.freedom);
 }
 
 }  // namespace
@@ -66,17 +55,18 @@ CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_
   const Eigen::Isometry3d camera_from_probe = probe.camera_from_body.pose;
   const Eigen::Isometry3d base_from_probe = base_from_camera * camera_from_probe;
   const Eigen::Vector3d center = base_from_probe * ball;
-  const Matrix36 by_base = -point_by_motion(center);
-  const Matrix36 by_probe = base_from_probe.linear() * point_by_motion(ball);
+  const Matrix36d by_base = -point_by_motion(center);
+  const Matrix36d by_probe = product(base_from_probe.linear(), point_by_motion(ball));
   const auto carried = [&](const Matrix6d& of_base, const Matrix6d& of_probe) -> Eigen::Matrix3d {
-    return by_base * of_base * by_base.transpose() + by_probe * of_probe * by_probe.transpose();
+    return sandwich(by_base, of_base) + sandwich(by_probe, of_probe);
   };
 
   const Matrix6d base_noise =
       is_mean ? Matrix6d(base.noise_factor * base.noise_factor * camera_from_base.covariance)
               : base.errors.noise;
   const Eigen::Matrix3d noise = carried(base_noise, probe.errors.noise);
-  const auto by_camera = (by_base * base.errors.by_camera + by_probe * probe.errors.by_camera).eval();
+  const Eigen::MatrixXd by_camera =
+      product(by_base, base.errors.by_camera) + product(by_probe, probe.errors.by_camera);
   const Eigen::Matrix3d tags = carried(base.errors.tags, probe.errors.tags);
   const Eigen::Matrix3d edges = carried(base.errors.edges, probe.errors.edges);
 
@@ -87,13 +77,13 @@ CenterBound bound_center(const BodyPose& base, const UncertainPose& camera_from_
   if (!is_mean)
     for (const Eigen::Isometry3d& limit : base.limits) turned.push_back(limit.inverse() * camera_from_probe);
   const double widest = std::hypot(by_probe_turned, farthest_move(turned, ball, center));
-  return added_up(noise, by_camera * by_camera.transpose(), tags, edges, widest,
+  return added_up(noise, squared(by_camera), tags, edges, widest,
                   noise_freedom + std::min(base.freedom, probe.freedom));
 }
 
 CenterBound bound_point(const BodyPose& body, const Eigen::Vector3d& point, int noise_freedom) {
   const Eigen::Isometry3d& pose = body.camera_from_body.pose;
-  return of_one_body(body, pose.linear() * point_by_motion(point), body.limits, point, pose * point,
+  return of_one_body(body, product(pose.linear(), point_by_motion(point)), body.limits, point, pose * point,
                      noise_freedom);
 }
 

@@ -1,15 +1,19 @@
 #include "tracking/pose_errors.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "tracking/dense.hpp"
 #include "tracking/tag_pose.hpp"
 #include "tracking/validation.hpp"
 
 namespace clearway {
 namespace {
 
-constexpr int kOwn = 11, kShared = kCameraModes + 1;
+using Matrix23d = Eigen::Matrix<double, 2, 3>;
+
+Matrix23d turned_by(const Matrix23d& by, const Eigen::Matrix3d& turn) { return by * turn; }
+
+Eigen::Vector2d along(const Matrix23d& by, const Eigen::Vector3d& way) { return by * way; }
 
 // How the corners move when one edge of the square is shifted by `bias` outwards: each of its two corners
 // slides along the other edge that meets there.
@@ -51,18 +55,19 @@ std::optional<TagView> view_tag(const Camera& camera, double size, const Eigen::
   const Eigen::Matrix3d turn = body_from_tag.linear();
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d in_body = body_from_tag * in_tag[i];
-    Eigen::Matrix<double, 2, 3> by_point;
+    Matrix23d by_point;
     const auto pixel = camera.project(camera_from_body * in_body, by_point);
     if (!pixel) return std::nullopt;
-    by_point = by_point * camera_from_body.linear();  // of the point in the body
+    by_point = turned_by(by_point, camera_from_body.linear());  // of the point in the body
+    const Matrix23d by_corner = turned_by(by_point, turn);      // of the corner in the tag
     view.residual.segment<2>(2 * i) = *pixel - seen[i];
     view.by_motion.block<2, 3>(2 * i, 0) = by_point;
-    view.by_motion.block<2, 3>(2 * i, 3) = -by_point * cross_matrix(in_body);
+    view.by_motion.block<2, 3>(2 * i, 3) = turned_by(by_point, cross_matrix(-in_body));
     view.by_shared.block<2, kCameraModes>(2 * i, 0) = camera.shift_by_errors(*pixel);
-    view.by_shared.block<2, 1>(2 * i, kCameraModes) = by_point * (errors.scale * in_body);
-    view.by_own.block<2, 1>(2 * i, 0) = by_point * (turn * (errors.size * in_tag[i]));
+    view.by_shared.block<2, 1>(2 * i, kCameraModes) = along(by_point, errors.scale * in_body);
+    view.by_own.block<2, 1>(2 * i, 0) = along(by_corner, errors.size * in_tag[i]);
     view.by_own.block<2, 3>(2 * i, 1) = errors.place * by_point;
-    view.by_own.block<2, 3>(2 * i, 4) = -errors.turn * by_point * turn * cross_matrix(in_tag[i]);
+    view.by_own.block<2, 3>(2 * i, 4) = turned_by(by_corner, cross_matrix(-errors.turn * in_tag[i]));
   }
   add_edges(seen, edge_bias, view);
   return view;
@@ -72,37 +77,35 @@ std::optional<TagView> view_tag(const Camera& camera, double size, const Eigen::
 // inversion lemma.
 double unexplained(const std::vector<TagView>& tags, double noise_px) {
   double sum = 0.0;
-  Eigen::Matrix<double, kShared, kShared> shared = Eigen::Matrix<double, kShared, kShared>::Identity();
-  Eigen::Matrix<double, kShared, 1> pull = Eigen::Matrix<double, kShared, 1>::Zero();
+  Eigen::MatrixXd shared = Eigen::MatrixXd::Identity(kCameraModes + 1, kCameraModes + 1);
+  Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(kCameraModes + 1, 1);
   for (const TagView& tag : tags) {
-    Eigen::Matrix<double, 8, 8> covariance = tag.by_own * tag.by_own.transpose();
-    covariance.diagonal().array() += noise_px * noise_px;
-    const Eigen::LLT<Eigen::Matrix<double, 8, 8>> solver(covariance);
-    const Eigen::Matrix<double, 8, 1> weighed = solver.solve(tag.residual);
-    sum += tag.residual.dot(weighed);
-    shared += tag.by_shared.transpose() * solver.solve(tag.by_shared);
-    pull += tag.by_shared.transpose() * weighed;
+    const Cholesky covariance(squared(tag.by_own) + noise_px * noise_px * Eigen::MatrixXd::Identity(8, 8));
+    const Eigen::MatrixXd weighed = covariance.solve(tag.residual);
+    sum += transposed_product(tag.residual, weighed)(0, 0);
+    shared += transposed_product(tag.by_shared, covariance.solve(tag.by_shared));
+    pull += transposed_product(tag.by_shared, weighed);
   }
-  return sum - pull.dot(shared.llt().solve(pull));
+  return sum - Cholesky(shared).squared(pull);
 }
 
 std::optional<PoseErrors> carry_errors(const std::vector<TagView>& tags, double noise_px) {
   Matrix6d information = Matrix6d::Zero();
-  for (const TagView& tag : tags) information += tag.by_motion.transpose() * tag.by_motion;
-  const Eigen::LLT<Matrix6d> solver(information);
-  if (solver.info() != Eigen::Success) return std::nullopt;
+  for (const TagView& tag : tags) information += transposed_product(tag.by_motion, tag.by_motion);
+  const Cholesky solver(information);
+  if (!solver.is_positive()) return std::nullopt;
   PoseErrors errors;
-  errors.noise = noise_px * noise_px * solver.solve(Matrix6d::Identity());
-  Vector6d by_scale = Vector6d::Zero();
+  errors.noise = noise_px * noise_px * solver.inverse();
+  Eigen::MatrixXd by_scale = Eigen::MatrixXd::Zero(6, 1);
   for (const TagView& tag : tags) {
-    const Eigen::Matrix<double, 6, 8> by_pixels = -solver.solve(tag.by_motion.transpose());
-    errors.by_camera += by_pixels * tag.by_shared.leftCols<kCameraModes>();
-    by_scale += by_pixels * tag.by_shared.col(kCameraModes);
-    const Eigen::Matrix<double, 6, kOwn> own = by_pixels * tag.by_own;
-    errors.tags += own.leftCols<7>() * own.leftCols<7>().transpose();
-    errors.edges += own.rightCols<4>() * own.rightCols<4>().transpose();
+    const Eigen::MatrixXd by_pixels = -solver.solve(tag.by_motion.transpose());
+    const Eigen::MatrixXd shared = product(by_pixels, tag.by_shared), own = product(by_pixels, tag.by_own);
+    errors.by_camera += shared.leftCols(kCameraModes);
+    by_scale += shared.rightCols(1);
+    errors.tags += squared(own.leftCols(7));
+    errors.edges += squared(own.rightCols(4));
   }
-  errors.tags += by_scale * by_scale.transpose();
+  errors.tags += squared(by_scale);
   const bool is_finite = errors.noise.allFinite() && errors.tags.allFinite() && errors.edges.allFinite() &&
                          errors.by_camera.allFinite();
   return is_finite ? std::optional(errors) : std::nullopt;

@@ -1,9 +1,9 @@
 #include "tracking/pose_refinement.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace {
@@ -51,7 +51,7 @@ std::optional<Tilted> fit_but_turn(const Camera& camera, const std::vector<Corne
     Matrix6d information = here->information;
     const double most = information.bottomRightCorner<3, 3>().trace();
     information.bottomRightCorner<3, 3>() += stiffness * most * axis * axis.transpose();
-    const Eigen::Isometry3d next = moved(best.pose, information.ldlt().solve(-here->gradient));
+    const Eigen::Isometry3d next = moved(best.pose, solve_symmetric(information, -here->gradient));
     here = linearise(camera, corners, next);
     if (!here || !(here->squared_error < best.squared_error)) break;
     best = {next, here->squared_error};
@@ -71,7 +71,7 @@ std::optional<RefinedPose> refine_pose(const Camera& camera, const std::vector<C
   for (int step = 0; step < max_steps && damping < 1e12; ++step) {
     Matrix6d damped = here->information;
     damped.diagonal() *= 1.0 + damping;
-    const Vector6d motion = damped.ldlt().solve(-here->gradient);
+    const Vector6d motion = solve_symmetric(damped, -here->gradient);
     if (!motion.allFinite()) return std::nullopt;
     const Eigen::Isometry3d next = moved(pose, motion);
     const auto there = linearise(camera, corners, next);
@@ -94,21 +94,21 @@ std::vector<Eigen::Isometry3d> tilt_limits(const Camera& camera, const std::vect
                                            double widest) {
   const auto here = linearise(camera, corners, best);
   if (!here) return {};
-  const Eigen::LLT<Matrix6d> information(here->information);
-  if (information.info() != Eigen::Success) return {};
-  const Matrix6d covariance = information.solve(Matrix6d::Identity());
+  const Cholesky information(here->information);
+  if (!information.is_positive()) return {};
+  const Matrix6d covariance = information.inverse();
   const Eigen::Matrix3d turns = covariance.bottomRightCorner<3, 3>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(turns);  // rising
+  const auto [values, axes] = principal_axes(turns);
   const double allowed = here->squared_error + sigmas * sigmas * noise_px * noise_px;
   constexpr double growth = 1.25;
   constexpr int most_steps = 40;
   std::vector<Eigen::Isometry3d> limits;
   for (int i : {2, 1}) {
-    const Eigen::Vector3d axis = axes.eigenvectors().col(i);
-    const double linear = sigmas * noise_px * std::sqrt(std::max(0.0, axes.eigenvalues()[i]));
+    const Eigen::Vector3d axis = axes.col(i);
+    const double linear = sigmas * noise_px * std::sqrt(std::max(0.0, values[i]));
     for (double side : {1.0, -1.0}) {
       // Per radian about the axis, the motion that leaves the corners most nearly where they are.
-      const Vector6d motion = covariance.rightCols<3>() * turns.ldlt().solve(side * axis);
+      const Vector6d motion = product(covariance.rightCols<3>(), solve_symmetric(turns, side * axis));
       std::optional<Tilted> limit;
       double turn = linear;
       for (int step = 0; step < most_steps; ++step, turn = std::min(turn * growth, linear + widest)) {

@@ -1,8 +1,9 @@
 #include "tracking/static_board.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <stdexcept>
+
+#include "tracking/dense.hpp"
 
 namespace clearway {
 
@@ -20,8 +21,8 @@ std::optional<UncertainPose> StaticBoard::add(const UncertainPose& seen) {
   }
   const Vector6d innovation = difference(mean_->pose, seen.pose);
   const Matrix6d prior = mean_->covariance * (1.0 + 1.0 / options_.memory);
-  const Eigen::LLT<Matrix6d> sum(prior + seen.covariance);
-  const double distance = innovation.dot(sum.solve(innovation));
+  const Cholesky sum(prior + seen.covariance);
+  const double distance = sum.squared(innovation);
   if (!(distance <= options_.gate_sigmas * options_.gate_sigmas)) {
     if (++disagreeing_ >= options_.reset_after) {
       mean_ = seen;
@@ -31,9 +32,9 @@ std::optional<UncertainPose> StaticBoard::add(const UncertainPose& seen) {
   }
   disagreeing_ = 0;
   const Matrix6d gain = sum.solve(prior).transpose();
-  mean_->pose = moved(mean_->pose, gain * innovation);
+  mean_->pose = moved(mean_->pose, product(gain, innovation));
   mean_->pose.linear() = Eigen::Quaterniond(mean_->pose.linear()).normalized().toRotationMatrix();
-  const Matrix6d covariance = prior - gain * prior;
+  const Matrix6d covariance = prior - product(gain, prior);
   mean_->covariance = 0.5 * (covariance + covariance.transpose());
   return mean_;
 }

@@ -1,12 +1,12 @@
 #include "tracking/tag_body.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "tracking/dense.hpp"
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
 #include "tracking/validation.hpp"
@@ -148,13 +148,13 @@ std::optional<BodyPose> fit(const std::vector<SeenTag>& seen, const TagBody& bod
   const Answers answers = find_answers(seen, corners, camera);
   if (answers.minima.empty()) return std::nullopt;
   const RefinedPose& best = answers.minima.front();
-  const Eigen::LLT<Matrix6d> information(best.information);
+  const Cholesky information(best.information);
   const std::vector<TagView> views = view_all(seen, body, camera, options.edge_bias, best.camera_from_body);
-  if (information.info() != Eigen::Success || views.empty()) return std::nullopt;
+  if (!information.is_positive() || views.empty()) return std::nullopt;
 
   BodyPose pose;
   const double variance = corner_variance(best.squared_error, corners.size(), options.pixel_noise);
-  pose.camera_from_body = {best.camera_from_body, variance * information.solve(Matrix6d::Identity())};
+  pose.camera_from_body = {best.camera_from_body, variance * information.inverse()};
   if (!pose.camera_from_body.covariance.allFinite()) return std::nullopt;
   pose.rms_px = std::sqrt(best.squared_error / static_cast<double>(corners.size()));
   for (const SeenTag& tag : seen) pose.tags.push_back(tag.id);

@@ -2,9 +2,10 @@
 
 #include <mrpt/poses/CPose3D.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace {
@@ -30,14 +31,12 @@ Matrix6d adjoint(const Eigen::Isometry3d& a_from_b) {
 }
 
 Matrix6d carried(const Eigen::Isometry3d& a_from_b, const Matrix6d& covariance_in_b) {
-  const Matrix6d m = adjoint(a_from_b);
-  const Matrix6d covariance = m * covariance_in_b * m.transpose();
+  const Matrix6d covariance = sandwich(adjoint(a_from_b), covariance_in_b);
   return 0.5 * (covariance + covariance.transpose());
 }
 
 double UncertainPoint::largest_sigma() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
+  return std::sqrt(std::max(0.0, principal_axes(covariance).values.maxCoeff()));
 }
 
 UncertainPose inverse(const UncertainPose& a_from_b) {
@@ -55,10 +54,14 @@ UncertainPose base_from_probe(const UncertainPose& camera_from_base, const Uncer
 }
 
 UncertainPoint transform(const UncertainPose& a_from_b, const Eigen::Vector3d& point) {
-  Eigen::Matrix<double, 3, 6> by_motion;
-  by_motion << Eigen::Matrix3d::Identity(), -cross_matrix(point);
-  by_motion = a_from_b.pose.linear() * by_motion;
-  return {a_from_b.pose * point, by_motion * a_from_b.covariance * by_motion.transpose()};
+  const Matrix36d by_motion = product(a_from_b.pose.linear(), point_by_motion(point));
+  return {a_from_b.pose * point, sandwich(by_motion, a_from_b.covariance)};
+}
+
+Matrix36d point_by_motion(const Eigen::Vector3d& point) {
+  Matrix36d by_motion;
+  by_motion << Eigen::Matrix3d::Identity(), cross_matrix(-point);
+  return by_motion;
 }
 
 Vector6d difference(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

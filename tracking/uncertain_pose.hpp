@@ -6,6 +6,7 @@ namespace clearway {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix36d = Eigen::Matrix<double, 3, 6>;
 
 /// A rigid transform `a_from_b` with a Gaussian error.
 ///
@@ -53,6 +54,9 @@ Matrix6d adjoint(const Eigen::Isometry3d& a_from_b);
 
 /// A covariance of small motions of frame b, as one of frame a.
 Matrix6d carried(const Eigen::Isometry3d& a_from_b, const Matrix6d& covariance_in_b);
+
+/// How a point given in a frame moves, seen in that frame, by a small motion (v, w) of it: (1, -[point]x).
+Matrix36d point_by_motion(const Eigen::Vector3d& point);
 
 /// The matrix [v]x with [v]x u = v x u.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);

@@ -20,7 +20,9 @@ void add_stick(const Eigen::Isometry3d& map_from_board, const Eigen::Vector3d& e
   if (length <= 1e-6) return;
   SceneShape stick{"stick", CylinderShape{radius, length}, map_from_board, 90};
   stick.map_from_shape.translate(0.5 * end);
-  stick.map_from_shape.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), end));
+  const Eigen::Vector3d axis =
+      (end.z() < 0.0 ? -1.0 : 1.0) / length * end;  // which way it points does not show
+  stick.map_from_shape.rotate(Eigen::Quaterniond(1.0 + axis.z(), -axis.y(), axis.x(), 0.0).normalized());
   surfaces.emplace_back(stick);
 }
 

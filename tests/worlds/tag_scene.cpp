@@ -9,6 +9,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "planning/geometry/turn_between.hpp"
+
 namespace clearway::scene {
 namespace {
 
@@ -134,7 +136,7 @@ TagBody cube(const std::string& name, int first, double size, double side) {
   const Eigen::Vector3d axes[5] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
   for (int i = 0; i < 5; ++i) {
     Eigen::Isometry3d face = Eigen::Isometry3d::Identity();
-    face.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axes[i]).toRotationMatrix();
+    face.linear() = turn_between(Eigen::Vector3d::UnitZ(), axes[i]).toRotationMatrix();
     face.translation() = 0.5 * side * axes[i];
     body.tags[first + i] = {size, face};
   }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <random>
 
+#include "planning/geometry/turn_between.hpp"
+
 namespace clearway::scene {
 namespace {
 
@@ -115,8 +117,7 @@ PaintingProbe draw_probe(double reach, Dice& dice) {
   const int count = kind == 0 ? 1 : kind == 1 ? 2 : 5;
   for (int i = 0; i < count; ++i) {
     MountedTag tag{size, Eigen::Isometry3d::Identity()};
-    tag.body_from_tag.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axes[i]).toRotationMatrix();
+    tag.body_from_tag.linear() = turn_between(Eigen::Vector3d::UnitZ(), axes[i]).toRotationMatrix();
     tag.body_from_tag.translation() = half * axes[i];
     probe.body.tags[20 + i] = tag;
   }

@@ -1,12 +1,12 @@
 #include "tracking/calibration/bundle.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 
+#include "tracking/dense.hpp"
 #include "tracking/pose_errors.hpp"
 #include "tracking/tag_pose.hpp"
 
@@ -111,7 +111,7 @@ class Adjustment {
       if (!pixel) return std::nullopt;
       residual.segment<2>(2 * static_cast<int>(i)) = *pixel - seen.corners[i];
     }
-    return whitening_[view][tag] * residual;
+    return product(whitening_[view][tag], residual);
   }
 
   /// The normal equations at `state`: those of the shared unknowns, and what eliminating the poses needs.
@@ -145,19 +145,19 @@ class Adjustment {
     Eigen::MatrixXd reduced = e.shared;
     reduced.diagonal() *= 1.0 + damping;
     Eigen::VectorXd pull = e.pull;
-    std::vector<Eigen::LLT<Eigen::MatrixXd>> solvers;
+    std::vector<Cholesky> solvers;
     for (std::size_t v = 0; v < e.pose.size(); ++v) {
       Eigen::MatrixXd pose = e.pose[v];
       pose.diagonal() *= 1.0 + damping;
       solvers.emplace_back(pose);
-      reduced -= e.mixed[v] * solvers.back().solve(e.mixed[v].transpose());
-      pull -= e.mixed[v] * solvers.back().solve(e.pose_pull[v]);
+      reduced -= product(e.mixed[v], solvers.back().solve(e.mixed[v].transpose()));
+      pull -= product(e.mixed[v], solvers.back().solve(e.pose_pull[v]));
     }
     Eigen::VectorXd step(size_ + 6 * static_cast<int>(e.pose.size()));
-    step.head(size_) = -reduced.ldlt().solve(pull);
+    step.head(size_) = -solve_symmetric(reduced, pull);
     for (std::size_t v = 0; v < e.pose.size(); ++v)
       step.segment(size_ + 6 * static_cast<int>(v), 6) =
-          -solvers[v].solve(e.pose_pull[v] + e.mixed[v].transpose() * step.head(size_));
+          -solvers[v].solve(e.pose_pull[v] + transposed_product(e.mixed[v], step.head(size_)));
     return step;
   }
 
@@ -179,10 +179,10 @@ class Adjustment {
   Eigen::MatrixXd covariance(const Equations& e) const {
     Eigen::MatrixXd reduced = e.shared;
     for (std::size_t v = 0; v < e.pose.size(); ++v)
-      reduced -= e.mixed[v] * e.pose[v].llt().solve(e.mixed[v].transpose());
-    const Eigen::LLT<Eigen::MatrixXd> solver(reduced);
-    if (solver.info() != Eigen::Success) return {};
-    Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(size_, size_));
+      reduced -= product(e.mixed[v], Cholesky(e.pose[v]).solve(e.mixed[v].transpose()));
+    const Cholesky solver(reduced);
+    if (!solver.is_positive()) return {};
+    Eigen::MatrixXd covariance = solver.inverse();
     for (int i = 0; i < size_; ++i)
       if (sigma_[i] == 0.0) {
         covariance.row(i).setZero();
@@ -213,11 +213,10 @@ class Adjustment {
     const MountedTag& mounted = bundle_.board.tags.at(tag.id);
     if (const auto seen = view_tag(bundle_.camera, mounted.size, mounted.body_from_tag, {}, edge_bias,
                                    tag.corners, view.camera_from_board)) {
-      const Eigen::MatrixXd edges = seen->by_own.rightCols<4>();
-      covariance = edges * edges.transpose();
+      covariance = squared(seen->by_own.rightCols<4>());
     }
     covariance.diagonal().array() += noise_px * noise_px;
-    return Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solve(Eigen::MatrixXd::Identity(8, 8));
+    return Cholesky(covariance).whitening();
   }
 
   double off(const State& state, int i) const {
@@ -265,8 +264,8 @@ class Adjustment {
       block.by.block<2, 3>(2 * i, kFirstOfPose + 3) = -by_point * cross_matrix(in_board);
     }
     const Eigen::MatrixXd& white = whitening_[view][tag];
-    block.residual = white * block.residual;
-    block.by = white * block.by;
+    block.residual = product(white, block.residual);
+    block.by = product(white, block.by);
     const int own = column(order_.at(seen.id));
     for (int i = 0; i < kFirstOfPose; ++i)
       if (sigma_[i < kCameraUnknowns ? i : own + i - kCameraUnknowns] == 0.0) block.by.col(i).setZero();
@@ -275,8 +274,8 @@ class Adjustment {
 
   static void add_block(const Block& block, int own, Equations& e) {
     constexpr int camera = kCameraUnknowns, tag = kTagUnknowns;
-    const Eigen::MatrixXd square = block.by.transpose() * block.by;
-    const Eigen::VectorXd pull = block.by.transpose() * block.residual;
+    const Eigen::MatrixXd square = transposed_product(block.by, block.by);
+    const Eigen::VectorXd pull = transposed_product(block.by, block.residual);
     e.shared.topLeftCorner(camera, camera) += square.topLeftCorner(camera, camera);
     e.shared.block(0, own, camera, tag) += square.block(0, camera, camera, tag);
     e.shared.block(own, 0, tag, camera) += square.block(camera, 0, tag, camera);

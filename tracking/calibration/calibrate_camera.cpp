@@ -1,6 +1,5 @@
 #include "tracking/calibration/calibrate_camera.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 
 #include "tracking/calibration/words.hpp"
+#include "tracking/dense.hpp"
 #include "tracking/pose_errors.hpp"
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
@@ -35,11 +35,11 @@ BoardPlane plane_of(const TagBody& board) {
   middle /= static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& point : points) spread += (point - middle) * (point - middle).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  const Eigen::Matrix3d axes = principal_axes(spread).axes;
   BoardPlane plane;
-  Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  Eigen::Vector3d normal = axes.col(0);
   if (normal.dot(board.tags.begin()->second.body_from_tag.linear().col(2)) < 0.0) normal = -normal;
-  const Eigen::Vector3d along = solver.eigenvectors().col(2);
+  const Eigen::Vector3d along = axes.col(2);
   plane.board_from_plane.linear() << along, normal.cross(along), normal;
   plane.board_from_plane.translation() = middle;
   for (const Eigen::Vector3d& point : points)
@@ -222,9 +222,9 @@ CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) 
   errors.aspect = std::sqrt(covariance(1, 1));
   errors.center = std::sqrt(std::max(covariance(2, 2), covariance(3, 3)));
   // Distortion: its covariance alone, what centre and focal length explain of it taken away (Schur).
-  const Eigen::MatrixXd own = covariance.bottomRightCorner<5, 5>();
-  const Eigen::MatrixXd cross = covariance.block<5, 4>(4, 0);
-  const Eigen::MatrixXd left = own - cross * covariance.topLeftCorner<4, 4>().ldlt().solve(cross.transpose());
+  const Eigen::MatrixXd own = covariance.bottomRightCorner(5, 5), cross = covariance.block(4, 0, 5, 4);
+  const Eigen::MatrixXd known = solve_symmetric(covariance.topLeftCorner(4, 4), cross.transpose());
+  const Eigen::MatrixXd left = own - product(cross, known);
   errors.distortion = 1.0;
   Camera unit = camera;
   unit.errors = {0.0, 0.0, 0.0, 1.0};
@@ -239,7 +239,7 @@ CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) 
       Eigen::Matrix<double, 2, 5> by;
       by << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2,  //
           y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
-      const double actual = f * f * (by * left * by.transpose()).trace();
+      const double actual = f * f * sandwich(by, left).trace();
       const double stated = unit.shift_by_errors(pixel).squaredNorm();
       if (stated > 1e-4) most = std::max(most, actual / stated);
     }

@@ -1,23 +1,15 @@
 #include "tracking/calibration/pivot.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "tracking/calibration/words.hpp"
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace {
 
-using Matrix36d = Eigen::Matrix<double, 3, 6>;
 using Matrix38d = Eigen::Matrix<double, 3, kCameraModes>;
-
-Matrix36d moved_point(const Eigen::Vector3d& point) {
-  Matrix36d by;
-  by << Eigen::Matrix3d::Identity(), -cross_matrix(point);
-  return by;
-}
 
 Eigen::Isometry3d reference_from_probe(const PivotLook& look) {
   const Eigen::Isometry3d& probe = look.probe.camera_from_body.pose;
@@ -34,17 +26,17 @@ struct BallPlace {
 BallPlace place_of(const PivotLook& look, const Eigen::Vector3d& ball) {
   const Eigen::Isometry3d pose = reference_from_probe(look);
   BallPlace at{pose * ball, {}, {}, {}};
-  const Matrix36d by_probe = pose.linear() * moved_point(ball);
+  const Matrix36d by_probe = product(pose.linear(), point_by_motion(ball));
   const PoseErrors& probe = look.probe.errors;
-  at.noise = by_probe * (probe.noise + probe.edges) * by_probe.transpose();
-  at.tags = by_probe * probe.tags * by_probe.transpose();
-  at.by_camera = by_probe * probe.by_camera;
+  at.noise = sandwich(by_probe, probe.noise + probe.edges);
+  at.tags = sandwich(by_probe, probe.tags);
+  at.by_camera = product(by_probe, probe.by_camera);
   if (look.base) {
-    const Matrix36d by_base = -moved_point(at.place);
+    const Matrix36d by_base = -point_by_motion(at.place);
     const PoseErrors& base = look.base->errors;
-    at.noise += by_base * (base.noise + base.edges) * by_base.transpose();
-    at.tags += by_base * base.tags * by_base.transpose();
-    at.by_camera += by_base * base.by_camera;
+    at.noise += sandwich(by_base, base.noise + base.edges);
+    at.tags += sandwich(by_base, base.tags);
+    at.by_camera += product(by_base, base.by_camera);
   }
   return at;
 }
@@ -67,21 +59,21 @@ PivotFit fit_pivot(const std::vector<PivotLook>& looks, Eigen::Vector3d ball) {
       const Eigen::Isometry3d pose = reference_from_probe(look);
       Matrix36d by;
       by << pose.linear(), -Eigen::Matrix3d::Identity();
-      const Eigen::LLT<Eigen::Matrix3d> weight(place_of(look, ball).noise);
-      normal += by.transpose() * weight.solve(by);
-      pull -= by.transpose() * weight.solve(pose.translation());
+      const Cholesky noise(place_of(look, ball).noise);
+      normal += transposed_product(by, noise.solve(by));
+      pull -= transposed_product(by, noise.solve(pose.translation()));
     }
-    const Eigen::LLT<Matrix6d> solver(normal);
-    if (solver.info() != Eigen::Success) return fit;
+    const Cholesky solver(normal);
+    if (!solver.is_positive()) return fit;
     fit.found = solver.solve(pull);
-    fit.inverse = solver.solve(Matrix6d::Identity());
+    fit.inverse = solver.inverse();
     ball = fit.found.head<3>();
   }
   double sum = 0.0;
   for (const PivotLook& look : looks) {
     const BallPlace at = place_of(look, ball);
     const Eigen::Vector3d off = at.place - fit.found.tail<3>();
-    fit.squares.push_back(off.dot(at.noise.llt().solve(off)));
+    fit.squares.push_back(Cholesky(at.noise).squared(off));
     sum += off.squaredNorm();
   }
   fit.rms = std::sqrt(sum / static_cast<double>(looks.size()));
@@ -127,12 +119,11 @@ Eigen::Matrix3d covariance_of(const std::vector<PivotLook>& looks, const PivotFi
     const Eigen::Matrix3d turn = reference_from_probe(look).linear();
     Matrix36d by;
     by << turn, -Eigen::Matrix3d::Identity();
-    by_camera -= by.transpose() * at.noise.llt().solve(at.by_camera);
-    tags += turn.transpose() * at.tags * turn / static_cast<double>(looks.size());
+    by_camera -= transposed_product(by, Cholesky(at.noise).solve(at.by_camera));
+    tags += sandwich(turn.transpose(), at.tags) / static_cast<double>(looks.size());
   }
-  const Matrix38d camera = (fit.inverse * by_camera).topRows<3>();
-  return std::max(1.0, squares / freedom) * fit.inverse.topLeftCorner<3, 3>() + camera * camera.transpose() +
-         tags;
+  const Matrix38d camera = product(fit.inverse.topRows<3>(), by_camera);
+  return std::max(1.0, squares / freedom) * fit.inverse.topLeftCorner<3, 3>() + squared(camera) + tags;
 }
 
 }  // namespace

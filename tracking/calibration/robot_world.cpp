@@ -1,6 +1,5 @@
 #include "tracking/calibration/robot_world.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -8,6 +7,7 @@
 #include <tuple>
 
 #include "tracking/calibration/words.hpp"
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace {
@@ -77,18 +77,16 @@ class Fit {
     Vector6d scale = Vector6d::Zero();
     scale.head<3>() =
         -(look.world_from_rider.pose.linear().transpose() * look.world_from_rider.pose.translation());
-    const Eigen::LLT<Eigen::MatrixXd> solver{Eigen::MatrixXd(covariance)};
+    const Cholesky solver(covariance);
     const Eigen::MatrixXd weighed = solver.solve(by);
-    const Eigen::VectorXd weighed_off = solver.solve(Eigen::VectorXd(off)),
-                          weighed_scale = solver.solve(Eigen::VectorXd(scale));
     Equations one;
-    one.normal = by.transpose() * weighed;
-    one.pull = by.transpose() * weighed_off;
-    one.by_camera = weighed.transpose() * look.by_camera;
-    one.by_scale = by.transpose() * weighed_scale;
-    one.scale_normal = scale.dot(weighed_scale);
-    one.scale_pull = scale.dot(weighed_off);
-    one.squares = {off.dot(weighed_off)};
+    one.normal = transposed_product(by, weighed);
+    one.pull = transposed_product(weighed, off);
+    one.by_camera = transposed_product(weighed, look.by_camera);
+    one.by_scale = transposed_product(weighed, scale);
+    one.scale_normal = solver.squared(scale);
+    one.scale_pull = transposed_product(scale, solver.solve(off))(0, 0);
+    one.squares = {solver.squared(off)};
     return one;
   }
 
@@ -134,8 +132,8 @@ class Fit {
   }
 
   static std::optional<Eigen::VectorXd> solved(const Equations& at) {
-    const Eigen::LLT<Eigen::MatrixXd> solver(at.normal);
-    if (solver.info() != Eigen::Success) return std::nullopt;
+    const Cholesky solver(at.normal);
+    if (!solver.is_positive()) return std::nullopt;
     Eigen::VectorXd step = -solver.solve(at.pull);
     if (!step.allFinite()) return std::nullopt;
     return step;
@@ -243,10 +241,9 @@ void tell_covariances(const std::vector<RobotLook>& looks, const Equations& at,
   for (const double one : at.squares) squares += one;
   const double factor =
       std::max(1.0, squares / std::max(1.0, 6.0 * static_cast<double>(looks.size()) - 12.0));
-  const Eigen::LLT<Eigen::MatrixXd> solver(at.normal);
+  const Cholesky solver(at.normal);
   const Eigen::MatrixXd camera = solver.solve(at.by_camera);
-  const Eigen::MatrixXd covariance =
-      factor * solver.solve(Eigen::MatrixXd::Identity(12, 12)) + camera * camera.transpose();
+  const Eigen::MatrixXd covariance = factor * solver.inverse() + squared(camera);
   Matrix6d of_world = Matrix6d::Zero(), of_rider = Matrix6d::Zero();
   for (const RobotLook& look : looks) {
     of_world += look.tags_of_world / static_cast<double>(looks.size());
@@ -255,10 +252,9 @@ void tell_covariances(const std::vector<RobotLook>& looks, const Equations& at,
   found.world_from_base.covariance =
       covariance.topLeftCorner(6, 6) + carried(found.world_from_base.pose.inverse(), of_world);
   found.tip_from_rider.covariance = covariance.bottomRightCorner(6, 6) + of_rider;
-  const Eigen::VectorXd answered = solver.solve(at.by_scale);
-  const double rest = at.scale_normal - at.by_scale.dot(answered);
+  const double rest = at.scale_normal - solver.squared(at.by_scale);
   if (!(rest > 0.0)) return;
-  found.scale = 1.0 + (at.by_scale.dot(solver.solve(at.pull)) - at.scale_pull) / rest;
+  found.scale = 1.0 + (transposed_product(at.by_scale, solver.solve(at.pull))(0, 0) - at.scale_pull) / rest;
   found.scale_sigma = std::sqrt(factor / rest);
 }
 
@@ -286,7 +282,7 @@ RobotLook look_at_tip(const Eigen::Isometry3d& base_from_tip, const BodyPose& on
       fixed->camera_from_body.pose.inverse() * on_tip.camera_from_body.pose;
   look.world_from_rider.pose = world_from_board * board_from_rider;
   look.world_from_rider.covariance += carried(board_from_rider.inverse(), of_corners(*fixed));
-  look.by_camera -= adjoint(board_from_rider.inverse()) * fixed->errors.by_camera;
+  look.by_camera -= product(adjoint(board_from_rider.inverse()), fixed->errors.by_camera);
   look.tags_of_world = carried(world_from_board, fixed->errors.tags);
   return look;
 }
@@ -298,7 +294,7 @@ RobotLook look_from_tip(const Eigen::Isometry3d& base_from_tip, const BodyPose& 
   look.base_from_tip = base_from_tip;
   look.world_from_rider = {world_from_board * camera_from_board.inverse(),
                            carried(camera_from_board, of_corners(fixed))};
-  look.by_camera = -adjoint(camera_from_board) * fixed.errors.by_camera;
+  look.by_camera = -product(adjoint(camera_from_board), fixed.errors.by_camera);
   look.tags_of_world = carried(world_from_board, fixed.errors.tags);
   return look;
 }
