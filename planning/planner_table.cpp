@@ -12,9 +12,9 @@
 #include "planning/boundary/constraint.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/problem/option_reader.hpp"
+#include "planning/sampling/fcl_planners.hpp"
 #include "planning/sampling/ompl_planners.hpp"
 #include "planning/sampling/rrtconnect.hpp"
-#include "planning/sampling/rrtconnect_fcl.hpp"
 
 namespace clearway {
 namespace {
@@ -26,7 +26,7 @@ std::unique_ptr<Planner> make(const PlannerOptions& text) {
 
 template <typename P>
 PlannerEntry entry(std::string_view description) {
-  return {P::table_name, description, make<P>};
+  return {P::table_name, description, make<P>, !std::is_base_of_v<FclPlanner, P>};
 }
 
 }  // namespace
@@ -39,13 +39,16 @@ const std::vector<PlannerEntry>& planner_table() {
       entry<BeamGuided>("beam search led by a route through paint or free voxels, then straightened (ours)"),
       entry<BeamReference>("beam with every neighbour checked: slow and obvious, for comparison"),
       entry<BitStar>("BIT* of OMPL, with certified edges: improves its path until samples or time are out"),
+      entry<BitStarFcl>("BIT* of OMPL with FCL on an octree, edges not certified"),
       entry<Boundary>("constraint method with boundary following (Lahouar et al. 2006)"),
       entry<BoundaryPlus>(
           "local method and boundary following in several planes, then a hand-over to sampled trees (ours)"),
       entry<BoundarySides>("boundary on both sides and with both leave ratios, until one succeeds (ours)"),
       entry<Constraint>("the local step of boundary alone: stops at the first deadlock"),
       entry<Est>("EST of OMPL, with certified edges"),
+      entry<KpieceFcl>("KPIECE of OMPL with FCL on an octree, edges not certified"),
       entry<Prm>("PRM of OMPL, with certified edges"),
+      entry<PrmFcl>("PRM of OMPL with FCL on an octree, edges not certified"),
       entry<RrtConnect>("RRT-Connect on certified edges, many pieces of them at once, then shortcuts (ours)"),
       entry<RrtConnectFcl>(
           "RRT-Connect of OMPL as most people run it: FCL on an octree, edges not certified"),

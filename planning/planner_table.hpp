@@ -12,6 +12,7 @@ struct PlannerEntry {
   std::string_view name;
   std::string_view description;
   std::unique_ptr<Planner> (*make)(const PlannerOptions&);
+  bool certifies = true;  ///< with its defaults: each edge of its paths is proved free
 };
 
 /// The explicit table of planners, in the order shown to users.

@@ -15,8 +15,8 @@
 #include "planning/auto_planner.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/fcl_planners.hpp"
 #include "planning/sampling/rrtconnect.hpp"
-#include "planning/sampling/rrtconnect_fcl.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -35,7 +35,10 @@ const std::vector<std::string> plot_names = {"profiles", "cost_against_width", "
 /// Everything that plans promises certified paths, but for those who say that they look here and there.
 bool promises_certified_paths(const std::string& planner, const PlannerOptions& in_force) {
   const auto nodes = in_force.find("node_only");
-  return planner != "rrtconnect_fcl" && (nodes == in_force.end() || nodes->second != "true");
+  const auto& table = planner_table();
+  const auto entry =
+      std::find_if(table.begin(), table.end(), [&](const auto& e) { return e.name == planner; });
+  return (entry == table.end() || entry->certifies) && (nodes == in_force.end() || nodes->second != "true");
 }
 
 void require_plots(const Suite& suite, const SuiteExperiment& experiment) {

@@ -5,6 +5,7 @@
 namespace clearway {
 
 class OptionReader;
+enum class OmplAlgorithm;
 
 // Options of OMPL's sampling planners. Weighted units: see joint_weights.
 
@@ -53,11 +54,9 @@ class OmplPlanner : public Planner {
   PlanResult plan(const PlanProblem& problem) const override;
 
  protected:
-  enum class Algorithm { rrtconnect, est, prm, rrtstar, bitstar };
-
   /// What all share, and what some have.
   struct Settings {
-    Algorithm algorithm = Algorithm::est;
+    OmplAlgorithm algorithm{};
     double range = 0.0;
     int batch = 0;
     double prismatic_scale = 0.0;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace clearway {
 namespace {
@@ -118,6 +119,11 @@ void OmplQuery::set(ob::State* state, const Configuration& q) const {
   Eigen::Map<Eigen::VectorXd>(state->as<State>()->values, weight.size()) = weight.cwiseProduct(q);
 }
 
+std::mutex& ompl_seeds() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 ob::StateSpacePtr state_space(OmplQuery& query) {
   ompl::msg::noOutputHandler();
   const auto space = std::make_shared<ob::RealVectorStateSpace>(static_cast<unsigned>(query.weight.size()));
@@ -134,6 +140,7 @@ ob::SpaceInformationPtr certified_space(OmplQuery& query) {
     return query.problem.space.is_free(query.configuration(state));
   });
   information->setMotionValidator(std::make_shared<CertifiedMotions>(information, &query));
+  const std::lock_guard lock(ompl_seeds());
   information->setup();
   return information;
 }
@@ -151,9 +158,14 @@ ob::ProblemDefinitionPtr problem_definition(const OmplQuery& query,
 void simplify(OmplQuery& query, const ob::SpaceInformationPtr& information,
               const ob::ProblemDefinition& definition) {
   if (!definition.hasExactSolution()) return;
-  SeededSimplifier(information, query)
-      .simplify(*definition.getSolutionPath()->as<ompl::geometric::PathGeometric>(),
-                ob::PlannerTerminationCondition([&query] { return query.problem.out_of_time(); }), false);
+  std::optional<SeededSimplifier> simplifier;
+  {
+    const std::lock_guard lock(ompl_seeds());
+    simplifier.emplace(information, query);
+  }
+  simplifier->simplify(*definition.getSolutionPath()->as<ompl::geometric::PathGeometric>(),
+                       ob::PlannerTerminationCondition([&query] { return query.problem.out_of_time(); }),
+                       false);
 }
 
 std::vector<Configuration> waypoints(const OmplQuery& query, const ob::ProblemDefinition& definition) {

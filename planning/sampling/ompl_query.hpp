@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <random>
 #include <vector>
 
@@ -31,6 +32,10 @@ struct OmplQuery {
   Configuration configuration(const ompl::base::State* state) const;
   void set(ompl::base::State* state, const Configuration& q) const;
 };
+
+/// Held while generators of OMPL's are made: it seeds each from one of the whole process, which `kpiece`
+/// seeds anew since the one of its grid cannot be reached.
+std::mutex& ompl_seeds();
 
 /// Weighted joint limits; where a joint may go much farther than the map and the ends, only as far as these.
 /// Samples come from the query's guide, where there is one, and from its own generator: OMPL's are seeded

@@ -33,7 +33,7 @@ struct Evidence {
 
 /// Problems `begin` to `end` - 1 of a seed, each with the planner whose turn it is, 24 to a drawn world:
 /// every path that a planner with certified edges returns is put to the independent check, which must accept
-/// it. `rrtconnect_fcl`, which certifies nothing, is counted and breaks no promise.
+/// it. What certifies nothing is counted and breaks no promise.
 Evidence plan_problems(std::uint64_t seed, std::uint64_t begin, std::uint64_t end);
 
 /// Valid paths altered (a waypoint moved, left out or exchanged, the base moved, an obstacle put in the way,

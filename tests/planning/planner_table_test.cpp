@@ -17,9 +17,9 @@
 #include "planning/boundary/boundary_sides.hpp"
 #include "planning/boundary/constraint.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/fcl_planners.hpp"
 #include "planning/sampling/ompl_planners.hpp"
 #include "planning/sampling/rrtconnect.hpp"
-#include "planning/sampling/rrtconnect_fcl.hpp"
 #include "tests/worlds/beam_world.hpp"
 
 namespace clearway {
@@ -90,6 +90,12 @@ SameOptions sampling_options() {
 }
 
 template <typename P>
+SameOptions fcl_options() {
+  return sampling_options<P>() + SameOptions{{"resolution", "0.004", typed<P>({.resolution = 0.004})},
+                                             {"simplify", "false", typed<P>({.simplify = false})}};
+}
+
+template <typename P>
 SameOptions shortcuts() {
   return {{"shortcuts", "0", typed<P>({.shortcuts = 0})}};
 }
@@ -130,9 +136,11 @@ const std::map<std::string, SameOptions>& all_options() {
       {"rrtstar", range<RrtStar>() + sampling_options<RrtStar>() + shortcuts<RrtStar>()},
       {"bitstar", sampling_options<BitStar>() + shortcuts<BitStar>() +
                       SameOptions{{"batch", "30", typed<BitStar>({.batch = 30})}}},
-      {"rrtconnect_fcl", range<RrtConnectFcl>() + sampling_options<RrtConnectFcl>() +
-                             SameOptions{{"resolution", "0.004", typed<RrtConnectFcl>({.resolution = 0.004})},
-                                         {"simplify", "false", typed<RrtConnectFcl>({.simplify = false})}}},
+      {"rrtconnect_fcl", range<RrtConnectFcl>() + fcl_options<RrtConnectFcl>()},
+      {"kpiece_fcl", range<KpieceFcl>() + fcl_options<KpieceFcl>()},
+      {"prm_fcl", fcl_options<PrmFcl>()},
+      {"bitstar_fcl",
+       fcl_options<BitStarFcl>() + SameOptions{{"batch", "30", typed<BitStarFcl>({.batch = 30})}}},
   };
   return all;
 }
@@ -168,6 +176,7 @@ TEST(PlannerTable, APlannerMadeOfNothingIsThatOfTheTableWithoutOptions) {
   expect_defaults<Boundary>(), expect_defaults<BoundaryPlus>(), expect_defaults<BoundarySides>();
   expect_defaults<Constraint>(), expect_defaults<Est>(), expect_defaults<Prm>();
   expect_defaults<RrtConnect>(), expect_defaults<RrtConnectFcl>();
+  expect_defaults<KpieceFcl>(), expect_defaults<PrmFcl>(), expect_defaults<BitStarFcl>();
   expect_defaults<AutoPlanner>(), expect_defaults<RrtConnectOmpl>();
   expect_defaults<RrtStar>(), expect_defaults<BitStar>();
 }

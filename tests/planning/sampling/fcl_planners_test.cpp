@@ -1,9 +1,10 @@
-#include "planning/sampling/rrtconnect_fcl.hpp"
+#include "planning/sampling/fcl_planners.hpp"
 
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
 #include <cmath>
+#include <map>
 #include <thread>
 
 #include "planning/check/path_check.hpp"
@@ -16,7 +17,7 @@
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
-namespace rrtconnect_fcl_test {
+namespace fcl_planners_test {
 
 using Eigen::Vector2d;
 
@@ -105,28 +106,48 @@ TEST(FclOctreeSpace, TheUnmappedLayersBesideASlidingDiscAreNoObstacle) {
 
 const std::vector<Eigen::AlignedBox3d> thin_wall = {box_of(1, -2.0, -0.05, 1.05, 0.9, 0.05)};
 
-TEST(RrtConnectFcl, TheSameSeedGivesTheSamePathOnAnyThread) {
+TEST(FclPlanners, TheSameSeedGivesTheSamePathOnAnyThread) {
   const ConfigurationSpace space(load_robot("point"), VoxelScene{0.05, thin_wall, {}, {}}.snapshot(),
                                  all_parts(Policy::not_occupied));
   const PathCost cost(space.robot());
-  const auto planner = make_planner("rrtconnect_fcl", {{"resolution", "0.002"}});
   const Vector2d start(0, 0), goal(2, 0);
-  std::vector<PlanResult> results(6);
+  const std::string names[] = {"rrtconnect_fcl", "kpiece_fcl", "prm_fcl", "bitstar_fcl"};
+  std::map<std::string, std::vector<PlanResult>> results;
   std::vector<std::thread> threads;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    threads.emplace_back([&, i] { results[i] = planner->plan({space, cost, start, goal, 1 + i / 3}); });
+  for (const std::string& name : names) results[name].resize(6);
+  for (const std::string& name : names) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      threads.emplace_back([&, i] {
+        PlannerOptions options = {{"resolution", "0.002"}};
+        if (name == "bitstar_fcl") options["max_samples"] = "400";
+        results.at(name)[i] = make_planner(name, options)->plan({space, cost, start, goal, 1 + i / 3});
+      });
+    }
   }
   for (std::thread& thread : threads) thread.join();
-  for (const PlanResult& result : results) {
-    ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
-    EXPECT_EQ(result.waypoints.front(), start);
-    EXPECT_EQ(result.waypoints.back(), goal);
-    EXPECT_NEAR(result.cost, cost(result.waypoints), 1e-9);
+  for (const auto& [name, found] : results) {
+    for (const PlanResult& result : found) {
+      ASSERT_EQ(result.status, PlanStatus::solved) << name << ": " << result.explanation;
+      EXPECT_EQ(result.waypoints.front(), start);
+      EXPECT_EQ(result.waypoints.back(), goal);
+      EXPECT_NEAR(result.cost, cost(result.waypoints), 1e-9);
+    }
+    EXPECT_EQ(found[0].waypoints, found[1].waypoints) << name;
+    EXPECT_EQ(found[0].waypoints, found[2].waypoints) << name;
+    EXPECT_EQ(found[3].waypoints, found[5].waypoints) << name;
+    EXPECT_NE(found[0].waypoints, found[3].waypoints) << name;
   }
-  EXPECT_EQ(results[0].waypoints, results[1].waypoints);
-  EXPECT_EQ(results[0].waypoints, results[2].waypoints);
-  EXPECT_EQ(results[3].waypoints, results[5].waypoints);
-  EXPECT_NE(results[0].waypoints, results[3].waypoints);
+}
+
+TEST(FclPlanners, StayWhereStartAndGoalAreOne) {
+  const ConfigurationSpace space(load_robot("point"), VoxelScene{0.05, thin_wall, {}, {}}.snapshot(),
+                                 all_parts(Policy::not_occupied));
+  for (const char* name : {"rrtconnect_fcl", "kpiece_fcl", "prm_fcl", "bitstar_fcl"}) {
+    const PlanResult result =
+        make_planner(name, {})->plan({space, PathCost(space.robot()), Vector2d(0, 0), Vector2d(0, 0)});
+    EXPECT_EQ(result.status, PlanStatus::solved) << name;
+    EXPECT_EQ(result.waypoints.size(), 2u) << name;
+  }
 }
 
 TEST(RrtConnectFcl, LooksThatAreFarApartMissAThinWallAndTheCheckFindsIt) {
@@ -184,5 +205,5 @@ TEST(RrtConnectFcl, AMapThatChangedIsNotTakenForTheOldOne) {
   }
 }
 
-}  // namespace rrtconnect_fcl_test
+}  // namespace fcl_planners_test
 }  // namespace clearway
