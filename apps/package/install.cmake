@@ -49,7 +49,11 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopencv-videoio406, libopencv-highgui406")  # loaded when a video or a window is opened
+# Loaded when a video or a window is opened, and by the Python module.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopencv-videoio406, libopencv-highgui406, python3-numpy")
+if(TARGET clearway_python)
+  set(CPACK_DEBIAN_PACKAGE_PROVIDES "python3-clearway")
+endif()
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "${packages}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 include(CPack)

@@ -1,5 +1,8 @@
 #include "planning/robot_files/load_robot.hpp"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
@@ -134,6 +137,31 @@ void cover_bodies(Robot& robot) {
   }
 }
 
+/// The library that holds this code, where a program has loaded one; empty: it is the program's own.
+fs::path own_library() {
+  Dl_info info{};
+  link_map* library = nullptr;
+  const int found = dladdr1(reinterpret_cast<const void*>(&cover_bodies), &info,
+                            reinterpret_cast<void**>(&library), RTLD_DL_LINKMAP);
+  return found == 0 || library == nullptr ? fs::path() : fs::path(library->l_name);
+}
+
+/// share/clearway in the folder under which that library lies, as lib/python3/dist-packages/clearway; empty:
+/// none.
+fs::path beside_library() {
+  std::error_code failed;
+  const fs::path library = own_library();
+  if (library.empty()) return {};
+  fs::path folder = fs::canonical(library, failed).parent_path();
+  for (int up = 0; up < 5 && !failed; ++up) {
+    folder = folder.parent_path();
+    if (fs::is_directory(folder / "share/clearway/robots", failed))
+      return fs::canonical(folder / "share/clearway");
+    failed.clear();
+  }
+  return {};
+}
+
 }  // namespace
 
 fs::path datasets_folder() {
@@ -143,6 +171,7 @@ fs::path datasets_folder() {
     throw std::invalid_argument("CLEARWAY_DATASETS is " + quote_path(chosen) +
                                 ": expected a folder that holds a folder 'robots'");
   }
+  if (const fs::path found = beside_library(); !found.empty()) return found;
   std::error_code failed;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   const fs::path beside = program.parent_path().parent_path() / "share" / "clearway";

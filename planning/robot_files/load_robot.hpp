@@ -41,9 +41,10 @@ Robot load_robot(const std::string& name_or_path);
 /// Names in datasets/robots with one line of description each, sorted.
 std::vector<std::pair<std::string, std::string>> available_robots();
 
-/// The folder of robots, scenes, setups and suites: $CLEARWAY_DATASETS; else ../share/clearway beside the
-/// running program's own folder, if that holds robots; else where `cmake --install` was configured to put it;
-/// else /usr/share/clearway.
+/// The folder of robots, scenes, setups and suites: $CLEARWAY_DATASETS; else share/clearway in a folder above
+/// the library that holds this code, where the program has loaded one (the Python module); else
+/// ../share/clearway beside the running program's own folder, if that holds robots; else where `cmake
+/// --install` was configured to put it; else /usr/share/clearway.
 /// @throws std::invalid_argument when $CLEARWAY_DATASETS holds no folder of robots.
 std::filesystem::path datasets_folder();
 

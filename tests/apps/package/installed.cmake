@@ -1,5 +1,5 @@
 # Installs the build into a folder of its own, builds the examples against that alone, and runs what came out.
-# cmake -DBUILD=… -DSOURCE=… -DWORK=… -P installed.cmake
+# cmake -DBUILD=… -DSOURCE=… -DWORK=… [-DPYTHON=…] -P installed.cmake
 function(run)
   cmake_parse_arguments(arg "" "PRINTS" "COMMAND" ${ARGN})
   execute_process(COMMAND ${arg_COMMAND} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
@@ -42,6 +42,17 @@ _clearway
 echo \${COMPREPLY[*]}
 ")
 run(COMMAND bash ${WORK}/complete.sh PRINTS "^plan planners\n$")
+
+# The Python module finds its libraries and robots as installed.
+if(PYTHON)
+  set(ENV{PYTHONPATH} ${prefix}/lib/python3/dist-packages)
+  run(COMMAND ${PYTHON} -c "from clearway import __file__ as file, datasets_folder\nprint(file, datasets_folder())"
+    PRINTS "^${prefix}/lib/python3/dist-packages/clearway/__init__.py ${prefix}/share/clearway\n$")
+  file(GLOB scripts ${SOURCE}/apps/examples/python/*.py)
+  foreach(script ${scripts})
+    run(COMMAND ${PYTHON} ${script} PRINTS "as expected\n$")
+  endforeach()
+endif()
 
 # Headers and libraries serve somebody else's project. Every header is there, and none needs the source tree.
 file(GLOB_RECURSE headers RELATIVE ${prefix}/include/clearway ${prefix}/include/clearway/*.hpp)

@@ -1,0 +1,296 @@
+// Paths in time: smooth motions, trajectories and their files, and the gate for others' motion.
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+
+#include "apps/python/bindings.hpp"
+#include "apps/python/records.hpp"
+#include "planning/files/trajectory_file.hpp"
+#include "planning/gate/gate.hpp"
+#include "planning/path/trajectory.hpp"
+#include "planning/planned_motion.hpp"
+
+namespace clearway {
+namespace {
+
+std::size_t width(const std::vector<Eigen::VectorXd>& rows) {
+  return rows.empty() ? 0 : static_cast<std::size_t>(rows.front().size());
+}
+
+std::vector<double> times_of(const Motion& motion) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < motion.positions.size(); ++i)
+    times.push_back(motion.period * static_cast<double>(i));
+  return times;
+}
+
+/// States of a motion at many times, an array each.
+py::dict states_at(const Motion& self, const py::object& times) {
+  if (self.empty()) throw std::invalid_argument("times: expected a motion that is not empty");
+  const bool is_one = dimensions_of(times, "times") == 0;
+  const std::vector<double> asked = is_one ? numbers_from(times, "times", 1) : list_from(times, "times");
+  for (const double time : asked)
+    if (!(time >= 0.0) || !std::isfinite(time))
+      throw std::invalid_argument("times: expected finite seconds, not negative");
+  std::vector<Eigen::VectorXd> rows[4];
+  for (const double time : asked) {
+    const MotionState state = self.at(time);
+    rows[0].push_back(state.position);
+    rows[1].push_back(state.velocity);
+    rows[2].push_back(state.acceleration);
+    rows[3].push_back(state.jerk);
+  }
+  py::dict states;
+  const char* names[] = {"position", "velocity", "acceleration", "jerk"};
+  for (int i = 0; i < 4; ++i)
+    states[names[i]] = is_one ? to_array(rows[i].front()) : to_array(rows[i], width(self.positions));
+  return states;
+}
+
+using Rows = std::vector<Eigen::VectorXd>;
+
+Rows column(const Trajectory& self, Eigen::VectorXd TrajectoryPoint::*member) {
+  Rows rows;
+  for (const TrajectoryPoint& point : self.points)
+    if ((point.*member).size() > 0) rows.push_back(point.*member);
+  return rows;
+}
+
+std::string export_text(const NamedRobot& robot, const Plan& plan, const Trajectory& trajectory,
+                        const std::string& format) {
+  return trajectory_format(format, robot.robot).write(robot.robot, plan, trajectory);
+}
+
+void bind_motion(py::module_& module) {
+  Record<Motion>(module, "Motion", doc("Motion"))
+      .field("period", &Motion::period)
+      .computed("duration", &Motion::duration, "Seconds.")
+      .computed(
+          "times", [](const Motion& self) { return own(times_of(self)); }, "Of the knots, (n,), seconds.")
+      .computed(
+          "positions", [](const Motion& self) { return to_array(self.positions, width(self.positions)); },
+          "At the knots, (n, dof), rad or m.")
+      .computed(
+          "velocities", [](const Motion& self) { return to_array(self.velocities, width(self.positions)); },
+          "At the knots, (n, dof), rad/s or m/s.")
+      .computed(
+          "accelerations",
+          [](const Motion& self) { return to_array(self.accelerations, width(self.positions)); },
+          "At the knots, (n, dof), rad/s^2 or m/s^2.")
+      .def("at", &states_at, py::arg("times"),
+           doc("Motion::at",
+               "A dictionary of position, velocity, acceleration and jerk: (dof,) for one time, (n, dof) for "
+               "n."));
+  Record<MotionShares>(module, "MotionShares")
+      .field("velocity", &MotionShares::velocity, "1 is all of the limit.")
+      .field("acceleration", &MotionShares::acceleration, "1 is all of the limit.")
+      .field("jerk", &MotionShares::jerk, "1 is all of the limit.");
+  Record<MotionVerdict>(module, "MotionVerdict")
+      .field("valid", &MotionVerdict::valid,
+             "Whether the motion keeps its limits and all of it is proved free.")
+      .field("undecided", &MotionVerdict::undecided)
+      .field("fault", &MotionVerdict::fault)
+      .field("min_clearance", &MotionVerdict::min_clearance)
+      .field("shares", &MotionVerdict::shares)
+      .field("samples", &MotionVerdict::samples)
+      .field("edges", &MotionVerdict::edges);
+  Record<PlannedMotion>(module, "PlannedMotion")
+      .field("motion", &PlannedMotion::motion, "The motion itself.")
+      .field("leg_ends", &PlannedMotion::leg_ends)
+      .field("blended", &PlannedMotion::blended)
+      .field("stops", &PlannedMotion::stops)
+      .field("validation", &PlannedMotion::validation);
+  Record<Trajectory>(module, "Trajectory")
+      .field("sampling_period", &Trajectory::sampling_period)
+      .computed(
+          "times",
+          [](const Trajectory& self) {
+            std::vector<double> times;
+            for (const TrajectoryPoint& point : self.points) times.push_back(point.time);
+            return own(std::move(times));
+          },
+          "Seconds since the start, (n,).")
+      .computed(
+          "positions",
+          [](const Trajectory& self) {
+            const Rows rows = column(self, &TrajectoryPoint::position);
+            return to_array(rows, width(rows));
+          },
+          "(n, dof), rad or m.")
+      .computed(
+          "velocities",
+          [](const Trajectory& self) {
+            const Rows rows = column(self, &TrajectoryPoint::velocity);
+            return to_array(rows, width(rows));
+          },
+          "(n, dof), rad/s or m/s.")
+      .computed(
+          "accelerations",
+          [](const Trajectory& self) {
+            const Rows rows = column(self, &TrajectoryPoint::acceleration);
+            return to_array(rows, width(rows));
+          },
+          "(n, dof), rad/s^2 or m/s^2; no rows where none is known.");
+}
+
+void bind_making(py::module_& module) {
+  const MotionScales usual;
+  const SmoothMotionOptions smooth;
+  module.def(
+      "plan_motion",
+      [](const NamedSpace& space, const Plan& plan, double speed, double acceleration, double jerk,
+         double period, double straighten, double reach) {
+        SmoothMotionOptions options;
+        options.scales.speed = speed;
+        options.scales.acceleration = acceleration;
+        options.scales.jerk = jerk;
+        options.period = period;
+        options.straighten = straighten;
+        options.reach = reach;
+        return without_lock([&] { return plan_motion(*space, plan, options); });
+      },
+      py::arg("space"), py::arg("plan"), py::kw_only(), py::arg("speed") = usual.speed,
+      py::arg("acceleration") = usual.acceleration, py::arg("jerk") = usual.jerk,
+      py::arg("period") = smooth.period, py::arg("straighten") = smooth.straighten,
+      py::arg("reach") = smooth.reach,
+      doc("plan_motion",
+          "speed, acceleration, jerk: scales of the limits, above 0 up to 1.\n\nperiod: between knots, "
+          "seconds.\n\n"
+          "straighten, reach: see SmoothMotionOptions."));
+  const TrajectoryOptions timed;
+  module.def(
+      "time_parameterize",
+      [](const NamedRobot& robot, const py::object& waypoints, double sampling_period, double velocity_scale,
+         double default_max_velocity, double max_acceleration) {
+        const std::vector<Configuration> path = vectors_from(waypoints, "waypoints", robot.robot.dof());
+        return without_lock([&] {
+          return time_parameterize(robot.robot, path,
+                                   {sampling_period, velocity_scale, default_max_velocity, max_acceleration});
+        });
+      },
+      py::arg("robot"), py::arg("waypoints"), py::kw_only(),
+      py::arg("sampling_period") = timed.sampling_period, py::arg("velocity_scale") = timed.velocity_scale,
+      py::arg("default_max_velocity") = timed.default_max_velocity,
+      py::arg("max_acceleration") = timed.max_acceleration, doc("time_parameterize", "waypoints: (n, dof)."));
+  module.def(
+      "trajectory_of", [](const Motion& motion) { return trajectory_of(motion); }, py::arg("motion"),
+      doc("trajectory_of"));
+  module.def("export_trajectory", &export_text, py::arg("robot"), py::arg("plan"), py::arg("trajectory"),
+             py::arg("format"),
+             doc("trajectory_formats",
+                 "Returns the text of the file.\n\nRaises ValueError when there is no such format, or "
+                 "the robot cannot be driven so."));
+}
+
+/// One thread judges at a time, one publishes.
+struct GuardedGate {
+  explicit GuardedGate(GateOptions options) : gate(std::move(options)) {}
+  Gate gate;
+  std::mutex judging, publishing;
+};
+
+std::vector<double> list_or(const py::object& value, const std::string& name, std::vector<double> otherwise) {
+  if (value.is_none()) return otherwise;
+  if (dimensions_of(value, name) == 0) return numbers_from(value, name, 1);
+  return list_from(value, name);
+}
+
+std::unique_ptr<GuardedGate> make_gate(const py::object& max_velocity, const py::object& deceleration,
+                                       double reaction, double max_duration, double tolerance,
+                                       const std::optional<double>& max_age) {
+  GateOptions options;
+  options.limits.max_velocity = list_or(max_velocity, "max_velocity", {});
+  options.limits.deceleration = list_or(deceleration, "deceleration", options.limits.deceleration);
+  options.limits.reaction = reaction;
+  options.limits.max_duration = max_duration;
+  options.tolerance = tolerance;
+  if (max_age) options.max_age = *max_age;
+  return std::make_unique<GuardedGate>(std::move(options));
+}
+
+GateVerdict judge(GuardedGate& self, const py::object& times, const py::object& positions) {
+  MotionChunk chunk;
+  if (dimensions_of(positions, "positions") != 2)
+    throw std::invalid_argument("positions: expected real numbers of shape (n, dof)");
+  const auto shape =
+      py::module_::import("numpy").attr("shape")(positions).cast<std::pair<std::size_t, std::size_t>>();
+  chunk.positions = vectors_from(positions, "positions", shape.second);
+  chunk.times = list_from(times, "times");
+  if (chunk.times.size() != shape.first)
+    throw std::invalid_argument("times: expected as many as positions, " + std::to_string(shape.first) +
+                                ", got " + std::to_string(chunk.times.size()));
+  const py::gil_scoped_release released;
+  const std::lock_guard lock(self.judging);
+  return self.gate.judge(chunk);
+}
+
+void bind_gate(py::module_& module) {
+  Record<ProvedPart>(module, "ProvedPart")
+      .field("time", &ProvedPart::time, "Seconds.")
+      .field("position", &ProvedPart::position, "Up to where the motion may go, (dof,).")
+      .field("stop", &ProvedPart::stop, "Where it stands after braking, (dof,).");
+  Record<GateVerdict>(module, "GateVerdict", "What the gate says of a chunk.")
+      .computed("is_passed", &GateVerdict::is_passed,
+                "Whether all of its motion, and a way to stop after it, is proved free.")
+      .computed(
+          "reason", [](const GateVerdict& self) { return std::string(to_string(self.reason)); },
+          doc("GateReason"))
+      .field("sentence", &GateVerdict::sentence)
+      .field("map", &GateVerdict::map)
+      .computed(
+          "may_go", [](const GateVerdict& self) { return self.may_go ? py::cast(*self.may_go) : py::none(); },
+          doc("GateVerdict::may_go"))
+      .computed(
+          "piece", [](const GateVerdict& self) { return self.piece ? to_text(*self.piece) : std::string(); },
+          "The first piece of motion that is not proved; empty when there is none.")
+      .field("parameter", &GateVerdict::parameter)
+      .field("obstruction", &GateVerdict::obstruction,
+             "There: which body, which voxel, joint or other body.");
+  const GateOptions usual;
+  py::class_<GuardedGate>(module, "Gate", doc("Gate"))
+      .def(py::init(&make_gate), py::kw_only(), py::arg("max_velocity") = py::none(),
+           py::arg("deceleration") = py::none(), py::arg("reaction") = usual.limits.reaction,
+           py::arg("max_duration") = usual.limits.max_duration, py::arg("tolerance") = usual.tolerance,
+           py::arg("max_age") = py::none(),
+           doc("MotionLimits",
+               "max_velocity, deceleration: a number for all joints, or one for each; by default the robot's "
+               "own, and 5 rad/s^2.\n\ntolerance: of where a chunk starts, rad or m.\n\nmax_age: of the "
+               "newest map, seconds; None: nobody asks."))
+      .def(
+          "publish",
+          [](GuardedGate& self, const NamedSpace& space, double taken) {
+            return without_lock([&] {
+              ConfigurationSpace made(space->robot(), space->map(), {space->policies(), std::nullopt, false},
+                                      space->options());
+              const std::lock_guard lock(self.publishing);
+              return self.gate.publish(std::move(made), taken);
+            });
+          },
+          py::arg("space"), py::arg("taken") = 0.0, doc("Gate::publish"))
+      .def("judge", &judge, py::arg("times"), py::arg("positions"),
+           doc("Gate::judge", "times: (n,), seconds. positions: (n, dof)."))
+      .def(
+          "restart",
+          [](GuardedGate& self, const py::object& start) {
+            std::optional<Configuration> from;
+            if (!start.is_none()) {
+              const std::vector<double> q = list_from(start, "start");
+              from = Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
+            }
+            if (from && !from->allFinite()) throw std::invalid_argument("start: expected finite values");
+            const py::gil_scoped_release released;
+            const std::lock_guard lock(self.judging);
+            self.gate.restart(std::move(from));
+          },
+          py::arg("start") = py::none(), doc("Gate::restart"));
+}
+
+}  // namespace
+
+void bind_motions(py::module_& module) {
+  bind_motion(module);
+  bind_making(module);
+  bind_gate(module);
+}
+
+}  // namespace clearway

@@ -1,0 +1,246 @@
+// Planning: one call that plans and has its path checked; plans as files.
+#include <algorithm>
+#include <stdexcept>
+
+#include "apps/python/bindings.hpp"
+#include "apps/python/records.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "planning/files/plan_file.hpp"
+#include "planning/plan_and_check.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot/goal_configurations.hpp"
+
+namespace clearway {
+namespace {
+
+/// A planner's option in its text form.
+std::string option_text(const std::string& name, py::object value) {
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (value.is_none()) return "auto";
+  if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value) ||
+      (py::isinstance<py::array>(value) && value.cast<py::array>().ndim() > 0)) {
+    std::string text;
+    for (const py::handle item : value)
+      text += (text.empty() ? "" : ",") + option_text(name, py::reinterpret_borrow<py::object>(item));
+    return text;
+  }
+  if (py::hasattr(value, "item")) value = value.attr("item")();  // NumPy's scalars
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
+  if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value))
+    return py::repr(value).cast<std::string>();
+  throw std::invalid_argument("option '" + name +
+                              "': expected a number, a truth value, a text or a list of numbers");
+}
+
+std::shared_ptr<const Planner> planner_from(const std::string& name, const py::dict& options) {
+  PlannerOptions texts;
+  for (const auto& [key, value] : options) {
+    const auto option = key.cast<std::string>();
+    texts[option] = option_text(option, py::reinterpret_borrow<py::object>(value));
+  }
+  return make_planner(name, texts);
+}
+
+/// For each pose the nearest configuration that is free, else the nearest.
+std::vector<Configuration> goals_at(const ConfigurationSpace& space,
+                                    const std::vector<Eigen::Isometry3d>& poses, const std::string& tip,
+                                    const Configuration& start) {
+  const Robot robot = tip.empty() ? space.robot() : with_tip(space.robot(), tip);
+  std::vector<Configuration> goals;
+  for (const Eigen::Isometry3d& pose : poses) {
+    const auto found = goal_configurations(robot, pose, goals.empty() ? start : goals.back());
+    if (found.empty())
+      throw std::invalid_argument("goal_poses[" + std::to_string(goals.size()) +
+                                  "]: no configuration of robot '" + robot.name +
+                                  "' within its limits was found that puts its tip there");
+    const auto free =
+        std::find_if(found.begin(), found.end(), [&](const Configuration& q) { return space.is_free(q); });
+    goals.push_back(free == found.end() ? found.front() : *free);
+  }
+  return goals;
+}
+
+struct Goals {
+  std::vector<Configuration> configurations;
+  std::vector<Eigen::Isometry3d> poses;
+  std::string tip;
+};
+
+Goals goals_from(const py::object& goals, const py::object& poses, const std::string& tip,
+                 const Robot& robot) {
+  if (goals.is_none() == poses.is_none())
+    throw std::invalid_argument("goals: expected either goals or goal_poses");
+  if (poses.is_none() && !tip.empty()) throw std::invalid_argument("tip: expected goal_poses with it");
+  if (poses.is_none()) return {configurations_from(goals, "goals", robot), {}, {}};
+  return {{}, poses_from(poses, "goal_poses"), tip};
+}
+
+Plan plan(const NamedSpace& space, const py::object& start, const py::object& goals,
+          const py::object& goal_poses, const std::string& tip, const std::string& planner,
+          std::uint64_t seed, double time_limit, double payload, const py::object& gravity, bool survey,
+          const std::vector<std::string>& allow_outside, bool strict, double advice_time,
+          const py::kwargs& options) {
+  PlanQuery query{.space = *space, .start = configuration_from(start, "start", space->robot()), .goals = {}};
+  Goals wanted = goals_from(goals, goal_poses, tip, space->robot());
+  if (!wanted.poses.empty() && !query.start.allFinite())
+    throw std::invalid_argument("start: expected finite values with goal_poses");
+  query.planner = planner_from(planner, options);
+  query.seed = seed;
+  query.time_limit = time_limit;
+  query.payload = payload;
+  if (!gravity.is_none()) query.gravity = point_from(gravity, "gravity");
+  if (survey)
+    query.survey = SurveyDemands{allow_outside, strict};
+  else
+    query.survey.reset();
+  require_parts(allow_outside, space->robot(), "allow_outside");
+  query.advice_time = std::min(advice_time, time_limit);
+  query.robot_name = space.asked;
+  query.map_file = space.map_file;
+  query.map_digest = space.map_digest;
+  return without_lock([&] {
+    query.goals = wanted.poses.empty() ? wanted.configurations
+                                       : goals_at(*space, wanted.poses, wanted.tip, query.start);
+    return plan_and_check(query);
+  });
+}
+
+py::object parsed(const std::string& json) { return py::module_::import("json").attr("loads")(json); }
+
+double cost_of(const Plan& self) {
+  double joules = 0.0;
+  for (const PlanResult& leg : self.legs) joules += leg.cost + leg.last_segment_cost;
+  return joules;
+}
+
+std::size_t columns_of(const std::vector<Configuration>& rows) {
+  return rows.empty() ? 0 : static_cast<std::size_t>(rows.front().size());
+}
+
+void bind_results(py::module_& module) {
+  Record<PlanResult>(module, "PlanResult")
+      .field("status", &PlanResult::status,
+             "'solved', 'start_invalid', 'goal_invalid', 'no_path' or 'timed_out'.")
+      .field("explanation", &PlanResult::explanation)
+      .computed(
+          "waypoints",
+          [](const PlanResult& self) { return to_array(self.waypoints, columns_of(self.waypoints)); },
+          doc("PlanResult::waypoints", "(n, dof)."))
+      .computed(
+          "explored",
+          [](const PlanResult& self) { return to_array(self.explored, columns_of(self.explored)); },
+          doc("PlanResult::explored", "(n, dof)."))
+      .field("cost", &PlanResult::cost)
+      .field("last_segment_cost", &PlanResult::last_segment_cost)
+      .field("last_segment", &PlanResult::last_segment)
+      .field("final_distance", &PlanResult::final_distance)
+      .field("search_steps", &PlanResult::search_steps)
+      .field("configurations_checked", &PlanResult::configurations_checked,
+             "Configurations that the planner asked about.")
+      .field("edges_checked", &PlanResult::edges_checked, "Edges that the planner asked about.")
+      .field("statistics", &PlanResult::statistics);
+  Record<PaintHint>(module, "PaintHint")
+      .computed(
+          "center", [](const PaintHint& self) { return to_array(self.sphere.center); }, "Map frame, metres.")
+      .computed(
+          "radius", [](const PaintHint& self) { return self.sphere.radius; }, "Metres.")
+      .field("part", &PaintHint::part, "The robot's part that would get through.");
+}
+
+void bind_answer(Record<Plan>& type) {
+  type.computed(
+          "status", [](const Plan& self) { return to_python(self.status()); }, doc("Plan::status"))
+      .computed("is_proved", &Plan::is_proved)
+      .computed("explanation", &Plan::explanation, "Where planning stopped and why, in a sentence or two.")
+      .computed(
+          "waypoints", [](const Plan& self) { return to_array(self.waypoints(), self.joints.size()); },
+          doc("Plan::waypoints", "(n, dof)."))
+      .computed("cost", &cost_of, "Joules, Chong et al. 2008, eq. 9, of all legs with their last segments.")
+      .field("legs", &Plan::legs)
+      .field("validation", &Plan::validation)
+      .computed(
+          "survey", [](const Plan& self) { return self.survey ? parsed(to_json(*self.survey)) : py::none(); },
+          doc("Plan::survey", "A dictionary, as in plan.json; None where none was asked for."))
+      .field("paint", &Plan::paint);
+}
+
+void bind_plan(py::module_& module) {
+  Record<Plan> type(module, "Plan", doc("Plan"));
+  bind_answer(type);
+  type.field("robot", &Plan::robot)
+      .field("joints", &Plan::joints, "Names of the joints, in configuration order.")
+      .field("planner", &Plan::planner, "Its name.")
+      .field("options", &Plan::options, "Of the planner, all in force, in their text form.")
+      .field("seed", &Plan::seed, "Of the planner.")
+      .computed(
+          "start", [](const Plan& self) { return to_array(self.start); }, doc("Plan::start"))
+      .computed(
+          "goals", [](const Plan& self) { return to_array(self.goals, columns_of(self.goals)); },
+          doc("Plan::goals", "(n, dof)."))
+      .computed(
+          "policies", [](const Plan& self) { return to_dictionary(self.policies); }, doc("Plan::policies"))
+      .field("padding", &Plan::padding)
+      .field("cost_caveat", &Plan::cost_caveat)
+      .field("map_caveat", &Plan::map_caveat)
+      .field("time_s", &Plan::time_s, "Wall-clock seconds of planning.");
+  type.def(
+          "to_json", [](const Plan& self) { return to_json(self); }, doc("to_json"))
+      .def(
+          "to_csv", [](const Plan& self) { return to_csv(self); }, doc("to_csv"))
+      .def(
+          "to_dict", [](const Plan& self) { return parsed(to_json(self)); }, "plan.json as a dictionary.")
+      .def(
+          "save",
+          [](const Plan& self, const std::filesystem::path& file) {
+            without_lock([&] { save_file(file, to_json(self)); });
+          },
+          py::arg("file"),
+          "Writes plan.json, whole or not at all; `clearway check` reads it. Raises OSError naming the "
+          "file.");
+}
+
+}  // namespace
+
+void bind_plans(py::module_& module) {
+  bind_results(module);
+  bind_plan(module);
+  module.def("plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
+             py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("planner") = "auto",
+             py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
+             py::arg("gravity") = py::none(), py::arg("survey") = true,
+             py::arg("allow_outside") = std::vector<std::string>{}, py::arg("strict") = false,
+             py::arg("advice_time") = 5.0,
+             doc("plan_and_check",
+                 "start, goals: configurations as arrays, or names of the robot's states; goals also (n, "
+                 "dof) or a list.\n\n"
+                 "goal_poses: instead of goals, map_from_tip as 4x4 or (n, 4, 4): of each the nearest "
+                 "configuration that "
+                 "is free. tip: the link whose frame they place.\n\nplanner: a name in available_planners(); "
+                 "its options "
+                 "are further keywords, as width=20.\n\npayload: kg at the tip; gravity: m/s^2, map "
+                 "frame.\n\nallow_outside: "
+                 "parts that may leave the map's bounds, or 'all'. strict: bodies that no joint moves must "
+                 "not touch "
+                 "occupied voxels."));
+  module.def(
+      "load_plan",
+      [](const std::filesystem::path& file) { return without_lock([&] { return load_plan(file); }); },
+      py::arg("file"), doc("load_plan", "Reads plan.json."));
+  module.def(
+      "parse_plan", [](const std::string& text, const std::string& name) { return parse_plan(text, name); },
+      py::arg("text"), py::arg("name") = "plan", doc("parse_plan"));
+  module.def(
+      "available_planners",
+      [] {
+        py::dict planners;
+        for (const PlannerEntry& entry : planner_table())
+          planners[py::str(std::string(entry.name))] = std::string(entry.description);
+        return planners;
+      },
+      "Names of the planners with a line of description each, in the order of the table.");
+  module.def(
+      "planner_options", [](const std::string& planner) { return make_planner(planner)->options(); },
+      py::arg("planner"), "Options of a planner with their defaults, in their text form.");
+}
+
+}  // namespace clearway

@@ -1,0 +1,546 @@
+// Maps to ask: states, slices, rays, distances; loading, saving and combining them.
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/python/bindings.hpp"
+#include "apps/python/records.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/maps/map_damage.hpp"
+#include "mapping/maps/map_difference.hpp"
+#include "mapping/maps/map_edit.hpp"
+#include "mapping/maps/map_integration.hpp"
+#include "mapping/maps/ray_states.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t most_cells = 500'000'000;
+
+NamedMap load_snapshot(const std::filesystem::path& path, double cloud_resolution) {
+  return without_lock([&] {
+    NamedMap loaded{load_map(path, cloud_resolution), path, {}};
+    loaded.digest = map_sha256(path);
+    return loaded;
+  });
+}
+
+std::uint8_t number(VoxelState state) { return static_cast<std::uint8_t>(state); }
+
+py::array states_at(const NamedMap& self, const std::vector<Eigen::Vector3d>& points) {
+  return own(without_lock([&] {
+    std::vector<std::uint8_t> states;
+    states.reserve(points.size());
+    for (const Eigen::Vector3d& point : points) states.push_back(number(self.map.state(point)));
+    return states;
+  }));
+}
+
+/// First cell of a box on one axis, and how many: all that the box overlaps, at least one.
+std::pair<std::int64_t, std::size_t> cells_along(double low, double high, double resolution) {
+  const double first = std::floor(low / resolution);
+  const double count = std::max(1.0, std::ceil(high / resolution - 1e-9) - first);
+  if (!(std::abs(first) < 1e9) || !(count <= most_cells))
+    throw std::invalid_argument("box: expected one within 1e9 voxels");
+  return {static_cast<std::int64_t>(first), static_cast<std::size_t>(count)};
+}
+
+/// States of all voxels of a box, and the box that they fill.
+struct StateGrid {
+  std::vector<std::uint8_t> states;
+  std::array<std::size_t, 3> shape{};
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();
+};
+
+StateGrid grid_of(const Snapshot& map, const Eigen::AlignedBox3d& box) {
+  std::array<std::int64_t, 3> first{};
+  StateGrid grid;
+  const double edge = map.resolution();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::tie(first[axis], grid.shape[axis]) = cells_along(box.min()[axis], box.max()[axis], edge);
+    grid.low[axis] = static_cast<double>(first[axis]) * edge;
+  }
+  const double cells = static_cast<double>(grid.shape[0]) * grid.shape[1] * grid.shape[2];
+  if (cells > most_cells)
+    throw std::invalid_argument("box: expected at most 500 million voxels, got " + std::to_string(cells));
+  grid.states.reserve(static_cast<std::size_t>(cells));
+  const auto place = [&](int axis,
+                         std::size_t i) {  // a plane asks where it is, a box in the middles of its voxels
+    if (box.min()[axis] == box.max()[axis]) return box.min()[axis];
+    return (static_cast<double>(first[axis]) + static_cast<double>(i) + 0.5) * edge;
+  };
+  for (std::size_t x = 0; x < grid.shape[0]; ++x)
+    for (std::size_t y = 0; y < grid.shape[1]; ++y)
+      for (std::size_t z = 0; z < grid.shape[2]; ++z)
+        grid.states.push_back(number(map.state({place(0, x), place(1, y), place(2, z)})));
+  return grid;
+}
+
+py::ssize_t length(std::size_t count) { return static_cast<py::ssize_t>(count); }
+
+Eigen::AlignedBox3d bounds_or(const Snapshot& map, const py::object& box) {
+  if (!box.is_none()) return box_from(box, "box");
+  if (map.bounds().isEmpty()) throw std::invalid_argument("box: expected one, because the map is empty");
+  return map.bounds();
+}
+
+py::tuple states_in(const NamedMap& self, const py::object& box) {
+  const Eigen::AlignedBox3d wanted = bounds_or(self.map, box);
+  StateGrid grid = without_lock([&] { return grid_of(self.map, wanted); });
+  const auto [x, y, z] = grid.shape;
+  return py::make_tuple(own(std::move(grid.states), {length(x), length(y), length(z)}), to_array(grid.low));
+}
+
+int axis_of(const std::string& name) {
+  if (name == "x" || name == "y" || name == "z") return name[0] - 'x';
+  throw std::invalid_argument("axis: expected 'x', 'y' or 'z', got '" + name + "'");
+}
+
+/// Rows go up, columns right, as matplotlib's imshow(origin="lower") draws them.
+py::tuple slice(const NamedMap& self, const std::string& axis_name, double value, const py::object& box) {
+  const int axis = axis_of(axis_name);
+  if (!std::isfinite(value)) throw std::invalid_argument("value: expected a finite number of metres");
+  Eigen::AlignedBox3d wanted = bounds_or(self.map, box);
+  wanted.min()[axis] = wanted.max()[axis] = value;
+  const StateGrid grid = without_lock([&] { return grid_of(self.map, wanted); });
+  const int right = axis == 0 ? 1 : 0, up = axis == 2 ? 1 : 2;
+  const std::size_t columns = grid.shape[right], rows = grid.shape[up];
+  std::vector<std::uint8_t> states(rows * columns);
+  for (std::size_t row = 0; row < rows; ++row)  // the later axis lies closer together
+    for (std::size_t column = 0; column < columns; ++column)
+      states[row * columns + column] = grid.states[column * rows + row];
+  const double edge = self.map.resolution();
+  const auto end = [&](int i) { return grid.low[i] + static_cast<double>(grid.shape[i]) * edge; };
+  return py::make_tuple(own(std::move(states), {length(rows), length(columns)}),
+                        py::make_tuple(grid.low[right], end(right), grid.low[up], end(up)));
+}
+
+struct Leaves {
+  std::vector<Eigen::Vector3d> centers;
+  std::vector<double> sizes, log_odds;
+  std::vector<std::uint8_t> states;
+  std::vector<std::uint16_t> volumes;
+};
+
+py::dict leaves(const NamedMap& self) {
+  Leaves all = without_lock([&] {
+    Leaves found;
+    self.map.visit_leaves([&](const Voxel& voxel) {
+      found.centers.push_back(voxel.center);
+      found.sizes.push_back(voxel.size);
+      found.log_odds.push_back(voxel.observed ? voxel.log_odds : std::nan(""));
+      found.states.push_back(number(voxel.state));
+      found.volumes.push_back(voxel.volumes);
+    });
+    return found;
+  });
+  py::dict arrays;
+  arrays["centers"] = to_array(all.centers);
+  arrays["sizes"] = own(std::move(all.sizes));
+  arrays["states"] = own(std::move(all.states));
+  arrays["log_odds"] = own(std::move(all.log_odds));
+  arrays["volumes"] = own(std::move(all.volumes));
+  return arrays;
+}
+
+/// Whether all that lies between two points, their own voxels included, is free under a policy.
+bool is_in_sight(const Snapshot& map, Policy policy, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Requirement requirement{.policy = policy};
+  const auto passes = [&](VoxelState state) {
+    return allows(requirement, state, state == VoxelState::painted ? 0xffff : 0);
+  };
+  if (!from.allFinite() || !to.allFinite())
+    throw std::invalid_argument("line of sight: expected points that are finite");
+  if (!passes(map.state(from)) || !passes(map.state(to))) return false;
+  const double distance = (to - from).norm();
+  if (!(distance > 0.0)) return true;
+  const RayReport ray = ray_states(map, from, to - from);
+  if (ray.blocked && ray.distance <= distance) return false;
+  for (const RayRun& run : ray.runs)
+    if (run.from <= distance && !passes(run.state)) return false;
+  return ray.distance >= distance || passes(VoxelState::unknown);
+}
+
+py::array lines_of_sight(const NamedMap& self, const py::object& from, const py::object& to,
+                         const std::string& policy) {
+  const Policy asked = parse_policy(policy);
+  const std::vector<Eigen::Vector3d> begins = points_from(from, "from_points"),
+                                     ends = points_from(to, "to_points");
+  if (begins.size() != ends.size())
+    throw std::invalid_argument("to_points: expected as many points as from_points, " +
+                                std::to_string(begins.size()) + ", got " + std::to_string(ends.size()));
+  return to_array(without_lock([&] {
+    std::vector<bool> clear;
+    for (std::size_t i = 0; i < begins.size(); ++i)
+      clear.push_back(is_in_sight(self.map, asked, begins[i], ends[i]));
+    return clear;
+  }));
+}
+
+/// Painted volumes by their labels as the bits of a mask.
+std::uint16_t mask_of(const Snapshot& map, const std::optional<std::vector<std::string>>& labels) {
+  if (!labels) return 0xffff;
+  std::uint16_t mask = 0;
+  for (const std::string& label : *labels) {
+    std::size_t v = 0;
+    while (v < map.volumes().size() && map.volumes()[v].label != label) ++v;
+    if (v == map.volumes().size())
+      throw std::invalid_argument("volumes: the map has no painted volume '" + label + "'");
+    mask = static_cast<std::uint16_t>(mask | (1U << v));
+  }
+  return mask;
+}
+
+/// Keeps the blocked space alive as long as Python asks it.
+struct SharedSpace {
+  std::shared_ptr<const BlockedSpace> space;
+};
+
+SharedSpace blocked_space(const NamedMap& self, const std::string& policy, const py::object& region,
+                          double max_distance, const std::optional<std::vector<std::string>>& volumes,
+                          double seen_within) {
+  const Requirement requirement{parse_policy(policy), mask_of(self.map, volumes), seen_within};
+  const Eigen::AlignedBox3d box = region.is_none() ? bounds_or(self.map, region) : box_from(region, "region");
+  return without_lock([&] { return SharedSpace{self.map.blocked_space(requirement, box, max_distance)}; });
+}
+
+py::array clearances(const SharedSpace& self, const py::object& points) {
+  const std::vector<Eigen::Vector3d> asked = points_from(points, "points");
+  return own(without_lock([&] {
+    std::array<std::vector<double>, 3> axes;
+    for (const Eigen::Vector3d& point : asked)
+      for (int axis = 0; axis < 3; ++axis) axes[static_cast<std::size_t>(axis)].push_back(point[axis]);
+    std::vector<double> distances(asked.size());
+    self.space->clearances({axes[0], axes[1], axes[2]}, distances);
+    return distances;
+  }));
+}
+
+py::array are_blocked(const SharedSpace& self, const py::object& points) {
+  const std::vector<Eigen::Vector3d> asked = points_from(points, "points");
+  return to_array(without_lock([&] {
+    std::vector<bool> blocked;
+    for (const Eigen::Vector3d& point : asked) blocked.push_back(self.space->is_blocked(point));
+    return blocked;
+  }));
+}
+
+/// Distance to the first blocked voxel's centre along each ray, infinity where there is none.
+py::array cast_rays(const SharedSpace& self, const py::object& origins, const py::object& directions,
+                    double max_range) {
+  const std::vector<Eigen::Vector3d> from = points_from(origins, "origins"),
+                                     along = points_from(directions, "directions");
+  if (from.size() != along.size())
+    throw std::invalid_argument("directions: expected as many as origins, " + std::to_string(from.size()) +
+                                ", got " + std::to_string(along.size()));
+  return own(without_lock([&] {
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const RayHit hit = self.space->cast_ray(from[i], along[i], max_range);
+      distances.push_back(hit.hit ? hit.distance : std::numeric_limits<double>::infinity());
+    }
+    return distances;
+  }));
+}
+
+py::list runs_of(const RayReport& report) {
+  py::list runs;
+  for (const RayRun& run : report.runs) runs.append(py::make_tuple(to_python(run.state), run.from, run.to));
+  return runs;
+}
+
+void bind_answers(py::module_& module) {
+  Record<VoxelCounts>(module, "VoxelCounts")
+      .field("painted", &VoxelCounts::painted, "Painted voxels.")
+      .field("seen_free", &VoxelCounts::seen_free, "Voxels seen free.")
+      .field("occupied", &VoxelCounts::occupied, "Occupied voxels.")
+      .field("conflict", &VoxelCounts::conflict, "Voxels both painted and occupied.");
+  Record<Voxel>(module, "Voxel")
+      .field("state", &Voxel::state, "Its VoxelState.")
+      .field("volumes", &Voxel::volumes)
+      .field("observed", &Voxel::observed)
+      .field("log_odds", &Voxel::log_odds)
+      .field("center", &Voxel::center, "Of the leaf that answered, metres.")
+      .field("size", &Voxel::size);
+  Record<Stroke>(module, "Stroke")
+      .field("label", &Stroke::label, "As begin_stroke was told.")
+      .field("source", &Stroke::source)
+      .field("begin", &Stroke::begin)
+      .field("end", &Stroke::end);
+  Record<PaintedVolume>(module, "PaintedVolume")
+      .field("label", &PaintedVolume::label, "Its name.")
+      .field("critical_parts", &PaintedVolume::critical_parts)
+      .computed(
+          "centers",
+          [](const PaintedVolume& self) {
+            std::vector<Eigen::Vector3d> centers;
+            for (const Sphere& sphere : self.spheres) centers.push_back(sphere.center);
+            return to_array(centers);
+          },
+          "Centres of its spheres, (n, 3), metres, in the order painted.")
+      .computed(
+          "radii",
+          [](const PaintedVolume& self) {
+            std::vector<double> radii;
+            for (const Sphere& sphere : self.spheres) radii.push_back(sphere.radius);
+            return own(std::move(radii));
+          },
+          "Radii of its spheres, (n,), metres.")
+      .computed(
+          "times", [](const PaintedVolume& self) { return own(std::vector<double>(self.times)); },
+          "Seconds, one for each sphere, 0 where unknown.")
+      .field("strokes", &PaintedVolume::strokes)
+      .def(
+          "contains",
+          [](const PaintedVolume& self, const py::object& points) {
+            std::vector<bool> inside;
+            for (const Eigen::Vector3d& point : points_from(points, "points"))
+              inside.push_back(self.contains(point));
+            return to_array(inside);
+          },
+          py::arg("points"), doc("PaintedVolume::contains", "Of each point of an (n, 3) array."));
+  Record<RayReport>(module, "RayReport")
+      .computed("runs", &runs_of, "(state, from, to) of each stretch, metres from the origin, without gaps.")
+      .computed(
+          "blocked",
+          [](const RayReport& self) { return self.blocked ? py::cast(*self.blocked) : py::none(); },
+          "The first blocked voxel, or None.")
+      .field("distance", &RayReport::distance);
+  Record<NearestBlocked>(module, "NearestBlocked")
+      .field("distance", &NearestBlocked::distance)
+      .field("point", &NearestBlocked::point)
+      .field("direction", &NearestBlocked::direction)
+      .field("voxel", &NearestBlocked::voxel)
+      .field("found", &NearestBlocked::found);
+  Record<RayHit>(module, "RayHit")
+      .field("hit", &RayHit::hit, "Whether a blocked voxel was met.")
+      .field("voxel", &RayHit::voxel)
+      .field("distance", &RayHit::distance);
+}
+
+void bind_blocked_space(py::module_& module) {
+  py::class_<SharedSpace>(module, "BlockedSpace", doc("BlockedSpace"))
+      .def_property_readonly(
+          "resolution", [](const SharedSpace& self) { return self.space->resolution(); },
+          doc("BlockedSpace::resolution"))
+      .def_property_readonly(
+          "max_distance", [](const SharedSpace& self) { return self.space->max_distance(); },
+          doc("BlockedSpace::max_distance"))
+      .def_property_readonly(
+          "region", [](const SharedSpace& self) { return to_array(self.space->region()); },
+          "The box that is looked at, snapped outwards to voxels: (2, 3), low and high, metres.")
+      .def_property_readonly(
+          "blocked_count", [](const SharedSpace& self) { return self.space->blocked_count(); },
+          doc("BlockedSpace::blocked_count"))
+      .def_property_readonly(
+          "policy", [](const SharedSpace& self) { return to_python(self.space->requirement().policy); },
+          "Under which a voxel is blocked.")
+      .def(
+          "is_blocked",
+          [](const SharedSpace& self, const py::object& point) {
+            return self.space->is_blocked(point_from(point, "point"));
+          },
+          py::arg("point"), "Whether the voxel of a point is blocked.")
+      .def("are_blocked", &are_blocked, py::arg("points"), "The same of each point of an (n, 3) array.")
+      .def(
+          "clearance",
+          [](const SharedSpace& self, const py::object& point) {
+            return self.space->clearance(point_from(point, "point"));
+          },
+          py::arg("point"), doc("BlockedSpace::clearance"))
+      .def("clearances", &clearances, py::arg("points"),
+           "clearance() of each point of an (n, 3) array, bit for bit the same.")
+      .def(
+          "nearest",
+          [](const SharedSpace& self, const py::object& point, double limit) {
+            return self.space->nearest(point_from(point, "point"), limit);
+          },
+          py::arg("point"), py::arg("limit"), doc("BlockedSpace::nearest"))
+      .def(
+          "cast_ray",
+          [](const SharedSpace& self, const py::object& origin, const py::object& direction,
+             double max_range) {
+            return self.space->cast_ray(point_from(origin, "origin"), point_from(direction, "direction"),
+                                        max_range);
+          },
+          py::arg("origin"), py::arg("direction"), py::arg("max_range") = 0.0, doc("BlockedSpace::cast_ray"))
+      .def("cast_rays", &cast_rays, py::arg("origins"), py::arg("directions"), py::arg("max_range") = 0.0,
+           "Distances of cast_ray() for many rays, (n, 3) each; infinity where nothing is hit.")
+      .def(
+          "__repr__",
+          [](const SharedSpace& self) {
+            return "BlockedSpace(policy='" + std::string(to_string(self.space->requirement().policy)) +
+                   "', blocked_count=" + std::to_string(self.space->blocked_count()) + ")";
+          },
+          "Policy and count of blocked voxels.");
+}
+
+std::string describe_snapshot(const NamedMap& self) {
+  const VoxelCounts counts = self.map.counts();
+  return "Snapshot(resolution=" + py::repr(py::float_(self.map.resolution())).cast<std::string>() +
+         ", painted=" + std::to_string(counts.painted) + ", seen_free=" + std::to_string(counts.seen_free) +
+         ", occupied=" + std::to_string(counts.occupied) + ", conflict=" + std::to_string(counts.conflict) +
+         ")";
+}
+
+py::object bounds(const NamedMap& self) {
+  if (self.map.bounds().isEmpty()) return py::none();
+  return to_array(self.map.bounds());
+}
+
+py::dict differences(const NamedMap& self, const NamedMap& other) {
+  const MapDifference found = without_lock([&] { return difference(self.map, other.map); });
+  py::dict states, all;
+  for (const auto& [pair, count] : found.states)
+    states[py::make_tuple(to_python(pair.first), to_python(pair.second))] = count;
+  all["resolution"] = found.resolution;
+  all["threshold"] = found.threshold;
+  all["volumes"] = found.volumes;
+  all["states"] = states;
+  all["evidence"] = found.evidence;
+  return all;
+}
+
+void bind_files(py::class_<NamedMap>& snapshot) {
+  snapshot
+      .def(
+          "save",
+          [](const NamedMap& self, const std::filesystem::path& directory) {
+            without_lock([&] { save_map(self.map, directory); });
+          },
+          py::arg("directory"), doc("save_map"))
+      .def(
+          "export",
+          [](const NamedMap& self, const std::filesystem::path& file) {
+            without_lock([&] { export_map(self.map, file); });
+          },
+          py::arg("file"), doc("export_map"))
+      .def(
+          "merge",
+          [](const NamedMap& self, const NamedMap& other) {
+            return without_lock([&] { return NamedMap{merge(self.map, other.map)}; });
+          },
+          py::arg("other"), doc("merge"))
+      .def(
+          "crop",
+          [](const NamedMap& self, const py::object& box) {
+            const Eigen::AlignedBox3d wanted = box_from(box, "box");
+            return without_lock([&] { return NamedMap{crop(self.map, wanted)}; });
+          },
+          py::arg("box"), doc("crop", "The box is (low, high), two points."))
+      .def(
+          "coarsen",
+          [](const NamedMap& self, double resolution) {
+            return without_lock([&] { return NamedMap{coarsen(self.map, resolution)}; });
+          },
+          py::arg("resolution"), doc("coarsen"))
+      .def("difference", &differences, py::arg("other"),
+           doc("difference", "A dictionary; its `states` counts voxels by pairs of states (here, there)."));
+}
+
+void bind_questions(py::class_<NamedMap>& snapshot) {
+  snapshot
+      .def(
+          "state",
+          [](const NamedMap& self, const py::object& point) {
+            return to_python(self.map.state(point_from(point, "point")));
+          },
+          py::arg("point"), "State of the voxel at a point; unknown for one that is not finite or far away.")
+      .def(
+          "states",
+          [](const NamedMap& self, const py::object& points) {
+            return states_at(self, points_from(points, "points"));
+          },
+          py::arg("points"),
+          "States at each point of an (n, 3) array, as numbers of VoxelState in an array of bytes.")
+      .def(
+          "voxel",
+          [](const NamedMap& self, const py::object& point) {
+            return self.map.voxel(point_from(point, "point"));
+          },
+          py::arg("point"), doc("Voxel", "Unknown for a point that is not finite or far away."))
+      .def(
+          "last_seen",
+          [](const NamedMap& self, const py::object& point) {
+            return self.map.last_seen(point_from(point, "point"));
+          },
+          py::arg("point"), doc("Snapshot::last_seen"))
+      .def("states_in", &states_in, py::arg("box") = py::none(),
+           "States of all voxels of a box (low, high), snapped outwards to voxels; by default of the map's "
+           "bounds. "
+           "Returns (states, low): an array of bytes, indexed [x, y, z], and the low corner of its first "
+           "voxel.")
+      .def("slice", &slice, py::arg("axis"), py::arg("value"), py::arg("box") = py::none(),
+           "States in the plane where `axis` ('x', 'y' or 'z') is `value` metres. Returns (states, extent): "
+           "rows go up, "
+           "columns right, and extent is (left, right, bottom, top) in metres, as matplotlib's imshow with "
+           "origin='lower' takes them.")
+      .def("leaves", &leaves,
+           "All stored leaves with a state other than unknown, as a dictionary of arrays: centers (n, 3), "
+           "sizes, states, "
+           "log_odds (NaN where not observed) and volumes, a bit for each painted volume. A leaf may stand "
+           "for many "
+           "voxels of one state.")
+      .def(
+          "ray",
+          [](const NamedMap& self, const py::object& origin, const py::object& direction) {
+            return ray_states(self.map, point_from(origin, "origin"), point_from(direction, "direction"));
+          },
+          py::arg("origin"), py::arg("direction"), doc("ray_states"))
+      .def(
+          "line_of_sight",
+          [](const NamedMap& self, const py::object& from, const py::object& to, const std::string& policy) {
+            return is_in_sight(self.map, parse_policy(policy), point_from(from, "from_point"),
+                               point_from(to, "to_point"));
+          },
+          py::arg("from_point"), py::arg("to_point"), py::arg("policy") = "known_free",
+          "Whether every voxel on the straight line between two points, their own included, is free under "
+          "the policy. "
+          "A line has no width: ask ConfigurationSpace about bodies.")
+      .def("lines_of_sight", &lines_of_sight, py::arg("from_points"), py::arg("to_points"),
+           py::arg("policy") = "known_free", "The same of many lines, (n, 3) each.")
+      .def("blocked_space", &blocked_space, py::arg("policy") = "not_occupied",
+           py::arg("region") = py::none(), py::arg("max_distance") = 0.5, py::kw_only(),
+           py::arg("volumes") = py::none(), py::arg("seen_within") = 0.0,
+           doc("Snapshot::blocked_space",
+               "region: (low, high), by default the map's bounds.\n\nvolumes: labels of the painted volumes "
+               "that count "
+               "under `painted`, by default all.\n\nseen_within: seconds; see Requirement."));
+}
+
+}  // namespace
+
+void bind_snapshots(py::module_& module) {
+  bind_answers(module);
+  bind_blocked_space(module);
+  py::class_<NamedMap> snapshot(module, "Snapshot", doc("Snapshot"));
+  snapshot
+      .def_property_readonly(
+          "resolution", [](const NamedMap& self) { return self.map.resolution(); },
+          "Edge of a voxel, metres.")
+      .def_property_readonly(
+          "volumes", [](const NamedMap& self) { return self.map.volumes(); }, doc("Snapshot::volumes"))
+      .def_property_readonly(
+          "bounds", &bounds,
+          "The box of all stored leaves, (2, 3): low and high, metres; None for an empty map.")
+      .def_property_readonly(
+          "integration", [](const NamedMap& self) { return to_string(integration_of(self.map)); },
+          doc("MapIntegration"))
+      .def_property_readonly(
+          "caveat", [](const NamedMap& self) { return map_caveat(self.map); }, doc("map_caveat"))
+      .def(
+          "counts", [](const NamedMap& self) { return without_lock([&] { return self.map.counts(); }); },
+          doc("VoxelCounts"))
+      .def("__repr__", &describe_snapshot, "Resolution and counts of voxels.");
+  bind_files(snapshot);
+  bind_questions(snapshot);
+  module.def("load_map", &load_snapshot, py::arg("path"), py::arg("cloud_resolution") = 0.02,
+             doc("load_map"));
+  module.def(
+      "save_map",
+      [](const NamedMap& map, const std::filesystem::path& directory) {
+        without_lock([&] { save_map(map.map, directory); });
+      },
+      py::arg("map"), py::arg("directory"), doc("save_map"));
+}
+
+}  // namespace clearway

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "mapping/snapshot.hpp"
+#include "planning/robot/robot.hpp"
+#include "planning/space/configuration_space.hpp"
+
+namespace clearway {
+
+/// A snapshot, and where it was loaded from: what a plan's file says of its map.
+struct NamedMap {
+  Snapshot map;
+  std::filesystem::path file{};  ///< empty: of no file
+  std::string digest{};          ///< map_sha256 of that file
+};
+
+/// A robot, and the name or path that it was asked for by.
+struct NamedRobot {
+  Robot robot;
+  std::string asked{};
+};
+
+/// A space, with where its map and robot are from.
+struct NamedSpace {
+  std::shared_ptr<const ConfigurationSpace> space;
+  std::filesystem::path map_file{};
+  std::string map_digest{}, asked{};
+
+  const ConfigurationSpace& operator*() const { return *space; }
+  const ConfigurationSpace* operator->() const { return space.get(); }
+};
+
+// Each adds what its file is about to the module.
+void bind_maps(pybind11::module_& module);
+void bind_snapshots(pybind11::module_& module);
+void bind_robots(pybind11::module_& module);
+void bind_spaces(pybind11::module_& module);
+void bind_plans(pybind11::module_& module);
+void bind_motions(pybind11::module_& module);
+
+/// A configuration of the robot: an array, or the name of a state of its SRDF.
+Configuration configuration_from(pybind11::handle value, const std::string& name, const Robot& robot);
+/// One or several.
+std::vector<Configuration> configurations_from(pybind11::handle value, const std::string& name,
+                                               const Robot& robot);
+
+}  // namespace clearway

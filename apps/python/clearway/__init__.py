@@ -1,0 +1,89 @@
+"""Paint free space; plan robot arms inside it.
+
+Metres, radians and seconds everywhere; arrays in, arrays out. One voxel map holds what people painted and sensors saw
+(FreeSpaceMap); its Snapshot answers. A ConfigurationSpace is a robot in a snapshot under a policy; plan() plans in it
+and has the path checked by code that no planner shares. Bad input raises ValueError in one sentence.
+"""
+
+import contextlib as _contextlib
+import pathlib as _pathlib
+import sqlite3 as _sqlite3
+
+from . import _clearway
+from ._clearway import *  # noqa: F401,F403
+from ._clearway import __version__  # noqa: F401
+
+
+class PlanError(Exception):
+    """A plan that is not proved; `plan` is what planning found out."""
+
+    def __init__(self, sentence, plan):
+        super().__init__(sentence)
+        self.plan = plan
+
+
+class StartInvalid(PlanError):
+    """The start is not free, past a limit or not finite."""
+
+
+class GoalInvalid(PlanError):
+    """A goal is not free, past a limit or not finite."""
+
+
+class NoPath(PlanError):
+    """No path was found by the planner's method."""
+
+
+class TimedOut(PlanError):
+    """The time limit came first."""
+
+
+class PathRefused(PlanError):
+    """The independent check does not hold the path valid."""
+
+
+_ERRORS = {"start_invalid": StartInvalid, "goal_invalid": GoalInvalid, "no_path": NoPath, "timed_out": TimedOut}
+
+
+def require_proved(plan):
+    """Returns the plan when every leg is solved and the check found the whole path valid.
+
+    Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason.
+    """
+    if plan.is_proved:
+        return plan
+    if plan.status != "solved":
+        raise _ERRORS[plan.status](plan.explanation, plan)
+    raise PathRefused(plan.validation.first_contact or "the path was not checked", plan)
+
+
+def load_results(folder):
+    """What `clearway compare --out FOLDER` found, as dictionaries.
+
+    Keys are the tables of results.sqlite: `suites`, `experiments`, `problems`, `runs`. Each is a list of dictionaries,
+    one for each row, by the names of columns; units are in the names. `apps/README.md` tells what the columns mean.
+
+    Raises ValueError when there is no such file, DamagedFile when it is not whole.
+    """
+    file = _pathlib.Path(folder)
+    if file.is_dir():
+        file = file / "results.sqlite"
+    if not file.is_file():
+        raise ValueError(f"'{file}': expected the folder that `clearway compare --out` wrote, with its results.sqlite")
+    try:
+        with _contextlib.closing(_sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True)) as database:
+            database.row_factory = _sqlite3.Row
+            tables = [row[0] for row in database.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY rowid")]
+            return {
+                table: [dict(row) for row in database.execute(f'SELECT * FROM "{table}" ORDER BY rowid')]
+                for table in tables
+            }
+    except (_sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        raise DamagedFile(f"'{file}' is not whole: expected the results.sqlite of a comparison") from error  # noqa: F405
+
+
+# Names without an underscore, of both halves; `import *` takes these.
+__all__ = sorted(
+    [name for name in vars(_clearway) if not name.startswith("_")]
+    + ["PlanError", "StartInvalid", "GoalInvalid", "NoPath", "TimedOut", "PathRefused", "require_proved", "load_results"]
+)

@@ -1,0 +1,122 @@
+// The Python module `clearway`: maps, robots and planners with NumPy's arrays. The package's __init__.py
+// takes all of it in.
+#include <pybind11/pybind11.h>
+
+#include <deque>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "apps/console/failure.hpp"
+#include "apps/python/bindings.hpp"
+#include "apps/python/records.hpp"
+#include "mapping/system/damaged_file.hpp"
+
+namespace clearway {
+namespace {
+
+PyObject* damaged_file =
+    nullptr;  ///< the exception's class; the module holds it as long as the interpreter runs
+
+PyObject* class_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const DamagedFile&) {
+    return damaged_file;
+  } catch (const std::bad_alloc&) {
+    return PyExc_MemoryError;
+  } catch (const std::length_error&) {
+    return PyExc_MemoryError;
+  } catch (const std::filesystem::filesystem_error&) {
+    return PyExc_OSError;
+  } catch (const std::invalid_argument&) {
+    return PyExc_ValueError;
+  } catch (const std::exception& other) {
+    return typeid(other) == typeid(std::runtime_error) ? PyExc_OSError : PyExc_RuntimeError;
+  }
+}
+
+/// Our own exceptions carry their sentence; what libraries say becomes one of ours, as in the program.
+void translate(std::exception_ptr error) {
+  if (!error) return;
+  try {
+    std::rethrow_exception(error);
+  } catch (const py::builtin_exception&) {
+    throw;
+  } catch (const py::error_already_set&) {
+    throw;
+  } catch (const std::exception&) {
+    PyErr_SetString(class_of(error), failure_of(error).sentence.c_str());
+  }
+}
+
+py::object add_enumeration(py::module_& module) {
+  py::dict members;
+  for (const VoxelState state : {VoxelState::unknown, VoxelState::seen_free, VoxelState::painted,
+                                 VoxelState::occupied, VoxelState::conflict})
+    members[py::str(std::string(to_string(state)))] = static_cast<int>(state);
+  py::object type =
+      py::module_::import("enum").attr("IntEnum")("VoxelState", members, py::arg("module") = "clearway");
+  type.attr("__doc__") = doc("VoxelState", "Arrays of states hold its numbers.");
+  module.attr("VoxelState") = type;
+  return type;
+}
+
+py::handle voxel_state;  ///< the enumeration, as long as the program runs
+
+}  // namespace
+
+py::object to_python(VoxelState state) { return voxel_state(static_cast<int>(state)); }
+
+const char* doc(std::string_view name, std::string_view python) {
+  static std::deque<std::string> joined;
+  const auto found = header_comments().find(name);
+  if (found == header_comments().end())
+    throw std::logic_error("no public header has a comment for " + std::string(name));
+  if (python.empty()) return found->second;
+  return joined.emplace_back(std::string(found->second) + "\n\n" + std::string(python)).c_str();
+}
+
+std::string describe_record(py::handle self) {
+  const py::handle type = py::type::handle_of(self);
+  std::string text;
+  for (const py::handle field : type.attr("_fields")) {
+    const py::object value = self.attr(field);
+    std::string shown;
+    if (!py::isinstance<py::array>(value))
+      shown = py::repr(value).cast<std::string>();
+    else if (value.cast<py::array>().size() <= 7)
+      shown = py::repr(value.attr("tolist")()).cast<std::string>();
+    else
+      shown = "array of shape " + py::str(value.attr("shape")).cast<std::string>();
+    text += (text.empty() ? "" : ", ") + field.cast<std::string>() + "=" + shown;
+  }
+  return type.attr("__name__").cast<std::string>() + "(" + text + ")";
+}
+
+py::dict dictionary_of(py::handle self) {
+  py::dict values;
+  for (const py::handle field : py::type::handle_of(self).attr("_fields")) values[field] = self.attr(field);
+  return values;
+}
+
+}  // namespace clearway
+
+PYBIND11_MODULE(_clearway, module) {
+  using namespace clearway;
+  module.attr("__name__") = "clearway";  // where its classes say that they are from
+  module.attr("__version__") = CLEARWAY_VERSION;
+  static py::exception<DamagedFile> damaged(module, "DamagedFile", PyExc_ValueError);
+  damaged.attr("__doc__") = doc("DamagedFile");
+  damaged_file = damaged.ptr();
+  py::register_local_exception_translator(&translate);
+  voxel_state = add_enumeration(module).release();
+  bind_snapshots(module);
+  bind_maps(module);
+  bind_robots(module);
+  bind_spaces(module);
+  bind_plans(module);
+  bind_motions(module);
+  module.attr("__name__") = "clearway._clearway";
+}

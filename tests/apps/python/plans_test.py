@@ -1,0 +1,259 @@
+"""Spaces, plans and checks from Python, against the command line program and dense samples."""
+
+import json
+import pathlib
+import threading
+import unittest
+
+import numpy as np
+
+import clearway as cw
+import worlds
+
+
+def text(q):
+    return ",".join(map(repr, np.asarray(q).tolist()))
+
+
+def without_times(plan):
+    """A plan without what a clock measured."""
+    plan = json.loads(json.dumps(plan))
+    for part in (plan, *plan["legs"]):
+        for name in [name for name in part if name.endswith("time_s") or name.endswith("cpu_s")]:
+            del part[name]
+    return plan
+
+
+class Arm(unittest.TestCase):
+    """The PUMA 560 in paint, with the map saved for the program."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.robot, snapshot, cls.start, cls.goal = worlds.arcs()
+        cls.folder = worlds.folder()
+        cls.addClassCleanup(cls.folder.cleanup)
+        snapshot.save(cls.folder.name)
+        cls.map = cw.load_map(cls.folder.name)
+        cls.space = cw.ConfigurationSpace(cls.robot, cls.map)
+        cls.flags = ["--map", cls.folder.name, "--robot", "puma560"]
+
+    def test_plans_are_those_of_the_program_bit_for_bit(self):
+        for planner, options in (("rrtconnect", {"shortcuts": 20}), ("beam", {"width": 5, "step_deg": 2.0}), ("auto", {})):
+            sets = [word for name, value in options.items() for word in ("--set", f"{name}={value}")]
+            told = worlds.answer("plan", *self.flags, "--planner", planner, *sets, "--seed", 3,
+                                 "--start=" + text(self.start), "--goal=" + text(self.goal), "--goal=" + text(self.start))
+            plan = cw.plan(self.space, self.start, [self.goal, self.start], planner=planner, seed=3, **options)
+            self.assertTrue(plan.is_proved, plan.explanation)
+            self.assertEqual(without_times(plan.to_dict()), without_times(told))
+            self.assertEqual(plan.waypoints.tolist(), told["waypoints"])
+            self.assertEqual(plan.validation.min_clearance, told["validation"]["min_clearance_m"])
+            cost = sum(self.robot.path_cost(leg.waypoints) for leg in plan.legs)
+            self.assertAlmostEqual(plan.cost, cost, delta=1e-3 * cost)  # a beam's steps are shorter
+
+    def test_the_program_checks_a_saved_plan_and_says_the_same(self):
+        plan = cw.plan(self.space, self.start, self.goal, planner="rrtconnect")
+        with worlds.folder() as folder:
+            file = pathlib.Path(folder) / "plan.json"
+            plan.save(file)
+            told = worlds.answer("check", file, *self.flags)
+            self.assertEqual(file.read_text(), plan.to_json())
+            again = cw.load_plan(file)
+        verdict = self.space.check_path(plan.waypoints)
+        self.assertEqual(told["verdict"], "valid")
+        self.assertTrue(verdict.valid)
+        self.assertEqual(told["min_clearance_m"], verdict.min_clearance)
+        self.assertEqual(told["policy"], self.space.policies)
+        self.assertEqual(told["padding_m"], self.space.padding)
+        self.assertEqual(told["swept"], self.space.survey_path(plan.waypoints)["swept"])
+        self.assertEqual(again.to_json(), cw.parse_plan(plan.to_json()).to_json())
+        np.testing.assert_array_equal(again.waypoints, plan.waypoints)
+
+    def test_the_program_refuses_the_path_that_the_check_refuses(self):
+        straight = np.array([self.start, self.goal])
+        verdict = self.space.check_path(straight)
+        self.assertFalse(verdict.valid)
+        self.assertEqual(verdict.edge, 0)
+        self.assertNotEqual(verdict.first_contact, "")
+        plan = cw.plan(self.space, self.start, self.goal, planner="rrtconnect")
+        bent = plan.to_dict()
+        bent["waypoints"] = straight.tolist()
+        bent["legs"][0]["waypoints"] = [0, 1]
+        with worlds.folder() as folder:
+            file = pathlib.Path(folder) / "plan.json"
+            file.write_text(json.dumps(bent))
+            told = worlds.answer("check", file, *self.flags)
+        self.assertEqual(told["verdict"], "refused")
+        self.assertEqual((told["first_contact"], told["edge"], told["parameter"]),
+                         (verdict.first_contact, verdict.edge, verdict.parameter))
+
+    def test_goals_may_be_poses(self):
+        pose = self.robot.tip_pose(self.goal)
+        plan = cw.plan(self.space, self.start, goal_poses=pose, planner="rrtconnect")
+        self.assertTrue(plan.is_proved, plan.explanation)
+        np.testing.assert_allclose(self.robot.tip_pose(plan.waypoints[-1]), pose, atol=1e-5)
+        x, y, z = pose[:3, 3]
+        pitch = -np.arcsin(pose[2, 0])
+        roll, yaw = np.arctan2(pose[2, 1], pose[2, 2]), np.arctan2(pose[1, 0], pose[0, 0])
+        told = worlds.answer("plan", *self.flags, "--planner", "rrtconnect", "--start=" + text(self.start),
+                             "--goal-pose=" + text([x, y, z, roll, pitch, yaw]))
+        np.testing.assert_allclose(plan.goals, told["goals"], atol=1e-6)
+
+    def test_single_questions_and_arrays_agree_and_edges_hold_at_samples(self):
+        dice = np.random.default_rng(5)
+        qs = self.start + dice.uniform(-0.4, 0.4, (60, 6)) * [2, 0.5, 0.5, 1, 1, 1]
+        free = self.space.are_free(qs)
+        self.assertEqual(free.tolist(), [self.space.is_free(q) for q in qs])
+        self.assertEqual(free.tolist(), [self.space.check(q).is_free for q in qs])
+        self.assertTrue(0 < free.sum() < len(qs))
+        distances = self.space.clearances(qs)
+        self.assertEqual(distances.tolist(), [self.space.clearance(q) for q in qs])
+        self.assertTrue(((distances > 0) <= free).all())
+        edges = self.space.are_edges_free(qs[:-1], qs[1:])
+        for i in range(len(edges)):
+            self.assertEqual(edges[i], self.space.is_edge_free(qs[i], qs[i + 1]))
+            self.assertEqual(edges[i], self.space.free_share(qs[i], qs[i + 1]) == 1.0)
+            if edges[i]:
+                self.assertTrue(self.space.are_free(np.linspace(qs[i], qs[i + 1], 200)).all())
+        blocked = self.space.check(qs[np.argmin(free)])
+        self.assertIn(blocked.part, blocked.sentence)
+        self.assertNotEqual(blocked.obstruction, "none")
+
+    def test_what_is_no_configuration_is_not_free(self):
+        for value in (np.nan, np.inf, -np.inf, 1e300):
+            q = self.start.copy()
+            q[2] = value
+            self.assertFalse(self.space.is_free(q))
+            self.assertEqual(self.space.are_free([q, self.start]).tolist(), [False, True])
+            self.assertFalse(self.space.is_edge_free(self.start, q))
+            self.assertEqual(self.space.are_edges_free([self.start], [q]).tolist(), [False])
+            self.assertLess(self.space.free_share(self.start, q), 1.0)
+            self.assertIn(self.space.check(q).obstruction, ("not_finite", "joint_limit"))
+            self.assertFalse(self.space.clearance(q) > 0)
+            self.assertFalse(self.space.check_path([self.start, q]).valid)
+            self.assertEqual(cw.plan(self.space, q, self.goal).status, "start_invalid")
+            self.assertEqual(cw.plan(self.space, self.start, q).status, "goal_invalid")
+        self.assertFalse(self.space.check_path(np.empty((0, 6))).valid)
+
+    def test_outcomes_are_errors_for_those_who_want_them(self):
+        plan = cw.plan(self.space, self.start, self.goal, planner="rrtconnect")
+        self.assertIs(cw.require_proved(plan), plan)
+        outside = self.goal + [0.9, 0, 0, 0, 0, 0]
+        for error, start, goal, options in (
+            (cw.StartInvalid, outside, self.goal, {}),
+            (cw.GoalInvalid, self.start, outside, {}),
+            (cw.NoPath, self.start, self.goal, {"planner": "beam", "max_steps": 2, "width": 1}),
+            (cw.TimedOut, self.start, self.goal, {"planner": "rrtconnect", "time_limit": 1e-9}),
+        ):
+            with self.assertRaises(error) as raised:
+                cw.require_proved(cw.plan(self.space, start, goal, advice_time=0.0, **options))
+            self.assertIsInstance(raised.exception, cw.PlanError)
+            self.assertEqual(str(raised.exception), raised.exception.plan.explanation)
+            self.assertEqual(raised.exception.plan.waypoints.shape, (0, 6))
+
+    def test_policies_and_padding_are_as_asked(self):
+        tool = self.robot.critical_parts[0]
+        self.assertEqual(self.space.policies[tool], "painted")
+        self.assertEqual(self.space.padding, self.robot.position_accuracy)
+        loose = cw.ConfigurationSpace(self.robot, self.map, "not_occupied", padding=0.0)
+        self.assertEqual((set(loose.policies.values()), loose.padding), ({"not_occupied"}, 0.0))
+        mixed = cw.ConfigurationSpace(self.robot, self.map, {tool: "known_free"}, other="not_occupied")
+        self.assertEqual(mixed.policies[tool], "known_free")
+        self.assertFalse(cw.ConfigurationSpace(self.robot, self.map, padding=0.3).is_free(self.start))
+
+    def test_threads_plan_at_the_same_time(self):
+        plans = [None] * 4
+
+        def work(i):
+            plans[i] = cw.plan(self.space, self.start, self.goal, planner="rrtconnect", seed=i % 2)
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(without_times(plans[0].to_dict()), without_times(plans[2].to_dict()))
+        self.assertEqual(without_times(plans[1].to_dict()), without_times(plans[3].to_dict()))
+        self.assertTrue(all(plan.is_proved for plan in plans))
+
+    def test_mistakes_are_one_sentence(self):
+        for make in (
+            lambda: cw.plan(self.space, self.start, self.goal, planner="beem"),
+            lambda: cw.plan(self.space, self.start, self.goal, planner="beam", widht=20),
+            lambda: cw.plan(self.space, self.start, self.goal, planner="beam", width=-1),
+            lambda: cw.plan(self.space, self.start, self.goal, planner="beam", width={}),
+            lambda: cw.plan(self.space, self.start[:5], self.goal),
+            lambda: cw.plan(self.space, self.start, []),
+            lambda: cw.plan(self.space, self.start),
+            lambda: cw.plan(self.space, self.start, self.goal, goal_poses=np.eye(4)),
+            lambda: cw.plan(self.space, self.start, goal_poses=worlds.pose(90.0)),
+            lambda: cw.plan(self.space, "home", self.goal),
+            lambda: cw.plan(self.space, self.start, self.goal, time_limit=0.0),
+            lambda: cw.plan(self.space, self.start, self.goal, time_limit=np.nan),
+            lambda: cw.plan(self.space, self.start, self.goal, payload=-1.0),
+            lambda: cw.plan(self.space, self.start, self.goal, gravity=[0, 0, np.nan]),
+            lambda: cw.plan(self.space, self.start, self.goal, allow_outside=["nose"]),
+            lambda: cw.ConfigurationSpace(self.robot, self.map, "free"),
+            lambda: cw.ConfigurationSpace(self.robot, self.map, {"nose": "painted"}),
+            lambda: cw.ConfigurationSpace(self.robot, self.map, ["painted"]),
+            lambda: cw.ConfigurationSpace(self.robot, self.map, padding=-1.0),
+            lambda: cw.ConfigurationSpace(self.robot, self.map, padding=np.nan),
+            lambda: cw.ConfigurationSpace(self.robot, self.map, seen_within=-1.0),
+            lambda: self.space.are_edges_free([self.start], [self.start, self.goal]),
+            lambda: self.space.check_path([self.start, self.goal], distance_cap=-1.0),
+            lambda: cw.load_plan("/nowhere/plan.json"),
+            lambda: cw.parse_plan("{}"),
+        ):
+            with self.assertRaises(ValueError) as raised:
+                make()
+            self.assertRegex(str(raised.exception), r"^[^\n]{10,500}$")
+
+
+class Planners(unittest.TestCase):
+    def test_every_planner_by_its_name_goes_around_a_wall(self):
+        robot = cw.load_robot("point")
+        fused = cw.FreeSpaceMap(resolution=0.1)
+        y = np.linspace(-0.6, 0.6, 61)
+        fused.insert(np.column_stack([np.full_like(y, 0.05), y, np.full_like(y, 0.05)]))
+        space = cw.ConfigurationSpace(robot, fused.snapshot(), "not_occupied", padding=0.0)
+        start, goal = np.zeros(robot.dof), np.zeros(robot.dof)
+        start[0], goal[0] = -0.8, 0.9
+        self.assertFalse(space.is_edge_free(start, goal))
+        certified = 0
+        for name, description in cw.available_planners().items():
+            with self.subTest(name):
+                self.assertTrue(description)
+                self.assertIsInstance(cw.planner_options(name), dict)
+                plan = cw.plan(space, start, goal, planner=name, time_limit=1.5, advice_time=0.0, allow_outside=["all"])
+                self.assertIn(plan.status, ("solved", "no_path", "timed_out"))
+                self.assertEqual(plan.planner, name)
+                if plan.status == "solved" and name != "rrtconnect_fcl":
+                    self.assertTrue(plan.validation.valid, plan.validation.first_contact)
+                    certified += 1
+        self.assertGreaterEqual(certified, 8)
+
+
+class Results(unittest.TestCase):
+    def test_what_compare_found_is_what_its_table_says(self):
+        import csv
+
+        with worlds.folder() as folder:
+            out = pathlib.Path(folder) / "out"
+            status, _, err = worlds.run("compare", "quick", "--planners", "beam,rrtconnect", "--out", out)
+            self.assertEqual(status, 0, err)
+            found = cw.load_results(out)
+            rows = list(csv.DictReader((out / "results.csv").read_text().splitlines()))
+        self.assertEqual(len(found["runs"]), len(rows))
+        self.assertEqual({row["name"] for row in found["suites"]}, {"quick"})
+        for run, row in zip(found["runs"], rows):
+            self.assertEqual(run["status"], row["status"])
+            self.assertAlmostEqual(run["length_rad"], float(row["length_rad"]), places=6)
+        with self.assertRaisesRegex(ValueError, "results.sqlite"):
+            cw.load_results("/nowhere")
+        with worlds.folder() as folder:
+            (pathlib.Path(folder) / "results.sqlite").write_bytes(b"SQLite format 3\0" + b"\xff" * 3000)
+            with self.assertRaisesRegex(cw.DamagedFile, "not whole"):
+                cw.load_results(folder)
+
+
+if __name__ == "__main__":
+    unittest.main()
