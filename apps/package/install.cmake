@@ -49,6 +49,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "fonts-dejavu-core")  # the letters of pictures
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopencv-videoio406, libopencv-highgui406")  # loaded when a video or a window is opened
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "${packages}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
