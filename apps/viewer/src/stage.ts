@@ -7,7 +7,7 @@ import { palette } from "./palette";
 
 const kSmooth = 60;         // ms a frame may take while the view moves
 const kStill = 300;         // ms without a change after which all is drawn
-const kMovingPixels = 0.5;  // of the usual pixels, along an edge, where drawing is slow
+const kMovingPixels = 0.4;  // of the usual pixels, along an edge, where drawing is slow
 
 /// Azimuth and elevation of the eye, degrees; azimuth 0 looks along +y, from the front.
 const namedViews: Record<string, [number, number]> = {
@@ -36,6 +36,8 @@ export class Stage {
   private drawn = false;
   private slow = false;    // drawing all takes longer than a frame of a smooth view
   private moving = false;
+  private held = false;    // the pointer turns or shifts the view
+  private settling = false;
   private stillAt = 0;     // when the view counts as still, by the clock, ms
   private readonly box: HTMLElement;
   private framed: (() => void) | null = null;  // the view asked for, until the user moves the camera
@@ -54,7 +56,8 @@ export class Stage {
     this.controls.dampingFactor = 0.18;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.invalidate());
-    this.controls.addEventListener("start", () => { this.framed = null; });
+    this.controls.addEventListener("start", () => { this.framed = null; this.held = true; });
+    this.controls.addEventListener("end", () => { this.held = false; });
     const sun = new DirectionalLight(0xffffff, 1.5);
     sun.position.set(0.5, -0.8, 1.2);
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.7), new AmbientLight(0xffffff, 0.35), sun);
@@ -76,24 +79,25 @@ export class Stage {
 
   /// The picture is out of date. Where drawing is slow less is drawn until nothing changes any more.
   invalidate(): void {
-    this.stillAt = performance.now() + kStill;
     if (this.pending) return;
     this.pending = true;
     requestAnimationFrame(() => {
       if (!this.pending) return;
       if (this.slow) this.setMoving(true);
       this.render();
-      if (this.moving) this.settle();
+      this.stillAt = performance.now() + kStill;
+      if (this.moving && !this.settling) this.settle();
     });
   }
 
   private settle(): void {
+    this.settling = true;
     setTimeout(() => {
-      if (!this.moving) return;
-      if (performance.now() < this.stillAt) return this.settle();
+      if (this.held || this.pending || performance.now() < this.stillAt) return this.settle();
+      this.settling = false;
       this.setMoving(false);
       this.render();
-    }, Math.max(1, this.stillAt - performance.now()));
+    }, kStill / 2);
   }
 
   private setMoving(moving: boolean): void {
