@@ -181,7 +181,7 @@ TEST_F(ReportPageInChromium, ShowsSlicesAsPicturesWhereThereIsNoWebGl) {
 }
 
 /// 64 x 64 columns of voxels, each of its own: more surface than a slow browser can turn.
-TEST_F(ReportPageInChromium, DrawsLessWhileTheViewMovesAndAllOfItAfterwards) {
+TEST_F(ReportPageInChromium, HasACoarserSetForTurningWhatIsMuch) {
   ReportPage page;
   page.title = "columns";
   page.resolution = 0.05;
