@@ -16,7 +16,6 @@
 
 #include "apps/console/commands.hpp"
 #include "apps/inspect/inspect_bag.hpp"
-#include "apps/inspect/slice_image.hpp"
 #include "mapping/files/cloud_parser.hpp"
 #include "mapping/scans/cloud_filters.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -57,11 +56,5 @@ int run_track(const TrackOptions&, Console&) { hand_over(); }
 ParsedCloud parse_cloud(const std::filesystem::path&) { hand_over(); }
 std::vector<Eigen::Vector3f> one_point_per_cube(const std::vector<Eigen::Vector3f>&, double) { hand_over(); }
 std::vector<int> inliers(const std::vector<Eigen::Vector3f>&, int, double) { hand_over(); }
-
-SlicePlane parse_slice(const std::string&) { hand_over(); }
-void write_slice_image(const Snapshot&, const SlicePlane&, const std::filesystem::path&,
-                       std::optional<Policy>, bool) {
-  hand_over();
-}
 
 }  // namespace clearway

@@ -1,4 +1,8 @@
+#include <sys/ioctl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -29,6 +33,14 @@ std::vector<Eigen::Vector3d> points_of(const std::vector<std::string>& texts) {
   return points;
 }
 
+/// Whether places in the map are asked for, or another map: else one pass over its file tells all.
+bool needs_memory(const InspectOptions& options) {
+  const bool edits = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
+  return edits || !options.at.empty() || !options.rays.empty() || options.holes ||
+         !options.clearance.empty() || !options.exports.empty() || !options.diff.empty() ||
+         !options.save.empty();
+}
+
 void require_in_reach(const std::vector<Eigen::Vector3d>& points, const Snapshot& map) {
   const double farthest = 32000.0 * map.resolution();  // OctoMap's keys end at 32,768 voxels
   for (const Eigen::Vector3d& point : points) {
@@ -51,6 +63,14 @@ std::optional<Provenance> provenance_of(const InspectOptions& options, Console& 
     return std::nullopt;
   }
   return found;
+}
+
+/// As wide as the terminal; colours where it is one.
+std::string draw_in_terminal(const MapLeaves& map, const SlicePlane& plane) {
+  winsize size{};
+  const bool is_terminal = ::isatty(STDOUT_FILENO) != 0;
+  const bool known = is_terminal && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return slice_text(map, plane, known ? size.ws_col : 100, is_terminal && std::getenv("NO_COLOR") == nullptr);
 }
 
 void print_text(const InspectOptions& options, const Json& json, Console& console) {
@@ -76,17 +96,25 @@ int run_inspect(const InspectOptions& options, Console& console) {
   for (const auto& [plane, file] : options.slices) slices.emplace_back(parse_slice(plane), file);
   std::optional<Policy> lines;
   if (!options.clearance.empty()) lines = parse_policy(options.clearance);
+  std::vector<SlicePlane> terms;
+  for (const std::string& plane : options.terms) terms.push_back(parse_plane(plane, "--term"));
+  if (!terms.empty() && console.json)
+    throw std::invalid_argument("--term: expected no --json beside it, which prints nothing but JSON");
+  if (!options.diff.empty() && (lines || options.age))
+    throw std::invalid_argument("--diff: expected neither --clearance nor --age beside it");
   if (lines && slices.empty())
     throw std::invalid_argument("--clearance: expected --slice beside it, in which to draw the lines");
   if (options.age && slices.empty())
     throw std::invalid_argument("--age: expected --slice beside it, which it colours");
   const std::vector<Eigen::Vector3d> points = points_of(options.at);
   // Everything is read before anything is said; see hand_over.cpp.
-  const Snapshot loaded = load_map(options.map);
-  const Snapshot map = edited(options, loaded);
+  const std::optional<Snapshot> loaded =
+      needs_memory(options) ? std::optional<Snapshot>(load_map(options.map)) : std::nullopt;
+  const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded)) : MapLeaves::in_file(options.map);
+  const Snapshot& map = leaves.about();
   std::optional<Snapshot> other;
   if (!options.diff.empty()) other = load_map(options.diff);
-  if (const std::string remark = painted_csv_remark(options.map, loaded); !remark.empty())
+  if (const std::string remark = painted_csv_remark(options.map, loaded ? *loaded : map); !remark.empty())
     console.warn("note: " + remark);
   require_in_reach(points, map);
   for (const auto& [plane, file] : slices) require_writable(file);
@@ -94,16 +122,24 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (!options.view.empty()) require_writable(options.view);
   const std::optional<Provenance> provenance = provenance_of(options, console);
 
-  Json json = describe_map(options, map);
+  Json json = describe_map(options, leaves);
   for (const Eigen::Vector3d& point : points)
     json["at"].push_back(describe_point(map, provenance ? &*provenance : nullptr, point));
   for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
   if (options.conflicts && provenance) json["conflicts"] = describe_conflicts(*provenance);
   if (other) json["diff"] = describe_difference(map, *other, options.diff);
   if (options.holes) json["painted_volumes"] = describe_volumes(map);
-  for (const auto& [plane, file] : slices) write_slice_image(map, plane, file, lines, options.age);
+  const bool draws = !slices.empty() || !terms.empty() || !options.view.empty();
+  const MapLeaves drawn = other && draws ? MapLeaves::difference(map, *other) : leaves;
+  const std::string name =
+      name_of_map(options.map) + (other ? " against " + name_of_map(options.diff) : std::string());
+  for (const auto& [plane, file] : slices)
+    write_slice_image(drawn, plane, file, {name, lines, other.has_value(), options.age});
+  std::string text;
+  for (const SlicePlane& plane : terms) text += '\n' + draw_in_terminal(drawn, plane);
   for (const auto& file : options.exports) export_map(map, file);
-  if (!options.view.empty()) save_file(options.view, map_page(map, options.map.filename().string()));
+  if (!options.view.empty())
+    save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name));
   if (!options.save.empty()) {
     save_edited(options, map);
     json["saved"] = options.save.string();
@@ -113,6 +149,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
     console.out() << json.dump(2) << '\n';
   } else {
     print_text(options, json, console);
+    console.out() << text;
   }
   return json.contains("diff") && json["diff"]["differ"].get<bool>() ? exit_no : exit_done;
 }

@@ -23,6 +23,10 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->type_name("z=M FILE.png")
       ->expected(1)
       ->take_all();
+  command->add_option("--term", options->terms, "draw a plane of the map in the terminal: z=0.3; repeatable")
+      ->type_name("z=M")
+      ->allow_extra_args(false)
+      ->take_all();
   command
       ->add_option("--clearance", options->clearance,
                    "add lines of equal clearance to the slices: painted, known_free or not_occupied")
@@ -50,8 +54,8 @@ Command add_inspect(CLI::App& app, Console& console) {
   command
       ->add_option(
           "--diff", options->diff,
-          "count the voxels that differ from another map, by state, whenever they were seen; status 1 when "
-          "the maps differ")
+          "count the voxels that differ from another map, by state, whenever they were seen; --slice, --term "
+          "and --view then show the difference; status 1 when the maps differ")
       ->type_name("MAP2")
       ->check(file_name);
   command

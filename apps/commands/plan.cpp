@@ -166,7 +166,7 @@ std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
 
 std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
                       const Configuration& start) {
-  ReportPage page = page_of_map(space.map(), space.robot().name + ", " + plan.planner);
+  ReportPage page = page_of_map(MapLeaves(space.map()), space.robot().name + ", " + plan.planner);
   page.subtitle = options.map.string();
   look_from(page, space.map(), space.robot().map_from_base.translation());
   show_robot(page, with_all_loads(space.robot(), plan.loads), start);

@@ -260,7 +260,7 @@ class RobotServer : public ProblemServer {
   /// What an interrupted comparison planned is read from its files.
   std::string page_of_problem(const OpenStage& open, const StageProblem& problem,
                               const std::map<std::size_t, std::string>& plans) const {
-    ReportPage page = page_of_map(open.stage.map, experiment_.setup.title + ": " + problem.name);
+    ReportPage page = page_of_map(MapLeaves(open.stage.map), experiment_.setup.title + ": " + problem.name);
     look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
     show_robot(page, experiment_.robot, problem.start);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {

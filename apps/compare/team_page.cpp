@@ -80,7 +80,7 @@ Json robot_json(const TeamRobot& robot, const TeamTrace& trace) {
 }  // namespace
 
 ReportPage page_of_team(const Team& team, const Snapshot& map, const std::string& title) {
-  ReportPage page = page_of_map(map, title);
+  ReportPage page = page_of_map(MapLeaves(map), title);
   const Robot robot = joined_robot_of(team);
   const Configuration start = ends(team, false);
   show_robot(page, robot, start);

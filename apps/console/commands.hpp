@@ -163,6 +163,7 @@ struct InspectOptions {
   std::filesystem::path map;
   std::vector<std::string> at;                              ///< "X,Y,Z"
   std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
+  std::vector<std::string> terms;                           ///< "z=0.3": slices as text
   std::string clearance;  ///< policy whose clearance the slices show; or empty
   bool age = false;       ///< slices colour what was seen free by when
   std::vector<std::filesystem::path> exports;

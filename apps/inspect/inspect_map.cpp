@@ -32,12 +32,20 @@ std::string join(const Json& names) {
 
 std::string millimetres(const Json& metres) { return significant(metres.get<double>() * 1000.0, 4) + " mm"; }
 
-Json describe_map(const InspectOptions& options, const Snapshot& map) {
-  const VoxelCounts counts = map.counts();
+std::string name_of_map(const std::filesystem::path& map) {
+  const std::filesystem::path normal = std::filesystem::absolute(map).lexically_normal();
+  const bool is_named = normal.has_filename() && normal.filename() != "map.ot";
+  const std::string name = (is_named ? normal : normal.parent_path()).filename().string();
+  return name.empty() ? "map" : name;
+}
+
+Json describe_map(const InspectOptions& options, const MapLeaves& leaves) {
+  const Snapshot& map = leaves.about();
+  const VoxelCounts counts = leaves.counts();
   const double voxel_volume = std::pow(map.resolution(), 3);
   Json json;
   json["map"] = options.map.string();
-  json["sha256"] = map_sha256(options.map);
+  json["sha256"] = leaves.sha256().empty() ? map_sha256(options.map) : leaves.sha256();
   json["resolution"] = map.resolution();
   json["integration"] = to_string(integration_of(map));
   json["voxels"] = {{"painted", counts.painted},
@@ -50,8 +58,8 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
                                 {"looked_up", agreement.looked_up}};
   }
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) json["damaged_recording"] = caveat;
-  if (!map.bounds().isEmpty()) {
-    json["bounds"] = {{"min", to_json(map.bounds().min())}, {"max", to_json(map.bounds().max())}};
+  if (const Eigen::AlignedBox3d bounds = leaves.bounds(); !bounds.isEmpty()) {
+    json["bounds"] = {{"min", to_json(bounds.min())}, {"max", to_json(bounds.max())}};
   }
   json["painted_volume_m3"] = static_cast<double>(counts.painted) * voxel_volume;
   json["volumes"] = Json::array();
@@ -63,7 +71,7 @@ Json describe_map(const InspectOptions& options, const Snapshot& map) {
   if (const SeenStamps* seen = map.seen()) {
     json["seen"] = {{"newest_s", seen->newest()},   {"oldest_s", seen->oldest()},
                     {"known_to_s", seen->period()}, {"voxels", seen->voxels()},
-                    {"bytes", seen->bytes()},       {"tree_bytes", map.tree().memoryUsage()}};
+                    {"bytes", seen->bytes()},       {"tree_bytes", leaves.tree_bytes()}};
   }
   return json;
 }

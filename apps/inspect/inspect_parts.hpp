@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/console/commands.hpp"
+#include "mapping/files/map_leaves.hpp"
 #include "mapping/history/provenance.hpp"
 #include "mapping/snapshot.hpp"
 
@@ -18,8 +19,11 @@ namespace clearway {
 // Lengths are metres in the map frame.
 
 /// The map as a whole: where it is from, voxels by state, bounds, painted volumes.
-nlohmann::ordered_json describe_map(const InspectOptions& options, const Snapshot& map);
+nlohmann::ordered_json describe_map(const InspectOptions& options, const MapLeaves& leaves);
 void print_map(const nlohmann::ordered_json& json, std::ostream& out);
+
+/// What people call the map: the name of its folder, or of its file.
+std::string name_of_map(const std::filesystem::path& map);
 
 /// The state of one voxel, why, and how far the nearest blocked voxels are. With `provenance` (may be null)
 /// also which strokes and which scans made it so.

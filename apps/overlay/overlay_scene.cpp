@@ -16,11 +16,6 @@ constexpr std::array<Colour, 4> volume_colours{bluish_green, purple, yellow, blu
 
 Mesh faces_of(const PageVoxels& voxels) { return mesh_of(exposed_faces(voxels), voxels.size); }
 
-void add_leaf(PageVoxels& voxels, const Voxel& leaf) {
-  voxels.centers.push_back(leaf.center.cast<float>());
-  voxels.sizes.push_back(static_cast<float>(leaf.size));
-}
-
 void add_robot(Canvas& canvas, const RobotSurface& robot, const LinkPoses& poses, Colour body,
                Colour critical, int layer) {
   for (const RobotSurface::Part& part : robot.parts)
@@ -121,15 +116,15 @@ Colour clearance_colour(double clearance, double most) {
 }
 
 OverlayMap overlay_map(const Snapshot& map) {
-  PageVoxels occupied{"occupied", map.resolution(), {}, {}}, conflicts{"conflict", map.resolution(), {}, {}};
+  PageVoxels occupied{"occupied", map.resolution()}, conflicts{"conflict", map.resolution()};
   std::vector<PageVoxels> painted(std::max<std::size_t>(map.volumes().size(), 1),
-                                  PageVoxels{"painted", map.resolution(), {}, {}});
+                                  PageVoxels{"painted", map.resolution()});
   map.visit_leaves([&](const Voxel& leaf) {
-    if (leaf.state == VoxelState::occupied) add_leaf(occupied, leaf);
-    if (leaf.state == VoxelState::conflict) add_leaf(conflicts, leaf);
+    if (leaf.state == VoxelState::occupied) occupied.add(leaf.center, leaf.size);
+    if (leaf.state == VoxelState::conflict) conflicts.add(leaf.center, leaf.size);
     if (leaf.state != VoxelState::painted) return;
     for (std::size_t i = 0; i < painted.size(); ++i)
-      if ((leaf.volumes >> i & 1U) != 0) add_leaf(painted[i], leaf);
+      if ((leaf.volumes >> i & 1U) != 0) painted[i].add(leaf.center, leaf.size);
   });
   OverlayMap shown{{}, faces_of(conflicts), faces_of(occupied)};
   for (std::size_t i = 0; i < painted.size(); ++i)

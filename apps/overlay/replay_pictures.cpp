@@ -100,11 +100,10 @@ class GrowingPaint {
   void show() {
     const Snapshot painted = paint_.snapshot();
     shown_.volumes = overlay_map(painted).volumes;
-    PageVoxels met{"conflict", painted.resolution(), {}, {}};
+    PageVoxels met{"conflict", painted.resolution()};
     for (const Voxel& leaf : conflicts_) {
       if (painted.state(leaf.center) != VoxelState::painted) continue;
-      met.centers.push_back(leaf.center.cast<float>());
-      met.sizes.push_back(static_cast<float>(leaf.size));
+      met.add(leaf.center, leaf.size);
     }
     shown_.conflicts = mesh_of(exposed_faces(met), met.size);
   }

@@ -49,6 +49,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "fonts-dejavu-core")  # the letters of pictures
 # Loaded when a video or a window is opened, and by the Python module.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopencv-videoio406, libopencv-highgui406, python3-numpy")
 if(TARGET clearway_python)

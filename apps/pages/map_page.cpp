@@ -3,21 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "apps/console/parse.hpp"
+#include "apps/pages/drawn_voxels.hpp"
 #include "apps/pages/plan_motion.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "planning/geometry/convex_hull.hpp"
 #include "planning/planned_motion.hpp"
+#include "planning/robot/self_collision.hpp"
 
 namespace clearway {
 
 namespace {
-
-constexpr std::array<VoxelState, 4> shown = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
-                                             VoxelState::seen_free};
 
 /// Of a path of very many small steps an even choice, ends included.
 std::vector<Configuration> thinned(std::vector<Configuration> path) {
@@ -26,6 +26,19 @@ std::vector<Configuration> thinned(std::vector<Configuration> path) {
   std::vector<Configuration> chosen;
   for (std::size_t i = 0; i < most; ++i) chosen.push_back(path[i * (path.size() - 1) / (most - 1)]);
   return chosen;
+}
+
+/// The least distance of two bodies of the robot that are not exempt from each other, as far as plots show
+/// any; not a number for a robot without such bodies.
+double between_bodies(const Robot& robot, const std::vector<BodyPair>& pairs, const Configuration& q) {
+  constexpr double most = 0.5;  // m, of a robot of usual size
+  if (pairs.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const LinkPoses poses = forward_kinematics(robot, q);
+  double least = most * robot.scale;
+  for (const BodyPair& pair : pairs)
+    if (!is_apart(robot, pair, poses, least))
+      least = std::min(least, pair_distance(robot, pair, poses).lower);
+  return least;
 }
 
 /// The path with configurations inserted so that no joint moves more than the page can interpolate.
@@ -113,23 +126,11 @@ PageShape page_shape(const Shape& s) {
   return shape;
 }
 
-ReportPage page_of_map(const Snapshot& map, const std::string& title) {
+ReportPage page_of_map(const MapLeaves& map, const std::string& title) {
   ReportPage page;
   page.title = title;
   page.resolution = map.resolution();
-  std::array<PageVoxels, shown.size()> sets;
-  for (std::size_t s = 0; s < shown.size(); ++s) {
-    sets[s].state = to_string(shown[s]);
-    sets[s].size = map.resolution();
-  }
-  map.visit_leaves([&](const Voxel& voxel) {
-    const auto at = std::find(shown.begin(), shown.end(), voxel.state);
-    if (at == shown.end()) return;
-    PageVoxels& set = sets[static_cast<std::size_t>(at - shown.begin())];
-    set.centers.push_back(voxel.center.cast<float>());
-    set.sizes.push_back(static_cast<float>(voxel.size));
-  });
-  page.voxels.assign(sets.begin(), sets.end());
+  page.voxels = drawn_voxels(map);
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     page.volume_labels.push_back(map.volumes()[v].label);
     for (const Sphere& sphere : map.volumes()[v].spheres) {
@@ -201,9 +202,13 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())
       shown_plan.security_distance = kept->second;
   const Robot loaded = with_all_loads(robot, plan.loads);
+  const std::vector<BodyPair> pairs = self_collision_pairs(robot);
   for (const Configuration& q : shown_plan.waypoints) {
     shown_plan.link_poses.push_back(forward_kinematics(loaded, q));
-    if (plan.loads.empty()) shown_plan.clearance.push_back(space.clearance(q));  // of the robot alone
+    if (plan.loads.empty()) {  // of the robot alone
+      shown_plan.clearance.push_back(space.clearance(q));
+      shown_plan.between_bodies.push_back(between_bodies(robot, pairs, q));
+    }
     shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
   }
   for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.sphere);
@@ -213,7 +218,25 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   return shown_plan;
 }
 
-std::string map_page(const Snapshot& map, const std::string& name) {
+std::string difference_page(const MapLeaves& difference, const std::string& name) {
+  ReportPage page;
+  page.title = name;
+  page.subtitle = "what differs, voxels of " + significant(difference.resolution() * 1000.0, 4) + " mm";
+  page.resolution = difference.resolution();
+  page.voxels = drawn_voxels(difference);
+  page.state_labels = {{"conflict", "newly blocked"},
+                       {"painted", "blocked no more"},
+                       {"occupied", "blocked in both"},
+                       {"seen_free", "other change"}};
+  const VoxelCounts counts = difference.counts();
+  page.figures = {{"newly blocked", grouped(counts.conflict)},
+                  {"blocked no more", grouped(counts.painted)},
+                  {"blocked in both", grouped(counts.occupied)},
+                  {"other change", grouped(counts.seen_free)}};
+  return render_report_page(page);
+}
+
+std::string map_page(const MapLeaves& map, const std::string& name) {
   ReportPage page = page_of_map(map, name.empty() ? "map" : name);
   const VoxelCounts counts = map.counts();
   page.subtitle = "voxel map, " + significant(map.resolution() * 1000.0, 4) + " mm";

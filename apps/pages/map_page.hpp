@@ -3,14 +3,16 @@
 #include <string>
 
 #include "apps/pages/report_page.hpp"
-#include "mapping/snapshot.hpp"
+#include "mapping/files/map_leaves.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
 
-/// A page that shows `map`: its voxels by state and its exact spheres.
-ReportPage page_of_map(const Snapshot& map, const std::string& title);
+/// A page that shows `map`: its voxels by state and its exact spheres. States with more surface than a viewer
+/// can draw are shown in larger voxels: painted and seen free where all of one is, occupied and conflict
+/// where any is; see PageVoxels::cells.
+ReportPage page_of_map(const MapLeaves& map, const std::string& title);
 
 /// The first view of the page stands beside `from`, so that no wall hides what can be seen from there: where
 /// sensors stood, or the robot. Left as it is where `from` is amid the occupied voxels. Metres, map frame.
@@ -29,7 +31,10 @@ PageShape page_shape(const Shape& shape);
 PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,
                       const std::string& name);
 
+/// The page of `inspect --diff --view`, of MapLeaves::difference.
+std::string difference_page(const MapLeaves& difference, const std::string& name);
+
 /// The page of `inspect --view`.
-std::string map_page(const Snapshot& map, const std::string& name);
+std::string map_page(const MapLeaves& map, const std::string& name);
 
 }  // namespace clearway

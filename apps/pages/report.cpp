@@ -205,8 +205,8 @@ std::vector<std::vector<std::string>> plan_table(const ReplayReport& report) {
 
 std::string report_html(const ReplayReport& report, const std::string& json) {
   const Setup& setup = report.fusion->setup;
-  ReportPage page =
-      page_of_map(report.map, setup.title.empty() ? report.recording.filename().string() : setup.title);
+  ReportPage page = page_of_map(MapLeaves(report.map),
+                                setup.title.empty() ? report.recording.filename().string() : setup.title);
   page.subtitle = report.recording.filename().string();
   page.figures = report_figures(report);
   const FusionCounts& counts = report.fusion->counts;

@@ -51,9 +51,10 @@ json figures_json(const std::vector<PageFigure>& figures) {
 
 /// The quads as five columns, each as differences (modulo 2^16) to the row before: neighbouring quads are
 /// alike, so this deflates to a fraction.
-json voxels_json(PageArrays& arrays, const PageVoxels& voxels) {
+json quads_json(PageArrays& arrays, const PageVoxels& voxels) {
   const std::vector<VoxelQuad> quads = exposed_faces(voxels);
   std::array<std::vector<std::uint16_t>, 5> columns;
+  for (auto& column : columns) column.reserve(quads.size());
   std::array<std::uint16_t, 5> last{};
   std::array<std::size_t, 6> per_direction{};
   std::uint64_t area = 0;
@@ -69,17 +70,27 @@ json voxels_json(PageArrays& arrays, const PageVoxels& voxels) {
   json places = json::array();
   for (const auto& column : columns)
     places.push_back(place(arrays.add(std::span<const std::uint16_t>(column))));
-  return {{"state", voxels.state},
-          {"count", count_voxels(voxels)},
-          {"faces", area},
-          {"directions", per_direction},
-          {"columns", places}};
+  return {{"state", voxels.state}, {"count", voxels.count},       {"cell", 1 << voxels.cells.cell_level()},
+          {"faces", area},         {"directions", per_direction}, {"columns", places}};
+}
+
+/// With a coarser set beside it, for a browser that cannot draw the fine one as fast as one turns it.
+json voxels_json(PageArrays& arrays, PageVoxels voxels) {
+  constexpr std::uint64_t most_faces_turned = 40'000;
+  voxels.cells.sort();
+  json set = quads_json(arrays, voxels);
+  const bool any = is_drawn_where_any(voxels.state);
+  const int finest = voxels.cells.cell_level();
+  while (count_faces(voxels.cells) > most_faces_turned && voxels.cells.cell_level() < 8)
+    voxels.cells.coarsen(any);
+  if (voxels.cells.cell_level() > finest) set["turned"] = quads_json(arrays, voxels);
+  return set;
 }
 
 json all_voxels_json(PageArrays& arrays, const ReportPage& page) {
   json sets = json::array();
   for (const PageVoxels& voxels : page.voxels) {
-    if (voxels.centers.empty()) continue;
+    if (voxels.count == 0) continue;
     if (voxels.state != "painted" && voxels.state != "occupied" && voxels.state != "conflict" &&
         voxels.state != "seen_free")
       refuse("voxels.state", "must be painted, occupied, conflict or seen_free, not '" + voxels.state + "'");
@@ -161,6 +172,8 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
       refuse(of + "waypoints", "must have one value per joint");
   if (!plan.clearance.empty() && plan.clearance.size() != waypoints)
     refuse(of + "clearance", "must have one entry per waypoint");
+  if (!plan.between_bodies.empty() && plan.between_bodies.size() != waypoints)
+    refuse(of + "between_bodies", "must have one entry per waypoint");
   for (const auto* rates : {&plan.speeds, &plan.accelerations}) {
     if (rates->size() != (plan.period > 0.0 ? waypoints : 0))
       refuse(of + "speeds and accelerations", "must have one entry per waypoint of a plan with time");
@@ -260,6 +273,7 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"jerks", place_joints(arrays, plan.jerks, joints)},
           {"poses", place(arrays.add(std::span<const float>(poses)))},
           {"clearance", place(arrays.add(std::span<const float>(clearance)))},
+          {"betweenBodies", place_numbers(arrays, plan.between_bodies)},
           {"trueSeparation", place_numbers(arrays, plan.true_separation)},
           {"mapAge", place_numbers(arrays, plan.map_age)},
           {"seen", seen_json(arrays, plan)},
@@ -287,6 +301,7 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
           {"isoAzimuth", page.iso_azimuth_deg},
           {"resolution", page.resolution},
           {"origin", kOriginVoxel},
+          {"stateLabels", figures_json(page.state_labels)},
           {"voxels", all_voxels_json(arrays, page)},
           {"balls", spheres_json(arrays, page)},
           {"volumes", page.volume_labels},

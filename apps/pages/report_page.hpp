@@ -49,7 +49,8 @@ struct PagePlan {
   std::vector<Eigen::VectorXd> waypoints;  ///< joint values; may be empty when no path was found
   std::vector<std::vector<Eigen::Isometry3d>> link_poses;  ///< map_from_link, per waypoint and link
   std::vector<double>
-      clearance;          ///< metres, below zero in contact; not finite = not known, left out of the plot
+      clearance;  ///< metres, below zero in contact; not finite = not known, left out of the plot
+  std::vector<double> between_bodies{};  ///< metres, of the robot's own; not finite = not known
   double period = 0.0;    ///< s between two waypoints, less before the last one; 0: the plan has no time
   double duration = 0.0;  ///< s, of the whole motion
   /// With time: of each joint at each waypoint, rad/s (m/s), and the change of speed since the waypoint
@@ -98,8 +99,9 @@ struct PagePicture {
 struct ReportPage {
   std::string title, subtitle;
   std::vector<PageFigure> figures;
-  double iso_azimuth_deg = 35.0;   ///< where the eye of the first view stands: 0 at -y, 90 at +x
-  double resolution = 0.0;         ///< of the map, metres; > 0 when there are voxels
+  double iso_azimuth_deg = 35.0;  ///< where the eye of the first view stands: 0 at -y, 90 at +x
+  double resolution = 0.0;        ///< of the map, metres; > 0 when there are voxels
+  std::vector<std::pair<std::string, std::string>> state_labels{};  ///< (state, what it is called) if not so
   std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
   std::vector<PageSphere> spheres;
   std::vector<std::string> volume_labels;

@@ -3,18 +3,25 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "apps/pages/voxel_bricks.hpp"
 
 namespace clearway {
 
-/// The leaves of one voxel state, as an octree stores them: a pruned leaf is larger than one voxel.
-/// Map frame, metres. Every leaf is a cube of 2^k voxels along an edge, aligned to a multiple of its own
-/// edge.
+/// The voxels of one state, as an octree stores them: a pruned leaf is larger than one voxel.
 struct PageVoxels {
-  std::string state;                     ///< "painted", "occupied", "conflict" or "seen_free"
-  double size = 0.0;                     ///< edge of the finest voxel, metres
-  std::vector<Eigen::Vector3f> centers;  ///< of the leaves
-  std::vector<float> sizes;              ///< edges of the leaves, metres; empty when all have `size`
+  std::string state;  ///< "painted", "occupied", "conflict" or "seen_free"
+  double size = 0.0;  ///< edge of the finest voxel, metres
+  VoxelBricks cells{};
+  std::uint64_t count = 0;  ///< finest voxels: a pruned leaf counts as all its voxels
+
+  /// Adds a leaf, a cube of 2^k voxels an edge that is aligned to a multiple of its own edge.
+  /// @param center, edge map frame, metres
+  /// @throws std::invalid_argument when it is no octree's cube. Where it overlaps another leaf either this or
+  ///         exposed_faces throws.
+  void add(const Eigen::Vector3d& center, double edge);
 };
 
 /// A rectangle of exposed voxel faces in one plane. Coordinates count finest voxels from the corner of the
@@ -32,12 +39,16 @@ struct VoxelQuad {
 inline constexpr int kOriginVoxel = 32768;
 
 /// The surface of a set of voxels: every face between a voxel of the set and one outside it, once, faces of
-/// one plane merged greedily into rectangles; sorted by direction, layer, v, u. The faces are found leaf by
-/// leaf (a large leaf is split only where smaller leaves touch it), so the cost follows the surface.
-/// @throws std::invalid_argument when a leaf is not an octree's cube, or two leaves overlap.
+/// one plane merged greedily into rectangles; sorted by direction, layer, v, u. Works brick by brick, and
+/// splits a large leaf only where smaller ones touch it, so the cost follows the surface.
+/// @throws std::invalid_argument when two leaves overlap.
 std::vector<VoxelQuad> exposed_faces(const PageVoxels& voxels);
 
-/// Finest voxels in the set: a pruned leaf counts as all its voxels.
-std::uint64_t count_voxels(const PageVoxels& voxels);
+/// Whether a coarser cell is drawn where any of its voxels is of the state, as what blocks is, or only where
+/// all are: so that nothing looks free that is not.
+bool is_drawn_where_any(std::string_view state);
+
+/// How many faces of single cells the surface has; of a large leaf each undivided square counts as one.
+std::uint64_t count_faces(const VoxelBricks& cells);
 
 }  // namespace clearway

@@ -240,7 +240,8 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
     tell_missed_goals(plan, rows);
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
-    rows.emplace_back("min. clearance", significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
+    rows.emplace_back("min. clearance to voxels",
+                      significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }
   if (plan.motion) tell_motion(*plan.motion, rows);
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);

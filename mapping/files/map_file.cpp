@@ -5,7 +5,9 @@
 
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_leaves.hpp"
 #include "mapping/files/octree_file.hpp"
+#include "mapping/files/octree_stream.hpp"
 #include "mapping/files/painted_csv.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
@@ -34,22 +36,26 @@ std::string read_bytes(const fs::path& file) {
   return read_input(file, "map file", largest);
 }
 
-/// A voxel may only be painted by a volume that is known.
-void check_masks(const FusedTree& tree, std::size_t volumes, const fs::path& file) {
-  unsigned seen = 0;
-  tree.visit_leaves([&](const FusedNode& node, const CellCube&) { seen |= node.painted(); });
+/// A voxel may only be painted by a volume that is known. @param seen masks of all voxels, united
+void check_masks(unsigned seen, std::size_t volumes, const fs::path& file) {
   if (seen >> volumes == 0) return;
   throw DamagedFile("'" + file.string() + "' is damaged: voxels are painted by a volume that is not listed");
 }
 
-Snapshot load_octree(const fs::path& file, bool in_directory) {
-  OctreeContent content = parse_octree(read_bytes(file), file);
+/// The painted volumes beside a map.ot of another program in a folder.
+std::vector<PaintedVolume> volumes_beside(const fs::path& file, bool in_directory) {
   const fs::path painted = file.parent_path() / painted_name;
   std::error_code error;
-  if (!content.has_volumes && in_directory && fs::exists(painted, error)) {
-    content.volumes = parse_painted(read_bytes(painted), painted);
-  }
-  if (content.has_volumes) check_masks(*content.tree, content.volumes.size(), file);
+  if (!in_directory || !fs::exists(painted, error)) return {};
+  return parse_painted(read_bytes(painted), painted);
+}
+
+Snapshot load_octree(const fs::path& file, bool in_directory) {
+  OctreeContent content = parse_octree(read_bytes(file), file);
+  if (!content.has_volumes) content.volumes = volumes_beside(file, in_directory);
+  unsigned seen = 0;
+  content.tree->visit_leaves([&](const FusedNode& node, const CellCube&) { seen |= node.painted(); });
+  if (content.has_volumes) check_masks(seen, content.volumes.size(), file);
   return {std::move(content.tree), std::move(content.volumes), std::move(content.seen)};
 }
 
@@ -80,6 +86,27 @@ Snapshot load_map(const fs::path& path, double cloud_resolution) {
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
                               ".bt, .pcd or .ply file");
+}
+
+MapLeaves MapLeaves::in_file(const fs::path& path) {
+  const fs::path file = map_file_of(path);
+  const std::string kind = file.extension().string();
+  if (kind != ".ot" && kind != ".bt") return MapLeaves(load_map(path));
+  const auto stream = std::make_shared<const OctreeStream>(file);
+  const Snapshot about(stream->shared_bare_tree(),
+                       stream->is_ours() ? stream->volumes() : volumes_beside(file, file != path),
+                       stream->seen());
+  MapLeaves map(about, [stream](const Visit& visit) {
+    stream->visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+      visit({stream->bare_tree().state(node), node.painted(), cube.corner, cube.edge});
+    });
+  });
+  if (stream->is_ours()) check_masks(map.painted_, about.volumes().size(), file);
+  map.sha256_ = stream->sha256();
+  const FusedTree& bare = stream->bare_tree();
+  map.tree_bytes_ = bare.memoryUsage() + bare.memoryUsageNode() * stream->nodes() +
+                    8 * sizeof(FusedNode*) * (stream->nodes() - map.leaves_);
+  return map;
 }
 
 std::string painted_csv_remark(const fs::path& path, const Snapshot& map) {

@@ -59,6 +59,9 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
       refuse_tree(file, "its header holds a line that is none of id, size, res and data");
     }
   }
+  const bool has_comments = bytes.substr(0, at).find("\n# clearway ") != std::string_view::npos;
+  tree.fused =
+      !tree.binary && (tree.type == FusedTree::type_name || (tree.type == "ColorOcTree" && has_comments));
   if (!has_size) refuse_tree(file, "its header lacks the number of nodes ('size')");
   if (!has_resolution || !(tree.resolution >= 1e-4 && tree.resolution <= 100.0)) {
     refuse_tree(file, "its resolution ('res') is not a number in [0.0001, 100] m");
@@ -78,10 +81,14 @@ std::string octree_header(bool binary, std::string_view type, std::size_t nodes,
 }
 
 CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file) {
-  CheckedOctree tree = parse_header(bytes, file);
-  const bool fused = tree.type == FusedTree::type_name;
-  if (fused && !is_sealed(bytes)) refuse_tree(file, "its checksum does not match its content");
-  if (!fused && tree.header.size() > longest_foreign_header)
+  return check_octree_start(bytes, file, [&] { return is_sealed(bytes); });
+}
+
+CheckedOctree check_octree_start(std::string_view start, const std::filesystem::path& file,
+                                 const std::function<bool()>& is_sealed) {
+  CheckedOctree tree = parse_header(start, file);
+  if (tree.fused && !is_sealed()) refuse_tree(file, "its checksum does not match its content");
+  if (!tree.fused && tree.header.size() > longest_foreign_header)
     refuse_tree(file, "its header is longer than 1 MiB");
   if (!tree.binary && !is_known(tree.type)) {
     refuse_tree(file, "its tree type " + quote(tree.type) +
@@ -95,8 +102,11 @@ std::string seal_line(std::string_view before, std::string_view after) {
   for (const std::string_view part : {before, after}) {
     checksum = crc32_z(checksum, reinterpret_cast<const Bytef*>(part.data()), part.size());
   }
+  return seal_line(checksum, before.size() + after.size());
+}
+
+std::string seal_line(unsigned long checksum, std::size_t length) {
   std::array<char, 64> line{};
-  const std::size_t length = before.size() + after.size();
   std::snprintf(line.data(), line.size(), "# clearway seal crc32 %08lx bytes %020zu\n", checksum, length);
   return line.data();
 }

@@ -60,19 +60,6 @@ void restore_integration(FusedTree& tree, std::string_view header, const std::fi
   throw DamagedFile("'" + file.string() + "' is damaged: its header names no integration that is known");
 }
 
-/// Takes the look times off the end of the data; null when the header names none.
-std::shared_ptr<const SeenStamps> take_seen(CheckedOctree& checked, const std::filesystem::path& file) {
-  const std::string text = comments(checked.header, seen_comment);
-  if (text.empty()) return nullptr;
-  std::size_t size = 0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), size);
-  if (end.ec != std::errc() || size > checked.data.size())
-    throw DamagedFile("'" + file.string() + "' is damaged: its header's seen_bytes are not there");
-  const std::string_view bytes = checked.data.substr(checked.data.size() - size);
-  checked.data.remove_suffix(size);
-  return std::make_shared<const SeenStamps>(parse_seen(bytes, file));
-}
-
 void restore_damage(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
   const std::string text = comments(header, damage_comment);
   if (text.empty()) return;
@@ -103,13 +90,13 @@ void restore_agreement(FusedTree& tree, std::string_view header, const std::file
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
                               const SeenStamps* seen) {
-  const std::string header = octree_header(false, tree.getTreeType(), tree.size(), tree.getResolution());
+  const std::string header = octree_header(false, "ColorOcTree", tree.size(), tree.getResolution());
   const auto first_line = header.find('\n') + 1;
 
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), tree.getOccupancyThresLog());
   std::ostringstream rest;
-  rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
+  rest << fused_nodes_comment << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
   rest << integration_comment << to_string(tree.integration()) << "\n";
   if (const ScanAgreement& agreement = tree.agreement(); agreement.looked_up > 0)
     rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";
@@ -127,18 +114,39 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   return before + seal_line(before, after) + after;
 }
 
+std::size_t seen_bytes(const CheckedOctree& checked, std::size_t data, const std::filesystem::path& file) {
+  const std::string text = comments(checked.header, seen_comment);
+  if (text.empty() || !checked.fused) return 0;
+  std::size_t size = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), size);
+  if (end.ec != std::errc() || size > data)
+    throw DamagedFile("'" + file.string() + "' is damaged: its header's seen_bytes are not there");
+  return size;
+}
+
+std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& checked,
+                                          const std::filesystem::path& file) {
+  tree.set_integration(MapIntegration::unknown);
+  if (!checked.fused) return {};
+  restore_threshold(tree, checked.header, file);
+  restore_integration(tree, checked.header, file);
+  restore_damage(tree, checked.header, file);
+  restore_agreement(tree, checked.header, file);
+  return parse_painted(comments(checked.header, painted_comment), file);
+}
+
 OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file) {
   CheckedOctree checked = check_octree(bytes, file);
-  const bool is_ours = !checked.binary && checked.type == FusedTree::type_name;
-  const auto seen = is_ours ? take_seen(checked, file) : nullptr;
+  const std::size_t looks = seen_bytes(checked, checked.data.size(), file);
+  std::shared_ptr<const SeenStamps> seen;
+  if (looks > 0) {
+    seen = std::make_shared<const SeenStamps>(
+        parse_seen(checked.data.substr(checked.data.size() - looks), file));
+    checked.data.remove_suffix(looks);
+  }
   const std::shared_ptr<FusedTree> tree = read_tree(checked, file);
-  tree->set_integration(MapIntegration::unknown);
-  if (!is_ours) return {tree, {}, false};
-  restore_threshold(*tree, checked.header, file);
-  restore_integration(*tree, checked.header, file);
-  restore_damage(*tree, checked.header, file);
-  restore_agreement(*tree, checked.header, file);
-  return {tree, parse_painted(comments(checked.header, painted_comment), file), true, seen};
+  std::vector<PaintedVolume> volumes = restore_header(*tree, checked, file);
+  return {tree, std::move(volumes), checked.fused, seen};
 }
 
 std::string format_color_tree(const FusedTree& tree) {

@@ -21,8 +21,13 @@ struct OctreeContent {
   std::shared_ptr<const SeenStamps> seen{};  ///< null: the file does not say when voxels were last seen
 };
 
-/// Our .ot file: OctoMap's format with our node type. Comment lines, which stock readers skip, hold a seal
-/// (see octree_check.hpp), the occupancy threshold, which integration made the map, how many records of a
+struct CheckedOctree;
+
+/// Our .ot file: OctoMap's format with our nodes. It names itself a ColorOcTree, whose nodes are as long: so
+/// stock programs read it with the right log-odds, and what they take for colours are paint and flags. (Files
+/// of earlier versions name our own type, which they do not know; convert_octree makes garbage of them.)
+/// Comment lines, which stock readers skip, say so, and hold a seal (see octree_check.hpp), the occupancy
+/// threshold, which integration made the map, how many records of a
 /// damaged recording it was made of, and the painted volumes as in painted.csv. When voxels were last seen
 /// follows the tree, where stock readers have stopped.
 /// @param seen null: not known
@@ -33,6 +38,15 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
 /// trees become observed voxels; colours and stamps are ignored.
 /// @throws DamagedFile naming `file` and what is wrong.
 OctreeContent parse_octree(std::string_view bytes, const std::filesystem::path& file);
+
+/// How many bytes of look times follow the nodes of a file of ours. @throws DamagedFile when the header names
+/// none or more than `data`.
+std::size_t seen_bytes(const CheckedOctree& checked, std::size_t data, const std::filesystem::path& file);
+
+/// Gives `tree` what the header of a file says beside the nodes, and returns the painted volumes; none of a
+/// file that is not ours. @throws DamagedFile naming `file` and what is wrong.
+std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& checked,
+                                          const std::filesystem::path& file);
 
 /// .ot of an octomap::ColorOcTree for other programs. Log-odds are those of the sensors less the occupancy
 /// threshold (so that stock programs, which compare with 0, agree); painted voxels that no sensor saw are

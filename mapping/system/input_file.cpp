@@ -52,6 +52,20 @@ std::string InputFile::read(std::size_t largest) const {
   return bytes;
 }
 
+void InputFile::read_at(std::size_t from, std::size_t count, std::string& piece) const {
+  piece.resize(count);
+  std::size_t done = 0;
+  while (done < count) {
+    const ssize_t got =
+        ::pread(descriptor(), piece.data() + done, count - done, static_cast<off_t>(from + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) refuse(std::strerror(errno));
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  piece.resize(done);
+}
+
 void InputFile::refuse(const std::string& why) const {
   throw std::invalid_argument(name_ + " cannot be read: " + why);
 }

@@ -19,6 +19,9 @@ class InputFile {
   /// All of it, unless it has more than `largest` bytes. To be called once.
   std::string read(std::size_t largest) const;
 
+  /// Bytes `from` to `from + count` into `piece`; fewer at the end of the file. As often as one likes.
+  void read_at(std::size_t from, std::size_t count, std::string& piece) const;
+
   int descriptor() const { return descriptor_.number(); }
   std::size_t size() const { return size_; }
 

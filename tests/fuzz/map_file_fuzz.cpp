@@ -20,7 +20,9 @@ using clearway::OctreeContent;
 /// reached.
 std::string sealed(const std::string& bytes) {
   const auto first = bytes.find('\n');
-  if (first == std::string::npos || bytes.find("id ClearwayFusedTree") == std::string::npos) return bytes;
+  if (first == std::string::npos || (bytes.find("id ClearwayFusedTree") == std::string::npos &&
+                                     bytes.find("\n# clearway ") == std::string::npos))
+    return bytes;
   const std::string before = bytes.substr(0, first + 1);
   std::string after = bytes.substr(first + 1);
   if (after.starts_with("# clearway seal")) after.erase(0, after.find('\n') + 1);

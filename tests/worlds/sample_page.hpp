@@ -109,14 +109,13 @@ class SamplePage {
   }
 
   static void add(PageVoxels& set, int x, int y, int z, int side) {
-    const auto mid = [&](int c) { return static_cast<float>((c + 0.5 * side) * kVoxel); };
-    set.centers.emplace_back(mid(x), mid(y), mid(z));
-    set.sizes.push_back(static_cast<float>(side * kVoxel));
+    const auto mid = [&](int c) { return (c + 0.5 * side) * kVoxel; };
+    set.add({mid(x), mid(y), mid(z)}, side * kVoxel);
   }
 
   void add_room() {
-    PageVoxels occupied{"occupied", kVoxel, {}, {}}, painted{"painted", kVoxel, {}, {}},
-        conflict{"conflict", kVoxel, {}, {}}, seen_free{"seen_free", kVoxel, {}, {}};
+    PageVoxels occupied{"occupied", kVoxel}, painted{"painted", kVoxel}, conflict{"conflict", kVoxel},
+        seen_free{"seen_free", kVoxel};
     for (int x = -56; x < 56; ++x)
       for (int y = -48; y < 46; ++y)
         for (int z = -2; z < 60; ++z) {

@@ -7,9 +7,11 @@ export type StateName = "painted" | "occupied" | "conflict" | "seen_free";
 export interface VoxelSet {
   state: StateName;
   count: number;         // finest voxels
+  cell: number;          // what is drawn are cubes of so many voxels an edge
   faces: number;         // exposed voxel faces, before merging
   directions: number[];  // merged quads per direction: -x +x -y +y -z +z
   columns: Place[];      // layer, u, v, width - 1, height - 1, each as differences modulo 2^16
+  turned?: VoxelSet;     // coarser: for turning where the others draw too slowly
 }
 
 export interface Shape {
@@ -39,6 +41,7 @@ export interface Plan {
   security: number;  // m, to be kept from obstacles; 0: nothing was said
   poses: Place;      // waypoint by waypoint, link by link: x y z qx qy qz qw
   clearance: Place;  // metres, NaN = not known
+  betweenBodies: Place;  // metres, of the robot's own bodies, which `clearance` counts, too; NaN or empty = not known
   trueSeparation: Place;  // metres, from what is known from the map alone; empty when nothing is
   mapAge: Place;     // s, at each waypoint; empty when the map does not change
   seen: Seen;
@@ -55,6 +58,7 @@ export interface Page {
   title: string; subtitle: string; figures: Figure[];
   resolution: number; origin: number;
   isoAzimuth: number;  // degrees
+  stateLabels: [StateName, string][];  // of states that mean something else than usual
   voxels: VoxelSet[]; balls: Place; volumes: string[];
   robot: Shape[]; home: Place; plans: Plan[];
   tables: Table[]; pictures: Picture[]; warnings: string[]; report: Place;

@@ -13,6 +13,9 @@ export function el<K extends keyof HTMLElementTagNameMap>(
 
 export const grouped = (count: number) => count.toLocaleString("en-US");
 
+/// Three digits at most.
+export const millimetres = (metres: number) => `${Number((1000 * metres).toPrecision(3))} mm`;
+
 /// Metres with the precision of a tenth of a millimetre below 1 m.
 export function metres(value: number): string {
   return `${value.toFixed(Math.abs(value) < 1 ? 4 : 3)} m`;

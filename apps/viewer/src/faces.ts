@@ -5,6 +5,7 @@ import type { Arrays, StateName, VoxelSet } from "./data";
 /// Quads sorted by direction, then layer. Coordinates in finest voxels from the corner of the octree's space.
 export interface Faces {
   state: StateName;
+  cell: number;  // what is drawn are cubes of so many voxels an edge
   voxelCount: number; faceCount: number; quadCount: number;
   start: number[];  // start[d] .. start[d + 1]: the quads that face direction d
   layer: Uint16Array; u: Uint16Array; v: Uint16Array;
@@ -24,7 +25,7 @@ export function unpackFaces(set: VoxelSet, arrays: Arrays): Faces {
   const start = [0];
   for (const count of set.directions) start.push(start[start.length - 1] + count);
   const faces: Faces = {
-    state: set.state, voxelCount: set.count, faceCount: set.faces, quadCount: layer.length, start,
+    state: set.state, cell: set.cell, voxelCount: set.count, faceCount: set.faces, quadCount: layer.length, start,
     layer, u, v, width: Uint32Array.from(width, (w) => w + 1), height: Uint32Array.from(height, (h) => h + 1),
     low: [Infinity, Infinity, Infinity], high: [-Infinity, -Infinity, -Infinity],
   };

@@ -2,8 +2,9 @@
 
 import "./errors";
 import { readArrays, readPage, type Arrays } from "./data";
-import { byId, download } from "./dom";
+import { byId, download, el } from "./dom";
 import { failures } from "./errors";
+import { FlatSlices } from "./flat_slices";
 import { MapView } from "./map_view";
 import { readOptions } from "./options";
 import { isDark } from "./palette";
@@ -20,7 +21,7 @@ function setTheme(dark: boolean): void {
 }
 
 function sayInView(sentence: string): void {
-  byId("view-message").textContent = sentence;
+  byId("view-message").replaceChildren(el("p", {}, sentence));
   byId("view-message").hidden = false;
   document.body.classList.add("no-view");
 }
@@ -42,20 +43,23 @@ async function show(): Promise<void> {
   document.body.classList.toggle("picture", options.picture);
   if (innerWidth < 760) byId<HTMLDetailsElement>("layers").open = false;
   const page = readPage();
+  document.body.classList.toggle("map-only", page.plans.length === 0);
   showNames(page);
   showWarnings(page.warnings);
-  showFigures(page.figures, page.plans.length === 0);
+  showFigures(page.figures);
   showTables(page.tables);
   const playback = new Playback();
   let choose = (index: number) => showPlan(page.plans[index], index);
   showPlanList(page.plans, (index) => choose(index));
-  const first = Math.min(options.plan, page.plans.length - 1);
+  const solved = Math.max(0, page.plans.findIndex((plan) => plan.status === "solved"));
+  const first = Math.min(options.plan ?? solved, page.plans.length - 1);
   if (first >= 0) playback.reset(page.plans[first], 0);  // so that the view gets its size at once
 
   const arrays = await readArrays().catch((error: Error) => { sayInView(error.message); return null; });
   const map = arrays && openMap(page, arrays);
   const plots = arrays && new Plots(arrays);
   byId("download").hidden = !arrays || page.report.count === 0;
+  const flat = arrays && !map ? new FlatSlices(page, arrays) : null;
   if (arrays) showPictures(page.pictures, arrays);
   if (arrays) byId("download").addEventListener("click", () => download("report.json", "application/json", arrays.u8(page.report)));
   playback.onTime = (time) => { map?.showTime(time); plots?.showTime(time); };
@@ -64,11 +68,11 @@ async function show(): Promise<void> {
     showPlan(page.plans[index], index);
     map?.showPlan(page.plans[index]);
     plots?.show(page.plans[index]);
-    playback.reset(plots ? page.plans[index] : { ...page.plans[index], waypoints: 0 }, index === options.plan ? options.time : 0);
+    playback.reset(plots ? page.plans[index] : { ...page.plans[index], waypoints: 0 }, index === first ? options.time : 0);
   };
   if (first >= 0) choose(first);
 
-  const recolor = (dark: boolean) => { setTheme(dark); map?.recolor(); plots?.redraw(); };
+  const recolor = (dark: boolean) => { setTheme(dark); map?.recolor(); flat?.draw(); plots?.redraw(); };
   byId("theme").addEventListener("click", () => recolor(!isDark()));
   if (options.dark === null) systemDark.addEventListener("change", (event) => recolor(event.matches));
   addEventListener("hashchange", () => location.reload());

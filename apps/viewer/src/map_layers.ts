@@ -1,7 +1,7 @@
 // The map in 3D: voxel surfaces by state, the exact balls, and the slice at the cut.
 
 import { BufferAttribute, BufferGeometry, Box3, DataTexture, DoubleSide, Group, IcosahedronGeometry,
-         InstancedBufferAttribute, InstancedBufferGeometry, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry,
+         InstancedBufferAttribute, InstancedBufferGeometry, Mesh, MeshBasicMaterial, NearestFilter, Plane, PlaneGeometry,
          SRGBColorSpace, Vector3 } from "three";
 import type { Arrays, Page, StateName } from "./data";
 import { quadVertices, sliceMask, unpackFaces, type Faces } from "./faces";
@@ -12,6 +12,8 @@ export interface Layer {
   group: Group;
   bounds: Box3;
   recolor(): void;
+  build?(): void;                     // to be called before it is shown
+  setMoving?(moving: boolean): void;  // what is drawn: less while the view moves, or all
   setOpacity?(opacity: number): void;
 }
 
@@ -22,7 +24,7 @@ const kGrow = 1e-4;
 /// Translucent layers are blended from the inside of a map outwards: painted and balls, then seen free.
 const blendOrder: Record<string, number> = { painted: 30, balls: 32, seen_free: 40 };
 
-function stateColors(state: StateName, colors: Palette): [string, string] {
+export function stateColors(state: StateName, colors: Palette): [string, string] {
   switch (state) {
     case "occupied": return [colors.occupiedLow, colors.occupiedHigh];
     case "painted": return [colors.painted, colors.painted];
@@ -52,27 +54,52 @@ export function facesBounds(faces: Faces, page: Page): Box3 {
   return new Box3(corner(faces.low, page), corner(faces.high, page));
 }
 
-export function voxelLayer(faces: Faces, page: Page, heights: [number, number]): Layer {
-  const { corners, triangles } = quadVertices(faces);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(corners, 4));
-  geometry.setIndex(new BufferAttribute(triangles, 1));
+function voxelUniforms(faces: Faces, page: Page, heights: [number, number]): SurfaceUniforms {
   const uniforms = surfaceUniforms();
   uniforms.origin.value.copy(corner(faces.low, page));
   uniforms.voxel.value = page.resolution;
   uniforms.heights.value = heights;
   if (faces.state === "seen_free") uniforms.lines.value = 0.3;
+  if (!(faces.state in blendOrder)) uniforms.grow.value = kGrow;
+  return uniforms;
+}
+
+function voxelGroup(faces: Faces, uniforms: SurfaceUniforms): Group {
+  const { corners, triangles } = quadVertices(faces);
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(corners, 4));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
+  return surfaceGroup("voxels", faces.state, geometry, uniforms);
+}
+
+/// Its vertices are made when it is first shown. `turned`: the same, coarser.
+export function voxelLayer(faces: Faces, turned: Faces | null, page: Page, heights: [number, number]): Layer {
+  const all = voxelUniforms(faces, page, heights), few = turned ? voxelUniforms(turned, page, heights) : null;
+  const both = few ? [all, few] : [all];
+  const group = new Group();
   const layer: Layer = {
-    group: surfaceGroup("voxels", faces.state, geometry, uniforms),
-    bounds: facesBounds(faces, page),
+    group, bounds: facesBounds(faces, page),
+    build() {
+      if (group.children.length > 0) return;
+      group.add(voxelGroup(faces, all));
+      if (!turned || !few) return;
+      group.add(voxelGroup(turned, few));
+      group.children[1].visible = false;
+    },
+    setMoving(moving) {
+      if (group.children.length < 2) return;
+      group.children[0].visible = !moving;
+      group.children[1].visible = moving;
+    },
     recolor() {
       const [low, high] = stateColors(faces.state, palette());
-      uniforms.low.value.set(...rgb(low));
-      uniforms.high.value.set(...rgb(high));
+      for (const uniforms of both) {
+        uniforms.low.value.set(...rgb(low));
+        uniforms.high.value.set(...rgb(high));
+      }
     },
   };
-  if (!(faces.state in blendOrder)) uniforms.grow.value = kGrow;
-  if (faces.state in blendOrder) layer.setOpacity = (opacity) => { uniforms.opacity.value = opacity; };
+  if (faces.state in blendOrder) layer.setOpacity = (opacity) => { for (const uniforms of both) uniforms.opacity.value = opacity; };
   layer.recolor();
   return layer;
 }
@@ -110,6 +137,16 @@ export function ballLayer(values: Float32Array): Layer {
 }
 
 /// The cells that the cut plane passes through, as a picture on the plane.
+/// What blocks is drawn over the rest: where it is drawn coarser, it reaches into that.
+export const sliceOrder: StateName[] = ["seen_free", "painted", "occupied", "conflict"];
+
+/// Red, green and blue (0 to 255) of a state in a slice.
+export function sliceColor(state: StateName): number[] {
+  const [first, second] = stateColors(state, palette());
+  if (state === "seen_free") return rgb(first).map((c, k) => Math.round(255 * (0.45 * c + 0.55 * rgb(palette().background)[k])));
+  return rgb(first).map((c, k) => Math.round(127.5 * (c + rgb(second)[k]) * (state === "occupied" ? 0.8 : 1)));
+}
+
 export class Slice {
   readonly mesh: Mesh<PlaneGeometry, MeshBasicMaterial>;
 
@@ -122,10 +159,16 @@ export class Slice {
     this.mesh.visible = false;
   }
 
+  /// Only what the cuts across other axes leave is shown.
+  clip(planes: Plane[]): void {
+    this.mesh.material.clippingPlanes = planes;
+    this.mesh.material.needsUpdate = true;
+  }
+
   /// Shows the layer of voxels just inside the cut at `at` metres along `axis`, for the states in `shown`.
   /// Returns how many voxels it shows; none when the picture would be too large to draw.
   update(axis: 0 | 1 | 2, at: number, keepsAbove: boolean, shown: (state: StateName) => boolean): number {
-    const sets = this.sets.filter((faces) => shown(faces.state));
+    const sets = sliceOrder.flatMap((state) => this.sets.filter((faces) => faces.state === state && shown(state)));
     const u = (axis + 1) % 3, v = (axis + 2) % 3;
     const low = [u, v].map((a) => Math.min(...sets.map((faces) => faces.low[a])));
     const [width, height] = [u, v].map((a, k) => Math.max(...sets.map((faces) => faces.high[a])) - low[k]);
@@ -137,8 +180,7 @@ export class Slice {
     let count = 0;
     for (const faces of sets) {
       const mask = sliceMask(faces, axis, layer, low[0], low[1], width, height);
-      const [first, second] = stateColors(faces.state, palette());
-      const color = rgb(first).map((c, k) => Math.round(127.5 * (c + rgb(second)[k]) * (faces.state === "occupied" ? 0.8 : 1)));
+      const color = sliceColor(faces.state);
       for (let i = 0; i < mask.length; ++i) {
         if (!mask[i]) continue;
         pixels.set([...color, 255], i * 4);

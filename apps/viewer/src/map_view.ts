@@ -3,7 +3,8 @@
 import { Box3, CatmullRomCurve3, CurvePath, Group, LineCurve3, Mesh, MeshBasicMaterial, TubeGeometry, Vector3 } from "three";
 import { cutControls } from "./cut_controls";
 import type { Arrays, Page, Place, Plan } from "./data";
-import { byId, el, grouped } from "./dom";
+import { byId, el, grouped, millimetres } from "./dom";
+import { unpackFaces } from "./faces";
 import { ballLayer, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
 import type { Options } from "./options";
 import { palette } from "./palette";
@@ -16,6 +17,7 @@ import { cutUniform } from "./surface_material";
 interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group; counter?: HTMLElement }
 
 const stateLabels: Record<string, string> = { painted: "painted", occupied: "occupied", conflict: "conflict", seen_free: "seen free" };
+const labelOf = (page: Page, state: string) => page.stateLabels.find(([name]) => name === state)?.[1] ?? stateLabels[state];
 const shownFirst = new Set(["painted", "occupied", "conflict", "robot", "tip", "ghosts", "advice", "seen"]);
 
 export class MapView {
@@ -24,6 +26,7 @@ export class MapView {
   private readonly robot: RobotView;
   private readonly seen: SeenVoxels;
   private readonly tips = new Group();
+  private readonly otherTips = new Group();  // a mesh a plan
   private readonly advice = new Group();  // balls to paint, a layer a plan
   private readonly adviceLayers: (Layer | null)[] = [];
   private readonly tipMaterial = new MeshBasicMaterial({ toneMapped: false });
@@ -42,10 +45,10 @@ export class MapView {
     this.addMap(faces);
     this.addRobot();
     this.measure();
-    const slice = new Slice(faces, page);
-    this.stage.scene.add(slice.mesh);
+    const slices = [0, 1, 2].map(() => new Slice(faces, page));
+    this.stage.scene.add(...slices.map((slice) => slice.mesh));
     if (options.layers) for (const row of this.rows) row.shown = options.layers.has(row.name);
-    const cut = faces.length === 0 ? null : cutControls(this.wholeBox, page.resolution, slice, options.cut,
+    const cut = faces.length === 0 ? null : cutControls(this.wholeBox, page.resolution, slices, options.cuts,
       (state) => this.row(state)?.shown ?? false, () => this.stage.invalidate());
     this.addRows(options.opacity, () => cut?.refresh());
     cut?.refresh();
@@ -53,6 +56,7 @@ export class MapView {
     this.stage.onClick((from, direction) => this.tellVoxel(pick(faces.filter((f) => this.row(f.state)?.shown), from, direction,
       cutUniform.value, page.resolution, page.origin)));
     this.stage.onView = () => this.drawTriad();
+    this.stage.onMoving = (moving) => { for (const row of this.rows) row.layer?.setMoving?.(moving); };
     this.recolor();
     this.stage.drawGrid(this.workBox);
     this.tellVoxel(null);
@@ -70,9 +74,11 @@ export class MapView {
     for (const state of ["painted", "occupied", "conflict", "seen_free"]) {
       const set = faces.find((f) => f.state === state);
       if (!set) continue;
-      const layer = voxelLayer(set, this.page, heights);
+      const turned = this.page.voxels.find((v) => v.state === state)?.turned;
+      const layer = voxelLayer(set, turned ? unpackFaces(turned, this.arrays) : null, this.page, heights);
       layer.setOpacity?.(state === "painted" ? 0.42 : 0.14);
-      this.addRow(state, stateLabels[state], grouped(set.voxelCount), [state], layer.group, layer);
+      const drawn = set.cell > 1 ? `, ${millimetres(set.cell * this.page.resolution)} cubes` : "";
+      this.addRow(state, labelOf(this.page, state) + drawn, grouped(set.voxelCount), [state], layer.group, layer);
     }
     if (this.page.balls.count > 0) {
       const layer = ballLayer(this.arrays.f32(this.page.balls));
@@ -95,7 +101,9 @@ export class MapView {
       if (layer) this.advice.add(layer.group);
     }
     if (this.advice.children.length > 0) this.addRow("advice", "where to paint more", "", ["advice"], this.advice);
-    if (this.page.plans.some((plan) => plan.tip.count > 3)) this.addRow("tip", "tip path", "", ["tip"], this.tips);
+    const paths = this.page.plans.filter((plan) => plan.tip.count > 3).length;
+    if (paths > 0) this.addRow("tip", "tip path", "", ["tip"], this.tips);
+    if (paths > 1) this.addRow("others", "tip paths of the other plans", "", ["others"], this.otherTips);
   }
 
   private addRow(name: string, label: string, count: string, swatches: string[], group: Group, layer?: Layer): void {
@@ -135,7 +143,9 @@ export class MapView {
     for (const row of this.rows) {
       const box = el("input", { type: "checkbox", "data-layer": row.name });
       box.checked = row.group.visible = row.shown;
+      if (row.shown) row.layer?.build?.();
       box.addEventListener("change", () => {
+        if (box.checked) row.layer?.build?.();
         row.group.visible = row.shown = box.checked;
         onToggle();
         this.stage.invalidate();
@@ -173,7 +183,21 @@ export class MapView {
     const digits = this.page.resolution < 0.01 ? 4 : 3;
     const grid = this.stage.gridStep > 0 ? `grid ${Number(this.stage.gridStep.toPrecision(2))} m` : "";
     const center = hit?.voxel.map((c) => ((c + 0.5 - this.page.origin) * this.page.resolution).toFixed(digits));
-    byId("scale").textContent = hit ? `${stateLabels[hit.state]} voxel at ${center!.join(", ")} m · ${grid}` : grid;
+    if (!hit || !center) { byId("scale").textContent = grid; return; }
+    const cell = this.page.voxels.find((set) => set.state === hit.state)!.cell;
+    const about = [`${labelOf(this.page, hit.state)} ${cell > 1 ? "cube" : "voxel"} at ${center.join(", ")} m`, ...this.ballsAround(hit), grid];
+    const copy = el("button", { type: "button", class: "small", title: "Copy the flag that makes `clearway inspect` tell all of this place" }, "copy --at");
+    copy.addEventListener("click", () => { void navigator.clipboard?.writeText(`--at=${center.join(",")}`).then(() => { copy.textContent = "copied"; }); });
+    byId("scale").replaceChildren(about.filter((text) => text !== "").join(" · "), " ", copy);
+  }
+
+  /// Which volumes' exact balls hold the centre of a voxel.
+  private ballsAround(hit: Hit): string[] {
+    const center = hit.voxel.map((c) => (c + 0.5 - this.page.origin) * this.page.resolution);
+    const balls = this.arrays.f32(this.page.balls), found = new Set<number>();
+    for (let i = 0; i < balls.length; i += 5)
+      if (Math.hypot(balls[i] - center[0], balls[i + 1] - center[1], balls[i + 2] - center[2]) <= balls[i + 3]) found.add(balls[i + 4]);
+    return found.size > 0 ? [`in balls of ${[...found].map((volume) => this.page.volumes[volume]).join(", ")}`] : [];
   }
 
   private drawTriad(): void {
@@ -195,6 +219,7 @@ export class MapView {
     this.robot.showEnds(end(plan.start, 0), end(plan.goal, (plan.waypoints - 1) * size));
     this.seen.show(plan);
     this.drawTip(this.arrays.f32(plan.tip));
+    if (this.row("others")) this.drawOtherTips();
     this.adviceLayers.forEach((layer, i) => { if (layer) layer.group.visible = this.page.plans[i] === plan; });
     if (this.poses.length === 0) {
       const home = this.arrays.f32(this.page.home);
@@ -214,17 +239,37 @@ export class MapView {
   private drawTip(values: Float32Array): void {
     for (const mesh of this.tips.children as Mesh[]) mesh.geometry.dispose();
     this.tips.clear();
-    const radius = 0.0022 * this.workBox.getSize(new Vector3()).length();
+    const tube = this.tube(values, 1);
+    if (tube) this.tips.add(new Mesh(tube, this.tipMaterial));
+  }
+
+  /// Of all plans but the one that is shown, in the colours of series.
+  private drawOtherTips(): void {
+    if (this.otherTips.children.length === 0)
+      for (const plan of this.page.plans)
+        this.otherTips.add(new Mesh(this.tube(this.arrays.f32(plan.tip), 0.6) ?? undefined, new MeshBasicMaterial({ toneMapped: false })));
+    this.otherTips.children.forEach((mesh, i) => { mesh.visible = this.page.plans[i] !== this.plan && this.page.plans[i].tip.count > 3; });
+    this.recolorOtherTips();
+  }
+
+  private recolorOtherTips(): void {
+    const colors = palette().series;
+    (this.otherTips.children as Mesh<TubeGeometry, MeshBasicMaterial>[]).forEach((mesh, i) => mesh.material.color.set(colors[i % colors.length]));
+  }
+
+  /// Null for fewer than two points.
+  private tube(values: Float32Array, thickness: number): TubeGeometry | null {
+    const radius = thickness * 0.0022 * this.workBox.getSize(new Vector3()).length();
     const points: Vector3[] = [];  // far enough apart that the curve through them does not overshoot
     for (let i = 0; i < values.length; i += 3) {
       const point = new Vector3(values[i], values[i + 1], values[i + 2]);
       if (points.length === 0 || points[points.length - 1].distanceTo(point) > 0.5 * radius) points.push(point);
     }
-    if (points.length < 2) return;
+    if (points.length < 2) return null;
     const path = new CurvePath<Vector3>();
     for (let i = 1; i < points.length; ++i) path.add(new LineCurve3(points[i - 1], points[i]));
     const curve = points.length > 2 ? new CatmullRomCurve3(points, false, "centripetal") : path;
-    this.tips.add(new Mesh(new TubeGeometry(curve, Math.min(2000, points.length * 4), radius, 8), this.tipMaterial));
+    return new TubeGeometry(curve, Math.min(2000, points.length * 4), radius, 8);
   }
 
   recolor(): void {
@@ -233,6 +278,7 @@ export class MapView {
     this.robot.recolor();
     this.seen.recolor();
     this.tipMaterial.color.set(palette().tip);
+    this.recolorOtherTips();
     this.stage.recolor();
   }
 

@@ -1,12 +1,14 @@
 // What the address after '#' asks for, so that a script can choose what a picture shows:
 //   #plan=1&t=0.5&dark=1&view=iso&cut=z:0.3&layers=painted,occupied,robot&opacity=0.4&picture
 
+export interface Cut { axis: 0 | 1 | 2; at: number; flipped: boolean }
+
 export interface Options {
-  plan: number;              // index of the plan shown first
+  plan: number | null;              // index of the plan shown first
   time: number;              // where along it, 0 to 1
   dark: boolean | null;      // null: as the system prefers
   view: string;              // iso, front, side, top or "azimuth,elevation[,zoom]" in degrees
-  cut: { axis: 0 | 1 | 2; at: number; flipped: boolean } | null;
+  cuts: Cut[];
   layers: Set<string> | null;  // the layers shown; null: the usual ones
   opacity: number | null;    // of painted voxels
   fit: string;               // "work" or "all"
@@ -14,10 +16,10 @@ export interface Options {
   webgl: boolean;
 }
 
-function parseCut(text: string | null): Options["cut"] {
-  const match = /^(-?)([xyz]):(-?[\d.]+)$/.exec(text ?? "");
-  if (!match) return null;
-  return { axis: "xyz".indexOf(match[2]) as 0 | 1 | 2, at: Number(match[3]), flipped: match[1] === "-" };
+function parseCuts(text: string | null): Cut[] {
+  const matches = (text ?? "").split(",").map((part) => /^(-?)([xyz]):(-?[\d.]+)$/.exec(part));
+  return matches.filter((match) => match !== null)
+    .map((match) => ({ axis: "xyz".indexOf(match[2]) as 0 | 1 | 2, at: Number(match[3]), flipped: match[1] === "-" }));
 }
 
 function numberOr<T>(text: string | null, otherwise: T): number | T {
@@ -31,11 +33,11 @@ export function readOptions(): Options {
   const layers = hash.get("layers");
   const dark = hash.get("dark");
   return {
-    plan: Math.max(0, Math.floor(numberOr(hash.get("plan"), 0))),
+    plan: hash.has("plan") ? Math.max(0, Math.floor(numberOr(hash.get("plan"), 0))) : null,
     time: Math.min(1, Math.max(0, numberOr(hash.get("t"), 0))),
     dark: dark === null ? null : dark !== "0",
     view: hash.get("view") ?? "iso",
-    cut: parseCut(hash.get("cut")),
+    cuts: parseCuts(hash.get("cut")),
     layers: layers === null ? null : new Set(layers.split(",")),
     opacity: numberOr(hash.get("opacity"), null),
     fit: hash.get("fit") ?? "work",

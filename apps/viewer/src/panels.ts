@@ -15,7 +15,7 @@ function badge(plan: Plan): HTMLElement {
 
 function figureList(figures: Figure[]): HTMLElement {
   return el("dl", { class: "figure-list" },
-            ...figures.map(([name, value]) => el("div", {}, el("dt", {}, name), el("dd", {}, value))));
+            ...figures.map(([name, value]) => el("div", value.length > 28 ? { class: "wide" } : {}, el("dt", {}, name), el("dd", {}, value))));
 }
 
 export function showNames(page: Page): void {
@@ -62,14 +62,11 @@ export function showPlan(plan: Plan, index: number): void {
   if (plan.figures.length > 0) card.append(figureList(plan.figures));
 }
 
-export function showFigures(figures: Figure[], beside: boolean): void {
+export function showFigures(figures: Figure[]): void {
   if (figures.length === 0) return;
   const box = byId("figures");
   box.hidden = false;
   box.append(el("h2", {}, "Figures"), figureList(figures));
-  if (!beside) return;
-  box.classList.replace("below", "card");
-  document.querySelector(".side .scroll")!.append(box);
 }
 
 const isNumber = (text: string) => /^[-+−]?[\d.,]+(e[-+]?\d+)?\s*(%|[a-zµ°²³/]{0,4})$/i.test(text.trim()) || text.trim() === "–" || text === "";

@@ -6,9 +6,9 @@ import type { Faces } from "./faces";
 
 export interface Hit { state: StateName; distance: number; voxel: number[] }
 
-/// The nearest face of the shown sets on the ray (metres, map frame) that the cut leaves, seen from outside.
+/// The nearest face of the shown sets on the ray (metres, map frame) that the cuts leave, seen from outside.
 /// `voxel` is the octree coordinate of the voxel behind the face.
-export function pick(sets: Faces[], from: Vector3, direction: Vector3, cut: Vector4, size: number, origin: number): Hit | null {
+export function pick(sets: Faces[], from: Vector3, direction: Vector3, cuts: Vector4[], size: number, origin: number): Hit | null {
   const start = from.toArray().map((x) => x / size + origin), slope = direction.toArray();
   let best: Hit | null = null;
   for (const faces of sets)
@@ -22,7 +22,7 @@ export function pick(sets: Faces[], from: Vector3, direction: Vector3, cut: Vect
         const v = start[c] + slope[c] * distance / size - faces.v[i];
         if (u < 0 || v < 0 || u >= faces.width[i] || v >= faces.height[i]) continue;
         const at = from.clone().addScaledVector(direction, distance);
-        if (cut.x * at.x + cut.y * at.y + cut.z * at.z > cut.w) continue;
+        if (cuts.some((cut) => cut.x * at.x + cut.y * at.y + cut.z * at.z > cut.w)) continue;
         const voxel = [0, 0, 0];
         voxel[a] = faces.layer[i];
         voxel[b] = faces.u[i] + Math.floor(u);

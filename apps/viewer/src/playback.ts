@@ -32,6 +32,7 @@ export class Playback {
       else return;
       event.preventDefault();
     });
+    document.addEventListener("visibilitychange", () => { this.before = 0; });
     this.pause();
   }
 
@@ -62,7 +63,7 @@ export class Playback {
     this.before = 0;
     this.button.classList.add("playing");
     this.button.setAttribute("aria-label", "Pause");
-    requestAnimationFrame((now) => this.step(now));
+    requestAnimationFrame(() => this.step(performance.now()));
   }
 
   private pause(): void {
@@ -73,12 +74,13 @@ export class Playback {
 
   private step(now: number): void {
     if (!this.playing) return;
-    const elapsed = this.before > 0 ? Math.min(0.1, (now - this.before) / 1000) : 0;
+    // By the clock, however few frames there are; but what passed while the page was hidden is not played.
+    const elapsed = this.before > 0 ? Math.max(0, now - this.before) / 1000 : 0;
     this.before = now;
     const speed = Number(byId<HTMLSelectElement>("speed").value);
     const passed = speed * elapsed;  // s; with time the robot moves as fast as it would
     this.seek(this.hasTime ? this.scale.time(this.scale.x(this.time) + passed) : this.time + passed * this.last / duration(this.last + 1));
     if (this.time >= this.last) return this.pause();
-    requestAnimationFrame((next) => this.step(next));
+    requestAnimationFrame(() => this.step(performance.now()));
   }
 }

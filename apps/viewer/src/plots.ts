@@ -21,6 +21,7 @@ export class Plots {
   private values: Float32Array[] = [];
   private clearances: Float32Array = new Float32Array();
   private truth: Float32Array = new Float32Array();  // separation from what robots know from the map alone
+  private bodies: Float32Array = new Float32Array(); // between the robot's own bodies
   private ages: Float32Array = new Float32Array();   // of that map
   private plan: Plan | null = null;
   private time = 0;
@@ -47,6 +48,7 @@ export class Plots {
     this.values = this.jointsOf(plan, plan.values);
     this.clearances = this.arrays.f32(plan.clearance);
     this.truth = this.arrays.f32(plan.trueSeparation);
+    this.bodies = this.arrays.f32(plan.betweenBodies);
     this.ages = this.arrays.f32(plan.mapAge);
     byId("map-age").hidden = this.ages.length === 0;
     this.redraw();
@@ -125,10 +127,11 @@ export class Plots {
     const colors = palette(), values = this.clearances;
     const known = Array.from(values, (c) => Number.isNaN(c) ? null : c);
     const least = known.reduce<number>((best, c, i) => c !== null && (best < 0 || c < known[best]!) ? i : best, -1);
-    const hasTruth = this.truth.length > 0;
+    const second = this.truth.length > 0 ? this.truth : this.bodies, hasSecond = second.length > 0;
+    const names = this.truth.length > 0 ? ["as robots know it, of all", "true, of what is sensed"] : ["of all: voxels (less padding) and links", "between links alone"];
     const key = (text: string, color: string) => el("span", { class: "key" }, el("i", { style: `background:${color}` }), text);
-    byId("clearance-keys").hidden = !hasTruth;
-    byId("clearance-keys").replaceChildren(key("as robots know it, of all", colors.clearance), key("true, of what is sensed", colors.truth));
+    byId("clearance-keys").hidden = !hasSecond;
+    byId("clearance-keys").replaceChildren(key(names[0], colors.clearance), key(names[1], colors.truth));
     byId("clearance-key").hidden = plan.security <= 0;
     byId("clearance-key").textContent = `┄ d_s ${metres(plan.security)}`;
     const lines = (u: uPlot) => {
@@ -145,14 +148,14 @@ export class Plots {
     };
     this.clearance = new TimePlot(byId("clearance-plot"), kHeight + (plan.period > 0 ? 0 : kLabel), this.scale, {
       series: [{}, { label: "clearance", scale: "m", stroke: colors.clearance, width: 1.8, pxAlign: 0, points: { show: steps.length < 12 } },
-               ...(hasTruth ? [{ label: "true", scale: "m", stroke: colors.truth, width: 1.4, pxAlign: 0, points: { show: false } }] : [])],
+               ...(hasSecond ? [{ label: names[1], scale: "m", stroke: colors.truth, width: 1.4, pxAlign: 0, points: { show: false } }] : [])],
       axes: [this.scale.axis(plan.period > 0 ? undefined : this.scale.label), axis({ scale: "m", label: "m", size: 54 })],
       scales: { x: { time: false }, m: { range: (_u, low, high) => {
         const [from, to] = [Math.min(0, low ?? 0), Math.max(0, high ?? 0)], margin = 0.08 * Math.max(to - from, 1e-3);
         return [from - margin, to + margin];
       } } },
       hooks: { draw: [lines], setCursor: [(u) => this.showClearance(u.cursor.idx ?? null)] },
-    }, [steps, known, ...(hasTruth ? [Array.from(this.truth)] : [])], (time) => this.onSeek(time));
+    }, [steps, known, ...(hasSecond ? [Array.from(second, (c) => Number.isNaN(c) ? null : c)] : [])], (time) => this.onSeek(time));
   }
 
   /// The values at the cursor while it is in a plot, else at the playhead.

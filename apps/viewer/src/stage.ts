@@ -5,6 +5,10 @@ import { AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, Directional
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { palette } from "./palette";
 
+const kSmooth = 60;         // ms a frame may take while the view moves
+const kStill = 300;         // ms without a change after which all is drawn
+const kMovingPixels = 0.4;  // of the usual pixels, along an edge, where drawing is slow
+
 /// Azimuth and elevation of the eye, degrees; azimuth 0 looks along +y, from the front.
 const namedViews: Record<string, [number, number]> = {
   iso: [35, 28], front: [0, 0], side: [90, 0], top: [0, 89.9],
@@ -20,6 +24,7 @@ function roundUp(length: number): number {
 export class Stage {
   readonly scene = new Scene();
   onView: () => void = () => {};
+  onMoving: (moving: boolean) => void = () => {};  // draw less, because the view moves and drawing all is slow
   gridStep = 0;
   isoAzimuth = namedViews.iso[0];  // degrees; the report knows from which side the sensors looked
   private readonly renderer: WebGLRenderer;
@@ -29,6 +34,11 @@ export class Stage {
   private gridBox = new Box3();
   private pending = false;
   private drawn = false;
+  private slow = false;    // drawing all takes longer than a frame of a smooth view
+  private moving = false;
+  private held = false;    // the pointer turns or shifts the view
+  private settling = false;
+  private stillAt = 0;     // when the view counts as still, by the clock, ms
   private readonly box: HTMLElement;
   private framed: (() => void) | null = null;  // the view asked for, until the user moves the camera
 
@@ -36,6 +46,7 @@ export class Stage {
   constructor(box: HTMLElement, onLost: () => void) {
     this.box = box;
     this.renderer = new WebGLRenderer({ antialias: true });
+    this.renderer.localClippingEnabled = true;
     const canvas = this.renderer.domElement;
     box.prepend(canvas);
     canvas.addEventListener("webglcontextlost", onLost);
@@ -45,7 +56,8 @@ export class Stage {
     this.controls.dampingFactor = 0.18;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.invalidate());
-    this.controls.addEventListener("start", () => { this.framed = null; });
+    this.controls.addEventListener("start", () => { this.framed = null; this.held = true; });
+    this.controls.addEventListener("end", () => { this.held = false; });
     const sun = new DirectionalLight(0xffffff, 1.5);
     sun.position.set(0.5, -0.8, 1.2);
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8f98, 1.7), new AmbientLight(0xffffff, 0.35), sun);
@@ -57,7 +69,7 @@ export class Stage {
     const { clientWidth: width, clientHeight: height } = this.box;
     const size = this.renderer.getSize(new Vector2());
     if (width === 0 || height === 0 || (size.x === width && size.y === height)) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio((this.moving ? kMovingPixels : 1) * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -65,19 +77,53 @@ export class Stage {
     if (this.drawn) this.render();
   }
 
+  /// The picture is out of date. Where drawing is slow less is drawn until nothing changes any more.
   invalidate(): void {
     if (this.pending) return;
     this.pending = true;
-    requestAnimationFrame(() => { if (this.pending) this.render(); });
+    requestAnimationFrame(() => {
+      if (!this.pending) return;
+      if (this.slow) this.setMoving(true);
+      this.render();
+      this.stillAt = performance.now() + kStill;
+      if (this.moving && !this.settling) this.settle();
+    });
+  }
+
+  private settle(): void {
+    this.settling = true;
+    setTimeout(() => {
+      if (this.held || this.pending || performance.now() < this.stillAt) return this.settle();
+      this.settling = false;
+      this.setMoving(false);
+      this.render();
+    }, kStill / 2);
+  }
+
+  private setMoving(moving: boolean): void {
+    if (moving === this.moving) return;
+    this.moving = moving;
+    this.onMoving(moving);
+    const ratio = Math.min(devicePixelRatio, 2);
+    this.renderer.setPixelRatio(moving ? kMovingPixels * ratio : ratio);
   }
 
   render(): void {
     this.pending = false;
     this.drawn = true;
     this.controls.update();
+    const start = performance.now();
     this.renderer.render(this.scene, this.camera);
+    if (!this.moving) this.slow = this.finish(start) > kSmooth;
     document.body.dataset.frames = String(this.renderer.info.render.frame);
     this.onView();
+  }
+
+  /// Waits until all is drawn. Returns the time since `start`, ms.
+  private finish(start: number): number {
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now() - start;
   }
 
   recolor(): void {

@@ -2,8 +2,9 @@
 
 import { DoubleSide, FrontSide, GLSL3, LessEqualDepth, RawShaderMaterial, Vector3, Vector4, type IUniform } from "three";
 
-/// The cut is one object that all materials share: fragments with normal . position > offset are not drawn.
-export const cutUniform: IUniform<Vector4> = { value: new Vector4(0, 0, 0, 1) };
+/// The cuts across x, y and z are one object that all materials share: fragments with normal . position > offset
+/// of any are not drawn.
+export const cutUniform: IUniform<Vector4[]> = { value: [0, 1, 2].map(() => new Vector4(0, 0, 0, 1)) };
 
 const voxelVertex = `
 in vec4 position;
@@ -50,13 +51,13 @@ precision highp float;
 in vec3 world;
 in vec3 normal_;
 ${isVoxel ? "in vec2 cell;" : "in vec3 color_;"}
-uniform vec4 cut;
+uniform vec4 cut[3];
 uniform vec3 low, high;
 uniform vec2 heights;
 uniform float opacity, lines, shine;
 out vec4 color;
 void main() {
-  if (dot(cut.xyz, world) > cut.w) discard;
+  for (int k = 0; k < 3; ++k) if (dot(cut[k].xyz, world) > cut[k].w) discard;
   vec3 n = normalize(normal_) * (gl_FrontFacing ? 1.0 : -1.0);
   float light = 0.76 + 0.24 * n.z + 0.13 * n.x - 0.06 * n.y;
   light *= gl_FrontFacing ? 1.0 : 0.62;
@@ -73,7 +74,7 @@ void main() {
 
 export interface SurfaceUniforms {
   [name: string]: IUniform;
-  cut: IUniform<Vector4>;
+  cut: IUniform<Vector4[]>;
   low: IUniform<Vector3>; high: IUniform<Vector3>;
   heights: IUniform<[number, number]>;
   opacity: IUniform<number>; lines: IUniform<number>; shine: IUniform<number>;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <opencv2/core.hpp>
 #include <vector>
 
 #include "mapping/free_space_map.hpp"
@@ -32,20 +31,19 @@ TEST(SliceClearance, LinesLieWhereTheDistanceToTheObstacleIsAMultipleOfTheStep) 
   canvas.low_up = 0.1;
   canvas.resolution = 0.1;
   canvas.pixels = 20.0;
-  const cv::Vec3b paper(250, 250, 250);
-  cv::Mat image(canvas.height() + 100, canvas.width() + 300, CV_8UC3, cv::Scalar(250, 250, 250));
+  constexpr Picture::Colour paper{250, 250, 250};
+  Picture image(canvas.width() + 300, canvas.height() + 100, paper);
   const double step = draw_clearance(image, canvas, map, {2, 0.25}, Policy::not_occupied);
   EXPECT_DOUBLE_EQ(step, 0.2);
   const int row = canvas.y(0.25);
   std::vector<double> at;
   for (int x = SliceCanvas::margin_left; x < SliceCanvas::margin_left + canvas.width() - 1; ++x)
-    if (image.at<cv::Vec3b>(row, x) != paper && image.at<cv::Vec3b>(row, x - 1) == paper)
-      at.push_back(canvas.right_at(x));
+    if (image.at(x, row) != paper && image.at(x - 1, row) == paper) at.push_back(canvas.right_at(x));
   ASSERT_GE(at.size(), 8U);
   for (std::size_t line = 0; line < 8; ++line)
     EXPECT_NEAR(at[line] - 0.3, step * static_cast<double>(line + 1), 0.04) << "line " << line;
   const int inside = canvas.x(0.25);  // what is blocked has none
-  EXPECT_EQ(image.at<cv::Vec3b>(row, inside), paper);
+  EXPECT_EQ(image.at(inside, row), paper);
 }
 
 }  // namespace slice_clearance_test

@@ -81,8 +81,10 @@ TEST(Mesh, round_shapes_have_the_normals_of_the_surface_and_boxes_those_of_their
 }
 
 TEST(Mesh, voxel_faces_are_a_closed_surface_in_the_map) {
-  PageVoxels voxels{
-      "painted", 0.1, {{0.05F, 0.05F, 0.05F}, {0.15F, 0.05F, 0.05F}, {0.05F, 0.15F, 0.05F}}, {}};
+  PageVoxels voxels{"painted", 0.1};
+  for (const Vector3d& center :
+       {Vector3d(0.05, 0.05, 0.05), Vector3d(0.15, 0.05, 0.05), Vector3d(0.05, 0.15, 0.05)})
+    voxels.add(center, 0.1);
   const Mesh mesh = mesh_of(exposed_faces(voxels), voxels.size);
   EXPECT_NEAR(volume(mesh), 3e-3, 1e-9);
   Eigen::AlignedBox3d box;

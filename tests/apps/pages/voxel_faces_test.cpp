@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -17,10 +18,9 @@ using Face = std::array<int, 4>;  // direction, then the voxel that owns the fac
 constexpr double kSize = 0.05;
 
 void add_leaf(PageVoxels& voxels, const Cell& low, int side) {
-  Eigen::Vector3f center;
-  for (int a = 0; a < 3; ++a) center[a] = static_cast<float>((low[a] + 0.5 * side) * kSize);
-  voxels.centers.push_back(center);
-  voxels.sizes.push_back(static_cast<float>(side * kSize));
+  Eigen::Vector3d center;
+  for (int a = 0; a < 3; ++a) center[a] = (low[static_cast<std::size_t>(a)] + 0.5 * side) * voxels.size;
+  voxels.add(center, side * voxels.size);
 }
 
 std::set<Cell> cells_of(const Cell& low, int side) {
@@ -61,7 +61,7 @@ std::set<Face> faces_of(const std::vector<VoxelQuad>& quads) {
 
 /// Random leaves of 1 to 8 voxels, aligned and disjoint, around the origin.
 std::pair<PageVoxels, std::set<Cell>> random_leaves(std::mt19937_64& random, int tries) {
-  PageVoxels voxels{"occupied", kSize, {}, {}};
+  PageVoxels voxels{"occupied", kSize};
   std::set<Cell> all;
   for (int k = 0; k < tries; ++k) {
     const int side = 1 << (random() % 4);
@@ -82,21 +82,72 @@ TEST(VoxelFaces, AreTheFacesOfTheDefinitionForRandomLeavesOfSeveralSizes) {
   for (int round = 0; round < 200; ++round) {
     const auto [voxels, cells] = random_leaves(random, 1 + static_cast<int>(random() % 150));
     EXPECT_EQ(faces_of(exposed_faces(voxels)), faces_by_definition(cells));
-    EXPECT_EQ(count_voxels(voxels), cells.size());
+    EXPECT_EQ(voxels.count, cells.size());
   }
 }
 
 TEST(VoxelFaces, DoNotDependOnTheOrderOfTheLeaves) {
   std::mt19937_64 random(12);
-  auto [voxels, cells] = random_leaves(random, 100);
-  const auto faces = exposed_faces(voxels);
-  std::reverse(voxels.centers.begin(), voxels.centers.end());
-  std::reverse(voxels.sizes.begin(), voxels.sizes.end());
-  EXPECT_EQ(exposed_faces(voxels), faces);
+  for (int round = 0; round < 20; ++round) {
+    const auto [voxels, cells] = random_leaves(random, 100);
+    PageVoxels sorted{"occupied", kSize}, reversed{"occupied", kSize};
+    for (const Cell& cell : cells) add_leaf(sorted, cell, 1);
+    for (auto cell = cells.rbegin(); cell != cells.rend(); ++cell) add_leaf(reversed, *cell, 1);
+    EXPECT_EQ(exposed_faces(reversed), exposed_faces(sorted));
+    EXPECT_EQ(faces_of(exposed_faces(sorted)), faces_of(exposed_faces(voxels)));
+  }
+}
+
+/// The cells of twice the edge of which any or all voxels are in the set, from the definition.
+std::set<Cell> coarse_cells(const std::set<Cell>& cells, bool any) {
+  std::map<Cell, int> inside;
+  for (const Cell& cell : cells) {
+    Cell low{};
+    for (std::size_t a = 0; a < 3; ++a) low[a] = (cell[a] - (cell[a] & 1));
+    ++inside[low];
+  }
+  std::set<Cell> result;
+  for (const auto& [low, voxels] : inside) {
+    if (!any && voxels < 8) continue;
+    const std::set<Cell> all = cells_of(low, 2);
+    result.insert(all.begin(), all.end());
+  }
+  return result;
+}
+
+TEST(VoxelFaces, OfCoarserCellsAreThoseOfTheirDefinition) {
+  std::mt19937_64 random(13);
+  for (int round = 0; round < 200; ++round) {
+    auto [voxels, cells] = random_leaves(random, 1 + static_cast<int>(random() % 150));
+    voxels.cells.sort();
+    const bool any = random() % 2 == 0;
+    voxels.cells.coarsen(any);
+    std::set<Cell> coarse = coarse_cells(cells, any);
+    EXPECT_EQ(faces_of(exposed_faces(voxels)), faces_by_definition(coarse));
+    if (random() % 2 == 0) continue;
+    voxels.cells.coarsen(any);  // and again: cells of 4 voxels
+    std::map<Cell, int> inside;
+    for (const Cell& cell : cells) ++inside[{cell[0] & ~3, cell[1] & ~3, cell[2] & ~3}];
+    coarse.clear();
+    for (const auto& [low, count] : inside)
+      if (any || count == 64) coarse.merge(cells_of(low, 4));
+    EXPECT_EQ(faces_of(exposed_faces(voxels)), faces_by_definition(coarse));
+  }
+}
+
+TEST(VoxelFaces, AreCountedWithoutBeingMade) {
+  std::mt19937_64 random(14);
+  for (int round = 0; round < 50; ++round) {
+    const auto [voxels, cells] = random_leaves(random, 100);
+    PageVoxels single{"occupied", kSize};
+    for (const Cell& cell : cells) add_leaf(single, cell, 1);
+    single.cells.sort();
+    EXPECT_EQ(count_faces(single.cells), faces_by_definition(cells).size());
+  }
 }
 
 TEST(VoxelFaces, OfASolidBlockAreSixRectanglesHoweverItIsCutIntoLeaves) {
-  PageVoxels whole{"painted", kSize, {}, {}}, pieces{"painted", kSize, {}, {}};
+  PageVoxels whole{"painted", kSize}, pieces{"painted", kSize};
   add_leaf(whole, {-8, 0, 8}, 8);
   for (const Cell& cell : cells_of({-8, 0, 8}, 8)) add_leaf(pieces, cell, 1);
   EXPECT_EQ(exposed_faces(whole).size(), 6U);
@@ -104,7 +155,7 @@ TEST(VoxelFaces, OfASolidBlockAreSixRectanglesHoweverItIsCutIntoLeaves) {
 }
 
 TEST(VoxelFaces, OfALargeLeafCostNoMoreThanItsSurface) {
-  PageVoxels voxels{"seen_free", kSize, {}, {}};
+  PageVoxels voxels{"seen_free", kSize};
   add_leaf(voxels, {0, 0, 0}, 16384);
   add_leaf(voxels, {-1, 0, 0}, 1);
   // The small cube splits the large one's -x face into a quadtree, and hides its own +x face.
@@ -116,35 +167,40 @@ TEST(VoxelFaces, OfALargeLeafCostNoMoreThanItsSurface) {
 }
 
 TEST(VoxelFaces, AtTheEdgeOfTheOctreesSpaceAreExposed) {
-  PageVoxels voxels{"occupied", 1.0, {}, {}};
-  voxels.centers = {{-32767.5F, -32767.5F, -32767.5F}, {32767.5F, 32767.5F, 32767.5F}};
-  EXPECT_EQ(exposed_faces(voxels).size(), 12U);
-  voxels.centers = {Eigen::Vector3f::Zero()};
-  voxels.sizes = {65536.0F};
-  const auto quads = exposed_faces(voxels);
+  PageVoxels corners{"occupied", 1.0}, whole{"occupied", 1.0};
+  add_leaf(corners, {-32768, -32768, -32768}, 1);
+  add_leaf(corners, {32767, 32767, 32767}, 1);
+  EXPECT_EQ(exposed_faces(corners).size(), 12U);
+  add_leaf(whole, {-32768, -32768, -32768}, 65536);
+  const auto quads = exposed_faces(whole);
   ASSERT_EQ(quads.size(), 6U);
   EXPECT_EQ(quads[0].width, 65536U);
 }
 
-TEST(VoxelFaces, OfAnEmptySetAreNone) { EXPECT_TRUE(exposed_faces({"occupied", kSize, {}, {}}).empty()); }
+TEST(VoxelFaces, OfAnEmptySetAreNone) { EXPECT_TRUE(exposed_faces({"occupied", kSize}).empty()); }
 
 TEST(VoxelFaces, RefuseLeavesThatNoOctreeHolds) {
-  const auto refused = [](Cell low, int side, double shift) {
-    PageVoxels voxels{"occupied", kSize, {}, {}};
+  const auto refused = [](Cell low, double side, double shift) {
+    PageVoxels voxels{"occupied", kSize};
     add_leaf(voxels, {0, 0, 0}, 4);
-    add_leaf(voxels, low, side);
-    voxels.centers.back().x() += static_cast<float>(shift * kSize);
-    EXPECT_THROW(exposed_faces(voxels), std::invalid_argument);
+    Eigen::Vector3d center(low[0] + 0.5 * side + shift, low[1] + 0.5 * side, low[2] + 0.5 * side);
+    EXPECT_THROW(
+        {
+          voxels.add(center * kSize, side * kSize);
+          exposed_faces(voxels);
+        },
+        std::invalid_argument);
   };
   refused({1, 2, 3}, 1, 0);      // inside the other leaf
   refused({6, 8, 8}, 4, 0);      // not aligned to its edge
   refused({8, 8, 8}, 3, 0);      // not a power of two
   refused({8, 8, 8}, 1, 0.5);    // between two voxels
   refused({40000, 0, 0}, 1, 0);  // outside the space
-  PageVoxels no_size{"occupied", 0.0, {Eigen::Vector3f::Zero()}, {}};
-  EXPECT_THROW(exposed_faces(no_size), std::invalid_argument);
-  PageVoxels uneven{"occupied", kSize, {Eigen::Vector3f::Zero()}, {0.05F, 0.05F}};
-  EXPECT_THROW(exposed_faces(uneven), std::invalid_argument);
+  refused({0, 0, 0}, 8, 0);      // around the other leaf
+  refused({8, 8, 8}, std::numeric_limits<double>::quiet_NaN(), 0);
+  refused({8, 8, 8}, 1, std::numeric_limits<double>::quiet_NaN());
+  PageVoxels no_size{"occupied", 0.0};
+  EXPECT_THROW(no_size.add(Eigen::Vector3d::Zero(), 1.0), std::invalid_argument);
 }
 
 }  // namespace voxel_faces_test

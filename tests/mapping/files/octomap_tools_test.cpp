@@ -61,6 +61,14 @@ TEST_F(OctomapTools, ConvertOctreeTurnsOurColourTreeIntoABinaryTreeOfTheSameObst
   EXPECT_EQ(occupied(load_map(folder_ / "converted.bt")), expected);
 }
 
+TEST_F(OctomapTools, ConvertOctreeReadsTheObstaclesOfOurMap) {
+  save_map(map_, folder_ / "map");
+  ASSERT_EQ(run("convert_octree " + path("map/map.ot") + " " + path("converted.bt")), 0);
+  const Snapshot converted = load_map(folder_ / "converted.bt");
+  EXPECT_EQ(converted.resolution(), map_.resolution());
+  EXPECT_EQ(occupied(converted), occupied(map_));
+}
+
 TEST_F(OctomapTools, ConvertOctreeReadsOurBinaryTree) {
   export_map(map_, folder_ / "binary.bt");
   ASSERT_EQ(run("convert_octree " + path("binary.bt") + " " + path("converted.ot")), 0);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "mapping/files/map_file.hpp"
+#include "mapping/files/octree_check.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/random_map.hpp"
@@ -91,15 +92,43 @@ TEST(OctreeFile, TheOccupancyThresholdTravelsWithTheMap) {
   EXPECT_EQ(content.tree->getOccupancyThresLog(), snapshot.tree().getOccupancyThresLog());
 }
 
-TEST(OctreeFile, OctoMapsOwnReaderOpensOurFile) {
-  FusedTree::register_type();
+TEST(OctreeFile, OctoMapsOwnReaderOpensOurFileWithItsEvidence) {
   const Snapshot map = worlds::random_map(2).snapshot();
   std::istringstream stream(format_fused_tree(map.tree(), map.volumes()));
   ::testing::internal::CaptureStderr();
   const std::unique_ptr<octomap::AbstractOcTree> tree(octomap::AbstractOcTree::read(stream));
   ::testing::internal::GetCapturedStderr();
-  ASSERT_NE(dynamic_cast<FusedTree*>(tree.get()), nullptr);
-  EXPECT_TRUE(dynamic_cast<FusedTree&>(*tree) == map.tree());
+  auto* read = dynamic_cast<octomap::ColorOcTree*>(tree.get());
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->size(), map.tree().size());
+  EXPECT_EQ(read->getResolution(), map.resolution());
+  std::size_t occupied = 0;
+  map.visit_leaves([&](const Voxel& voxel) {
+    const auto* node = read->search(voxel.center.x(), voxel.center.y(), voxel.center.z());
+    ASSERT_NE(node, nullptr);
+    const bool blocks = voxel.state == VoxelState::occupied || voxel.state == VoxelState::conflict;
+    EXPECT_EQ(read->isNodeOccupied(node), blocks);
+    if (voxel.observed) {
+      EXPECT_EQ(static_cast<double>(node->getLogOdds()), voxel.log_odds);
+    }
+    occupied += blocks;
+  });
+  EXPECT_GT(occupied, 100U);
+}
+
+/// As they were written before maps named themselves ColorOcTree.
+TEST(OctreeFile, FilesThatNameOurOwnTypeAreReadAsBefore) {
+  const Snapshot map = worlds::random_map(4).snapshot();
+  std::string bytes = format_fused_tree(map.tree(), map.volumes());
+  const auto seal = bytes.find('\n') + 1, rest = bytes.find('\n', seal) + 1;
+  const std::string before = bytes.substr(0, seal);
+  std::string after = bytes.substr(rest);
+  after.erase(after.find(fused_nodes_comment), fused_nodes_comment.size());
+  after.replace(after.find("id ColorOcTree"), 14, "id ClearwayFusedTree");
+  const OctreeContent content = parse_octree(before + seal_line(before, after) + after, "map.ot");
+  EXPECT_TRUE(*content.tree == map.tree());
+  EXPECT_TRUE(content.has_volumes);
+  EXPECT_EQ(format_fused_tree(*content.tree, content.volumes), bytes);
 }
 
 TEST(OctreeFile, EveryTruncationOfOurFileIsRefused) {

@@ -1,0 +1,107 @@
+#include "apps/inspect/slice_states.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "apps/console/parse.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+
+namespace clearway {
+namespace {
+
+std::size_t rank(VoxelState state) {
+  return static_cast<std::size_t>(std::find(slice_states.begin(), slice_states.end(), state) -
+                                  slice_states.begin());
+}
+
+/// The pixels that voxels first ... first + edge - 1 touch.
+std::pair<int, int> pixels_of(int first, int edge, double scale, int size) {
+  const int low = std::clamp(static_cast<int>(std::floor(first * scale + 1e-9)), 0, size - 1);
+  const int high = static_cast<int>(std::ceil((first + edge) * scale - 1e-9));
+  return {low, std::clamp(high, low + 1, size)};
+}
+
+}  // namespace
+
+SlicePlane parse_plane(const std::string& text, const std::string& flag) {
+  if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=')
+    throw std::invalid_argument(flag + ": expected x=, y= or z= and metres, such as z=0.3, got '" + text +
+                                "'");
+  const auto numbers = parse_numbers(text.substr(2), flag + " " + text.substr(0, 1));
+  if (numbers.size() != 1)
+    throw std::invalid_argument(flag + ": expected one number after '" + text.substr(0, 2) + "'");
+  return {text[0] - 'x', numbers[0]};
+}
+
+void require_plane(const MapLeaves& map, const SlicePlane& plane, const std::string& flag) {
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  if (bounds.isEmpty()) throw std::invalid_argument(flag + ": the map is empty");
+  if (plane.value >= bounds.min()[plane.axis] && plane.value <= bounds.max()[plane.axis]) return;
+  throw std::invalid_argument(flag + ": " + significant(plane.value) + " m misses the map, which spans " +
+                              significant(bounds.min()[plane.axis]) + " to " +
+                              significant(bounds.max()[plane.axis]) + " m on that axis");
+}
+
+std::string difference_label(VoxelState state) {
+  switch (state) {
+    case VoxelState::conflict:
+      return "newly blocked";
+    case VoxelState::painted:
+      return "blocked no more";
+    case VoxelState::occupied:
+      return "blocked in both";
+    case VoxelState::seen_free:
+      return "other change";
+    case VoxelState::unknown:
+      return "same";
+  }
+  return "";
+}
+
+SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane) {
+  SliceFrame frame;
+  frame.right = plane.axis == 0 ? 1 : 0;
+  frame.up = plane.axis == 2 ? 1 : 2;
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  if (bounds.isEmpty()) return frame;
+  for (int axis = 0; axis < 3; ++axis)
+    frame.low[axis] = static_cast<int>(std::lround(bounds.min()[axis] / map.resolution()));
+  frame.columns = static_cast<int>(std::lround(bounds.sizes()[frame.right] / map.resolution()));
+  frame.rows = static_cast<int>(std::lround(bounds.sizes()[frame.up] / map.resolution()));
+  return frame;
+}
+
+SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward) {
+  const SliceFrame frame = slice_frame(map, plane);
+  SlicePixels pixels;
+  pixels.width = std::max(1, static_cast<int>(std::lround(frame.columns * across)));
+  pixels.height = std::max(1, static_cast<int>(std::lround(frame.rows * upward)));
+  const auto width = static_cast<std::size_t>(pixels.width);
+  std::vector<std::uint8_t> ranks(width * static_cast<std::size_t>(pixels.height), slice_states.size() - 1);
+  const auto cell = map.about().tree().cell(plane.value * Eigen::Vector3d::Unit(plane.axis));
+  const int layer = cell ? (*cell)[plane.axis] : std::numeric_limits<int>::max();
+  pixels.counts.back() = static_cast<std::size_t>(frame.columns) * static_cast<std::size_t>(frame.rows);
+  map.visit([&](const MapLeaf& leaf) {
+    if (layer < leaf.corner[plane.axis] || layer >= leaf.corner[plane.axis] + leaf.edge) return;
+    const std::size_t state = rank(leaf.state);
+    const std::size_t voxels = static_cast<std::size_t>(leaf.edge) * static_cast<std::size_t>(leaf.edge);
+    pixels.counts[state] += voxels;
+    pixels.counts.back() -= voxels;
+    const auto [left, right] =
+        pixels_of(leaf.corner[frame.right] - frame.low[frame.right], leaf.edge, across, pixels.width);
+    const auto [bottom, top] =
+        pixels_of(leaf.corner[frame.up] - frame.low[frame.up], leaf.edge, upward, pixels.height);
+    for (int up = bottom; up < top; ++up) {
+      std::uint8_t* row = ranks.data() + static_cast<std::size_t>(pixels.height - 1 - up) * width;
+      for (int column = left; column < right; ++column)
+        row[column] = std::min(row[column], static_cast<std::uint8_t>(state));
+    }
+  });
+  pixels.states.reserve(ranks.size());
+  for (const std::uint8_t each : ranks) pixels.states.push_back(slice_states[each]);
+  return pixels;
+}
+
+}  // namespace clearway

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mapping/files/map_leaves.hpp"
+
+namespace clearway {
+
+/// A plane through the map: the axis (0 x, 1 y, 2 z) it is perpendicular to, and where, metres.
+struct SlicePlane {
+  int axis = 2;
+  double value = 0.0;
+};
+
+/// Parses "z=0.3". @throws std::invalid_argument naming `flag`, with the expected form.
+SlicePlane parse_plane(const std::string& text, const std::string& flag);
+
+/// Throws std::invalid_argument naming `flag` when the map is empty or the plane misses it (with its range).
+void require_plane(const MapLeaves& map, const SlicePlane& plane, const std::string& flag);
+
+/// The states, what hides most first: the order in which they are drawn over each other where several voxels
+/// share a pixel, so that nothing blocked is lost.
+inline constexpr std::array<VoxelState, 5> slice_states = {VoxelState::conflict, VoxelState::occupied,
+                                                           VoxelState::painted, VoxelState::seen_free,
+                                                           VoxelState::unknown};
+
+/// What a state of MapLeaves::difference means.
+std::string difference_label(VoxelState state);
+
+/// The voxels in a plane, as pixels.
+struct SlicePixels {
+  int width = 0, height = 0;
+  std::vector<VoxelState> states;       ///< row by row, the highest first
+  std::array<std::size_t, 5> counts{};  ///< voxels of the plane by state, as in `slice_states`
+
+  VoxelState at(int column, int row) const {
+    return states[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(column)];
+  }
+};
+
+/// The axes of a plane's picture and how many voxels it spans.
+struct SliceFrame {
+  int right = 0, up = 0;  ///< map axes
+  int columns = 0, rows = 0;
+  Eigen::Vector3i low = Eigen::Vector3i::Zero();  ///< the map's lowest voxel
+};
+SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane);
+
+/// The plane as text, a line a row: of `columns` characters, or as few as its voxels need. With `colours` of
+/// 24 bits for terminals, each character two pixels one above the other; else # occupied, X conflict, +
+/// painted, . seen free.
+std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours);
+
+/// Looks at the leaves that the plane cuts, as they are stored.
+/// @param across, upward pixels a voxel takes; may be less than one
+SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward);
+
+}  // namespace clearway

@@ -1,0 +1,77 @@
+#include <algorithm>
+
+#include "apps/inspect/slice_states.hpp"
+
+namespace clearway {
+namespace {
+
+char letter(VoxelState state) {
+  switch (state) {
+    case VoxelState::conflict:
+      return 'X';
+    case VoxelState::occupied:
+      return '#';
+    case VoxelState::painted:
+      return '+';
+    case VoxelState::seen_free:
+      return '.';
+    case VoxelState::unknown:
+      return ' ';
+  }
+  return ' ';
+}
+
+/// Red, green and blue as terminals take them.
+const char* terminal_colour(VoxelState state) {
+  switch (state) {
+    case VoxelState::conflict:
+      return "214;48;49";
+    case VoxelState::occupied:
+      return "150;138;126";
+    case VoxelState::painted:
+      return "18;163;154";
+    case VoxelState::seen_free:
+      return "52;84;120";
+    case VoxelState::unknown:
+      return "18;22;27";
+  }
+  return "0;0;0";
+}
+
+std::string in_letters(const SlicePixels& pixels) {
+  std::string text;
+  for (int row = 0; row < pixels.height; ++row) {
+    std::string line;
+    for (int column = 0; column < pixels.width; ++column) line += letter(pixels.at(column, row));
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
+  }
+  return text;
+}
+
+std::string in_colours(const SlicePixels& pixels) {
+  std::string text;
+  for (int row = 0; row < pixels.height; row += 2) {
+    for (int column = 0; column < pixels.width; ++column) {
+      const VoxelState above = pixels.at(column, row);
+      const VoxelState below = row + 1 < pixels.height ? pixels.at(column, row + 1) : VoxelState::unknown;
+      text +=
+          std::string("\033[38;2;") + terminal_colour(above) + ";48;2;" + terminal_colour(below) + "m\u2580";
+    }
+    text += "\033[0m\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours) {
+  require_plane(map, plane, "--term");
+  const SliceFrame frame = slice_frame(map, plane);
+  // Two characters a voxel at most; a character is twice as high as wide.
+  const double across = std::min(2.0, static_cast<double>(columns) / frame.columns);
+  const SlicePixels pixels = slice_pixels(map, plane, across, colours ? across : across / 2.0);
+  return colours ? in_colours(pixels) : in_letters(pixels);
+}
+
+}  // namespace clearway

@@ -1,0 +1,151 @@
+// `inspect` with pictures of a map and of what differs between two.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/inspect/slice_states.hpp"
+#include "mapping/files/map_file.hpp"
+#include "tests/apps/page_reader.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace inspect_pictures_test {
+
+class InspectPictures : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    setenv("NO_COLOR", "1", 1);
+    save_map(a_, folder_ / "a");
+    save_map(b_, folder_ / "b");
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string bytes(const std::string& name) const {
+    std::ifstream stream(folder_ / name, std::ios::binary);
+    return {(std::istreambuf_iterator<char>(stream)), {}};
+  }
+
+  const TemporaryFolder folder_;
+  const Snapshot a_ = worlds::random_map(31).snapshot(), b_ = worlds::random_map(32).snapshot();
+};
+
+bool blocks(VoxelState state) { return state == VoxelState::occupied || state == VoxelState::conflict; }
+
+/// Voxel by voxel over the box of both, from the states.
+std::map<VoxelState, std::size_t> expected_difference(const Snapshot& a, const Snapshot& b) {
+  std::map<VoxelState, std::size_t> counts;
+  Eigen::AlignedBox3d box = a.bounds();
+  box.extend(b.bounds());
+  const double edge = a.resolution();
+  const Eigen::Vector3i size = (box.sizes() / edge).array().round().cast<int>();
+  for (int x = 0; x < size.x(); ++x)
+    for (int y = 0; y < size.y(); ++y)
+      for (int z = 0; z < size.z(); ++z) {
+        const Eigen::Vector3d point = box.min() + edge * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
+        const VoxelState here = a.state(point), there = b.state(point);
+        if (blocks(here) && blocks(there))
+          ++counts[VoxelState::occupied];
+        else if (blocks(there))
+          ++counts[VoxelState::conflict];
+        else if (blocks(here))
+          ++counts[VoxelState::painted];
+        else if (here != there)
+          ++counts[VoxelState::seen_free];
+      }
+  return counts;
+}
+
+TEST_F(InspectPictures, TheDifferenceOfTwoMapsIsThatOfTheirVoxels) {
+  auto expected = expected_difference(a_, b_);
+  const VoxelCounts counts = MapLeaves::difference(a_, b_).counts();
+  EXPECT_EQ(counts.occupied, expected[VoxelState::occupied]);
+  EXPECT_EQ(counts.conflict, expected[VoxelState::conflict]);
+  EXPECT_EQ(counts.painted, expected[VoxelState::painted]);
+  EXPECT_EQ(counts.seen_free, expected[VoxelState::seen_free]);
+  EXPECT_GT(counts.conflict, 100U);
+  EXPECT_GT(counts.painted, 100U);
+  EXPECT_THROW(MapLeaves::difference(a_, worlds::random_map(1, 0.1).snapshot()), std::invalid_argument);
+}
+
+TEST_F(InspectPictures, OfTwoMapsShowWhatDiffers) {
+  const CommandRun run = run_command({"inspect", path("a"), "--diff", path("b"), "--view", path("diff.html"),
+                                      "--slice", "z=0.1", path("diff.png")});
+  EXPECT_EQ(run.status, exit_no) << run.log;
+  const PageReader reader(bytes("diff.html"));
+  EXPECT_EQ(reader.page["title"], "a against b");
+  auto expected = expected_difference(a_, b_);
+  for (const auto& set : reader.page["voxels"]) {
+    if (set["state"] == "conflict") {
+      EXPECT_EQ(set["count"], expected[VoxelState::conflict]);
+    }
+    if (set["state"] == "painted") {
+      EXPECT_EQ(set["count"], expected[VoxelState::painted]);
+    }
+  }
+  EXPECT_EQ(reader.page["stateLabels"].size(), 4U);
+  EXPECT_TRUE(bytes("diff.png").starts_with("\x89PNG"));
+  ASSERT_EQ(run_command({"inspect", path("a"), "--slice", "z=0.1", path("a.png")}).status, exit_done);
+  EXPECT_NE(bytes("diff.png"), bytes("a.png"));
+}
+
+TEST_F(InspectPictures, InTheTerminalAreTheStatesOfThePlane) {
+  const CommandRun run = run_command({"inspect", path("a"), "--term", "z=0.125"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const MapLeaves map(a_);
+  const SlicePlane plane{2, 0.125};
+  const SliceFrame frame = slice_frame(map, plane);
+  const std::string drawn = slice_text(map, plane, frame.columns, false);
+  // A line stands for two rows of voxels, of which the one that blocks most is seen.
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < drawn.size(); at = drawn.find('\n', at) + 1)
+    lines.push_back(drawn.substr(at, drawn.find('\n', at) - at));
+  const std::map<char, VoxelState> letters{{'X', VoxelState::conflict},
+                                           {'#', VoxelState::occupied},
+                                           {'+', VoxelState::painted},
+                                           {'.', VoxelState::seen_free},
+                                           {' ', VoxelState::unknown}};
+  const int height = static_cast<int>(lines.size());
+  ASSERT_GE(height, frame.rows / 2);
+  std::size_t occupied = 0;
+  for (int line = 0; line + 1 < height; ++line)
+    for (int column = 0; column < frame.columns; ++column) {
+      const std::string& text = lines[static_cast<std::size_t>(height - 1 - line)];
+      const char letter =
+          static_cast<std::size_t>(column) < text.size() ? text[static_cast<std::size_t>(column)] : ' ';
+      std::size_t most = slice_states.size() - 1;
+      for (const int row : {2 * line, 2 * line + 1}) {
+        const Eigen::Vector3d point((frame.low.x() + column + 0.5) * map.resolution(),
+                                    (frame.low.y() + row + 0.5) * map.resolution(), plane.value);
+        const auto found = std::find(slice_states.begin(), slice_states.end(), a_.state(point));
+        most = std::min(most, static_cast<std::size_t>(found - slice_states.begin()));
+      }
+      EXPECT_EQ(letters.at(letter), slice_states[most]) << line << ' ' << column;
+      occupied += letter == '#';
+    }
+  EXPECT_GT(occupied, 5U);
+  EXPECT_NE(run.out.find('#'), std::string::npos);
+  EXPECT_NE(slice_text(map, plane, 80, true).find("\033[38;2;"), std::string::npos);
+}
+
+TEST_F(InspectPictures, RefuseWhatDoesNotGoTogether) {
+  for (const std::vector<std::string>& flags : std::vector<std::vector<std::string>>{
+           {"--term", "z=0", "--json"},
+           {"--term", "q=0"},
+           {"--term", "z=99"},
+           {"--diff", path("b"), "--slice", "z=0", path("s.png"), "--clearance", "painted"},
+           {"--diff", path("b"), "--slice", "z=0", path("s.png"), "--age"}}) {
+    std::vector<std::string> arguments{"inspect", path("a")};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+  }
+}
+
+}  // namespace inspect_pictures_test
+}  // namespace clearway

@@ -1,0 +1,85 @@
+// The pixels of a slice, against the state of the voxel at each of them.
+
+#include "apps/inspect/slice_states.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace slice_states_test {
+
+Eigen::Vector3d center(const MapLeaves& map, const SliceFrame& frame, const SlicePlane& plane, int column,
+                       int row) {
+  Eigen::Vector3d point;
+  point[plane.axis] = plane.value;
+  point[frame.right] = (frame.low[frame.right] + column + 0.5) * map.resolution();
+  point[frame.up] = (frame.low[frame.up] + row + 0.5) * map.resolution();
+  return point;
+}
+
+TEST(SliceStates, AreThoseOfTheVoxelsInThePlane) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const Snapshot snapshot = worlds::random_map(seed).snapshot();
+    const MapLeaves map(snapshot);
+    worlds::Dice dice(seed);
+    for (int axis = 0; axis < 3; ++axis) {
+      const SlicePlane plane{axis, dice.uniform(-0.6, 0.6)};
+      const SliceFrame frame = slice_frame(map, plane);
+      const SlicePixels pixels = slice_pixels(map, plane, 3.0, 2.0);
+      ASSERT_EQ(pixels.width, 3 * frame.columns);
+      ASSERT_EQ(pixels.height, 2 * frame.rows);
+      std::array<std::size_t, 5> counts{};
+      for (int row = 0; row < frame.rows; ++row)
+        for (int column = 0; column < frame.columns; ++column) {
+          const VoxelState state = snapshot.state(center(map, frame, plane, column, row));
+          ++counts[static_cast<std::size_t>(std::find(slice_states.begin(), slice_states.end(), state) -
+                                            slice_states.begin())];
+          for (int k = 0; k < 6; ++k)
+            ASSERT_EQ(pixels.at(3 * column + k % 3, pixels.height - 1 - 2 * row - k / 3), state);
+        }
+      EXPECT_EQ(pixels.counts, counts);
+    }
+  }
+}
+
+TEST(SliceStates, OfVoxelsSmallerThanAPixelAreTheOneThatBlocksMost) {
+  const Snapshot snapshot = worlds::random_map(7, 0.02).snapshot();
+  const MapLeaves map(snapshot);
+  const SlicePlane plane{2, 0.1};
+  const SliceFrame frame = slice_frame(map, plane);
+  const SlicePixels pixels = slice_pixels(map, plane, 0.25, 0.25);
+  ASSERT_EQ(pixels.width, (frame.columns + 2) / 4);
+  for (int row = 0; row + 1 < pixels.height; ++row)
+    for (int column = 0; column + 1 < pixels.width; ++column) {
+      std::size_t most = slice_states.size() - 1;
+      for (int k = 0; k < 16; ++k) {
+        const VoxelState state =
+            snapshot.state(center(map, frame, plane, 4 * column + k % 4, 4 * row + k / 4));
+        most = std::min<std::size_t>(
+            most, static_cast<std::size_t>(std::find(slice_states.begin(), slice_states.end(), state) -
+                                           slice_states.begin()));
+      }
+      EXPECT_EQ(pixels.at(column, pixels.height - 1 - row), slice_states[most]);
+    }
+}
+
+TEST(SliceStates, OfPlanesBesideTheMapAreRefusedWithItsRange) {
+  const MapLeaves map(worlds::random_map(1).snapshot());
+  for (const double value : {9.0, -9.0, std::numeric_limits<double>::quiet_NaN()}) {
+    try {
+      require_plane(map, {0, value}, "--slice");
+      FAIL() << value;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("which spans"), std::string::npos);
+    }
+  }
+  EXPECT_THROW(require_plane(MapLeaves(FreeSpaceMap({.resolution = 0.1}).snapshot()), {0, 0.0}, "--slice"),
+               std::invalid_argument);
+}
+
+}  // namespace slice_states_test
+}  // namespace clearway

@@ -1,0 +1,200 @@
+// Maps gone through leaf by leaf, against the tree that load_map makes of the same file.
+
+#include "mapping/files/map_leaves.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "mapping/files/map_digest.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/files/octree_file.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/child_process.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/worlds/random_map.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace map_leaves_test {
+
+namespace fs = std::filesystem;
+
+/// State and volumes of every voxel of the finest size.
+using Voxels = std::map<std::tuple<int, int, int>, std::pair<VoxelState, unsigned>>;
+
+Voxels voxels_of(const MapLeaves& map) {
+  Voxels voxels;
+  map.visit([&](const MapLeaf& leaf) {
+    for (int x = 0; x < leaf.edge; ++x)
+      for (int y = 0; y < leaf.edge; ++y)
+        for (int z = 0; z < leaf.edge; ++z) {
+          const bool is_new = voxels
+                                  .insert({{leaf.corner.x() + x, leaf.corner.y() + y, leaf.corner.z() + z},
+                                           {leaf.state, leaf.volumes}})
+                                  .second;
+          EXPECT_TRUE(is_new) << "a voxel came twice";
+        }
+  });
+  return voxels;
+}
+
+void expect_same(const MapLeaves& streamed, const Snapshot& loaded) {
+  const MapLeaves in_memory(loaded);
+  EXPECT_EQ(streamed.resolution(), loaded.resolution());
+  EXPECT_EQ(voxels_of(streamed), voxels_of(in_memory));
+  const VoxelCounts a = streamed.counts(), b = loaded.counts();
+  EXPECT_EQ(std::tuple(a.painted, a.seen_free, a.occupied, a.conflict),
+            std::tuple(b.painted, b.seen_free, b.occupied, b.conflict));
+  EXPECT_EQ(streamed.bounds().isEmpty(), loaded.bounds().isEmpty());
+  if (!loaded.bounds().isEmpty()) {
+    EXPECT_EQ(streamed.bounds().min(), loaded.bounds().min());
+    EXPECT_EQ(streamed.bounds().max(), loaded.bounds().max());
+  }
+  ASSERT_EQ(streamed.volumes().size(), loaded.volumes().size());
+  for (std::size_t v = 0; v < loaded.volumes().size(); ++v) {
+    EXPECT_EQ(streamed.volumes()[v].label, loaded.volumes()[v].label);
+    EXPECT_EQ(streamed.volumes()[v].spheres.size(), loaded.volumes()[v].spheres.size());
+  }
+  EXPECT_EQ(streamed.about().tree().integration(), loaded.tree().integration());
+  EXPECT_EQ(streamed.about().seen() == nullptr, loaded.seen() == nullptr);
+}
+
+TEST(MapLeaves, OfOurFilesAreThoseOfTheTreeInItsOrder) {
+  const TemporaryFolder folder;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    FreeSpaceMap made = worlds::random_map(seed);
+    worlds::Dice dice(seed);
+    Scan timed = worlds::random_scan(dice, 300);
+    timed.time = 12.5;
+    if (seed % 2 == 0) made.insert(timed);
+    save_map(made.snapshot(), folder / "map");
+    const Snapshot loaded = load_map(folder / "map");
+    const MapLeaves streamed = MapLeaves::in_file(folder / "map");
+    expect_same(streamed, loaded);
+    EXPECT_EQ(streamed.sha256(), map_sha256(folder / "map"));
+    EXPECT_EQ(streamed.tree_bytes(), loaded.tree().memoryUsage());
+    if (loaded.seen() != nullptr) {
+      EXPECT_EQ(streamed.about().seen()->newest(), loaded.seen()->newest());
+      loaded.visit_leaves([&](const Voxel& leaf) {
+        EXPECT_EQ(streamed.about().last_seen(leaf.center), loaded.last_seen(leaf.center));
+      });
+    }
+    std::vector<std::uint64_t> order[2];
+    for (const bool stream : {false, true})
+      (stream ? streamed : MapLeaves(loaded)).visit([&](const MapLeaf& leaf) {
+        order[stream].push_back(static_cast<std::uint64_t>(leaf.corner.x() + 32768) << 40U |
+                                static_cast<std::uint64_t>(leaf.corner.y() + 32768) << 20U |
+                                static_cast<std::uint64_t>(leaf.corner.z() + 32768));
+      });
+    EXPECT_EQ(order[0], order[1]);
+  }
+}
+
+TEST(MapLeaves, OfOtherProgramsFilesAndOfCloudsAreThoseOfLoadMap) {
+  const TemporaryFolder folder;
+  for (unsigned seed = 20; seed < 24; ++seed) {
+    const Snapshot map = worlds::random_map(seed).snapshot();
+    for (const char* name : {"colour.ot", "binary.bt", "cloud.pcd"}) {
+      export_map(map, folder / name);
+      expect_same(MapLeaves::in_file(folder / name), load_map(folder / name));
+    }
+  }
+}
+
+TEST(MapLeaves, OfAnEmptyMapAreNone) {
+  const TemporaryFolder folder;
+  save_map(FreeSpaceMap({.resolution = 0.1}).snapshot(), folder / "map");
+  expect_same(MapLeaves::in_file(folder / "map"), load_map(folder / "map"));
+}
+
+std::string complaint(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const DamagedFile& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void visit_all(const fs::path& file) {
+  MapLeaves::in_file(file).visit([](const MapLeaf&) {});
+}
+
+/// Cut off, or with a bit turned over, anywhere: the same sentence as load_map's.
+TEST(MapLeaves, OfDamagedFilesAreRefusedAsLoadMapRefusesThem) {
+  const TemporaryFolder folder;
+  worlds::Dice dice(3);
+  const Snapshot map = worlds::random_map(3).snapshot();
+  save_map(map, folder / "map");
+  export_map(map, folder / "colour.ot");
+  export_map(map, folder / "binary.bt");
+  for (const fs::path& file : {folder / "map" / "map.ot", folder / "colour.ot", folder / "binary.bt"}) {
+    std::ifstream stream(file, std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(stream)), {});
+    std::size_t refused = 0;
+    for (int round = 0; round < 300; ++round) {
+      std::string bytes = whole;
+      const auto at = static_cast<std::size_t>(dice.whole(0, static_cast<int>(bytes.size()) - 1));
+      if (round % 3 == 0)
+        bytes.resize(at);
+      else if (round % 3 == 1)
+        bytes[at] = static_cast<char>(bytes[at] ^ 1 << dice.whole(0, 7));
+      else
+        bytes += "more";
+      const fs::path damaged = folder / ("damaged" + file.extension().string());
+      folder.write(damaged.filename().string(), bytes);
+      const std::string sentence = complaint([&] { load_map(damaged); });
+      EXPECT_EQ(complaint([&] { visit_all(damaged); }), sentence);
+      refused += !sentence.empty();
+    }
+    EXPECT_GT(refused, 100U) << file;
+  }
+}
+
+// What a sanitizer keeps about memory is no cost of the reader.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool memory_tells = false;
+#else
+constexpr bool memory_tells = true;
+#endif
+
+/// The file of a map of 1.1 million nodes.
+std::string large_map() {
+  auto tree = std::make_shared<FusedTree>(0.01);
+  worlds::Dice dice(5);
+  for (int x = -50; x < 50; ++x)
+    for (int y = -50; y < 50; ++y)
+      for (int z = -50; z < 50; ++z)
+        tree->set_observed(
+            {static_cast<octomap::key_type>(32768 + x), static_cast<octomap::key_type>(32768 + y),
+             static_cast<octomap::key_type>(32768 + z)},
+            static_cast<float>(dice.uniform(-2.0, 2.0)));
+  tree->finish();
+  return format_fused_tree(*tree, {});
+}
+
+/// The file alone has more than the process may still allocate.
+TEST(MapLeaves, OfAFileTakeNoMemoryThatGrowsWithIt) {
+  if (!memory_tells) GTEST_SKIP();
+  const TemporaryFolder folder;
+  const auto result = [](const std::function<std::string()>& step, std::size_t memory) {
+    const ChildOutcome outcome =
+        run_in_child(step, {.memory = memory, .output = std::size_t{20} << 20U, .seconds = 60});
+    EXPECT_TRUE(outcome.finished) << outcome.failure;
+    return outcome.finished ? outcome.parts.at(0) : std::string();
+  };
+  folder.write("map.ot", result(large_map, std::size_t{4} << 30U));
+  ASSERT_GT(fs::file_size(folder / "map.ot"), 8'000'000U);
+  const auto count = [&] {
+    const VoxelCounts counts = MapLeaves::in_file(folder / "map.ot").counts();
+    return std::to_string(counts.occupied + counts.seen_free);
+  };
+  EXPECT_EQ(result(count, std::size_t{4} << 20U), "1000000");
+}
+
+}  // namespace map_leaves_test
+}  // namespace clearway
