@@ -3,6 +3,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <cxxabi.h>
+#include <unistd.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -64,10 +67,30 @@ py::array own(std::vector<Value> values) {
   return own(std::move(values), {size});
 }
 
+/// Lets other threads of Python go on, as py::gil_scoped_release, but a daemon thread that comes back after
+/// the interpreter has ended stays here until the process ends: Python would unwind it (pthread_exit) through
+/// this destructor, which ends the process with std::terminate.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked() {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (abi::__forced_unwind&) {
+      for (;;) ::pause();
+    }
+  }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
 /// Runs `work` while other threads of Python go on. It must not touch Python's objects.
 template <typename Work>
 auto without_lock(const Work& work) {
-  const py::gil_scoped_release released;
+  const Unlocked released;
   return work();
 }
 

@@ -1,5 +1,6 @@
 // Paths in time: smooth motions, trajectories and their files, and the gate for others' motion.
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 
@@ -56,9 +57,31 @@ Rows column(const Trajectory& self, Eigen::VectorXd TrajectoryPoint::*member) {
   return rows;
 }
 
+/// Of a proved plan alone, and of its own robot and ways: a controller would follow the file.
 std::string export_text(const NamedRobot& robot, const Plan& plan, const Trajectory& trajectory,
                         const std::string& format) {
-  return trajectory_format(format, robot.robot).write(robot.robot, plan, trajectory);
+  const TrajectoryFormat& known = trajectory_format(format, robot.robot);
+  if (!plan.is_proved())
+    throw std::invalid_argument("plan: expected one that is proved, a controller would follow the file");
+  std::vector<std::string> joints;
+  for (const Joint& joint : robot.robot.joints) joints.push_back(joint.name);
+  if (joints != plan.joints)
+    throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "', got '" +
+                                robot.robot.name + "' with other joints");
+  const auto dof = static_cast<Eigen::Index>(joints.size());
+  const auto is_at = [&](const TrajectoryPoint& point, const Configuration& q) {
+    return point.position.size() == q.size() &&
+           (point.position - q).cwiseAbs().maxCoeff() <= contract_tolerance;
+  };
+  const auto waypoints = plan.waypoints();
+  if (trajectory.points.empty() || waypoints.empty() ||
+      !is_at(trajectory.points.front(), waypoints.front()) ||
+      !is_at(trajectory.points.back(), waypoints.back()))
+    throw std::invalid_argument("trajectory: expected one from the plan's start to its end");
+  for (const TrajectoryPoint& point : trajectory.points)
+    if (point.position.size() != dof || point.velocity.size() != dof)
+      throw std::invalid_argument("trajectory: expected " + std::to_string(dof) + " values at each point");
+  return known.write(robot.robot, plan, trajectory);
 }
 
 void bind_motion(py::module_& module) {
@@ -219,7 +242,7 @@ GateVerdict judge(GuardedGate& self, const py::object& times, const py::object& 
   if (chunk.times.size() != shape.first)
     throw std::invalid_argument("times: expected as many as positions, " + std::to_string(shape.first) +
                                 ", got " + std::to_string(chunk.times.size()));
-  const py::gil_scoped_release released;
+  const Unlocked released;
   const std::lock_guard lock(self.judging);
   return self.gate.judge(chunk);
 }
@@ -258,15 +281,16 @@ void bind_gate(py::module_& module) {
                "newest map, seconds; None: nobody asks."))
       .def(
           "publish",
-          [](GuardedGate& self, const NamedSpace& space, double taken) {
+          [](GuardedGate& self, const NamedSpace& space, const std::optional<double>& taken) {
             return without_lock([&] {
               ConfigurationSpace made(space->robot(), space->map(), {space->policies(), std::nullopt, false},
                                       space->options());
               const std::lock_guard lock(self.publishing);
-              return self.gate.publish(std::move(made), taken);
+              return self.gate.publish(std::move(made),
+                                       taken.value_or(std::numeric_limits<double>::quiet_NaN()));
             });
           },
-          py::arg("space"), py::arg("taken") = 0.0, doc("Gate::publish"))
+          py::arg("space"), py::arg("taken") = py::none(), doc("Gate::publish"))
       .def("judge", &judge, py::arg("times"), py::arg("positions"),
            doc("Gate::judge", "times: (n,), seconds. positions: (n, dof)."))
       .def(
@@ -278,7 +302,7 @@ void bind_gate(py::module_& module) {
               from = Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size()));
             }
             if (from && !from->allFinite()) throw std::invalid_argument("start: expected finite values");
-            const py::gil_scoped_release released;
+            const Unlocked released;
             const std::lock_guard lock(self.judging);
             self.gate.restart(std::move(from));
           },

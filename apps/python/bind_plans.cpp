@@ -77,7 +77,7 @@ Goals goals_from(const py::object& goals, const py::object& poses, const std::st
 
 Plan plan(const NamedSpace& space, const py::object& start, const py::object& goals,
           const py::object& goal_poses, const std::string& tip, const std::string& planner,
-          std::uint64_t seed, double time_limit, double payload, const py::object& gravity, bool survey,
+          std::uint64_t seed, double time_limit, double payload, const py::object& gravity,
           const std::vector<std::string>& allow_outside, bool strict, double advice_time,
           const py::kwargs& options) {
   PlanQuery query{.space = *space, .start = configuration_from(start, "start", space->robot()), .goals = {}};
@@ -89,10 +89,7 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
   query.time_limit = time_limit;
   query.payload = payload;
   if (!gravity.is_none()) query.gravity = point_from(gravity, "gravity");
-  if (survey)
-    query.survey = SurveyDemands{allow_outside, strict};
-  else
-    query.survey.reset();
+  query.survey = SurveyDemands{allow_outside, strict};
   require_parts(allow_outside, space->robot(), "allow_outside");
   query.advice_time = std::min(advice_time, time_limit);
   query.robot_name = space.asked;
@@ -195,8 +192,9 @@ void bind_plan(py::module_& module) {
             without_lock([&] { save_file(file, to_json(self)); });
           },
           py::arg("file"),
-          "Writes plan.json, whole or not at all; `clearway check` reads it. Raises OSError naming the "
-          "file.");
+          "Writes plan.json, whole or not at all; `clearway check` reads it, and asks for the map file that "
+          "the "
+          "space was made of (load_map). Raises OSError naming the file.");
 }
 
 }  // namespace
@@ -207,9 +205,8 @@ void bind_plans(py::module_& module) {
   module.def("plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
              py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("planner") = "auto",
              py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
-             py::arg("gravity") = py::none(), py::arg("survey") = true,
-             py::arg("allow_outside") = std::vector<std::string>{}, py::arg("strict") = false,
-             py::arg("advice_time") = 5.0,
+             py::arg("gravity") = py::none(), py::arg("allow_outside") = std::vector<std::string>{},
+             py::arg("strict") = false, py::arg("advice_time") = 5.0,
              doc("plan_and_check",
                  "start, goals: configurations as arrays, or names of the robot's states; goals also (n, "
                  "dof) or a list.\n\n"
@@ -225,7 +222,8 @@ void bind_plans(py::module_& module) {
   module.def(
       "load_plan",
       [](const std::filesystem::path& file) { return without_lock([&] { return load_plan(file); }); },
-      py::arg("file"), doc("load_plan", "Reads plan.json."));
+      py::arg("file"),
+      doc("load_plan", "Reads plan.json. What it says of itself is only its word: see require_proved."));
   module.def(
       "parse_plan", [](const std::string& text, const std::string& name) { return parse_plan(text, name); },
       py::arg("text"), py::arg("name") = "plan", doc("parse_plan"));

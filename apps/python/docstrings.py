@@ -27,10 +27,9 @@ KEYWORDS = {"const", "noexcept", "override", "default", "delete", "friend", "exp
 
 def plain(lines):
     """The lines of one comment as paragraphs, in words of Python."""
-    text = "\n".join(lines)
+    text = re.sub(r"\n(?=\s*@(throws|returns?|pre|param)\b)", "\n\n", "\n".join(lines))
     for pattern, word in WORDS:
         text = re.sub(pattern, word, text)
-    text = re.sub(r"\n(?=\s*(Raises|Returns|Expects|\w+:) )", "\n\n", text)
     paragraphs = [" ".join(part.split()) for part in re.split(r"\n\s*\n", text)]
     return "\n\n".join(part for part in paragraphs if part)
 

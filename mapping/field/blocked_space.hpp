@@ -90,7 +90,8 @@ class BlockedSpace {
   /// (`not_occupied`: with unknown ignored; `known_free`: without). Origin and direction are rounded to
   /// float, as there.
   /// @param max_range to the voxel's centre, metres; 0: as far as the region goes.
-  /// @throws std::invalid_argument for a ray that is not finite or has no direction, or a negative range.
+  /// @throws std::invalid_argument for a ray that is not finite, has no direction or one longer than 1e19, or
+  ///         starts more than 2^28 voxels off, or a negative range.
   virtual RayHit cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                           double max_range) const = 0;
 

@@ -79,6 +79,9 @@ class CellWalk {
   std::array<double, 3> next_{never, never, never}, delta_{never, never, never};
 };
 
+/// How many voxels off the map's origin a ray may start.
+constexpr double most_cells_away = 268435456.0;
+
 /// A walk looks at its range after so many steps at most.
 constexpr int steps_at_once = 32;
 
@@ -107,8 +110,15 @@ double squared_range(const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
 
 RayHit BlockedField::cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                               double max_range) const {
-  if (!origin.allFinite() || !direction.allFinite() || !(max_range >= 0.0)) {
-    throw std::invalid_argument("ray: expected a finite origin and direction and a range >= 0 in metres");
+  // Beyond these the rounding to float gives infinity, and cells are no ints any more.
+  const bool is_far = !(origin.cwiseAbs().maxCoeff() < most_cells_away * cells_.resolution);
+  const float squared = direction.cast<float>().squaredNorm();
+  if (!origin.allFinite() || !direction.allFinite() || !(max_range >= 0.0) || is_far ||
+      !std::isfinite(squared)) {
+    throw std::invalid_argument(
+        "ray: expected a finite origin within 268 million voxels, a finite direction no longer than 1e19 and "
+        "a "
+        "range >= 0 in metres");
   }
   CellWalk walk(origin, direction, cells_.resolution);
   if (walk.step().isZero()) throw std::invalid_argument("ray: expected a direction that is not zero");

@@ -45,11 +45,17 @@ class PathRefused(PlanError):
 _ERRORS = {"start_invalid": StartInvalid, "goal_invalid": GoalInvalid, "no_path": NoPath, "timed_out": TimedOut}
 
 
-def require_proved(plan):
+def require_proved(plan, space=None):
     """Returns the plan when every leg is solved and the check found the whole path valid.
+
+    What a plan from a file says of itself is only its word: with `space` the path is checked again, there.
 
     Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason.
     """
+    if plan.is_proved and space is not None:
+        verdict = space.check_path(plan.waypoints)
+        if not verdict.valid:
+            raise PathRefused(verdict.first_contact, plan)
     if plan.is_proved:
         return plan
     if plan.status != "solved":
@@ -78,6 +84,8 @@ def load_results(folder):
                 table: [dict(row) for row in database.execute(f'SELECT * FROM "{table}" ORDER BY rowid')]
                 for table in tables
             }
+    except _sqlite3.OperationalError as error:
+        raise OSError(f"'{file}': {error}") from error
     except (_sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise DamagedFile(f"'{file}' is not whole: expected the results.sqlite of a comparison") from error  # noqa: F405
 

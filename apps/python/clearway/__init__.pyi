@@ -3,7 +3,7 @@
 import enum
 import os
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -18,7 +18,7 @@ _FilePath = Union[str, os.PathLike[str]]
 _Policy = Literal["painted", "known_free", "not_occupied"]
 _Status = Literal["solved", "start_invalid", "goal_invalid", "no_path", "timed_out"]
 _Configuration = Union[ArrayLike, str]  # an array, or the name of a state of the robot
-_Option = Union[bool, int, float, str, Sequence[float], None]
+_Option = Union[bool, int, float, str, list[float], tuple[float, ...], None]
 
 class BlockedSpace:
     @property
@@ -63,7 +63,7 @@ class ConfigurationSpace:
         self,
         robot: Robot,
         map: Snapshot,
-        policies: _Policy | Mapping[str, _Policy] | None = ...,
+        policies: _Policy | dict[str, _Policy] | None = ...,
         *,
         other: _Policy | None = ...,
         padding: float | None = ...,
@@ -98,7 +98,7 @@ class ContinuedMap:
         start: Snapshot,
         *,
         integration: Literal["safe", "compatible"] = ...,
-        margins: Mapping[str, float] = ...,
+        margins: dict[str, float] = ...,
         hit_probability: float = ...,
         miss_probability: float = ...,
         discretize: bool = ...,
@@ -137,7 +137,7 @@ class FreeSpaceMap:
         resolution: float = ...,
         *,
         integration: Literal["safe", "compatible"] = ...,
-        margins: Mapping[str, float] = ...,
+        margins: dict[str, float] = ...,
         hit_probability: float = ...,
         miss_probability: float = ...,
         min_probability: float = ...,
@@ -182,9 +182,9 @@ class Gate:
         tolerance: float = ...,
         max_age: float | None = ...,
     ) -> None: ...
-    def publish(self, space: ConfigurationSpace, taken: float = ...) -> int: ...
+    def publish(self, space: ConfigurationSpace, taken: float | None = ...) -> int: ...
     def judge(self, times: ArrayLike, positions: ArrayLike) -> GateVerdict: ...
-    def restart(self, start: _Configuration | None = ...) -> None: ...
+    def restart(self, start: ArrayLike | None = ...) -> None: ...
 
 class GateVerdict:
     def as_dict(self) -> dict[str, Any]: ...
@@ -681,8 +681,8 @@ def load_robot(
     *,
     srdf: _FilePath | None = ...,
     group: str = ...,
-    fixed: Mapping[str, float] = ...,
-    packages: Mapping[str, _FilePath] = ...,
+    fixed: dict[str, float] = ...,
+    packages: dict[str, _FilePath] = ...,
     scale: float | None = ...,
     map_from_base: ArrayLike | None = ...,
 ) -> Robot: ...
@@ -699,7 +699,6 @@ def plan(
     time_limit: float = ...,
     payload: float = ...,
     gravity: ArrayLike | None = ...,
-    survey: bool = ...,
     allow_outside: Sequence[str] = ...,
     strict: bool = ...,
     advice_time: float = ...,
@@ -717,7 +716,7 @@ def plan_motion(
     reach: float = ...,
 ) -> PlannedMotion: ...
 def planner_options(planner: str) -> dict[str, str]: ...
-def require_proved(plan: Plan) -> Plan: ...
+def require_proved(plan: Plan, space: ConfigurationSpace | None = ...) -> Plan: ...
 def save_map(map: Snapshot, directory: _FilePath) -> None: ...
 def time_parameterize(
     robot: Robot,

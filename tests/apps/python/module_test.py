@@ -136,6 +136,9 @@ class Page(unittest.TestCase):
             names = {}
             exec(blocks[0], names)  # noqa: S102
             self.assertTrue(cw.load_plan("plan.json").is_proved)
+            told = worlds.answer("check", "plan.json", "--map", "map", "--robot", "puma560", "--policy", "not_occupied",
+                                 "--allow-outside", "all")
+            self.assertEqual(told["verdict"], "valid")
         self.assertEqual(names["snapshot"].state([0.3, 0.0, 0.4]), cw.VoxelState.painted)
 
 
@@ -220,6 +223,10 @@ class Hostile(unittest.TestCase):
             lambda: snapshot.blocked_space("painted", volumes=["nobody's"]),
             lambda: snapshot.blocked_space().nearest([0, 0, 0], np.nan),
             lambda: snapshot.blocked_space().cast_ray([0, 0, 0], [0, 0, 0]),
+            lambda: snapshot.blocked_space("painted").cast_ray([0, 0, 0], [1e300, 0, 0]),
+            lambda: snapshot.blocked_space("not_occupied").cast_ray([1e300, 0, 0], [1, 0, 0]),
+            lambda: snapshot.blocked_space("not_occupied").cast_ray([1e10, 0, 0], [-1, 0, 0]),
+            lambda: snapshot.blocked_space("painted").cast_rays([[1e300, 0, 0]], [[-1, 0, 0]]),
             lambda: snapshot.ray([0, 0, 0], [0, 0, 0]),
             lambda: snapshot.crop([[0, 0, 0], [np.inf, 1, 1]]),
             lambda: snapshot.coarsen(0.07),

@@ -99,6 +99,9 @@ class Motions(unittest.TestCase):
 
     def test_mistakes_are_one_sentence(self):
         refused = cw.plan(self.space, self.start, self.goal + [0.9, 0, 0, 0, 0, 0], advice_time=0.0)
+        way = cw.time_parameterize(self.robot, self.plan.waypoints)
+        elsewhere = cw.time_parameterize(self.robot, [self.start, self.start + 0.1])
+        self.assertIn("def", cw.export_trajectory(self.robot, self.plan, way, "urscript"))
         for make in (
             lambda: cw.plan_motion(self.space, refused),
             lambda: cw.plan_motion(self.space, self.plan, speed=0.0),
@@ -109,6 +112,10 @@ class Motions(unittest.TestCase):
             lambda: self.planned.motion.at([0.0, np.nan]),
             lambda: self.planned.motion.at(-1.0),
             lambda: self.planned.motion.at(np.zeros((2, 2))),
+            # What a controller would follow is of a proved plan, of its robot, from its start to its end.
+            lambda: cw.export_trajectory(self.robot, refused, way, "csv"),
+            lambda: cw.export_trajectory(cw.load_robot("panda"), self.plan, way, "csv"),
+            lambda: cw.export_trajectory(self.robot, self.plan, elsewhere, "urscript"),
         ):
             with self.assertRaises(ValueError) as raised:
                 make()
@@ -172,6 +179,7 @@ class Gates(unittest.TestCase):
             lambda: gate.restart(3.0),
             lambda: cw.Gate(tolerance=np.nan),
             lambda: cw.Gate(max_age=-1.0),
+            lambda: cw.Gate(max_age=1.0).publish(self.space()),  # nobody says when the map was taken
         ):
             with self.assertRaises(ValueError) as raised:
                 make()

@@ -103,6 +103,9 @@ TEST(CastRay, RefusesWhatIsNoRay) {
   EXPECT_THROW(space->cast_ray({0, std::nan(""), 0}, {1, 0, 0}, 0.0), std::invalid_argument);
   EXPECT_THROW(space->cast_ray({0, 0, 0}, {HUGE_VAL, 0, 0}, 0.0), std::invalid_argument);
   EXPECT_THROW(space->cast_ray({0, 0, 0}, {1, 0, 0}, -1.0), std::invalid_argument);
+  EXPECT_THROW(space->cast_ray({0, 0, 0}, {1e300, 0, 0}, 0.0), std::invalid_argument);
+  EXPECT_THROW(space->cast_ray({1e300, 0, 0}, {1, 0, 0}, 0.0), std::invalid_argument);
+  EXPECT_THROW(space->cast_ray({0, -1e10, 0}, {0, 1, 0}, 0.0), std::invalid_argument);
 }
 
 }  // namespace cast_ray_test
