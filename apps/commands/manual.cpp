@@ -147,6 +147,8 @@ std::string manual_page(const CLI::App& app) {
          "number of threads, 1 to 64, instead of one for each core; results do not depend on it\n"
          ".TP\n.B CLEARWAY_MRPT_DATASETS\n"
          "what ${MRPT_DATASETS} in a scene stands for, instead of /usr/share/mrpt/datasets\n"
+         ".TP\n.B NO_COLOR\n"
+         "where set, slices in the terminal have no colours\n"
          ".SH EXAMPLES\n.nf\nclearway robots\n"
          "clearway simulate miniature_kitchen \\-\\-out kitchen.rawlog\n"
          "clearway replay kitchen.rawlog \\-\\-out kitchen\n"
