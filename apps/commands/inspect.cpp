@@ -66,11 +66,12 @@ std::optional<Provenance> provenance_of(const InspectOptions& options, Console& 
 }
 
 /// As wide as the terminal; colours where it is one.
-std::string draw_in_terminal(const MapLeaves& map, const SlicePlane& plane) {
+std::string draw_in_terminal(const MapLeaves& map, const SlicePlane& plane, bool shows_difference) {
   winsize size{};
   const bool is_terminal = ::isatty(STDOUT_FILENO) != 0;
   const bool known = is_terminal && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return slice_text(map, plane, known ? size.ws_col : 100, is_terminal && std::getenv("NO_COLOR") == nullptr);
+  return slice_text(map, plane, known ? size.ws_col : 100, is_terminal && std::getenv("NO_COLOR") == nullptr,
+                    shows_difference);
 }
 
 void print_text(const InspectOptions& options, const Json& json, Console& console) {
@@ -136,7 +137,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   for (const auto& [plane, file] : slices)
     write_slice_image(drawn, plane, file, {name, lines, other.has_value(), options.age});
   std::string text;
-  for (const SlicePlane& plane : terms) text += '\n' + draw_in_terminal(drawn, plane);
+  for (const SlicePlane& plane : terms) text += '\n' + draw_in_terminal(drawn, plane, other.has_value());
   for (const auto& file : options.exports) export_map(map, file);
   if (!options.view.empty())
     save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace clearway {
@@ -21,8 +22,8 @@ struct SliceCanvas {
   double right_at(int x) const { return low_right + (x - margin_left + 0.5) / pixels * resolution; }
   double up_at(int y) const { return low_up + (margin_top + height() - y - 0.5) / pixels * resolution; }
 
-  int width() const { return static_cast<int>(std::lround(columns * pixels)); }
-  int height() const { return static_cast<int>(std::lround(rows * pixels)); }
+  int width() const { return std::max(1, static_cast<int>(std::lround(columns * pixels))); }
+  int height() const { return std::max(1, static_cast<int>(std::lround(rows * pixels))); }
 };
 
 }  // namespace clearway

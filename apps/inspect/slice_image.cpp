@@ -170,7 +170,7 @@ void write_slice_image(const MapLeaves& map, const SlicePlane& plane, const std:
   require_plane(map, plane, "--slice");
   const std::optional<AgeColours> ages = look.by_age ? std::optional<AgeColours>(map.about()) : std::nullopt;
   const SliceCanvas canvas = make_canvas(map, plane);
-  const SlicePixels pixels = slice_pixels(map, plane, canvas.pixels, canvas.pixels);
+  const SlicePixels pixels = slice_pixels(map, plane, canvas.pixels, canvas.pixels, look.shows_difference);
   const int least_height = 170 + (look.clearance ? 60 : 0) + (ages ? 90 : 0);  // that the legend needs
   Picture image(canvas.width() + margin_left + margin_right,
                 std::max(canvas.height(), least_height) + margin_top + margin_bottom, {250, 250, 250});

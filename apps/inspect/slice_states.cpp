@@ -23,6 +23,12 @@ std::pair<int, int> pixels_of(int first, int edge, double scale, int size) {
   return {low, std::clamp(high, low + 1, size)};
 }
 
+/// How much of pixel `at` the voxels first ... first + edge - 1 cover, 0 to 1.
+double covered(int at, int first, int edge, double scale) {
+  return std::clamp(std::min(at + 1.0, (first + edge) * scale) - std::max<double>(at, first * scale), 0.0,
+                    1.0);
+}
+
 }  // namespace
 
 SlicePlane parse_plane(const std::string& text, const std::string& flag) {
@@ -73,13 +79,15 @@ SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane) {
   return frame;
 }
 
-SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward) {
+SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward,
+                         bool shows_difference) {
   const SliceFrame frame = slice_frame(map, plane);
   SlicePixels pixels;
   pixels.width = std::max(1, static_cast<int>(std::lround(frame.columns * across)));
   pixels.height = std::max(1, static_cast<int>(std::lround(frame.rows * upward)));
   const auto width = static_cast<std::size_t>(pixels.width);
   std::vector<std::uint8_t> ranks(width * static_cast<std::size_t>(pixels.height), slice_states.size() - 1);
+  std::vector<double> painted(ranks.size()), known(ranks.size());  // shares that are painted, that are either
   const auto cell = map.about().tree().cell(plane.value * Eigen::Vector3d::Unit(plane.axis));
   const int layer = cell ? (*cell)[plane.axis] : std::numeric_limits<int>::max();
   pixels.counts.back() = static_cast<std::size_t>(frame.columns) * static_cast<std::size_t>(frame.rows);
@@ -93,12 +101,36 @@ SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double a
         pixels_of(leaf.corner[frame.right] - frame.low[frame.right], leaf.edge, across, pixels.width);
     const auto [bottom, top] =
         pixels_of(leaf.corner[frame.up] - frame.low[frame.up], leaf.edge, upward, pixels.height);
+    const bool is_anywhere =
+        shows_difference || leaf.state == VoxelState::occupied || leaf.state == VoxelState::conflict;
+    const int from = leaf.corner[frame.right] - frame.low[frame.right],
+              low = leaf.corner[frame.up] - frame.low[frame.up];
     for (int up = bottom; up < top; ++up) {
-      std::uint8_t* row = ranks.data() + static_cast<std::size_t>(pixels.height - 1 - up) * width;
-      for (int column = left; column < right; ++column)
-        row[column] = std::min(row[column], static_cast<std::uint8_t>(state));
+      const std::size_t row = static_cast<std::size_t>(pixels.height - 1 - up) * width;
+      for (int column = left; column < right; ++column) {
+        const std::size_t at = row + static_cast<std::size_t>(column);
+        if (is_anywhere) {
+          ranks[at] = std::min(ranks[at], static_cast<std::uint8_t>(state));
+          continue;
+        }
+        const double share = covered(column, from, leaf.edge, across) * covered(up, low, leaf.edge, upward);
+        known[at] += share;
+        if (leaf.state == VoxelState::painted) painted[at] += share;
+      }
     }
   });
+  // Free is only what is so wholly, as far as the map goes: nothing unknown may look free.
+  for (int row = 0; row < pixels.height; ++row)
+    for (int column = 0; column < pixels.width; ++column) {
+      const std::size_t at = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
+      if (ranks[at] + 1U < slice_states.size()) continue;
+      const double whole = covered(column, 0, frame.columns, across) *
+                               covered(pixels.height - 1 - row, 0, frame.rows, upward) -
+                           1e-6;
+      if (known[at] >= whole)
+        ranks[at] = static_cast<std::uint8_t>(
+            rank(painted[at] >= whole ? VoxelState::painted : VoxelState::seen_free));
+    }
   pixels.states.reserve(ranks.size());
   for (const std::uint8_t each : ranks) pixels.states.push_back(slice_states[each]);
   return pixels;

@@ -53,10 +53,15 @@ SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane);
 /// The plane as text, a line a row: of `columns` characters, or as few as its voxels need. With `colours` of
 /// 24 bits for terminals, each character two pixels one above the other; else # occupied, X conflict, +
 /// painted, . seen free.
-std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours);
+std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours,
+                       bool shows_difference = false);
 
 /// Looks at the leaves that the plane cuts, as they are stored.
+/// A pixel that several voxels touch shows what blocks where any of them does, seen free and painted only
+/// where all of it is.
 /// @param across, upward pixels a voxel takes; may be less than one
-SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward);
+/// @param shows_difference the states stand for changes: each is shown where any voxel has it
+SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward,
+                         bool shows_difference = false);
 
 }  // namespace clearway

@@ -65,12 +65,14 @@ std::string in_colours(const SlicePixels& pixels) {
 
 }  // namespace
 
-std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours) {
+std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours,
+                       bool shows_difference) {
   require_plane(map, plane, "--term");
   const SliceFrame frame = slice_frame(map, plane);
   // Two characters a voxel at most; a character is twice as high as wide.
   const double across = std::min(2.0, static_cast<double>(columns) / frame.columns);
-  const SlicePixels pixels = slice_pixels(map, plane, across, colours ? across : across / 2.0);
+  const SlicePixels pixels =
+      slice_pixels(map, plane, across, colours ? across : across / 2.0, shows_difference);
   return colours ? in_colours(pixels) : in_letters(pixels);
 }
 

@@ -14,8 +14,9 @@ constexpr std::array<VoxelState, 4> drawn_states = {VoxelState::painted, VoxelSt
 /// cells that are coarse enough for `most_bricks`.
 class Gathered {
  public:
-  Gathered(VoxelState state, double resolution) : any_(is_drawn_where_any(to_string(state))) {
+  Gathered(VoxelState state, double resolution, bool any) {
     voxels_.state = to_string(state);
+    voxels_.any = any || is_drawn_where_any(voxels_.state);
     voxels_.size = resolution;
   }
 
@@ -34,7 +35,7 @@ class Gathered {
     finish_block();
     voxels_.cells.sort();
     while (count_faces(voxels_.cells) > most_faces && voxels_.cells.cell_level() < block_level)
-      voxels_.cells.coarsen(any_);
+      voxels_.cells.coarsen(voxels_.any);
     return std::move(voxels_);
   }
 
@@ -44,25 +45,25 @@ class Gathered {
 
   void finish_block() {
     fine_.sort();
-    while (fine_.cell_level() < voxels_.cells.cell_level()) fine_.coarsen(any_);
+    while (fine_.cell_level() < voxels_.cells.cell_level()) fine_.coarsen(voxels_.any);
     voxels_.cells.append(fine_);
     fine_ = {};
     if (voxels_.cells.bricks() <= most_bricks || voxels_.cells.cell_level() + 3 >= block_level) return;
     voxels_.cells.sort();
-    voxels_.cells.coarsen(any_);
+    voxels_.cells.coarsen(voxels_.any);
   }
 
   PageVoxels voxels_;
   VoxelBricks fine_;
   std::uint64_t block_ = 0;
-  bool any_;
 };
 
 }  // namespace
 
-std::vector<PageVoxels> drawn_voxels(const MapLeaves& map, std::uint64_t most_faces) {
+std::vector<PageVoxels> drawn_voxels(const MapLeaves& map, std::uint64_t most_faces, bool shows_difference) {
   std::vector<Gathered> gathered;
-  for (const VoxelState state : drawn_states) gathered.emplace_back(state, map.resolution());
+  for (const VoxelState state : drawn_states)
+    gathered.emplace_back(state, map.resolution(), shows_difference);
   map.visit([&](const MapLeaf& leaf) {
     const auto at = std::find(drawn_states.begin(), drawn_states.end(), leaf.state);
     if (at != drawn_states.end()) gathered[static_cast<std::size_t>(at - drawn_states.begin())].add(leaf);

@@ -223,7 +223,7 @@ std::string difference_page(const MapLeaves& difference, const std::string& name
   page.title = name;
   page.subtitle = "what differs, voxels of " + significant(difference.resolution() * 1000.0, 4) + " mm";
   page.resolution = difference.resolution();
-  page.voxels = drawn_voxels(difference);
+  page.voxels = drawn_voxels(difference, most_faces_shown, true);
   page.state_labels = {{"conflict", "newly blocked"},
                        {"painted", "blocked no more"},
                        {"occupied", "blocked in both"},

@@ -79,10 +79,9 @@ json voxels_json(PageArrays& arrays, PageVoxels voxels) {
   constexpr std::uint64_t most_faces_turned = 40'000;
   voxels.cells.sort();
   json set = quads_json(arrays, voxels);
-  const bool any = is_drawn_where_any(voxels.state);
   const int finest = voxels.cells.cell_level();
   while (count_faces(voxels.cells) > most_faces_turned && voxels.cells.cell_level() < 8)
-    voxels.cells.coarsen(any);
+    voxels.cells.coarsen(voxels.any);
   if (voxels.cells.cell_level() > finest) set["turned"] = quads_json(arrays, voxels);
   return set;
 }

@@ -10,12 +10,17 @@
 
 namespace clearway {
 
+/// Whether a coarser cell is drawn where any of its voxels is of the state, as what blocks is, or only where
+/// all are: so that nothing looks free that is not.
+bool is_drawn_where_any(std::string_view state);
+
 /// The voxels of one state, as an octree stores them: a pruned leaf is larger than one voxel.
 struct PageVoxels {
   std::string state;  ///< "painted", "occupied", "conflict" or "seen_free"
   double size = 0.0;  ///< edge of the finest voxel, metres
   VoxelBricks cells{};
-  std::uint64_t count = 0;  ///< finest voxels: a pruned leaf counts as all its voxels
+  std::uint64_t count = 0;               ///< finest voxels: a pruned leaf counts as all its voxels
+  bool any = is_drawn_where_any(state);  ///< coarser cells are drawn where any voxel is of the state
 
   /// Adds a leaf, a cube of 2^k voxels an edge that is aligned to a multiple of its own edge.
   /// @param center, edge map frame, metres
@@ -43,10 +48,6 @@ inline constexpr int kOriginVoxel = 32768;
 /// splits a large leaf only where smaller ones touch it, so the cost follows the surface.
 /// @throws std::invalid_argument when two leaves overlap.
 std::vector<VoxelQuad> exposed_faces(const PageVoxels& voxels);
-
-/// Whether a coarser cell is drawn where any of its voxels is of the state, as what blocks is, or only where
-/// all are: so that nothing looks free that is not.
-bool is_drawn_where_any(std::string_view state);
 
 /// How many faces of single cells the surface has; of a large leaf each undivided square counts as one.
 std::uint64_t count_faces(const VoxelBricks& cells);

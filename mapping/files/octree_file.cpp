@@ -90,13 +90,18 @@ void restore_agreement(FusedTree& tree, std::string_view header, const std::file
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
                               const SeenStamps* seen) {
-  const std::string header = octree_header(false, "ColorOcTree", tree.size(), tree.getResolution());
+  // Stock programs compare log-odds with 0: below that they would free what blocks, and are given no name
+  // they know.
+  const bool stock_agrees = !(tree.getOccupancyThresLog() < 0.0F);
+  const std::string header = octree_header(false, stock_agrees ? "ColorOcTree" : FusedTree::type_name,
+                                           tree.size(), tree.getResolution());
   const auto first_line = header.find('\n') + 1;
 
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), tree.getOccupancyThresLog());
   std::ostringstream rest;
-  rest << fused_nodes_comment << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
+  if (stock_agrees) rest << fused_nodes_comment;
+  rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
   rest << integration_comment << to_string(tree.integration()) << "\n";
   if (const ScanAgreement& agreement = tree.agreement(); agreement.looked_up > 0)
     rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";

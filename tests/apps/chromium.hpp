@@ -23,7 +23,7 @@ class PageInChromium : public testing::Test {
     const std::string command =
         "timeout 100 chromium --headless --no-sandbox --disable-background-networking --no-first-run "
         "--disable-component-update --disable-sync --hide-scrollbars --user-data-dir='" +
-        (folder_ / "profile").string() + "' --window-size=1280,800 --virtual-time-budget=10000 " + gpu +
+        (folder_ / "profile").string() + "' --window-size=1280,800 --virtual-time-budget=4000 " + gpu +
         " --dump-dom 'file://" + (folder_ / "page.html").string() + after + "' 2>/dev/null";
     std::string dom;
     FILE* pipe = popen(command.c_str(), "r");

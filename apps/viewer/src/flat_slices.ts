@@ -16,7 +16,7 @@ export class FlatSlices {
 
   constructor(private readonly page: Page, arrays: Arrays) {
     const all = unpackAll(page, arrays);
-    this.sets = sliceOrder.flatMap((state) => all.filter((faces) => faces.state === state));
+    this.sets = sliceOrder.flatMap((state) => all.filter((faces) => faces.state === state && faces.quadCount > 0));
     this.low = [0, 1, 2].map((a) => Math.min(...this.sets.map((faces) => faces.low[a])));
     this.high = [0, 1, 2].map((a) => Math.max(...this.sets.map((faces) => faces.high[a])));
     if (this.sets.length === 0) return;
@@ -40,6 +40,12 @@ export class FlatSlices {
     if (this.sets.length === 0) return;
     const a = Number(this.axis.value), u = (a + 1) % 3, v = (a + 2) % 3, layer = Number(this.slider.value);
     const [width, height] = [this.high[u] - this.low[u], this.high[v] - this.low[v]];
+    if (width > 4096 || height > 4096) {
+      this.canvas.hidden = true;
+      this.value.textContent = "too large for a picture here: `clearway inspect --slice` draws it";
+      return;
+    }
+    this.canvas.hidden = false;
     const turned = a === 1;  // its u is z, which goes up
     this.canvas.width = turned ? height : width;
     this.canvas.height = turned ? width : height;

@@ -168,7 +168,7 @@ export class Slice {
   /// Shows the layer of voxels just inside the cut at `at` metres along `axis`, for the states in `shown`.
   /// Returns how many voxels it shows; none when the picture would be too large to draw.
   update(axis: 0 | 1 | 2, at: number, keepsAbove: boolean, shown: (state: StateName) => boolean): number {
-    const sets = sliceOrder.flatMap((state) => this.sets.filter((faces) => faces.state === state && shown(state)));
+    const sets = sliceOrder.flatMap((state) => this.sets.filter((faces) => faces.state === state && faces.quadCount > 0 && shown(state)));
     const u = (axis + 1) % 3, v = (axis + 2) % 3;
     const low = [u, v].map((a) => Math.min(...sets.map((faces) => faces.low[a])));
     const [width, height] = [u, v].map((a, k) => Math.max(...sets.map((faces) => faces.high[a])) - low[k]);

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
+#include "mapping/free_space_map.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -46,7 +48,7 @@ TEST(SliceStates, AreThoseOfTheVoxelsInThePlane) {
   }
 }
 
-TEST(SliceStates, OfVoxelsSmallerThanAPixelAreTheOneThatBlocksMost) {
+TEST(SliceStates, OfVoxelsSmallerThanAPixelAreFreeOnlyWhereAllAre) {
   const Snapshot snapshot = worlds::random_map(7, 0.02).snapshot();
   const MapLeaves map(snapshot);
   const SlicePlane plane{2, 0.1};
@@ -55,16 +57,34 @@ TEST(SliceStates, OfVoxelsSmallerThanAPixelAreTheOneThatBlocksMost) {
   ASSERT_EQ(pixels.width, (frame.columns + 2) / 4);
   for (int row = 0; row + 1 < pixels.height; ++row)
     for (int column = 0; column + 1 < pixels.width; ++column) {
-      std::size_t most = slice_states.size() - 1;
-      for (int k = 0; k < 16; ++k) {
-        const VoxelState state =
-            snapshot.state(center(map, frame, plane, 4 * column + k % 4, 4 * row + k / 4));
-        most = std::min<std::size_t>(
-            most, static_cast<std::size_t>(std::find(slice_states.begin(), slice_states.end(), state) -
-                                           slice_states.begin()));
-      }
-      EXPECT_EQ(pixels.at(column, pixels.height - 1 - row), slice_states[most]);
+      std::map<VoxelState, int> count;
+      for (int k = 0; k < 16; ++k)
+        ++count[snapshot.state(center(map, frame, plane, 4 * column + k % 4, 4 * row + k / 4))];
+      const VoxelState blocked =
+          count.contains(VoxelState::conflict) ? VoxelState::conflict : VoxelState::occupied;
+      const VoxelState expected = count.contains(blocked)            ? blocked
+                                  : count[VoxelState::painted] == 16 ? VoxelState::painted
+                                  : count[VoxelState::painted] + count[VoxelState::seen_free] == 16
+                                      ? VoxelState::seen_free
+                                      : VoxelState::unknown;
+      EXPECT_EQ(pixels.at(column, pixels.height - 1 - row), expected);
     }
+}
+
+TEST(SliceStates, NothingUnknownLooksFreeBesideFreeVoxelsThatTouchItsPixel) {
+  FreeSpaceMap fused({.resolution = 0.1});
+  const int volume = fused.add_volume("v", {});
+  for (int i = 0; i < 300; i += 2) fused.paint(volume, {{0.1 * i + 0.05, 0.05, 0.05}, 0.09}, 0.0);
+  const Snapshot snapshot = fused.snapshot();
+  const MapLeaves map(snapshot);
+  const SlicePlane plane{2, 0.05};
+  ASSERT_EQ(snapshot.state({0.05, 0.05, 0.05}), VoxelState::painted);
+  ASSERT_EQ(snapshot.state({0.15, 0.05, 0.05}), VoxelState::unknown);
+  const double scale = 1400.0 / 1500.0;
+  const SlicePixels pixels = slice_pixels(map, plane, scale, 1.0),
+                    difference = slice_pixels(map, plane, scale, 1.0, true);
+  EXPECT_LE(std::count(pixels.states.begin(), pixels.states.end(), VoxelState::painted), 2);  // at the ends
+  EXPECT_GT(std::count(difference.states.begin(), difference.states.end(), VoxelState::painted), 200);
 }
 
 TEST(SliceStates, OfPlanesBesideTheMapAreRefusedWithItsRange) {

@@ -96,6 +96,24 @@ TEST(DrawnVoxels, WithTooMuchSurfaceAreCoarserButHideNoObstacle) {
 }
 
 /// Single voxels, 16 apart: a brick each, more than are kept as single voxels.
+TEST(DrawnVoxels, OfADifferenceVanishNowhereHoweverCoarse) {
+  const auto tree = std::make_shared<FusedTree>(0.1), empty = std::make_shared<FusedTree>(0.1);
+  const auto key = [](int i) { return static_cast<octomap::key_type>(32768 + 2 * i); };  // isolated
+  for (int x = 0; x < 24; ++x)
+    for (int y = 0; y < 24; ++y)
+      for (int z = 0; z < 4; ++z) tree->set_observed({key(x), key(y), key(z)}, 2.0F);
+  tree->finish();
+  empty->finish();
+  const Snapshot with(tree, {}), without(empty, {});
+  const MapLeaves difference = MapLeaves::difference(with, without);
+  std::uint64_t counted = 0;
+  for (const PageVoxels& voxels : drawn_voxels(difference, 200, true)) {
+    counted += voxels.count;
+    EXPECT_EQ(voxels.count > 0, !drawn(voxels).empty()) << voxels.state;
+  }
+  EXPECT_EQ(counted, 24u * 24u * 4u);
+}
+
 TEST(DrawnVoxels, OfAThinCloudStayFewerThanTheirVoxels) {
   auto tree = std::make_shared<FusedTree>(0.01);
   constexpr int side = 80;

@@ -230,6 +230,25 @@ TEST_F(ReportPageInChromium, FitsAPhoneAndTreatsHostileTextAsText) {
   EXPECT_EQ(attribute(dom, "images"), "0");
 }
 
+/// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
+TEST_F(ReportPageInChromium, CutsWhereAStateIsTooFineToBeDrawn) {
+  ReportPage page = SamplePage::make();
+  PageVoxels fine{"seen_free", page.resolution};
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y)
+      fine.add(page.resolution * Eigen::Vector3d(2 * x + 0.5, 2 * y + 0.5, 0.5), page.resolution);
+  fine.cells.sort();
+  fine.cells.coarsen(false);
+  std::erase_if(page.voxels, [](const PageVoxels& voxels) { return voxels.state == "seen_free"; });
+  page.voxels.push_back(fine);
+  const std::string html = render_report_page(page);
+  for (const char* address : {"#cut=z:0.1&layers=seen_free", "#nowebgl"}) {
+    const std::string dom = open(html, address);
+    EXPECT_EQ(attribute(dom, "ready"), "1") << address;
+    EXPECT_EQ(attribute(dom, "errors"), "0") << address << errors(dom);
+  }
+}
+
 TEST_F(ReportPageInChromium, OpensAnEmptyReport) {
   ReportPage page;
   page.title = "nothing yet";

@@ -6,6 +6,7 @@
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 
+#include <memory>
 #include <sstream>
 
 #include "mapping/files/map_file.hpp"
@@ -117,6 +118,30 @@ TEST(OctreeFile, OctoMapsOwnReaderOpensOurFileWithItsEvidence) {
 }
 
 /// As they were written before maps named themselves ColorOcTree.
+TEST(OctreeFile, NoStockProgramTakesWhatBlocksForFreeWhateverTheThreshold) {
+  for (const float threshold : {-0.847F, 0.0F, 0.4F}) {
+    FusedTree tree(0.1);
+    tree.set_occupied_log_odds(threshold);
+    tree.set_observed({32768, 32768, 32768}, -0.5F);
+    tree.set_observed({32769, 32768, 32768}, -2.0F);
+    tree.finish();
+    const octomap::OcTreeKey key(32768, 32768, 32768);
+    const std::string bytes = format_fused_tree(tree, {});
+    std::istringstream stream(bytes);
+    ::testing::internal::CaptureStderr();
+    const std::unique_ptr<octomap::AbstractOcTree> stock(octomap::AbstractOcTree::read(stream));
+    ::testing::internal::GetCapturedStderr();
+    const auto* color = dynamic_cast<const octomap::ColorOcTree*>(stock.get());
+    if (tree.state(*tree.search(key)) == VoxelState::occupied && color != nullptr) {
+      EXPECT_TRUE(color->isNodeOccupied(color->search(key))) << threshold;
+    }
+    EXPECT_EQ(color == nullptr, threshold < 0.0F);
+    const auto back = parse_octree(bytes, "m.ot");
+    EXPECT_TRUE(*back.tree == tree) << threshold;
+    EXPECT_EQ(back.tree->getOccupancyThresLog(), threshold);
+  }
+}
+
 TEST(OctreeFile, FilesThatNameOurOwnTypeAreReadAsBefore) {
   const Snapshot map = worlds::random_map(4).snapshot();
   std::string bytes = format_fused_tree(map.tree(), map.volumes());
