@@ -99,7 +99,7 @@ Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
   bounds = bounds.intersection(about);
   const EndEffectorRoute route = free_route(
       open, bounds, from, to, hand.inner_radius, 2.0 * voxel,
-      [&](const Eigen::Vector3d& point) {
+      [&](const Eigen::Vector3d& point, double) {
         const double clearance = paint.clearance(point), most = paint.max_distance();
         return clearance >= std::min(hand.outer_radius, most)   ? 1.0
                : clearance >= std::min(hand.inner_radius, most) ? 5.0

@@ -1,12 +1,12 @@
 #include "planning/beam/via_beam.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "mapping/system/random_unit.hpp"
+#include "planning/robot/bring_point.hpp"
 
 namespace clearway {
 namespace {
@@ -70,9 +70,7 @@ class Search {
           try_child(head, region, share_of_rest, child, found);
         }
       }
-      if (found.empty()) continue;
-      keep(found);
-      return true;
+      if (keep(found)) return true;
     }
     return false;
   }
@@ -119,64 +117,45 @@ class Search {
       for (int k = 0; k < 3; ++k) target[k] += region.play * (2.0 * uniform() - 1.0);
     }
     q = q.cwiseMax(lower_).cwiseMin(upper_);
-    if (!bring_hand(q, target, 0.1 * region.play)) return;
+    if (!bring_point(robot_, {hand_.link, hand_.center, target, 0.1 * region.play}, 8, q, poses_)) return;
     ++configurations;
     if (!problem_.space.is_free(q)) return;
-    ++edges;
-    if (!problem_.space.is_edge_free(from, q)) return;
     ViaHead head{q, 0.0, 0.0, parent};
     head.length = heads_[static_cast<std::size_t>(parent)].length + weight_.cwiseProduct(q - from).norm();
     head.rank = 0.5 * head.length + weight_.cwiseProduct(problem_.goal - q).norm();
     found.push_back(std::move(head));
   }
 
-  /// The least change of q that brings the hand to the target, within limits (damped least squares).
-  bool bring_hand(Configuration& q, const Eigen::Vector3d& target, double tolerance) {
-    for (int i = 0; i < 8; ++i) {
-      forward_kinematics(robot_, q, poses_);
-      const Eigen::Vector3d at = poses_[static_cast<std::size_t>(hand_.link)] * hand_.center;
-      const Eigen::Vector3d error = target - at;
-      if (error.norm() <= tolerance) return true;
-      Eigen::Matrix3Xd j = jacobian(robot_, poses_, hand_.link, at).topRows<3>();
-      Eigen::VectorXd change = least_change(j, error);
-      for (Eigen::Index k = 0; k < q.size(); ++k) {  // joints at a limit leave it to the others
-        if (q[k] + change[k] < lower_[k] || q[k] + change[k] > upper_[k]) j.col(k).setZero();
-      }
-      change = least_change(j, error);
-      q = (q + change).cwiseMax(lower_).cwiseMin(upper_);
-    }
-    return false;
-  }
-
-  static Eigen::VectorXd least_change(const Eigen::Matrix3Xd& j, const Eigen::Vector3d& error) {
-    Eigen::Matrix3d normal = j * j.transpose();
-    normal.diagonal().array() += 1e-4 * normal.trace() + 1e-12;
-    return j.transpose() * normal.ldlt().solve(error);
-  }
-
   /// The best of all, then the best of those that are not close to one kept before: the beam must not
-  /// crowd into one posture of the arm.
-  void keep(std::vector<ViaHead>& found) {
+  /// crowd into one posture of the arm. Of those that would be kept the edge is asked for. False when there
+  /// are none; the beam stays then.
+  bool keep(std::vector<ViaHead>& found) {
     std::stable_sort(found.begin(), found.end(),
                      [](const ViaHead& a, const ViaHead& b) { return a.rank < b.rank; });
-    std::vector<bool> taken(found.size(), false);
-    beam_.clear();
+    std::vector<bool> taken(found.size(), false);  // or refused
+    std::vector<int> beam;
     for (const double apart : {0.3, 0.1, 0.0}) {
       for (std::size_t i = 0; i < found.size(); ++i) {
-        if (static_cast<int>(beam_.size()) == options_.width) break;
+        if (static_cast<int>(beam.size()) == options_.width) break;
         if (taken[i]) continue;
-        const bool is_apart = std::all_of(beam_.begin(), beam_.end(), [&](int other) {
+        const bool is_apart = std::all_of(beam.begin(), beam.end(), [&](int other) {
           return weight_.cwiseProduct(heads_[static_cast<std::size_t>(other)].q - found[i].q).norm() >= apart;
         });
         if (!is_apart) continue;
         taken[i] = true;
-        beam_.push_back(static_cast<int>(heads_.size()));
+        ++edges;
+        if (!problem_.space.is_edge_free(heads_[static_cast<std::size_t>(found[i].parent)].q, found[i].q))
+          continue;
+        beam.push_back(static_cast<int>(heads_.size()));
         heads_.push_back(found[i]);
       }
     }
+    if (beam.empty()) return false;
+    beam_ = std::move(beam);
     std::stable_sort(beam_.begin(), beam_.end(), [this](int a, int b) {
       return heads_[static_cast<std::size_t>(a)].rank < heads_[static_cast<std::size_t>(b)].rank;
     });
+    return true;
   }
 
   const PlanProblem& problem_;

@@ -18,8 +18,8 @@ EndEffectorRoute find_end_effector_route(const PlanProblem& problem, const EndEf
                                          const std::vector<Sphere>& avoided = {});
 
 /// Proposes configurations whose hand lies in the via regions of a route: a point of the route drawn evenly,
-/// moved within its region, and inverse kinematics for the hand's middle from a configuration near the
-/// straight way between start and goal, or a random one.
+/// moved within its region, and the least motion that brings the hand's middle there from a configuration
+/// near the straight way between start and goal, or a random one.
 class RouteGuide {
  public:
   /// @param share of the proposals that the guide makes; the others are left to the caller (uniform).
@@ -28,11 +28,12 @@ class RouteGuide {
   std::optional<Configuration> operator()(std::mt19937_64& random) const;
 
  private:
-  Robot robot_;  ///< its tip is the hand's middle
+  const Robot* robot_;  ///< the problem's
+  EndEffector hand_;
   Configuration start_, goal_;
   EndEffectorRoute route_;
   std::vector<double> along_;  ///< length of the route up to each of its points
-  double share_, hand_radius_;
+  double share_;
 };
 
 }  // namespace clearway

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <set>
+
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
 namespace free_route_test {
 
-double free_of_charge(const Eigen::Vector3d&) { return 1.0; }
+double free_of_charge(const Eigen::Vector3d&, double) { return 1.0; }
 
 const Eigen::AlignedBox3d room = box_of(-1, -1, -1, 1, 1, 1);
 
@@ -74,16 +77,60 @@ TEST(FreeRoute, AnEndFarFromEveryFreeCellHasNoRoute) {
   EXPECT_TRUE(free_route(*space, room, {-0.5, 0, 0}, {0.7, 0, 0}, 0.05, 0.05, free_of_charge).points.empty());
 }
 
-TEST(FreeRoute, AsksForTheTimeAlsoWhileItLooksCellsUp) {
+TEST(FreeRoute, AsksForTheTimeAsItGoesAndStopsWhenItIsOver) {
   const auto space = with_walls(holed_wall);
-  const Eigen::Vector3d at(-0.6, -0.6, -0.6);
+  const Eigen::Vector3d from(-0.6, -0.6, -0.6), to(0.6, 0.6, 0.6);
   int asked = 0;
   const auto ask = [&] { return ++asked > 3; };
-  EXPECT_TRUE(free_route(*space, room, at, {0.6, 0.6, 0.6}, 0.1, 0.02, free_of_charge, ask).points.empty());
-  EXPECT_LE(asked, 5);
+  EXPECT_TRUE(free_route(*space, room, from, to, 0.1, 0.02, free_of_charge, ask).points.empty());
+  EXPECT_EQ(asked, 4);
   asked = -1000000;
-  EXPECT_FALSE(free_route(*space, room, at, at, 0.1, 0.02, free_of_charge, ask).points.empty());
-  EXPECT_GE(asked + 1000000, 100);  // of a million cells, though the way is none at all
+  EXPECT_FALSE(free_route(*space, room, from, to, 0.1, 0.02, free_of_charge, ask).points.empty());
+  EXPECT_GE(asked + 1000000, 10);
+}
+
+TEST(FreeRoute, CostsNoMoreThanAskedBesideDijkstraOnEveryCell) {
+  const auto space = with_walls(holed_wall);
+  const double edge = 0.1, radius = 0.06;
+  const auto price = [](const Eigen::Vector3d& point, double clearance) {
+    return 1.0 + 20.0 * std::max(0.0, 0.3 - clearance) + std::abs(point.y());
+  };
+  const auto center = [&](int i) {
+    return Eigen::Vector3d(room.min() + edge * Eigen::Vector3d(i % 21, i / 21 % 21, i / 441));
+  };
+  const auto is_open = [&](int i) { return space->clearance(center(i)) >= radius; };
+  const auto index = [](int x, int y, int z) { return (z * 21 + y) * 21 + x; };
+  const int first = index(4, 4, 4), last = index(17, 3, 4);
+  std::vector<double> cost(21 * 21 * 21, std::numeric_limits<double>::infinity());
+  std::set<std::pair<double, int>> open{{0.0, first}};
+  cost[static_cast<std::size_t>(first)] = 0.0;
+  while (!open.empty()) {
+    const auto [so_far, at] = *open.begin();
+    open.erase(open.begin());
+    for (int next = 0; next < 21 * 21 * 21; ++next) {
+      const double step = (center(next) - center(at)).norm() / edge;
+      if (next == at || step > 1.8 || !is_open(next)) continue;
+      double& known = cost[static_cast<std::size_t>(next)];
+      const double longer = so_far + step * price(center(next), space->clearance(center(next)));
+      if (longer >= known) continue;
+      open.erase({known, next});
+      known = longer;
+      open.insert({known, next});
+    }
+  }
+  const double least = cost[static_cast<std::size_t>(last)];
+  for (const double most_times : {1.0, 1.5, 4.0}) {
+    const EndEffectorRoute route = free_route(
+        *space, room, center(first), center(last), radius, edge, price, [] { return false; }, most_times);
+    ASSERT_GT(route.points.size(), 3u);
+    double sum = 0.0;  // the ends stand twice
+    for (std::size_t i = 2; i + 1 < route.points.size(); ++i) {
+      const Eigen::Vector3d& at = route.points[i];
+      sum += (at - route.points[i - 1]).norm() / edge * price(at, space->clearance(at));
+    }
+    EXPECT_GE(sum, least - 1e-9);
+    EXPECT_LE(sum, most_times * least + 1e-9);
+  }
 }
 
 }  // namespace free_route_test
