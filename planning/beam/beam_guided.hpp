@@ -14,7 +14,7 @@ struct BeamGuidedOptions {
   double guided_share = 0.5;    ///< of the samples that the route proposes, 0 to 1
   double range = 0.0;  ///< longest edge of the trees, weighted units, up to 1e3; 0: a tenth of the extent
   int routes = 4;      ///< for the hand, tried thoroughly in turn, 0 to 100
-  int attempts = 300;  ///< to straighten the path, 0 to 1,000,000
+  int attempts = 120;  ///< to straighten the path, 0 to 1,000,000
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
 };
 BeamGuidedOptions read_options(OptionReader& reader, BeamGuidedOptions initial);

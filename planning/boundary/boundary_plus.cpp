@@ -5,7 +5,6 @@
 
 #include "planning/boundary/boundary_plus_search.hpp"
 #include "planning/path/any_angle.hpp"
-#include "planning/path/path_pieces.hpp"
 #include "planning/path/rounded_corners.hpp"
 #include "planning/path/shortcut.hpp"
 #include "planning/problem/option_reader.hpp"
@@ -114,8 +113,6 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
     path = rounded_corners(problem, path, damper.weight, {.least_clearance = damper.security_distance},
                            result.edges_checked);
   }
-  // A part of a certified edge need not be proved again as easily; the trees' own path is certified.
-  if (!is_certified(problem.space, path, result.edges_checked)) path = search.trees().path();
   result.explanation = stage == BoundaryPlusStage::straight_edge
                            ? "The straight way is free."
                            : "Start and goal were joined by " + search.how() + ".";

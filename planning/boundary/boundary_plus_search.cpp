@@ -13,7 +13,8 @@ constexpr double same_deadlock = 1.0;  ///< steps
 constexpr double spacing = 8.0;        ///< steps, of the points of traces that edges are tried from
 constexpr int tries = 4;               ///< edges from each of them
 constexpr int first_round = 64;        ///< samples of the first hand-over; each has twice as many as the last
-constexpr int unguided_samples = 300;  ///< before a route for the hand is looked for
+constexpr int few_samples = 2000;      ///< cost a tenth of what the local method does
+constexpr int unguided_samples = 50;   ///< before a route for the hand is looked for
 
 /// The constraint with the largest multiplier, nullptr when no pair of bodies and obstacles holds the step
 /// back.
@@ -142,14 +143,24 @@ void BoundaryPlusSearch::guide_samples() {
   if (!route.points.empty()) guide_ = RouteGuide(problem_, hand, std::move(route), options_.guided_share);
 }
 
+/// So many more samples, the first of all without a guide.
+bool BoundaryPlusSearch::by_trees(int samples) {
+  const int unguided = std::clamp(unguided_samples - trees_.samples(), 0, samples);
+  bool is_grown = trees_.grow(unguided, random_, guide_);
+  if (!is_grown && unguided < samples && !problem_.out_of_time()) {
+    if (!is_guided_ && options_.guided_share > 0.0) guide_samples();
+    is_grown = trees_.grow(samples - unguided, random_, guide_);
+  }
+  if (is_grown) how_ = "trees of " + std::to_string(trees_.samples()) + " samples";
+  return is_grown;
+}
+
 bool BoundaryPlusSearch::by_hand_over(int samples) {
   if (samples <= 0 || problem_.out_of_time()) return false;
-  if (!is_guided_ && trees_.samples() >= unguided_samples && options_.guided_share > 0.0) guide_samples();
   ++rounds_;
-  const bool is_grown = trees_.grow(samples, random_, guide_);
-  if (!is_grown && (problem_.out_of_time() || !back_to_local_method())) return false;
-  how_ = (is_grown ? "a hand-over to trees of " : "the local method after a hand-over to trees of ") +
-         std::to_string(trees_.samples()) + " samples";
+  if (by_trees(samples)) return true;
+  if (problem_.out_of_time() || !back_to_local_method()) return false;
+  how_ = "the local method after trees of " + std::to_string(trees_.samples()) + " samples";
   return true;
 }
 
@@ -158,8 +169,9 @@ BoundaryPlusStage BoundaryPlusSearch::solve() {
     trees_.join_at(0, 0);
     return BoundaryPlusStage::straight_edge;
   }
+  int left = options_.max_samples - std::min(few_samples, options_.max_samples);
+  if (by_trees(options_.max_samples - left)) return BoundaryPlusStage::hand_over;
   if (by_local_method()) return BoundaryPlusStage::local_method;
-  int left = options_.max_samples;
   for (int round = 0, samples = first_round; !problem_.out_of_time(); ++round, samples *= 2) {
     if (round >= options_.planes && left == 0) break;
     if (round < options_.planes && by_plane(round)) return BoundaryPlusStage::plane;

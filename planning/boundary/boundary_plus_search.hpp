@@ -24,8 +24,8 @@ class BoundaryPlusSearch {
   BoundaryPlusSearch(const PlanProblem& problem, const BoundaryPlusOptions& options,
                      const DamperOptions& damper);
 
-  /// The straight edge; the local method from both ends; then, in rounds, a plane from both deadlocks and a
-  /// hand-over, each with twice as many samples as the last.
+  /// The straight edge; few samples of trees; the local method from both ends; then, in rounds, a plane from
+  /// both deadlocks and a hand-over, each with twice as many samples as the last.
   BoundaryPlusStage solve();
 
   const BidirectionalTrees& trees() const { return trees_; }
@@ -48,6 +48,7 @@ class BoundaryPlusSearch {
   bool run(Side side, int node, int most_steps, const std::optional<Eigen::VectorXd>& direction);
   bool by_local_method();
   bool by_plane(int plane);
+  bool by_trees(int samples);
   bool by_hand_over(int samples);
   bool back_to_local_method();
   void guide_samples();

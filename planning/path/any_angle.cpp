@@ -13,6 +13,17 @@ namespace {
 
 using Path = std::vector<Configuration>;
 
+/// What each joint's motion along an edge costs, sampled at pieces no longer than `step`, joules.
+Eigen::VectorXd edge_costs(const PathCost& cost, const Configuration& from, const Configuration& to,
+                           const Eigen::VectorXd& weight, double step) {
+  const Eigen::VectorXd whole = to - from;
+  const int pieces = std::max(1, static_cast<int>(std::ceil(weight.cwiseProduct(whole).norm() / step)));
+  Eigen::VectorXd forces = 0.5 * (cost.generalized_forces(from) + cost.generalized_forces(to));
+  for (int k = 1; k < pieces; ++k)
+    forces += cost.generalized_forces(from + static_cast<double>(k) / pieces * whole);
+  return forces.cwiseProduct(cost.full_size(whole).cwiseAbs()) / pieces;
+}
+
 /// Everything that the attempts share.
 struct Pass {
   const PlanProblem& problem;
@@ -23,6 +34,13 @@ struct Pass {
   bool is_free(const Configuration& from, const Configuration& to) const {
     ++edges_checked;
     return problem.space.is_edge_free(from, to);
+  }
+  bool is_quickly_free(const Configuration& from, const Configuration& to) const {
+    ++edges_checked;
+    return problem.space.is_edge_quickly_free(from, to);
+  }
+  Eigen::VectorXd costs(const Configuration& from, const Configuration& to, double times = 1.0) const {
+    return edge_costs(problem.cost, from, to, weight, times * cost_step);
   }
   double cost(const Path& path) const { return sampled_cost(problem.cost, path, weight, cost_step); }
   double length(const Configuration& a, const Configuration& b) const {
@@ -87,65 +105,81 @@ Path with_clamped_joint(Path points, Eigen::Index joint) {
   return points;
 }
 
-/// Joints in proportion to what they cost on the path: a heavy one is worth more attempts.
-Eigen::Index drawn_joint(const Pass& pass, const Path& points, double share) {
-  Eigen::VectorXd costs = Eigen::VectorXd::Constant(points.front().size(), 1e-9);
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const Eigen::VectorXd forces = pass.problem.cost.generalized_forces(points[i]);
-    costs += forces.cwiseProduct((points[i] - points[i - 1]).cwiseAbs());
+/// A path that random attempts make cheaper. Parts of certified edges are certified.
+class CheaperPath {
+ public:
+  CheaperPath(const Pass& pass, Path path) : pass_(pass), path_(std::move(path)) {
+    for (std::size_t i = 1; i < path_.size(); ++i) costs_.push_back(pass_.costs(path_[i - 1], path_[i]));
   }
-  double left = share * costs.sum();
-  Eigen::Index joint = 0;
-  while (joint + 1 < costs.size() && left >= costs[joint]) left -= costs[joint++];
-  return joint;
-}
 
-/// The path with its part between two places replaced. Pieces left of the cut edges are certified anew: a
-/// piece of a free edge need not prove as easily.
-bool is_replaceable(const Pass& pass, const Path& path, const PlaceOnPath& from, const PlaceOnPath& to,
-                    const Path& points) {
-  if (points.front() != path[from.edge] && !pass.is_free(path[from.edge], points.front())) return false;
-  if (points.back() != path[to.edge + 1] && !pass.is_free(points.back(), path[to.edge + 1])) return false;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    if (!pass.is_free(points[i - 1], points[i])) return false;
+  std::size_t size() const { return path_.size(); }
+  Path path() && { return std::move(path_); }
+
+  /// One random attempt; true when the path became cheaper.
+  bool try_cut(std::mt19937_64& random) {
+    const auto uniform = [&random] { return random_unit(random); };
+    const std::vector<double> lengths = edge_lengths(path_, pass_.weight);
+    const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+    const double a = whole * uniform(), b = whole * uniform(), kind = 3.0 * uniform(), share = uniform();
+    const PlaceOnPath from = place_at(lengths, std::min(a, b)), to = place_at(lengths, std::max(a, b));
+    if (from.edge == to.edge) return false;
+    const Path old = piece(path_, from, to);
+    const Eigen::VectorXd before =
+        std::accumulate(costs_.begin() + at(from.edge), costs_.begin() + at(to.edge) + 1,
+                        Eigen::VectorXd(Eigen::VectorXd::Zero(old.front().size())));
+    const Eigen::Index joint = drawn_joint(before, share);
+    const Path cut = kind < 1.0   ? Path{old.front(), old.back()}
+                     : kind < 2.0 ? with_even_joint(pass_, old, joint)
+                                  : with_clamped_joint(old, joint);
+    return replace(from.edge, to.edge, cut, before.sum());
   }
-  return true;
-}
 
-Path replaced(const Path& path, const PlaceOnPath& from, const PlaceOnPath& to, const Path& points) {
-  Path result(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(from.edge) + 1);
-  const auto add = [&](const Configuration& q) {
-    if (q != result.back()) result.push_back(q);
-  };
-  for (const Configuration& q : points) add(q);
-  for (std::size_t i = to.edge + 1; i < path.size(); ++i) add(path[i]);
-  return result;
-}
+ private:
+  static std::ptrdiff_t at(std::size_t index) { return static_cast<std::ptrdiff_t>(index); }
 
-/// One random attempt; true when the path became cheaper.
-bool try_cut(const Pass& pass, Path& path, std::mt19937_64& random) {
-  const auto uniform = [&random] { return random_unit(random); };
-  const std::vector<double> lengths = edge_lengths(path, pass.weight);
-  const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
-  const double a = whole * uniform(), b = whole * uniform(), kind = 3.0 * uniform(), share = uniform();
-  const PlaceOnPath from = place_at(lengths, std::min(a, b)), to = place_at(lengths, std::max(a, b));
-  if (from.edge == to.edge) return false;
-  const Path old = piece(path, from, to);
-  const Eigen::Index joint = drawn_joint(pass, old, share);
-  const Path cut = kind < 1.0   ? Path{old.front(), old.back()}
-                   : kind < 2.0 ? with_even_joint(pass, old, joint)
-                                : with_clamped_joint(old, joint);
-  // Whole edges are compared: their samples are what the path's cost is made of.
-  const Path before(path.begin() + static_cast<std::ptrdiff_t>(from.edge),
-                    path.begin() + static_cast<std::ptrdiff_t>(to.edge) + 2);
-  Path after{before.front()};
-  after.insert(after.end(), cut.begin(), cut.end());
-  after.push_back(before.back());
-  if (pass.cost(after) >= pass.cost(before) * (1.0 - 1e-9)) return false;
-  if (!is_replaceable(pass, path, from, to, cut)) return false;
-  path = replaced(path, from, to, cut);
-  return true;
-}
+  /// Joints in proportion to what they cost on the path: a heavy one is worth more attempts.
+  static Eigen::Index drawn_joint(const Eigen::VectorXd& costs, double share) {
+    const Eigen::VectorXd least = Eigen::VectorXd::Constant(costs.size(), 1e-9);
+    double left = share * (costs + least).sum();
+    Eigen::Index joint = 0;
+    while (joint + 1 < costs.size() && left >= costs[joint] + 1e-9) left -= costs[joint++] + 1e-9;
+    return joint;
+  }
+
+  /// Replaces the edges from `first` to `last` by those to, along and from the cut, if that is free and
+  /// cheaper than `before`. Whole edges are compared: their samples are what the path's cost is made of.
+  bool replace(std::size_t first, std::size_t last, const Path& cut, double before) {
+    Path after{path_[first]};
+    for (const Configuration& q : cut) {
+      if (q != after.back()) after.push_back(q);
+    }
+    if (path_[last + 1] != after.back()) after.push_back(path_[last + 1]);
+    constexpr double coarse = 4.0;  // most attempts fail, and this tells of most of them
+    double rough = 0.0;
+    for (std::size_t i = 1; i < after.size() && rough < before; ++i)
+      rough += pass_.costs(after[i - 1], after[i], coarse).sum();
+    if (rough >= before) return false;
+    for (std::size_t i = 1; i < cut.size(); ++i) {
+      if (!pass_.is_quickly_free(cut[i - 1], cut[i])) return false;
+    }
+    std::vector<Eigen::VectorXd> costs;
+    double cost = 0.0;
+    for (std::size_t i = 1; i < after.size(); ++i) {
+      costs.push_back(pass_.costs(after[i - 1], after[i]));
+      cost += costs.back().sum();
+    }
+    if (cost >= before * (1.0 - 1e-9)) return false;
+    path_.erase(path_.begin() + at(first), path_.begin() + at(last) + 2);
+    path_.insert(path_.begin() + at(first), after.begin(), after.end());
+    costs_.erase(costs_.begin() + at(first), costs_.begin() + at(last) + 1);
+    costs_.insert(costs_.begin() + at(first), costs.begin(), costs.end());
+    return true;
+  }
+
+  const Pass& pass_;
+  Path path_;
+  std::vector<Eigen::VectorXd> costs_;  ///< of each edge, a value for each joint
+};
 
 }  // namespace
 
@@ -175,11 +209,12 @@ std::vector<Configuration> straightened(const PlanProblem& problem, std::vector<
   Path direct = jumped(pass, path);
   if (pass.cost(direct) <= pass.cost(path)) path = std::move(direct);
   std::mt19937_64 random(problem.seed);
-  for (int attempt = 0, in_vain = 0; attempt < options.attempts && path.size() > 2; ++attempt) {
+  CheaperPath cheaper(pass, std::move(path));
+  for (int attempt = 0, in_vain = 0; attempt < options.attempts && cheaper.size() > 2; ++attempt) {
     if (in_vain == options.patience || problem.out_of_time()) break;
-    in_vain = try_cut(pass, path, random) ? 0 : in_vain + 1;
+    in_vain = cheaper.try_cut(random) ? 0 : in_vain + 1;
   }
-  return path;
+  return std::move(cheaper).path();
 }
 
 }  // namespace clearway

@@ -37,7 +37,7 @@ class Rounder {
       Path points = bezier(corner + (reach / in) * (before - corner), corner,
                            corner + (reach / out) * (next - corner), turn);
       if (are_one(last, points.front())) points.front() = last;  // two arcs meet in the middle of an edge
-      if (is_allowed(last, points, corner, next)) return points;
+      if (is_allowed(points, corner)) return points;
     }
     return {};
   }
@@ -82,15 +82,15 @@ class Rounder {
     return problem_.space.is_edge_free(from, to);
   }
 
-  bool is_allowed(const Configuration& last, const Path& points, const Configuration& corner,
-                  const Configuration& next) {
-    const double least = std::min(options_.least_clearance, problem_.space.clearance(corner));
-    for (std::size_t i = 1; i + 1 < points.size(); ++i)
-      if (problem_.space.clearance(points[i]) < least) return false;
-    for (std::size_t i = 1; i < points.size(); ++i)
-      if (!is_free(points[i - 1], points[i])) return false;
-    // What is left of the two edges is certified anew: a piece of a free edge need not prove as easily.
-    return (points.front() == last || is_free(last, points.front())) && is_free(points.back(), next);
+  /// What is left of the two edges is certified as they are.
+  bool is_allowed(const Path& points, const Configuration& corner) {
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      ++edges_checked_;
+      if (!problem_.space.is_edge_quickly_free(points[i - 1], points[i])) return false;
+    }
+    const double least = problem_.space.clearance(corner, options_.least_clearance);
+    return std::all_of(points.begin() + 1, points.end() - 1,
+                       [&](const Configuration& q) { return problem_.space.clearance(q, least) >= least; });
   }
 
   const PlanProblem& problem_;

@@ -19,6 +19,7 @@ class Shortener {
 
   /// From each waypoint on the farthest jump that is free; of many waypoints the last, then half as far, ...
   void jump() {
+    is_quick_ = false;
     for (std::size_t from = 0; from + 2 < path_.size(); ++from) {
       constexpr std::size_t few = 8;
       for (std::size_t to = path_.size() - 1; to > from + 1 && !out_of_time_();
@@ -32,6 +33,7 @@ class Shortener {
 
   /// Any two points of the path joined, over and over, until some tries in a row gained nothing worth while.
   void cut(std::mt19937_64& random) {
+    is_quick_ = true;
     constexpr int patience = 8;
     for (int idle = 0; idle < patience && may_try(); ++idle) {
       const std::vector<double> lengths = edge_lengths(path_, weight_);
@@ -44,6 +46,7 @@ class Shortener {
 
   /// Each waypoint cut off as far as that is free, then the new ones, a few times over.
   void cut_corners() {
+    is_quick_ = true;
     constexpr int rounds = 3;
     bool is_shorter = true;
     for (int round = 0; round < rounds && is_shorter; ++round) {
@@ -90,13 +93,14 @@ class Shortener {
     return false;
   }
 
-  /// What was refused once is not asked again, as long as looking that up takes less than asking.
+  /// What was refused once is not asked again, as long as looking that up takes less than asking. Cuts, of
+  /// which there are many to choose from, are asked of spheres alone: shapes take several times as long.
   bool is_free(const Configuration& from, const Configuration& to) {
     constexpr std::size_t most_remembered = 1000;
     const bool is_known = std::any_of(refused_.begin(), refused_.end(),
                                       [&](const Edge& edge) { return edge.from == from && edge.to == to; });
     if (is_known) return false;
-    const bool free = space_.is_edge_free(from, to);
+    const bool free = is_quick_ ? space_.is_edge_quickly_free(from, to) : space_.is_edge_free(from, to);
     if (!free && refused_.size() < most_remembered) refused_.push_back({from, to});
     return free;
   }
@@ -134,6 +138,7 @@ class Shortener {
   const Eigen::VectorXd& weight_;
   std::vector<Configuration> path_;
   std::vector<Edge> refused_;
+  bool is_quick_ = false;
   int left_;  ///< tries to cut
   const std::function<bool()>& out_of_time_;
 };

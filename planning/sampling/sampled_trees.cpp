@@ -15,9 +15,12 @@ TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
   std::mt19937_64 random(problem.seed);
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   if (!trees.join(BidirectionalTrees::start, 0, everywhere, 1)) {
-    while (trees.samples() < options.max_samples && !problem.out_of_time()) {
-      constexpr int at_once = 1000;
-      if (trees.grow(std::min(at_once, options.max_samples - trees.samples()), random, options.guide)) break;
+    SampleGuide guide;
+    const int unguided =
+        options.find_guide ? std::min(options.unguided_samples, options.max_samples) : options.max_samples;
+    if (!trees.grow(unguided, random, guide) && unguided < options.max_samples && !problem.out_of_time()) {
+      guide = options.find_guide();
+      trees.grow(options.max_samples - unguided, random, guide);
     }
   }
   TreePath result;

@@ -18,7 +18,9 @@ struct TreeOptions {
   Eigen::VectorXd weight;  ///< of each joint in lengths, see joint_weights
   double range = 0.0;      ///< longest edge tried, weighted units; 0: a tenth of the space's extent
   int max_samples = 100000000;
-  SampleGuide guide{};  ///< empty: all samples are uniform
+  int unguided_samples = 0;  ///< before a guide is asked for
+  std::function<SampleGuide()>
+      find_guide{};  ///< asked once; empty, or gives nothing: all samples are uniform
 };
 
 struct TreePath {

@@ -196,12 +196,12 @@ bool CollisionModel::is_free_by_shapes(const Configuration& q) const {
                      [&](const BodyPair& pair) { return is_apart(robot, pair, poses, 0.0); });
 }
 
-double ConfigurationSpace::clearance(const Configuration& q) const {
+double ConfigurationSpace::clearance(const Configuration& q, double at_most) const {
   const CollisionModel& model = *model_;
   if (!model.is_within_limits(q)) return 0.0;
   LinkPoses& poses = scratch_poses();
   forward_kinematics(model.robot, q, poses);
-  double least = model.options.max_distance;
+  double least = std::min(at_most, model.options.max_distance);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const BodyCollision& body = model.bodies[i];
     const double padding = model.options.padding;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -112,14 +113,19 @@ class ConfigurationSpace {
   /// The same of many edges.
   std::vector<bool> is_edge_free(std::span<const Edge> edges) const;
 
+  /// The same by spheres alone, where they tell: never true where is_edge_free() is not, but false on some of
+  /// its edges that pass close by. For those who would rather ask elsewhere than wait.
+  bool is_edge_quickly_free(const Configuration& from, const Configuration& to) const;
+
   /// How much of the straight edge is certified free from its start on, 0..1: 1 where is_edge_free() holds,
-  /// else a part that costs nothing more to know, often 0 (a part below a
-  /// quarter may always be). For searches that go as far as they can.
+  /// else a part that costs nothing more to know, often 0 (a part below a quarter may always be). For
+  /// searches that go as far as they can.
   double free_share(const Configuration& from, const Configuration& to) const;
 
   /// Conservative (<= true) smallest distance of any body to what blocks it, or to another body; padding
   /// subtracted, at most the fields' max_distance; <= 0 when not free.
-  double clearance(const Configuration& q) const;
+  /// @param at_most metres; what is larger is told as this, and takes less time.
+  double clearance(const Configuration& q, double at_most = std::numeric_limits<double>::infinity()) const;
 
   /// Pairs nearer than `influence_distance`, in a fixed order: for each body (in up to four pieces along its
   /// longest axis) and each of the six map directions the nearest blocked voxel that lies that way, by the

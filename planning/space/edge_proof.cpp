@@ -303,6 +303,14 @@ bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configura
   return EdgeProof(model, scratch, recent, nullptr, nullptr, &deviation).holds(all);
 }
 
+bool ConfigurationSpace::is_edge_quickly_free(const Configuration& from, const Configuration& to) const {
+  const CollisionModel& model = *model_;
+  if (!model.spheres) return is_edge_free(from, to);
+  if (!model.is_within_limits(from) || !model.is_within_limits(to)) return false;
+  if (!model.spheres->suits(from) || !model.spheres->suits(to)) return is_edge_free(from, to);
+  return of_this_thread<EdgePieces>(*model.spheres).examine(from, to, 1.0) == EdgePieces::Finding::free;
+}
+
 double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {
   constexpr double of_use = 0.25;
   return proved_share(*model_, from, to, of_use);

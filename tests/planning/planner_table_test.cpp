@@ -128,7 +128,8 @@ const std::map<std::string, SameOptions>& all_options() {
                                         {"max_samples", "0", typed<BoundaryPlus>({.max_samples = 0})},
                                         {"guided_share", "0", typed<BoundaryPlus>({.guided_share = 0.0})},
                                         {"smooth", "false", typed<BoundaryPlus>({.smooth = false})}}},
-      {"rrtconnect", range<RrtConnect>() + sampling_options<RrtConnect>() + shortcuts<RrtConnect>()},
+      {"rrtconnect", range<RrtConnect>() + sampling_options<RrtConnect>() + shortcuts<RrtConnect>() +
+                         SameOptions{{"guided_share", "0", typed<RrtConnect>({.guided_share = 0.0})}}},
       {"rrtconnect_ompl", range<RrtConnectOmpl>() + sampling_options<RrtConnectOmpl>() +
                               SameOptions{{"simplify", "false", typed<RrtConnectOmpl>({.simplify = false})}}},
       {"est", range<Est>() + sampling_options<Est>() + shortcuts<Est>()},

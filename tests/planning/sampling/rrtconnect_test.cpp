@@ -7,6 +7,7 @@
 #include "planning/path/shortcut.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/painted_tunnel.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -68,6 +69,28 @@ TEST(RrtConnect, SolvesForAnArm) {
   const PlanResult result = field.plan(start, goal, 1);
   ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
   EXPECT_TRUE(field.is_certified(result.waypoints));
+}
+
+TEST(RrtConnect, FollowsAWayOfTheHandWhereFewSamplesFindNone) {
+  const Robot robot = load_robot("puma560");
+  const PathCost cost(robot);
+  double guided = 0.0, unguided = 0.0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const PaintedTunnel tunnel(robot, seed, 4, 0.03);
+    const ConfigurationSpace space(robot, tunnel.map);
+    const auto plan = [&](double guided_share) {
+      const RrtConnect planner({.max_samples = 20000, .guided_share = guided_share});
+      return planner.plan({space, cost, tunnel.start, tunnel.goal, 1});
+    };
+    const PlanResult with = plan(0.3), without = plan(0.0);
+    ASSERT_EQ(with.status, PlanStatus::solved) << with.explanation;
+    for (std::size_t i = 1; i < with.waypoints.size(); ++i)
+      EXPECT_TRUE(space.is_edge_free(with.waypoints[i - 1], with.waypoints[i]));
+    EXPECT_EQ(plan(0.3).waypoints, with.waypoints);
+    guided += with.statistics.at("samples");
+    unguided += without.statistics.at("samples");
+  }
+  EXPECT_LT(2.0 * guided, unguided);
 }
 
 TEST(RrtConnect, GivesUpOnAnEnclosedGoalAfterItsSamples) {

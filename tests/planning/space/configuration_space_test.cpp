@@ -149,6 +149,54 @@ TEST(ConfigurationSpace, AStepBesideAnObstacleIsAcceptedWhenItKeepsSomeRoomAndNe
   EXPECT_GE(with_room, 20);
 }
 
+TEST(ConfigurationSpace, WhatIsQuicklyFreeIsFreeAndMostFreeEdgesAre) {
+  int free = 0, quickly_free = 0;
+  for (const char* name : {"puma560", "arm5", "panda"}) {
+    const Robot robot = load_robot(name);
+    for (std::uint64_t seed = 41; seed <= 43; ++seed) {
+      Random random(seed);
+      const World world(robot, random, 30);
+      const ConfigurationSpace space(robot, world.map, not_occupied());
+      for (int i = 0; i < 300; ++i) {
+        const Configuration from = random.configuration(robot);
+        const Configuration to = from + 0.15 * (random.configuration(robot) - from);
+        const bool is_free = space.is_edge_free(from, to), is_quick = space.is_edge_quickly_free(from, to);
+        ASSERT_TRUE(is_free || !is_quick) << name << " seed " << seed << " edge " << i;
+        free += is_free;
+        quickly_free += is_quick;
+      }
+      Configuration outside = random.configuration(robot);
+      outside[0] = robot.joints[0].upper + 0.1;
+      EXPECT_FALSE(space.is_edge_quickly_free(random.configuration(robot), outside));
+    }
+  }
+  EXPECT_GE(free, 500);
+  EXPECT_GE(quickly_free, free * 6 / 10);
+}
+
+TEST(ConfigurationSpace, AClearanceUpToALimitIsTheLesserOfBoth) {
+  const Robot robot = load_robot("puma560");
+  Random random(51);
+  const World world(robot, random, 25);
+  const ConfigurationSpace space(robot, world.map, not_occupied());
+  int cut = 0, kept = 0;
+  for (const Configuration& q : touching_zone(space, random, 300)) {
+    const double whole = space.clearance(q), limit = random.between(0.0, 0.1);
+    const double told = space.clearance(q, limit);
+    ASSERT_LE(told, limit);
+    if (whole >= limit) {
+      EXPECT_EQ(told, limit);
+      ++cut;
+    } else {
+      EXPECT_LE(told, whole + 1e-9);  // what is near is looked at closely: by the same shapes
+      EXPECT_EQ(told > 0.0, whole > 0.0);
+      ++kept;
+    }
+  }
+  EXPECT_GE(cut, 30);
+  EXPECT_GE(kept, 100);
+}
+
 TEST(ConfigurationSpace, ClearanceIsNeverAboveFclsDistanceAndCloseToItNearObstacles) {
   const Robot robot = load_robot("puma560");
   double worst_over = 0.0, worst_under = 0.0;
