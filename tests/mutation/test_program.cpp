@@ -138,10 +138,8 @@ double TestProgram::usual_time(const std::string& filter, const fs::path& folder
   return usual_[key] = ended.cpu;
 }
 
-Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
-  fs::create_directories(folder);
-  const fs::path faulty = folder / fs::path(candidate.file).filename(), object = folder / "fault.o",
-                 program = folder / "tests";
+fs::path TestProgram::write_faulty(const Candidate& candidate, const fs::path& folder) const {
+  const fs::path faulty = folder / fs::path(candidate.file).filename();
   std::string text = candidate.fault.applied_to(read_whole(repository_ / candidate.file));
   // Code for several instruction sets includes itself (Highway): the fault must be in each of them.
   const std::string itself = "#define HWY_TARGET_INCLUDE ";
@@ -149,32 +147,31 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
       text.find(original) != std::string::npos)
     text = replaced(text, original, itself + "\"" + faulty.string() + "\"");
   std::ofstream(faulty) << text;
-  // What is compiled is the copy, alone or in a copy of its batch; it includes by the same paths, and
-  // warnings do not count as noticing. Less is optimized, which takes less time and changes no result.
-  const Unit& unit = units_.at(candidate.file);
-  fs::path source = faulty;
-  if (const fs::path original = repository_ / candidate.file; unit.source != original) {
-    source = folder / "batch.cpp";
-    std::ofstream(source) << replaced(read_whole(unit.source), quoted_include(original),
-                                      quoted_include(faulty));
-  }
+  return faulty;
+}
+
+Ended TestProgram::build(const Unit& unit, const fs::path& source, const fs::path& folder, Link how) const {
+  const fs::path object = folder / "fault.o", program = folder / "tests";
+  // Warnings do not count as noticing. Less is optimized, which takes less time and changes no result.
   std::string compile = std::regex_replace(unit.command, std::regex(" -o \\S+ -c \\S+"), "");
   compile = std::regex_replace(compile, std::regex(" -O2(?= )"), " -O1");
   compile = std::regex_replace(compile, std::regex(" (-MD|-MT \\S+|-MF \\S+|-Werror)(?= )"), "");
   const std::string in_build = "cd " + quoted(build_) + " && ";
-  const Ended compiled =
+  Ended compiled =
       run_command(in_build + compile + " -w -o " + quoted(object) + " -c " + quoted(source), folder, {});
-  if (!compiled.is_good()) {
-    std::smatch error;
-    std::regex_search(compiled.output, error, std::regex("error: ([^\n]*)"));
-    return {Outcome::Kind::not_compiled, error.size() > 1 ? error[1].str() : "compiler ended"};
-  }
+  if (!compiled.is_good()) return compiled;
   const std::string out = "-o bin/" + floor_ + "_tests";
-  const Ended linked =
-      run_command(in_build + replaced(link_, out, quoted(object) + " -o " + quoted(program)), folder, {});
-  if (!linked.is_good())
+  const std::string first = how == Link::beside_its_batch ? "-Wl,-z,muldefs " : "";
+  Ended linked = run_command(
+      in_build + replaced(link_, out, first + quoted(object) + " -o " + quoted(program)), folder, {});
+  if (!linked.is_good() && how == Link::in_its_place)
     throw std::runtime_error("the tests of " + floor_ + " do not link: " + linked.output.substr(0, 800));
-  for (std::string filter : stages_for(candidate.file)) {
+  return linked;
+}
+
+Outcome TestProgram::tested(const std::string& file, const fs::path& folder) {
+  const fs::path program = folder / "tests";
+  for (std::string filter : stages_for(file)) {
     const double usual = usual_time(filter, folder);
     for (int repeat = 0; repeat < 4; ++repeat) {
       const Ended ended = run(quoted(program), usual, filter, folder);
@@ -189,6 +186,32 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
     }
   }
   return {Outcome::Kind::survived, ""};
+}
+
+Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
+  fs::create_directories(folder);
+  // What is compiled is a copy, which includes by the same paths.
+  const fs::path faulty = write_faulty(candidate, folder), original = repository_ / candidate.file;
+  const Unit& unit = units_.at(candidate.file);
+  fs::path source = faulty;
+  if (unit.source != original) {
+    // Alone it takes a fraction of the time. What other files of the batch have of it, inlined, is without
+    // the fault then: what survives is tried in its batch.
+    if (build(unit, faulty, folder, Link::beside_its_batch).is_good()) {
+      const Outcome alone = tested(candidate.file, folder);
+      if (alone.kind == Outcome::Kind::noticed) return alone;
+    }
+    source = folder / "batch.cpp";
+    std::ofstream(source) << replaced(read_whole(unit.source), quoted_include(original),
+                                      quoted_include(faulty));
+  }
+  const Ended built = build(unit, source, folder, Link::in_its_place);
+  if (!built.is_good()) {
+    std::smatch error;
+    std::regex_search(built.output, error, std::regex("error: ([^\n]*)"));
+    return {Outcome::Kind::not_compiled, error.size() > 1 ? error[1].str() : "compiler ended"};
+  }
+  return tested(candidate.file, folder);
 }
 
 }  // namespace clearway::mutation

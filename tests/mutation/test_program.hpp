@@ -45,13 +45,23 @@ class TestProgram {
   Ended run(const std::string& program, double usual, const std::string& filter,
             const std::filesystem::path& folder) const;
 
-  std::filesystem::path repository_, build_;
-  std::string floor_, link_, digest_;
   /// What is compiled for a source: itself, or the batch that holds it.
   struct Unit {
     std::filesystem::path source;
     std::string command;
   };
+  /// What becomes of the library's own object: the new one stands for all of it, or only comes before it.
+  enum class Link { in_its_place, beside_its_batch };
+  /// The candidate's file with the fault, in `folder`.
+  std::filesystem::path write_faulty(const Candidate& candidate, const std::filesystem::path& folder) const;
+  /// The program in `folder`, with this source. @throws std::runtime_error when it does not link in place
+  Ended build(const Unit& unit, const std::filesystem::path& source, const std::filesystem::path& folder,
+              Link how) const;
+  /// What its tests say.
+  Outcome tested(const std::string& file, const std::filesystem::path& folder);
+
+  std::filesystem::path repository_, build_;
+  std::string floor_, link_, digest_;
   std::map<std::string, Unit> units_;  ///< by source, relative
   std::mutex mutex_;
   std::map<std::string, double> usual_;  ///< by filter
