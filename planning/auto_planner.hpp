@@ -10,6 +10,7 @@ struct AutoPlannerOptions {
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
   int max_samples = 100000000;   ///< of the trees of one round, 1 to 100,000,000
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
+  int threads = 1;               ///< rounds at the same time, 1 to 64
 };
 AutoPlannerOptions read_options(OptionReader& reader, AutoPlannerOptions initial);
 
@@ -17,7 +18,8 @@ AutoPlannerOptions read_options(OptionReader& reader, AutoPlannerOptions initial
 /// timed, until one succeeds: `rrtconnect` (the straight edge first) with few samples, twice, and with more;
 /// the local method and its planes (`boundary_plus` without trees); `beam_guided`; then, with twice as many
 /// samples each round, `rrtconnect` and `boundary_plus` until time is out. All of its path is
-/// certified. The same seed gives the same path.
+/// certified. The same seed gives the same path, also with several threads: of the rounds that succeed the
+/// first in turn counts, and those after it are called off.
 class AutoPlanner : public Planner {
  public:
   using Options = AutoPlannerOptions;

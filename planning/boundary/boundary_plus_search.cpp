@@ -145,6 +145,8 @@ void BoundaryPlusSearch::guide_samples() {
 
 /// So many more samples, the first of all without a guide.
 bool BoundaryPlusSearch::by_trees(int samples) {
+  if (samples <= 0) return false;
+  ++rounds_;
   const int unguided = std::clamp(unguided_samples - trees_.samples(), 0, samples);
   bool is_grown = trees_.grow(unguided, random_, guide_);
   if (!is_grown && unguided < samples && !problem_.out_of_time()) {
@@ -157,7 +159,6 @@ bool BoundaryPlusSearch::by_trees(int samples) {
 
 bool BoundaryPlusSearch::by_hand_over(int samples) {
   if (samples <= 0 || problem_.out_of_time()) return false;
-  ++rounds_;
   if (by_trees(samples)) return true;
   if (problem_.out_of_time() || !back_to_local_method()) return false;
   how_ = "the local method after trees of " + std::to_string(trees_.samples()) + " samples";

@@ -63,6 +63,36 @@ TEST(AutoPlanner, GoesOnAfterAPlannerThatFailsAndSaysWhoSolvedIt) {
   EXPECT_GT(later, 0);
 }
 
+TEST(AutoPlanner, ThreadsChangeNothing) {
+  int later = 0;
+  for (const char* name : {"puma560", "panda"}) {
+    const Robot robot = load_robot(name);
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), {.critical_by_default = false});
+    const PathCost cost(robot);
+    Random random(23);
+    for (int i = 0; i < 20; ++i) {
+      const Configuration start = random.configuration(robot), goal = random.configuration(robot);
+      if (!space.is_free(start) || !space.is_free(goal)) continue;
+      const auto with = [&](int threads, int samples) {
+        return AutoPlanner({.max_samples = samples, .threads = threads}).plan({space, cost, start, goal, 5});
+      };
+      for (const int samples : {2, 40}) {
+        const PlanResult one = with(1, samples);
+        for (const int threads : {2, 5}) {
+          const PlanResult many = with(threads, samples);
+          ASSERT_EQ(many.status, one.status) << name << " " << i;
+          EXPECT_EQ(many.waypoints, one.waypoints);
+          EXPECT_EQ(many.explanation, one.explanation);
+          EXPECT_EQ(many.edges_checked, one.edges_checked);
+          EXPECT_EQ(many.statistics, one.statistics);
+        }
+        later += one.statistics.at("rounds") > 2.0;
+      }
+    }
+  }
+  EXPECT_GT(later, 5);
+}
+
 TEST(AutoPlanner, TellsTimeFromNoPath) {
   const Robot robot = load_robot("planar2");
   const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), {.critical_by_default = false});

@@ -107,7 +107,8 @@ SameOptions range() {
 
 const std::map<std::string, SameOptions>& all_options() {
   static const std::map<std::string, SameOptions> all = {
-      {"auto", sampling_options<AutoPlanner>() + shortcuts<AutoPlanner>()},
+      {"auto", sampling_options<AutoPlanner>() + shortcuts<AutoPlanner>() +
+                   SameOptions{{"threads", "2", typed<AutoPlanner>({.threads = 2})}}},
       {"beam", beam_options<Beam>()},
       {"beam_reference", beam_options<BeamReference>()},
       {"beam_guided", range<BeamGuided>() + sampling_options<BeamGuided>() +
