@@ -30,7 +30,6 @@
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/check/path_check.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/files/trajectory_file.hpp"
 #include "planning/path/trajectory.hpp"
@@ -65,12 +64,13 @@ QueryTerms terms_of(const TaughtPlan& taught) {
           .robot = taught.robot.robot,
           .scale = space.robot().scale,
           .map_from_base = space.robot().map_from_base,
-          .policies = space.policies(),
+          .policies = taught.plan.policies,
           .padding = space.options().padding,
           .seen_within = space.options().seen_within,
           .allow_outside = {},
           .start = taught.start,
-          .goals = taught.plan.goals};
+          .goals = taught.plan.goals,
+          .loads = taught.plan.loads};
 }
 
 /// What a session leaves in its folder.
@@ -107,9 +107,7 @@ class TaughtFolder {
     save_file(folder_ / place / "queries.json", to_json(QueryRecord{taught.map_digest, {terms_of(taught)}}));
     taught.plan.map_file = place.string();
     if (!taught.is_approved) return true;
-    const ConfigurationSpace& space = *taught.space;
-    const PathVerdict verdict = check_path(space.robot(), map_, space.policies(), space.options().padding,
-                                           taught.plan.waypoints(), 0.0, space.options().seen_within);
+    const PathVerdict verdict = check_taught(taught, map_);
     if (!verdict.valid)
       broken_.push_back(
           "plan '" + taught.name +
@@ -119,7 +117,7 @@ class TaughtFolder {
 
   void export_approved(const TaughtPlan& taught) const {
     const Robot& robot = taught.space->robot();
-    const Trajectory motion = time_parameterize(robot, taught.plan.waypoints());
+    const Trajectory motion = timed(taught);
     fs::create_directories(folder_ / "approved");
     for (const TrajectoryFormat& format : trajectory_formats()) {
       const bool is_for_robots = format.name == "ros" || format.name == "urscript";
@@ -251,6 +249,7 @@ class ShownSession final : public FusionGuide {
       const TeachAction action = told.event.action;
       const bool is_worth_it = action == TeachAction::paint_off || action == TeachAction::start ||
                                action == TeachAction::goal || action == TeachAction::play ||
+                               action == TeachAction::attach || action == TeachAction::detach ||
                                action == TeachAction::approve;
       if (is_worth_it && pictures_.size() < most_pictures) moment = line_of(told);
     }
@@ -295,10 +294,11 @@ void tell_times(const ScreenTimes& times, Console& console) {
               " ms (median), " + significant(1e3 * quantile(times.latencies, 0.95), 3) + " ms (95 %)");
 }
 
-/// What would leave another planner or robot at work than the events say, before the session begins.
-void require_possible(const TeachEvent& event, const fs::path& file) try {
+/// What would leave another planner, robot or load at work than the events say, before the session begins.
+void require_possible(const TeachEvent& event, const Setup& setup, const fs::path& file) try {
   if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
   if (event.action == TeachAction::robot) VirtualRobot(event.robot, event.near);
+  if (event.action == TeachAction::attach) load_of(event, setup);
 } catch (const std::invalid_argument& error) {
   throw std::invalid_argument("events file " + quote_path(file.string()) + ", at " +
                               significant(event.time, 6) + " s, " + std::string(to_string(event.action)) +
@@ -325,8 +325,8 @@ int run_teach(const TeachCommand& command, Console& console) {
   RecordedSession recorded = session_of(command);
   const fs::path file = events_file(command);
   std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
-  for (const TeachEvent& event : events) require_possible(event, file);
   ChosenSetup setup = setup_of(recorded);
+  for (const TeachEvent& event : events) require_possible(event, setup.setup, file);
   const PictureOptions stills{command.overlay, {}};
   const bool is_camera = is_camera_name(recorded.source);
   require_pictures(stills, recorded.source, command.out);

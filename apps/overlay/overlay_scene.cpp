@@ -28,6 +28,21 @@ void add_ghost(Canvas& canvas, const OverlayScene& scene, const LinkPoses& poses
   add_robot(canvas, *scene.robot, poses, colour, colour, canvas.add_layer(0.5));
 }
 
+void add_loads(Canvas& canvas, const OverlayScene& scene, OverlayLoad::Holder holder, Colour colour,
+               int layer) {
+  for (const OverlayLoad& load : scene.loads)
+    if (load.holder == holder)
+      canvas.add(load.mesh, load.map_from_load,
+                 {load.is_refused ? conflict_red : colour, layer == 0 ? 0.5 : 0.6}, layer);
+}
+
+/// In layers of their own, blended over the ghosts that hold them.
+void add_ghosts_loads(Canvas& canvas, const OverlayScene& scene) {
+  using Holder = OverlayLoad::Holder;
+  for (const auto& [holder, colour] : {std::pair(Holder::start, sky_blue), std::pair(Holder::goal, yellow)})
+    add_loads(canvas, scene, holder, colour, canvas.add_layer(0.7));
+}
+
 double most_clearance(const OverlayPath& path) {
   double most = 0.0;
   for (const double clearance : path.clearance)
@@ -150,6 +165,10 @@ cv::Mat draw_overlay(const cv::Mat& image, const Camera& camera, const Eigen::Is
   add_ghost(canvas, scene, scene.goal_pose, yellow);
   if (scene.robot != nullptr && !scene.robot_pose.empty())
     add_robot(canvas, *scene.robot, scene.robot_pose, pale, orange, 0);
+  if (!scene.loads.empty()) {
+    add_ghosts_loads(canvas, scene);
+    add_loads(canvas, scene, OverlayLoad::Holder::hand, purple, 0);
+  }
   add_path(canvas, scene.path, std::max(2.5, camera.height / 144.0));
   add_advice(canvas, scene.to_paint);
   if (scene.ball) add_ball(canvas, *scene.ball);

@@ -50,12 +50,22 @@ struct OverlayBall {
   bool is_accepted = true;
 };
 
+/// A load in the hand, or in that of a ghost.
+struct OverlayLoad {
+  enum class Holder { hand, start, goal };
+  Mesh mesh;  ///< load's frame
+  Eigen::Isometry3d map_from_load = Eigen::Isometry3d::Identity();
+  Holder holder = Holder::hand;
+  bool is_refused = false;  ///< red: hand and load may not be there
+};
+
 /// What is drawn over a camera's image. Everything may be left out.
 struct OverlayScene {
   const OverlayMap* map = nullptr;
   const RobotSurface* robot = nullptr;
   LinkPoses robot_pose;                                ///< map_from_link; empty: not drawn
   LinkPoses start_pose, goal_pose;                     ///< of the ghosts
+  std::vector<OverlayLoad> loads;                      ///< solid in the hand, clear in a ghost's
   std::optional<Eigen::Vector3d> start_tip, goal_tip;  ///< where "start" and "goal" are written
   OverlayPath path;
   std::vector<Sphere> to_paint;  ///< where painting would help

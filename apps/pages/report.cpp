@@ -5,6 +5,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/pages/map_page.hpp"
+#include "apps/query/loads.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -82,6 +83,7 @@ Json plan_json(const ReplayPlan& entry) {
                                                     : "refused"},
                {"min_clearance_m", plan.validation.min_clearance},
                {"padding_m", plan.padding}};
+  for (const LegLoad& load : plan.loads) json["loads"].push_back(describe_load(load));
   if (plan.survey) json.update(Json::parse(to_json(*plan.survey)));
   return json;
 }
@@ -93,7 +95,9 @@ PageTable teaching_table(const Json& teaching) {
     const auto text = [&](const char* key) {
       return event.contains(key) ? event[key].get<std::string>() : "";
     };
-    const std::string name = text("action") == "volume" ? text("label") : text("name");
+    const std::string name = event.contains("load")       ? event["load"]["name"].get<std::string>()
+                             : text("action") == "volume" ? text("label")
+                                                          : text("name");
     table.rows.push_back(
         {significant(event["time"].get<double>(), 5), text("action") + (name.empty() ? "" : " " + name),
          event.contains("refused") ? "refused: " + text("refused") : text("remark"), text("state")});

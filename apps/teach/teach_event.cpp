@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/descriptions/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
@@ -19,8 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, teach_actions> action_names = {
-    "paint_on", "paint_off", "erase_on", "erase_off", "volume",  "robot", "start", "via",
-    "goal",     "clear",     "plan",     "play",      "approve", "undo",  "save",  "quit"};
+    "paint_on", "paint_off", "erase_on", "erase_off", "volume", "robot",   "start", "via",  "goal",
+    "clear",    "attach",    "detach",   "plan",      "play",   "approve", "undo",  "save", "quit"};
 
 std::set<std::string> fields_of(TeachAction action) {
   std::set<std::string> fields = {"time", "action"};
@@ -31,7 +32,8 @@ std::set<std::string> fields_of(TeachAction action) {
   if (action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal)
     fields.insert("q");
   if (action == TeachAction::plan) fields.merge(std::set<std::string>{"name", "planner", "options"});
-  if (action == TeachAction::save) fields.insert("name");
+  if (action == TeachAction::save || action == TeachAction::detach) fields.insert("name");
+  if (action == TeachAction::attach) fields.merge(std::set<std::string>{"name", "load"});
   return fields;
 }
 
@@ -94,10 +96,46 @@ RobotChoice robot_of(const JsonField& line) {
   return robot;
 }
 
+/// As in a load's file; JSON is YAML, so that one reader takes both. @param line as it is called in
+/// complaints
+TaughtLoad load_of(Json json, const std::string& line, const std::filesystem::path& folder) {
+  if (json.is_object() && json.contains("mesh") && json["mesh"].is_string())
+    json["mesh"] = std::filesystem::weakly_canonical(folder / json["mesh"].get<std::string>()).string();
+  TaughtLoad load;
+  load.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string what = line + ": field 'load'";
+  try {
+    load.setup = read_load(YamlFields(load.json, what), {});
+  } catch (const std::invalid_argument& error) {
+    std::string sentence = error.what();  // there is one line alone
+    if (sentence.starts_with(what + ", line 1")) sentence.erase(what.size(), std::string(", line 1").size());
+    throw std::invalid_argument(sentence);
+  }
+  return load;
+}
+
+/// The load itself, or the name of one that the setup has.
+void read_attach(const Json& json, const JsonField& line, const std::string& name,
+                 const std::filesystem::path& folder, TeachEvent& event) {
+  if (line.has("load") == line.has("name"))
+    line.refuse("to have either 'load', a load, or 'name', that of a load of the setup");
+  if (!line.has("load")) return;
+  event.load = load_of(json["load"], name, folder);
+  if (!event.load->setup.legs.empty())
+    line.at("load").refuse("no 'legs': a load rides from 'attach' to 'detach'");
+  event.name = event.load->setup.name;
+}
+
 PlannerOptions options_of(const JsonField& field) {
   PlannerOptions options;
   for (const auto& [key, value] : field.members()) options[key] = value.text();
   return options;
+}
+
+/// Of a load as it is written in files of loads; of plans and maps it becomes the name of a file.
+std::string name_of(const JsonField& line, TeachAction action) {
+  const bool is_of_load = action == TeachAction::attach || action == TeachAction::detach;
+  return is_of_load ? line.at("name").text() : file_name_of(line.at("name"));
 }
 
 TeachEvent event_of(const JsonField& line) {
@@ -112,7 +150,7 @@ TeachEvent event_of(const JsonField& line) {
     value.refuse("no such field with action " + quote(to_string(event.action)) + ", did you mean " +
                  quote(nearest_name(key.substr(0, 100), names)) + "?");
   }
-  if (line.has("name")) event.name = file_name_of(line.at("name"));
+  if (line.has("name")) event.name = name_of(line, event.action);
   if (event.action == TeachAction::volume) event.name = line.at("label").text();
   if (line.has("critical_parts")) event.critical_parts = texts_of(line.at("critical_parts"));
   if (event.action == TeachAction::robot) event.robot = robot_of(line);
@@ -165,6 +203,8 @@ std::vector<TeachEvent> load_teach_events(const std::filesystem::path& file) {
     const Json json = Json::parse(line);
     const JsonField field(json, name);
     events.push_back(event_of(field));
+    if (events.back().action == TeachAction::attach)
+      read_attach(json, field, name, file.parent_path(), events.back());
     if (events.size() > 1 && events.back().time < events[events.size() - 2].time)
       field.at("time").refuse("a time not before the last line's");
   }
@@ -181,7 +221,10 @@ std::string to_json_line(const TeachEvent& event) {
     json["planner"] = event.planner;
     if (!event.options.empty()) json["options"] = event.options;
   }
-  if (event.action != TeachAction::volume && !event.name.empty()) json["name"] = event.name;
+  if (event.load)
+    json["load"] = Json::parse(event.load->json);
+  else if (event.action != TeachAction::volume && !event.name.empty())
+    json["name"] = event.name;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

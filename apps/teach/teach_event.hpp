@@ -2,11 +2,13 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "apps/console/commands.hpp"
+#include "datasets/descriptions/load_setup.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
@@ -23,6 +25,8 @@ enum class TeachAction {
   via,     ///< one more goal on the way
   goal,    ///< the last goal; given again, it replaces the one before
   clear,   ///< forget start and goals
+  attach,  ///< a load is in the hand from here on
+  detach,
   plan,
   play,
   approve,
@@ -30,15 +34,22 @@ enum class TeachAction {
   save,  ///< the map as it is, under maps/
   quit
 };
-constexpr int teach_actions = 16;
+constexpr int teach_actions = 18;
 
 std::string_view to_string(TeachAction action);
+
+/// A load that an event brings with it.
+struct TaughtLoad {
+  LoadSetup setup;
+  std::string json;  ///< as the event has it, a mesh's file with its whole path: reads back bit for bit
+};
 
 /// An action at its time; what an action does not use stays empty.
 struct TeachEvent {
   double time = 0.0;  ///< s after the first frame
   TeachAction action = TeachAction::quit;
-  std::string name{};                         ///< of a plan or a saved map; of a volume its label
+  std::string name{};  ///< of a plan or a saved map; of a volume its label; of a load, the setup's or its own
+  std::optional<TaughtLoad> load{};           ///< of attach: the load itself, not one of the setup's
   std::vector<std::string> critical_parts{};  ///< of a volume
   RobotChoice robot{};
   std::vector<double> near{};  ///< of a robot: a configuration on the arm configuration to keep, rad or m

@@ -52,6 +52,7 @@ TeachView TeachViewer::view(const SeenImage& image, const ImageFrame& frame) {
   add_map(view);
   add_robot(view);
   add_sentences(image, view);
+  add_loads(view);
   return view;
 }
 
@@ -79,12 +80,12 @@ void TeachViewer::add_robot(TeachView& view) {
   };
   place(session_.shown_configuration(), view.robot_pose);
   if (session_.start()) {
-    place(*session_.start(), view.start_pose);
-    view.start_tip = tip_pose(*robot_, *session_.start()).translation();
+    place(session_.start()->q, view.start_pose);
+    view.start_tip = tip_pose(*robot_, session_.start()->q).translation();
   }
   if (session_.goal()) {
-    place(*session_.goal(), view.goal_pose);
-    view.goal_tip = tip_pose(*robot_, *session_.goal()).translation();
+    place(session_.goal()->q, view.goal_pose);
+    view.goal_tip = tip_pose(*robot_, session_.goal()->q).translation();
   }
   const TaughtPlan* plan = session_.last_plan();
   if (plan == nullptr) return;
@@ -94,6 +95,26 @@ void TeachViewer::add_robot(TeachView& view) {
     path_ = std::make_shared<OverlayPath>(OverlayPath{plan->tip_path, plan->tip_clearance});
   planned_ = &plan->plan;
   if (!path_->points.empty()) view.path = path_;
+}
+
+/// In the hand what it holds; in the ghosts' what rides on the first leg, and on the last.
+void TeachViewer::add_loads(TeachView& view) {
+  using Holder = OverlayLoad::Holder;
+  if (!view.robot) return;
+  const auto add = [&](const LinkPoses& poses, const std::vector<Load>& held, Holder holder) {
+    if (poses.empty()) return;
+    for (const Load& load : held)
+      for (std::size_t i = 0; i < view.robot->links.size(); ++i)
+        if (view.robot->links[i].name == load.link)
+          view.loads.push_back({mesh_of(load.shape), poses[i] * load.link_from_load, holder,
+                                holder == Holder::hand && view.is_led && !view.warning.empty()});
+  };
+  add(view.robot_pose, session_.shown_loads(), Holder::hand);
+  if (!session_.shown_loads().empty()) view.held = names_of(session_.shown_loads());
+  const std::vector<TaughtPlace> goals = session_.goals();
+  if (session_.start())
+    add(view.start_pose, goals.empty() ? session_.start()->held : goals.front().held, Holder::start);
+  if (session_.goal()) add(view.goal_pose, session_.goal()->held, Holder::goal);
 }
 
 void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
@@ -115,6 +136,7 @@ std::string state_line(const TeachView& view) {
   std::snprintf(time, sizeof time, "%.1f s", view.since_start);
   std::string line = std::string(time) + ", " + std::string(to_string(view.state));
   if (!view.volume.empty()) line += ", volume " + view.volume + ", " + std::to_string(view.balls) + " balls";
+  if (!view.held.empty()) line += ", holds " + view.held;
   return line;
 }
 
@@ -168,6 +190,7 @@ cv::Mat TeachPainter::draw(const TeachView& view) {
   scene.goal_pose = view.goal_pose;
   scene.start_tip = view.start_tip;
   scene.goal_tip = view.goal_tip;
+  scene.loads = view.loads;
   if (view.path) scene.path = *view.path;
   scene.to_paint = view.to_paint;
   const bool is_choosing = view.state == TeachState::ready || view.state == TeachState::selecting;

@@ -33,6 +33,8 @@ struct TeachView {
   std::string refusal, cure;  ///< the last event's, or the image's
   std::shared_ptr<const Robot> robot;
   LinkPoses robot_pose, start_pose, goal_pose;  ///< map_from_link; empty: not drawn
+  std::vector<OverlayLoad> loads;
+  std::string held;  ///< names of what is in the hand; empty: nothing
   std::optional<Eigen::Vector3d> start_tip, goal_tip;
   std::vector<Sphere> to_paint;
   std::shared_ptr<const OverlayPath> path;
@@ -51,6 +53,7 @@ class TeachViewer {
  private:
   void add_map(TeachView& view);
   void add_robot(TeachView& view);
+  void add_loads(TeachView& view);
   void add_sentences(const SeenImage& image, TeachView& view);
 
   const TeachSession& session_;

@@ -7,13 +7,14 @@
 #include <limits>
 #include <stdexcept>
 
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/check/path_check.hpp"
-#include "planning/path/trajectory.hpp"
+#include "planning/check/check_legs.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
@@ -24,24 +25,63 @@ constexpr std::array<std::string_view, 9> state_names = {
 
 [[noreturn]] void refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
 
-/// The query's answer, with what is drawn of it.
-TaughtPlan answered(TaughtPlan taught, PlanQuery query) {
-  const ConfigurationSpace& space = *taught.space;
-  query.map_digest = taught.map_digest = map_sha256(space.map());
-  taught.plan = plan_and_check(query);
-  if (!taught.plan.is_proved()) return taught;
-  const auto points = time_parameterize(space.robot(), taught.plan.waypoints()).points;
-  constexpr std::size_t shown = 160;
-  const std::size_t last = points.size() - 1, pieces = std::min(last, shown);
+/// The robot of a plan's leg, with what it carries there, among what is free on the plan's map.
+ConfigurationSpace space_of_leg(const TaughtPlan& taught, int leg) {
+  const ConfigurationSpace& bare = *taught.space;
+  const Policies policies{.parts = bare.policies(), .other = Policy::not_occupied};
+  return {robot_of_leg(bare.robot(), taught.plan.loads, leg), bare.map(), policies, bare.options()};
+}
+
+/// What is drawn of a leg: its tip's way, some points of it, with the clearance there.
+void add_tip_path(const ConfigurationSpace& space, const std::vector<TrajectoryPoint>& points,
+                  std::size_t most, TaughtPlan& taught) {
+  const std::size_t last = points.size() - 1, pieces = std::min(last, most);
   for (std::size_t i = 0; i <= pieces; ++i) {
     const Configuration& q = points[pieces == 0 ? 0 : i * last / pieces].position;
     taught.tip_path.push_back(tip_pose(space.robot(), q).translation());
     taught.tip_clearance.push_back(space.clearance(q));
   }
+}
+
+/// The query's answer, with what is drawn of it.
+TaughtPlan answered(TaughtPlan taught, PlanQuery query) {
+  constexpr std::size_t shown = 160;
+  const ConfigurationSpace& space = *taught.space;
+  query.map_digest = taught.map_digest = map_sha256(space.map());
+  taught.plan = plan_and_check(query);
+  if (!taught.plan.is_proved()) return taught;
+  if (taught.plan.loads.empty()) {
+    add_tip_path(space, timed(taught).points, shown, taught);
+    return taught;
+  }
+  const std::vector<PlanResult>& legs = taught.plan.legs;
+  for (std::size_t leg = 0; leg < legs.size(); ++leg)
+    add_tip_path(space_of_leg(taught, static_cast<int>(leg)),
+                 time_parameterize(space.robot(), legs[leg].waypoints).points,
+                 std::max<std::size_t>(1, shown / legs.size()), taught);
   return taught;
 }
 
+/// "; carries can on hand, leg 2", for what was planned.
+std::string carried(const Plan& plan) {
+  std::string text;
+  for (const LegLoad& load : plan.loads) text += "; carries " + describe_load(load);
+  return text;
+}
+
 }  // namespace
+
+PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
+  const Plan& plan = taught.plan;
+  return check_legs(legs_of(plan, taught.space->robot(), map), plan.policies, plan.padding, 0.0,
+                    plan.seen_within);
+}
+
+Trajectory timed(const TaughtPlan& taught) {
+  const Robot& robot = taught.space->robot();
+  return taught.plan.loads.empty() ? time_parameterize(robot, taught.plan.waypoints())
+                                   : timed_legs(robot, taught.plan);
+}
 
 std::string_view to_string(TeachState state) { return state_names.at(static_cast<std::size_t>(state)); }
 
@@ -85,8 +125,12 @@ void TeachSession::see(const SeenImage& image) {
   if (doing_ == Doing::painting || doing_ == Doing::erasing) return;
   warning_ = robot_->not_there(image.since_start);
   if (warning_.empty()) {
-    const Verdict verdict = robot_->space(present_map(), map_version())->check(robot_->q());
-    if (!verdict.is_free()) warning_ = verdict.sentence();
+    try {
+      const Verdict verdict = check(robot_->q(), choice_.held);
+      if (!verdict.is_free()) warning_ = verdict.sentence();
+    } catch (const std::invalid_argument& error) {  // a load for which the map has grown too large
+      warning_ = error.what();
+    }
   }
   if (!warning_.empty()) ++warned_images_;
 }
@@ -123,17 +167,24 @@ TeachState TeachSession::state() const {
   return resting_state();
 }
 
+/// Where the plan that is played is by now. @pre it has points
+const TeachSession::Played& TeachSession::played() const {
+  const auto after = std::upper_bound(motion_.begin(), motion_.end(), now_ - play_begin_,
+                                      [](double time, const Played& point) { return time < point.time; });
+  return after == motion_.begin() ? motion_.front() : *std::prev(after);
+}
+
 Configuration TeachSession::shown_configuration() const {
-  if (doing_ == Doing::playing && !motion_.empty()) {
-    const auto after = std::upper_bound(motion_.begin(), motion_.end(), now_ - play_begin_,
-                                        [](double time, const auto& point) { return time < point.first; });
-    return after == motion_.begin() ? motion_.front().second : std::prev(after)->second;
-  }
+  if (doing_ == Doing::playing && !motion_.empty()) return played().q;
   return robot_ ? robot_->q() : Configuration();
 }
 
-std::vector<Configuration> TeachSession::goals() const {
-  std::vector<Configuration> goals = choice_.vias;
+const std::vector<Load>& TeachSession::shown_loads() const {
+  return doing_ == Doing::playing && !motion_.empty() ? carried_.at(played().leg) : choice_.held;
+}
+
+std::vector<TaughtPlace> TeachSession::goals() const {
+  std::vector<TaughtPlace> goals = choice_.vias;
   if (choice_.goal) goals.push_back(*choice_.goal);
   return goals;
 }
@@ -224,18 +275,15 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
     case TeachAction::plan:
       begin_plan(event);
       break;
-    case TeachAction::play: {
-      if (!choice_.plan) refuse("there is no plan; 'plan' makes one");
-      const Plan& plan = plans_[*choice_.plan].plan;
-      const Trajectory motion = time_parameterize(plans_[*choice_.plan].space->robot(), plan.waypoints());
-      motion_.clear();
-      for (const TrajectoryPoint& point : motion.points) motion_.emplace_back(point.time, point.position);
-      play_begin_ = now_;
-      play_seconds_ = motion.points.back().time;
-      remark = "it lasts " + short_text(play_seconds_, 3) + " s";
-      doing_ = Doing::playing;
+    case TeachAction::attach:
+      attach(event, remark);
       break;
-    }
+    case TeachAction::detach:
+      detach(event, remark);
+      break;
+    case TeachAction::play:
+      play(remark);
+      break;
     case TeachAction::approve:
       approve(remark);
       break;
@@ -262,6 +310,7 @@ void TeachSession::forget_plan() {
   choice_.plan.reset();
   choice_.failed.reset();
   choice_.is_approved = false;
+  choice_.outdated.clear();
 }
 
 const TaughtPlan* TeachSession::last_plan() const {
@@ -316,6 +365,7 @@ void TeachSession::choose_robot(const TeachEvent& event) {
   auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
   remember("robot");
   choice_.robot = robot_ = std::move(robot);
+  choice_.held.clear();
   choice_.start.reset();
   choice_.goal.reset();
   choice_.vias.clear();
@@ -334,27 +384,123 @@ Configuration TeachSession::place_of(const TeachEvent& event) const {
   return robot_->q();
 }
 
+Verdict TeachSession::check(const Configuration& q, const std::vector<Load>& held) {
+  return robot_->space(present_map(), map_version(), held)->check(q);
+}
+
+/// A leg carries what is held when its end is picked: that has to be free where it begins, too.
+void TeachSession::require_begin(const TaughtPlace& begin) {
+  if (choice_.held.empty()) return;
+  const Verdict verdict = check(begin.q, choice_.held);
+  if (!verdict.is_free())
+    refuse("with " + names_of(choice_.held) +
+           " the robot may not be where the leg begins: " + verdict.sentence());
+}
+
 void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   require_robot();
   if (event.action != TeachAction::start && !choice_.start) refuse("no start is chosen; 'start' comes first");
   constexpr std::size_t most_vias = 1000;
   if (event.action == TeachAction::via && choice_.vias.size() >= most_vias)
     refuse("at most 1000 goals on the way are possible; 'clear' forgets them");
-  const Configuration q = place_of(event);
-  const Verdict verdict = robot_->space(present_map(), map_version())->check(q);
+  const TaughtPlace place{place_of(event), choice_.held};
+  const Verdict verdict = check(place.q, place.held);
   if (!verdict.is_free()) refuse(verdict.sentence());
+  if (event.action != TeachAction::start)
+    require_begin(choice_.vias.empty() ? *choice_.start : choice_.vias.back());
   remember(std::string(to_string(event.action)));
   if (event.action == TeachAction::start) {
-    choice_.start = q;
+    choice_.start = place;
     choice_.goal.reset();
     choice_.vias.clear();
   } else if (event.action == TeachAction::via) {
-    choice_.vias.push_back(q);
+    choice_.vias.push_back(place);
   } else {
-    choice_.goal = q;
+    choice_.goal = place;
   }
   forget_plan();
-  for (const double value : q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
+  for (const double value : place.q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
+  if (!place.held.empty()) remark += "; with " + names_of(place.held);
+}
+
+void TeachSession::change_held(const std::string& what, std::vector<Load> held) {
+  const bool had_plan = choice_.plan.has_value();
+  choice_.held = std::move(held);
+  const std::string outdated = choice_.outdated;
+  forget_plan();
+  choice_.outdated = had_plan ? what : outdated;
+}
+
+void TeachSession::attach(const TeachEvent& event, std::string& remark) {
+  require_robot();
+  constexpr std::size_t most_loads = 16;
+  Load load = load_of(event, *setup_);
+  for (const Load& known : choice_.held)
+    if (known.name == load.name) refuse(quote(load.name) + " is attached already; 'detach' comes first");
+  if (choice_.held.size() >= most_loads) refuse("at most 16 loads are possible; 'detach' one first");
+  for (const TaughtPlace& place : goals())
+    for (const Load& known : place.held) {
+      if (known.name != load.name) continue;
+      if (!is_same(known, load))
+        refuse("another load " + quote(load.name) +
+               " rides on a leg before; expected another name, or 'start' to begin anew");
+      load = known;
+    }
+  std::vector<Load> held = choice_.held;
+  held.push_back(load);
+  const auto space = robot_->space(present_map(), map_version(), held);
+  const TaughtPlace* begin = choice_.goal || !choice_.start ? nullptr
+                             : choice_.vias.empty()         ? &*choice_.start
+                                                            : &choice_.vias.back();
+  if (begin != nullptr)
+    if (const Verdict verdict = space->check(begin->q); !verdict.is_free())
+      refuse("with " + quote(load.name) +
+             " the robot may not be where the next leg begins: " + verdict.sentence());
+  remember("attach");
+  change_held(quote(load.name) + " was attached", std::move(held));
+  remark = load.name + " on " + load.link;
+}
+
+void TeachSession::detach(const TeachEvent& event, std::string& remark) {
+  if (choice_.held.empty()) refuse("nothing is attached; 'attach' takes a load");
+  if (event.name.empty() && choice_.held.size() > 1)
+    refuse("expected the name of a load, one of " + names_of(choice_.held));
+  const std::string name = event.name.empty() ? choice_.held.front().name : event.name;
+  std::vector<Load> held;
+  for (const Load& load : choice_.held)
+    if (load.name != name) held.push_back(load);
+  if (held.size() == choice_.held.size())
+    refuse("no load " + quote(shortened(name)) + " is attached; " + names_of(choice_.held) +
+           (held.size() == 1 ? " is" : " are"));
+  remember("detach");
+  change_held(quote(name) + " was detached", std::move(held));
+  remark = name;
+}
+
+void TeachSession::play(std::string& remark) {
+  if (!choice_.plan) refuse("there is no plan; 'plan' makes one");
+  const TaughtPlan& taught = plans_[*choice_.plan];
+  const Robot& robot = taught.space->robot();
+  const auto add = [&](const Trajectory& motion) {
+    const double begin = motion_.empty() ? 0.0 : motion_.back().time;
+    for (const TrajectoryPoint& point : motion.points)
+      motion_.push_back({begin + point.time, point.position, carried_.size() - 1});
+  };
+  motion_.clear();
+  carried_.clear();
+  const std::size_t legs = taught.plan.loads.empty() ? 0 : taught.plan.legs.size();
+  for (std::size_t leg = 0; leg < legs; ++leg) {
+    carried_.push_back(robot_of_leg(robot, taught.plan.loads, static_cast<int>(leg)).loads);
+    add(time_parameterize(robot, taught.plan.legs[leg].waypoints));
+  }
+  if (legs == 0) {
+    carried_.emplace_back();
+    add(timed(taught));
+  }
+  play_begin_ = now_;
+  play_seconds_ = motion_.back().time;
+  remark = "it lasts " + short_text(play_seconds_, 3) + " s";
+  doing_ = Doing::playing;
 }
 
 bool TeachSession::is_taken(const std::string& name) const {
@@ -366,6 +512,10 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   require_robot();
   if (!choice_.start) refuse("no start is chosen; 'start' chooses one");
   if (!choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
+  for (const Load& load : choice_.held)
+    if (!holds(choice_.goal->held, load.name))
+      refuse("the goal was chosen before " + quote(load.name) +
+             " was attached; 'goal' chooses it with that, 'start' begins from there, 'detach' lets go");
   TaughtPlan plan;
   plan.name = event.name;
   for (std::size_t number = plans_.size() + 1; event.name.empty(); ++number) {
@@ -374,18 +524,20 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   }
   if (is_taken(plan.name))
     refuse("there is a plan or a map " + quote(plan.name) + " already, expected another name");
-  plan.start = *choice_.start;
+  plan.start = choice_.start->q;
   plan.robot = robot_->choice();
   plan.space = robot_->space(present_map(), map_version());
   PlanQuery query{.space = *plan.space,
                   .start = plan.start,
-                  .goals = goals(),
+                  .goals = {},
                   .planner = make_planner(event.planner, event.options),
                   .seed = options_.seed,
                   .time_limit = options_.time_limit,
+                  .loads = loads_of_legs(goals()),
                   .robot_name = plan.robot.robot,
                   .map_file = "map.ot",
                   .name = plan.name};
+  for (const TaughtPlace& goal : goals()) query.goals.push_back(goal.q);
   if (setup_->robot) {
     query.payload = setup_->robot->payload;
     query.gravity = setup_->robot->gravity;
@@ -411,7 +563,7 @@ void TeachSession::take_plan(bool wait) {
   try {
     plans_.push_back(job.result.get());
     const Plan& plan = plans_.back().plan;
-    asked->remark = plan.is_proved()                      ? "solved and proved by " + plan.planner
+    asked->remark = plan.is_proved() ? "solved and proved by " + plan.planner + carried(plan)
                     : plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
                                                           : plan.explanation();
     (plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;
@@ -423,13 +575,12 @@ void TeachSession::take_plan(bool wait) {
 }
 
 void TeachSession::approve(std::string& remark) {
-  if (!choice_.plan) refuse("there is no plan that is proved; 'plan' makes one");
+  if (!choice_.plan)
+    refuse(choice_.outdated.empty() ? "there is no plan that is proved; 'plan' makes one"
+                                    : choice_.outdated + " since it was planned; plan again");
   TaughtPlan& plan = plans_[*choice_.plan];
   if (map_sha256(present_map()) != plan.map_digest) {
-    const ConfigurationSpace& space = *plan.space;
-    const PathVerdict verdict =
-        check_path(space.robot(), present_map(), space.policies(), space.options().padding,
-                   plan.plan.waypoints(), 0.0, space.options().seen_within);
+    const PathVerdict verdict = check_taught(plan, present_map());
     if (!verdict.valid)
       refuse("the map has changed since it was planned: " + verdict.first_contact + "; plan again");
     remark = "the map has changed since it was planned; checked on the present one: valid";

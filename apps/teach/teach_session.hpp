@@ -11,9 +11,11 @@
 #include <vector>
 
 #include "apps/fusion/fusion.hpp"
+#include "apps/teach/taught_loads.hpp"
 #include "apps/teach/teach_event.hpp"
 #include "apps/teach/virtual_robot.hpp"
 #include "planning/files/plan_file.hpp"
+#include "planning/path/trajectory.hpp"
 
 namespace clearway {
 
@@ -50,8 +52,14 @@ struct TaughtPlan {
   std::string map_digest;
   bool is_approved = false;
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame, of a proved plan
-  std::vector<double> tip_clearance;      ///< of the robot at each of its points, m
+  std::vector<double> tip_clearance;      ///< of the robot and its loads at each of its points, m
 };
+
+/// The independent check of a plan, with what it carries, on a map. @throws as check_path
+PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map);
+
+/// A proved plan in time, without blends where it carries loads. @throws as time_parameterize
+Trajectory timed(const TaughtPlan& taught);
 
 struct TeachOptions {
   std::uint64_t seed = 1;       ///< of the planners
@@ -70,6 +78,9 @@ struct TeachOptions {
 /// where its policies call it free. Plans are made beside the frames, on the map as it is when `plan` comes.
 /// A plan is approved only if the independent check proves it on the map as it is then.
 ///
+/// From `attach` to `detach` the robot holds a load: a body more wherever it is judged. Each leg carries what
+/// was held when its end was picked, from where it begins; another robot holds nothing.
+///
 /// | state | takes |
 /// |---|---|
 /// | ready, selecting, planned, approved | all but paint_off and erase_off |
@@ -77,8 +88,8 @@ struct TeachOptions {
 /// | erasing | erase_off, undo, save, quit |
 /// | planning | save, quit |
 /// | playing | approve, undo, save, quit, clear, start, via, goal, plan, play |
-/// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start` and what follows a
-/// robot.
+/// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start`, what follows, and
+/// `attach` a robot; `detach` a load.
 class TeachSession final : public FusionGuide {
  public:
   /// Events that are due at a time (s after the first frame), in order, each handed out once; the time may be
@@ -103,9 +114,11 @@ class TeachSession final : public FusionGuide {
   /// Why the virtual robot may not be where the probe has it (unreachable, or outside of what its policies
   /// call free), by the last image; empty when it may.
   const std::string& warning() const { return warning_; }
-  const std::optional<Configuration>& start() const { return choice_.start; }
-  const std::optional<Configuration>& goal() const { return choice_.goal; }  ///< the last one
-  std::vector<Configuration> goals() const;                                  ///< all, in order
+  const std::optional<TaughtPlace>& start() const { return choice_.start; }
+  const std::optional<TaughtPlace>& goal() const { return choice_.goal; }  ///< the last one
+  std::vector<TaughtPlace> goals() const;                                  ///< all, in order
+  /// What the virtual robot holds where it is to be drawn: now, or on the leg that is played.
+  const std::vector<Load>& shown_loads() const;
   const std::vector<TaughtEvent>& events() const { return told_; }
   const std::deque<TaughtPlan>& plans() const { return plans_; }
   /// The plan of the present start and goals, proved or not; null when there is none.
@@ -121,11 +134,13 @@ class TeachSession final : public FusionGuide {
   struct Choice {
     int volume = 0;
     std::shared_ptr<VirtualRobot> robot;
-    std::optional<Configuration> start, goal;
-    std::vector<Configuration> vias;
+    std::vector<Load> held;
+    std::optional<TaughtPlace> start, goal;
+    std::vector<TaughtPlace> vias;
     std::optional<std::size_t> plan;    ///< in plans_, of this very choice, proved
     std::optional<std::size_t> failed;  ///< the same, not proved
     bool is_approved = false;
+    std::string outdated;  ///< why the last plan is none any more, where loads are: "'can' was detached"
   };
   struct Undo {
     std::string what;
@@ -134,6 +149,11 @@ class TeachSession final : public FusionGuide {
   };
   struct Job {
     std::future<TaughtPlan> result;
+  };
+  struct Played {
+    double time;  ///< s after `play`
+    Configuration q;
+    std::size_t leg = 0;
   };
 
   void apply(const TeachEvent& event);
@@ -144,9 +164,16 @@ class TeachSession final : public FusionGuide {
   void choose_volume(const TeachEvent& event);
   void choose_robot(const TeachEvent& event);
   void choose_place(const TeachEvent& event, std::string& remark);
+  void require_begin(const TaughtPlace& begin);
   Configuration place_of(const TeachEvent& event) const;
+  void attach(const TeachEvent& event, std::string& remark);
+  void detach(const TeachEvent& event, std::string& remark);
+  void change_held(const std::string& what, std::vector<Load> held);
+  Verdict check(const Configuration& q, const std::vector<Load>& held);
   void begin_plan(const TeachEvent& event);
   void take_plan(bool wait);
+  void play(std::string& remark);
+  const Played& played() const;
   void approve(std::string& remark);
   void undo(std::string& remark);
   void forget_plan();
@@ -178,7 +205,8 @@ class TeachSession final : public FusionGuide {
   std::set<std::string> saved_;   ///< maps
   std::vector<TaughtEvent> told_;
   double play_begin_ = 0.0, play_seconds_ = 0.0;
-  std::vector<std::pair<double, Configuration>> motion_;
+  std::vector<Played> motion_;
+  std::vector<std::vector<Load>> carried_;  ///< on each leg that is played
   std::string warning_;
   std::size_t led_images_ = 0, warned_images_ = 0;
 };

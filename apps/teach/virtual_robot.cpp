@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
+#include "apps/teach/taught_loads.hpp"
 #include "mapping/system/number_text.hpp"
 #include "planning/robot/follow_tip.hpp"
 #include "planning/robot/goal_configurations.hpp"
@@ -71,6 +72,20 @@ std::shared_ptr<const ConfigurationSpace> VirtualRobot::space(const Snapshot& ma
     space_ = std::make_shared<const ConfigurationSpace>(padded_space(robot_, map, policies_, padding(), 0.0));
   version_ = version;
   return space_;
+}
+
+std::shared_ptr<const ConfigurationSpace> VirtualRobot::space(const Snapshot& map, std::size_t version,
+                                                              const std::vector<Load>& held) {
+  std::shared_ptr<const ConfigurationSpace> bare = space(map, version);
+  if (held.empty()) return bare;
+  if (loaded_ && version == loaded_version_ && are_same(held, held_)) return loaded_;
+  Robot loaded = robot_;
+  for (const Load& load : held) loaded = with_load(loaded, load);
+  const Policies policies{.parts = bare->policies(), .other = Policy::not_occupied};
+  loaded_ = std::make_shared<const ConfigurationSpace>(padded_space(loaded, map, policies, padding(), 0.0));
+  loaded_version_ = version;
+  held_ = held;
+  return loaded_;
 }
 
 }  // namespace clearway

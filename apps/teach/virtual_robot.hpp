@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/console/commands.hpp"
+#include "planning/robot/load.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
@@ -33,6 +34,10 @@ class VirtualRobot {
 
   /// What is free in this map. Made anew when `version` differs from the last call's.
   std::shared_ptr<const ConfigurationSpace> space(const Snapshot& map, std::size_t version);
+  /// The same of the robot that holds loads, each where what holds it must lie; kept for the last ones.
+  /// @throws std::invalid_argument as with_load and ConfigurationSpace do
+  std::shared_ptr<const ConfigurationSpace> space(const Snapshot& map, std::size_t version,
+                                                  const std::vector<Load>& held);
 
  private:
   RobotChoice choice_;
@@ -44,6 +49,9 @@ class VirtualRobot {
   std::string reason_;
   std::shared_ptr<const ConfigurationSpace> space_;
   std::size_t version_ = 0;
+  std::vector<Load> held_;
+  std::shared_ptr<const ConfigurationSpace> loaded_;
+  std::size_t loaded_version_ = 0;
 };
 
 }  // namespace clearway

@@ -333,6 +333,19 @@ QuerySetup read_query(const YamlFields& fields, const std::filesystem::path& fol
   return query;
 }
 
+/// Those of no query: on which legs they ride is for the session to say.
+std::vector<LoadSetup> read_loads(const YamlFields& fields, const std::filesystem::path& folder) {
+  std::vector<LoadSetup> loads;
+  for (const auto& entry : fields.list_of_maps("loads")) {
+    LoadSetup load = read_load(entry, folder);
+    if (!load.legs.empty()) entry.fail("legs", "expected none here: a session says when a load rides");
+    for (const LoadSetup& known : loads)
+      if (known.name == load.name) entry.fail("name", "expected a name that no other load has");
+    loads.push_back(std::move(load));
+  }
+  return loads;
+}
+
 /// In the setup itself, or in a file that it names.
 CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder) {
   if (!fields.has("file")) return read_camera(fields);
@@ -382,6 +395,18 @@ const SensorSetup* Setup::sensor(const std::string& label, const std::string& ki
   return nullptr;
 }
 
+const LoadSetup* Setup::load(const std::string& name) const {
+  const auto find = [&](const std::vector<LoadSetup>& known) {
+    const auto found =
+        std::find_if(known.begin(), known.end(), [&](const LoadSetup& load) { return load.name == name; });
+    return found == known.end() ? nullptr : &*found;
+  };
+  const LoadSetup* found = find(loads);
+  for (auto query = queries.begin(); query != queries.end() && found == nullptr; ++query)
+    found = find(query->loads);
+  return found;
+}
+
 Setup parse_setup(const std::string& text, const std::string& name) {
   const YamlFields fields(text, "setup " + quote_path(name));
   Setup setup;
@@ -404,6 +429,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("robot"))
     setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());
   require_joints(fields, setup);
+  setup.loads = read_loads(fields, std::filesystem::path(name).parent_path());
   for (const auto& entry : fields.list_of_maps("queries"))
     setup.queries.push_back(read_query(entry, std::filesystem::path(name).parent_path()));
   fields.finish();

@@ -193,8 +193,11 @@ struct Setup {
   DetectorSetup detector;
   SourceOptions source;  ///< with the camera
   std::optional<RobotSetup> robot;
+  std::vector<LoadSetup> loads;  ///< that a teaching session may attach, each with a name of its own
   std::vector<QuerySetup> queries;
 
+  /// The load of that name, of `loads`, else of the first query that has one; null when there is none.
+  const LoadSetup* load(const std::string& name) const;
   /// The board of that name; null when there is none.
   const BoardSetup* board(const std::string& name) const;
   /// The sensor of that label, else of that kind; null: where the recording says.

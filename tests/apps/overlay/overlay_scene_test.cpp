@@ -104,6 +104,27 @@ TEST(OverlayScene, conflicts_are_red) {
   EXPECT_GT(red, 50);
 }
 
+/// A box of 0.2 m before the camera: what shines through, and in which colour.
+TEST(OverlayScene, a_load_is_solid_in_the_hand_red_where_refused_and_clear_with_a_ghost) {
+  OverlayScene scene;
+  scene.loads = {{mesh_of(Shape::box({0.1, 0.2, 0.2})), Isometry3d::Identity()}};
+  scene.loads[0].map_from_load.translation() = Vector3d(0.5, 0.0, 0.0);
+  const auto seen = [&](int grey) { return pixel_at(drawn(scene, grey), {0.45, 0.0, 0.0}); };
+  const auto is_red = [](const cv::Vec3b& bgr) { return bgr[2] > 2 * bgr[0] && bgr[2] > 2 * bgr[1]; };
+  EXPECT_EQ(seen(20), seen(220));
+  EXPECT_FALSE(is_red(seen(120)));
+  EXPECT_TRUE(shows_image(pixel_at(drawn(scene), {0.5, 0.2, 0.0})));  // beside it
+  scene.loads[0].is_refused = true;
+  EXPECT_EQ(seen(20), seen(220));
+  EXPECT_TRUE(is_red(seen(120)));
+  scene.loads[0].is_refused = false;
+  for (const auto holder : {OverlayLoad::Holder::start, OverlayLoad::Holder::goal}) {
+    scene.loads[0].holder = holder;
+    EXPECT_GT(seen(220)[1], seen(20)[1] + 20);
+    EXPECT_NE(seen(20), cv::Vec3b(20, 20, 20));
+  }
+}
+
 TEST(OverlayScene, volumes_of_two_labels_have_two_colours) {
   MapOptions options;
   options.resolution = 0.02;

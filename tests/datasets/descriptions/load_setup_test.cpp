@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "datasets/descriptions/setup.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
@@ -63,6 +64,23 @@ TEST_F(LoadFiles, AreRefusedInASentenceThatNamesTheKey) {
   names("legs", "{name: a, sphere: 1, link: b, legs: []}");
   names("tuoches", "{name: a, sphere: 1, link: b, tuoches: [c]}");
   names("map", "[1, 2]");
+}
+
+TEST(LoadsOfASetup, AreFoundByNameAndSayNoLegs) {
+  const auto setup = [](const std::string& loads) {
+    return parse_setup("loads: [" + loads +
+                           "]\nqueries:\n  - {name: q, start: [0], goals: [[1]], loads: "
+                           "[{name: pot, sphere: 2, link: b}, {name: can, sphere: 3, link: b}]}",
+                       "s.yaml");
+  };
+  const clearway::Setup two =
+      setup("{name: can, sphere: 1, link: hand}, {name: lid, box: [1, 1, 1], link: b}");
+  EXPECT_EQ(std::get<LoadSphere>(two.load("can")->shape).radius, 1.0);
+  EXPECT_EQ(std::get<LoadSphere>(two.load("pot")->shape).radius, 2.0);
+  EXPECT_EQ(two.load("cup"), nullptr);
+  EXPECT_THROW(setup("{name: can, sphere: 1, link: hand, legs: [1]}"), std::invalid_argument);
+  EXPECT_THROW(setup("{name: can, sphere: 1, link: a}, {name: can, sphere: 1, link: a}"),
+               std::invalid_argument);
 }
 
 TEST_F(LoadFiles, SayHowAnObjectIsTaken) {
