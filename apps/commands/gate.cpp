@@ -6,12 +6,14 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/line_reader.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "apps/query/survey_figures.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/history/provenance.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/gate_line.hpp"
 
 namespace clearway {
@@ -40,6 +42,17 @@ double newest_look(const GateCommandOptions& options, const Snapshot& map) {
   return seen->newest();
 }
 
+/// With what it holds; a gate knows no legs.
+Robot loaded_robot(const GateCommandOptions& options) {
+  const Robot robot = choose_robot(options.robot);
+  const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
+  for (const LegLoad& load : loads)
+    if (!load.legs.empty())
+      throw std::invalid_argument("--attach: load " + quote(load.load.name) +
+                                  " rides on single legs, of which a gate knows none; expected no 'legs'");
+  return with_all_loads(robot, loads);
+}
+
 GateVerdict judge(Gate& gate, const ChunkLine& line) {
   if (line.is_read()) return gate.judge(line.chunk);
   return {.reason = line.fault.reason, .sentence = line.fault.sentence};
@@ -53,7 +66,7 @@ GateVerdict too_long(std::size_t most) {
 }  // namespace
 
 int run_gate(const GateCommandOptions& options, Console& console) {
-  const Robot robot = choose_robot(options.robot);
+  const Robot robot = loaded_robot(options);
   const Policies policies = choose_policies(options.robot.policies, robot);
   const GateOptions gate_terms = gate_options(options, robot);
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
@@ -70,6 +83,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   ConfigurationSpace space = padded_space(robot, map, policies, padding, seen_within);
   console.log("policy: " + describe_policies(space.policies(), seen_within) +
               "; padding: " + describe_padding(padding, robot.position_accuracy));
+  for (const Load& load : robot.loads) console.log("load: " + load.name + " on " + load.link);
   gate.publish(std::move(space), newest_look(options, map), history);
 
   LineReader lines(console.in(), options.max_line);

@@ -16,13 +16,14 @@ Command add_gate(CLI::App& app, Console& console) {
       "A line on stdin holds 2 to 64 configurations, which straight joint-space edges join:\n"
       "  {\"id\": \"pick-7\", \"times\": [0, 0.1], \"positions\": [[0, 0.5], [0, 0.6]]}\n"
       "One line on stdout answers it. A chunk passes when its motion and the robot's stop after it are "
-      "proved, without loads.\n"
+      "proved, with\nwhat --attach has the robot hold.\n"
       "It starts where the last passed one ends, or where the robot stands after that.\n"
       "Exit status: 0 every chunk passed, 1 some were refused, 2 bad input.");
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");
   add_robot_flags(*command, options->robot);
+  add_attach(*command, options->attach, "; legs are not for it");
   command
       ->add_option(
           "--start", options->start,

@@ -149,13 +149,14 @@ int run_check(const CheckOptions& options, Console& console);
 struct GateCommandOptions {
   std::filesystem::path map;
   RobotChoice robot;
-  std::string start;                 ///< empty: where the first chunk starts
-  std::vector<double> max_velocity;  ///< of all joints or each; empty: the robot's own
-  std::vector<double> deceleration;  ///< of all joints or each; empty: 5 rad/s^2 or m/s^2
-  double reaction = 0.0;             ///< seconds
-  double tolerance = 1e-3;           ///< of where a chunk starts, rad or m
-  std::optional<double> max_age;     ///< seconds; none: nobody asks
-  std::size_t max_line = 262144;     ///< bytes
+  std::vector<std::filesystem::path> attach = {};  ///< files of loads, all in the hand
+  std::string start;                               ///< empty: where the first chunk starts
+  std::vector<double> max_velocity;                ///< of all joints or each; empty: the robot's own
+  std::vector<double> deceleration;                ///< of all joints or each; empty: 5 rad/s^2 or m/s^2
+  double reaction = 0.0;                           ///< seconds
+  double tolerance = 1e-3;                         ///< of where a chunk starts, rad or m
+  std::optional<double> max_age;                   ///< seconds; none: nobody asks
+  std::size_t max_line = 262144;                   ///< bytes
 };
 int run_gate(const GateCommandOptions& options, Console& console);
 

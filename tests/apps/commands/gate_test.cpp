@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 
+#include "apps/query/loads.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/history/provenance.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/gate/motion_chunk.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -98,6 +103,52 @@ TEST_F(GateCommand, ARefusalNamesTheScanThatMadeTheVoxel) {
   EXPECT_EQ(json["voxel"]["history"]["hit_by_scans"][0]["sensor"], "lidar");
   EXPECT_NE(json["sentence"].get<std::string>().find("scan 0 of 'lidar' at 5 s"), std::string::npos) << json;
   EXPECT_GT(json["may_go"]["until_s"].get<double>(), 0.3);
+}
+
+/// Chunks here and there before the wall, each from rest anywhere: what a gate passes the independent check
+/// proves with the load, way to stop included; what it refuses for the load alone touches something there.
+TEST_F(GateCommand, JudgesChunksWithWhatIsAttached) {
+  const std::string rod = folder_.write(
+      "rod.yaml", "{name: rod, box: [0.1, 1.2, 0.1], link: base, pose: [0.4, 0, 0, 0, 0, 0.3], mass: 1}");
+  const Robot robot = load_robot("point");
+  const Robot loaded = with_all_loads(robot, choose_loads({rod}, robot));
+  const Snapshot map = load_map(folder_.path() / "map");
+  const auto is_valid = [&](const Robot& judged, const std::vector<Configuration>& path) {
+    return check_path(judged, map, {}, 0.0, path).valid;
+  };
+  std::mt19937_64 random(11);
+  const auto draw = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
+  };
+  int passed = 0, refused_for_load = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Configuration from = Eigen::Vector2d(draw(0.0, 0.8), draw(-2.0, 2.0));
+    const Configuration to = from + Eigen::Vector2d(draw(-0.2, 0.2), draw(-0.2, 0.2));
+    const Json line{{"times", {0.0, 0.5}}, {"positions", {{from[0], from[1]}, {to[0], to[1]}}}};
+    const auto judged = [&](const std::vector<std::string>& more) {
+      return verdicts(gate(line.dump() + "\n", more)).at(0);
+    };
+    const JointLimits limits = joint_limits(loaded, {});
+    const std::vector<Configuration> path = {from, to, stop_from(to, (to - from) / 0.5, limits)};
+    const Json with = judged({"--attach", rod}), without = judged({});
+    if (with["passed"]) {
+      ++passed;
+      EXPECT_TRUE(is_valid(loaded, path)) << line;
+      EXPECT_TRUE(without["passed"]);
+    } else if (without["passed"]) {
+      ++refused_for_load;
+      EXPECT_FALSE(is_valid(loaded, path)) << line << with;
+      EXPECT_TRUE(is_valid(robot, path)) << line;
+      EXPECT_EQ(with["body"], "rod") << with;
+    }
+  }
+  EXPECT_GT(passed, 5);
+  EXPECT_GT(refused_for_load, 5);
+  EXPECT_NE(gate("", {"--attach", rod}).log.find("load: rod on base"), std::string::npos);
+  const CommandRun legs = gate(
+      "", {"--attach", folder_.write("legs.yaml", "{name: rod, box: [1, 1, 1], link: base, legs: [2]}")});
+  EXPECT_EQ(legs.status, exit_bad_input);
+  EXPECT_TRUE(legs.told_in_one_sentence()) << legs.log;
 }
 
 TEST_F(GateCommand, TheSameChunksGiveTheSameBytes) {
