@@ -22,6 +22,7 @@
 #include "planning/files/query_record.hpp"
 #include "planning/path/trajectory.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -92,9 +93,11 @@ class QueryRunner {
     for (const QuerySetup& query : setup_.queries) {
       require_file_name(query.name);
       loads_.push_back(loads_of(query));
-      const Robot loaded = with_all_loads(robot_, loads_.back());
+      picks_.push_back(pick_of(query));
+      const std::vector<LegLoad> riding = riding_of(loads_.size() - 1);
+      const Robot loaded = with_all_loads(robot_, riding);
       choose_policies(policy_texts(query), loaded);
-      require_seen_within(query, loads_.back());
+      require_seen_within(query, riding);
       require_parts(query.allow_outside, loaded, "setup, query '" + query.name + "', field 'allow_outside'");
       require_size(query.start, robot_, query, "start");
       for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
@@ -110,14 +113,15 @@ class QueryRunner {
     QueryRecord record{digest, {}};
     for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
       const QuerySetup& query = setup_.queries[i];
-      const auto [own, of_loads] = policies_of(query, loads_[i]);
+      const auto [own, of_loads] = policies_of(query, riding_of(i));
       spaces_.push_back(std::make_unique<ConfigurationSpace>(
           robot_, map_, own,
           SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
                        .seen_within = seen_within(query)}));
       record.queries.push_back(terms_of(query, *spaces_.back()));
       record.queries.back().loads = loads_[i];
-      record.queries.back().policies = loaded_policies(*spaces_.back(), loads_[i], of_loads);
+      record.queries.back().pick = picks_[i];
+      record.queries.back().policies = loaded_policies(*spaces_.back(), riding_of(i), of_loads);
     }
     save_file(folder_ / "queries.json", to_json(record));
     for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
@@ -126,21 +130,22 @@ class QueryRunner {
       const std::vector<Configuration> goals = configurations(query.goals);
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
-        Plan plan = plan_and_check({.space = *spaces_[i],
-                                    .start = start,
-                                    .goals = goals,
-                                    .planner = make_planner(planner, planner_options(query, planner)),
-                                    .seed = options_.seed,
-                                    .time_limit = options_.time_limit,
-                                    .loads = loads_[i],
-                                    .load_policies = policies_of(query, loads_[i]).second,
-                                    .payload = setup_.robot->payload,
-                                    .gravity = setup_.robot->gravity,
-                                    .survey = SurveyDemands{.allow_outside = query.allow_outside},
-                                    .robot_name = setup_.robot->name,
-                                    .map_file = "map.ot",
-                                    .map_digest = digest,
-                                    .name = query.name});
+        const PlanQuery asked{.space = *spaces_[i],
+                              .start = start,
+                              .goals = goals,
+                              .planner = make_planner(planner, planner_options(query, planner)),
+                              .seed = options_.seed,
+                              .time_limit = options_.time_limit,
+                              .loads = loads_[i],
+                              .load_policies = policies_of(query, riding_of(i)).second,
+                              .payload = setup_.robot->payload,
+                              .gravity = setup_.robot->gravity,
+                              .survey = SurveyDemands{.allow_outside = query.allow_outside},
+                              .robot_name = setup_.robot->name,
+                              .map_file = "map.ot",
+                              .map_digest = digest,
+                              .name = query.name};
+        Plan plan = picks_[i] ? plan_pick(asked, *picks_[i]) : plan_and_check(asked);
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
         save_file(folder_ / file, to_json(plan));
@@ -163,6 +168,20 @@ class QueryRunner {
     return loads;
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
+  }
+
+  std::optional<Pick> pick_of(const QuerySetup& query) const try {
+    if (!query.pick) return std::nullopt;
+    const Pick pick = stated_pick(*query.pick, *query.pick->map_from_place, robot_);
+    require_sound(pick, map_.resolution(), query.padding.value_or(robot_.position_accuracy));
+    return pick;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
+  }
+
+  /// The loads of a query, or what it picks.
+  std::vector<LegLoad> riding_of(std::size_t query) const {
+    return picks_[query] ? std::vector<LegLoad>{{picks_[query]->object, {}}} : loads_[query];
   }
 
   /// Of the robot's own parts, and of its loads.
@@ -221,6 +240,7 @@ class QueryRunner {
   const Snapshot& map_;
   Robot robot_;
   std::vector<std::vector<LegLoad>> loads_;  ///< of each query
+  std::vector<std::optional<Pick>> picks_;   ///< the same
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
 };
 

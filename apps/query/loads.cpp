@@ -45,8 +45,7 @@ std::vector<LegLoad> choose_loads(const std::vector<std::filesystem::path>& file
   return loads;
 }
 
-Pick choose_pick(const std::filesystem::path& file, const std::string& place, const Robot& robot) {
-  const PickSetup setup = load_pick(file);
+Pick stated_pick(const PickSetup& setup, const Eigen::Isometry3d& map_from_place, const Robot& robot) {
   Pick pick;
   pick.object = {
       setup.name, setup.link,   Eigen::Isometry3d::Identity(), load_shape(setup.shape, "pick " + setup.name),
@@ -57,13 +56,20 @@ Pick choose_pick(const std::filesystem::path& file, const std::string& place, co
   pick.lift = setup.lift;
   pick.contact = setup.contact;
   pick.margin = setup.margin;
+  pick.map_from_place = map_from_place;
+  with_load(robot, pick.object);
+  return pick;
+}
+
+Pick choose_pick(const std::filesystem::path& file, const std::string& place, const Robot& robot) {
+  const PickSetup setup = load_pick(file);
   if (place.empty() && !setup.map_from_place)
     throw std::invalid_argument("--place: expected where " + quote(setup.name) +
                                 " goes, here or as 'place' in " + quote_path(file.string()));
-  pick.map_from_place =
-      place.empty() ? *setup.map_from_place : pose_from_numbers(parse_numbers(place, "--place"), "--place");
-  with_load(robot, pick.object);
-  return pick;
+  return stated_pick(
+      setup,
+      place.empty() ? *setup.map_from_place : pose_from_numbers(parse_numbers(place, "--place"), "--place"),
+      robot);
 }
 
 Robot with_all_loads(const Robot& robot, const std::vector<LegLoad>& loads) {

@@ -43,11 +43,10 @@ LoadSetup load_load(const std::filesystem::path& file) {
                    file.parent_path());
 }
 
-PickSetup load_pick(const std::filesystem::path& file) {
-  const YamlFields fields(read_text(file, "a pick"), "pick " + quote_path(file.string()));
+PickSetup read_pick(const YamlFields& fields, const std::filesystem::path& folder) {
   PickSetup pick;
   pick.name = fields.text("name");
-  pick.shape = read_load_shape(fields, file.parent_path());
+  pick.shape = read_load_shape(fields, folder);
   pick.link = fields.text("link");
   pick.mass = fields.number("mass", not_negative, 0);
   pick.touches = fields.texts("touches");
@@ -60,6 +59,11 @@ PickSetup load_pick(const std::filesystem::path& file) {
   pick.margin = fields.number("margin", not_negative, pick.margin);
   fields.finish();
   return pick;
+}
+
+PickSetup load_pick(const std::filesystem::path& file) {
+  return read_pick(YamlFields(read_text(file, "a pick"), "pick " + quote_path(file.string())),
+                   file.parent_path());
 }
 
 }  // namespace clearway

@@ -67,6 +67,9 @@ LoadSetup read_load(const YamlFields& fields, const std::filesystem::path& folde
 /// A load's file. @throws std::invalid_argument in one sentence naming file, line, key and what was expected.
 LoadSetup load_load(const std::filesystem::path& file);
 
+/// @param folder that a mesh's file is relative to @throws std::invalid_argument
+PickSetup read_pick(const YamlFields& fields, const std::filesystem::path& folder);
+
 /// A pick's file. @throws as load_load
 PickSetup load_pick(const std::filesystem::path& file);
 

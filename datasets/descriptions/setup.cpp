@@ -311,10 +311,23 @@ void require_joints(const YamlFields& fields, const Setup& setup) {
                                  "' is on a link: expected `robot` with joint_file or " + "joint_topic");
 }
 
+/// Start and goals; of a pick the goal afterwards may be left out.
+void read_ways(const YamlFields& fields, const std::filesystem::path& folder, QuerySetup& query) {
+  if (!fields.has("pick")) return read_legs(fields, query.start, query.goals);
+  query.pick = read_pick(fields.map("pick"), folder);
+  query.start = fields.angles("start");
+  if (query.start.empty()) fields.fail("start", "expected a number for each joint");
+  if (fields.has_angles("goals")) query.goals = fields.lists_of_angles("goals");
+  if (query.goals.size() > 1) fields.fail("goals", "expected at most one with a pick");
+  if (fields.has("loads")) fields.fail("loads", "expected none beside a pick");
+  if (!query.pick->map_from_place)
+    fields.fail("pick", "expected 'place', where " + query.pick->name + " goes");
+}
+
 QuerySetup read_query(const YamlFields& fields, const std::filesystem::path& folder) {
   QuerySetup query;
   query.name = fields.text("name");
-  read_legs(fields, query.start, query.goals);
+  read_ways(fields, folder, query);
   for (std::size_t i = 0; i < query.goals.size(); ++i) {
     const std::size_t size = query.goals[i].size();
     if (size == query.start.size()) continue;

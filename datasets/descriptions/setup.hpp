@@ -175,6 +175,7 @@ struct QuerySetup {
   std::vector<std::string> allow_outside;       ///< parts that may leave the map's bounds, or "all"
   double seen_within = 0;                       ///< s, how long a look counts under known_free; 0: ever
   std::vector<LoadSetup> loads;                 ///< that ride on the robot
+  std::optional<PickSetup> pick;  ///< taken and put down, with a place; then at most one goal, and no loads
 };
 
 /// Everything about a teaching session that is not in the sensors' data. See datasets/FORMATS.md for the

@@ -287,5 +287,48 @@ TEST_F(PickCommand, a_plan_that_loosens_its_pick_in_its_file_is_refused) {
   EXPECT_EQ(check(plan, {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml")}).status, exit_no);
 }
 
+/// Points in every voxel of a table's top and of a can, seen from the origin.
+std::string cloud_of_can() {
+  std::ostringstream points;
+  int count = 0;
+  const auto add_box = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    for (double x = low.x(); x <= high.x(); x += 0.02)
+      for (double y = low.y(); y <= high.y(); y += 0.02)
+        for (double z = low.z(); z <= high.z(); z += 0.02, ++count)
+          points << x << ' ' << y << ' ' << z << '\n';
+  };
+  add_box({0.25, -0.45, 0.05}, {0.69, 0.45, 0.1});
+  add_box({0.41, 0.15, 0.11}, {0.44, 0.18, 0.22});
+  const std::string size = std::to_string(count);
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + size +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + size + "\nDATA ascii\n" + points.str();
+}
+
+TEST(PickOfASetup, IsPlannedAndChecksByTheMapsRecord) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "scans");
+  folder.write("scans/100.pcd", cloud_of_can());
+  folder.write(
+      "s.yaml",
+      "map: {resolution: 0.02}\nrobot: {name: arm6}\nqueries:\n  - {name: carry, start: [0, -1.9, 1.7, "
+      "-1.4, -1.57, 0], planners: [rrtconnect], policies: {default: not_occupied}, allow_outside: "
+      "[all], pick: {name: can, cylinder: [0.03, 0.12], link: hand, pose: [0.42, 0.16, 0.16, 0, 0, "
+      "0], mass: 0.3, place: [0.42, -0.2, 0.16, 0, 0, 0], grasp_deg: [0, 0, 0.04, 180, 0, 0]}}\n");
+  const CommandRun run = run_command(
+      {"replay", folder.file("scans"), "--setup", folder.file("s.yaml"), "--out", folder.file("map")});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  const std::string file = folder.file("map/plans/carry-rrtconnect.json");
+  EXPECT_EQ(Json::parse(read_file(file))["pick"]["name"], "can");
+  const CommandRun checked = run_command({"check", file, "--map", folder.file("map"), "--robot", "arm6"});
+  EXPECT_EQ(checked.status, exit_done) << checked.out << checked.log;
+  expect_words(checked.out, {"can (map)"});
+  Json plan = Json::parse(read_file(file));
+  plan["pick"]["place"][1][3] = -0.19;  // what the plan says of its pick does not count
+  EXPECT_EQ(run_command({"check", folder.write("p.json", plan.dump()), "--map", folder.file("map"), "--robot",
+                         "arm6"})
+                .status,
+            exit_no);
+}
+
 }  // namespace attach_test
 }  // namespace clearway

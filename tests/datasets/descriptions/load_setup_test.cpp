@@ -83,6 +83,25 @@ TEST(LoadsOfASetup, AreFoundByNameAndSayNoLegs) {
                std::invalid_argument);
 }
 
+TEST(PicksOfQueries, HaveAPlaceAndAtMostOneGoal) {
+  const auto query = [](const std::string& more) {
+    return parse_setup(
+               "queries:\n  - {name: q, start: [0], pick: {name: can, sphere: 0.1, link: hand, pose: [1, 0, "
+               "0, 0, 0, 0], grasp: [0, 0, 0.1, 0, 0, 0]" +
+                   more,
+               "s.yaml")
+        .queries.front();
+  };
+  const std::string place = ", place: [2, 0, 0, 0, 0, 0]}";
+  EXPECT_EQ(query(place + "}").pick->map_from_place->translation().x(), 2.0);
+  EXPECT_TRUE(query(place + "}").goals.empty());
+  EXPECT_EQ(query(place + ", goals: [[1]]}").goals.size(), 1u);
+  EXPECT_THROW(query("}}"), std::invalid_argument);
+  EXPECT_THROW(query(place + ", goals: [[1], [2]]}"), std::invalid_argument);
+  EXPECT_THROW(query(place + ", loads: [{name: a, sphere: 1, link: b}]}"), std::invalid_argument);
+  EXPECT_THROW(query(place + ", goals: [[1, 2]]}"), std::invalid_argument);
+}
+
 TEST_F(LoadFiles, SayHowAnObjectIsTaken) {
   const PickSetup can = pick(
       "{name: can, sphere: 0.1, link: hand, pose: [1, 0, 0, 0, 0, 0], grasp: [0, 0, 0.1, 0, 0, 0], "
