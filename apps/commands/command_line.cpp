@@ -115,6 +115,11 @@ Command add_teach(CLI::App& app, Console& console) {
       ->add_option("--events", options->events,
                    "what the person does: one JSON object a line, with its time; default: keys in the window")
       ->type_name("FILE.jsonl");
+  command
+      ->add_option("--keys", options->keys,
+                   "more keys of the window, such as for a robot, a volume or a load: events with 'key' in "
+                   "place of 'time'")
+      ->type_name("FILE.jsonl");
   command->add_flag("--headless", options->headless, "no window");
   command
       ->add_option("--overlay", options->overlay,

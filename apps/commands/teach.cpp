@@ -69,8 +69,9 @@ QueryTerms terms_of(const TaughtPlan& taught) {
           .seen_within = space.options().seen_within,
           .allow_outside = {},
           .start = taught.start,
-          .goals = taught.plan.goals,
-          .loads = taught.plan.loads};
+          .goals = taught.goals,
+          .loads = taught.plan.pick ? std::vector<LegLoad>{} : taught.plan.loads,
+          .pick = taught.plan.pick};
 }
 
 /// What a session leaves in its folder.
@@ -190,17 +191,22 @@ fs::path events_file(const TeachCommand& command) {
 }
 
 /// What keys mean, at the frame before which they are asked for.
-std::vector<TeachEvent> events_of_keys(const std::vector<int>& keys, const TeachSession& session,
-                                       double time) {
+/// @param own of --keys
+std::vector<TeachEvent> events_of_keys(const std::vector<int>& keys, const std::vector<TeachKey>& own,
+                                       const TeachSession& session, double time) {
   std::vector<TeachEvent> events;
   for (const int key : keys) {
+    std::optional<TeachEvent> event = event_of_key(key, own, session);
     const auto action = action_of_key(key, session.state());
-    if (!action) continue;
-    TeachEvent event;
-    event.time = time;
-    event.action = *action;
-    if (*action == TeachAction::save) event.name = "saved_at_" + significant(time, 6);
-    events.push_back(std::move(event));
+    if (!event && !action) continue;
+    if (!event) {
+      event.emplace();
+      event->action = *action;
+      if (*action == TeachAction::save) event->name = "saved_at_" + significant(time, 6);
+      if (*action == TeachAction::object) event->name = "object_at_" + significant(time, 6);
+    }
+    event->time = time;
+    events.push_back(std::move(*event));
   }
   return events;
 }
@@ -208,8 +214,9 @@ std::vector<TeachEvent> events_of_keys(const std::vector<int>& keys, const Teach
 /// A session with its pictures: in a window, and as a video.
 class ShownSession final : public FusionGuide {
  public:
-  ShownSession(TeachSession& session, TeachScreen* screen, const fs::path& video)
-      : session_(session), screen_(screen), video_file_(video), film_(video) {}
+  /// @param keys more of them, for the strip
+  ShownSession(TeachSession& session, TeachScreen* screen, const fs::path& video, std::string keys)
+      : session_(session), screen_(screen), video_file_(video), keys_(std::move(keys)), film_(video) {}
 
   void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) override {
     session_.begin(setup, map, counts);
@@ -223,7 +230,11 @@ class ShownSession final : public FusionGuide {
     session_.see(image);
     const std::string moment = new_moment();
     const auto& frame = std::get<ImageFrame>(image.frame.content);
-    if (screen_ != nullptr) screen_->show(screen_viewer_->view(image, frame));
+    if (screen_ != nullptr) {
+      TeachView shown = screen_viewer_->view(image, frame);
+      shown.more_keys = keys_;
+      screen_->show(std::move(shown));
+    }
     if (video_file_.empty() && moment.empty()) return;
     const TeachView view = viewer_->view(image, frame);
     const cv::Mat picture = painter_.draw(view);
@@ -250,7 +261,8 @@ class ShownSession final : public FusionGuide {
       const bool is_worth_it = action == TeachAction::paint_off || action == TeachAction::start ||
                                action == TeachAction::goal || action == TeachAction::play ||
                                action == TeachAction::attach || action == TeachAction::detach ||
-                               action == TeachAction::approve;
+                               action == TeachAction::object_off || action == TeachAction::pick ||
+                               action == TeachAction::place || action == TeachAction::approve;
       if (is_worth_it && pictures_.size() < most_pictures) moment = line_of(told);
     }
     return moment;
@@ -265,6 +277,7 @@ class ShownSession final : public FusionGuide {
   TeachSession& session_;
   TeachScreen* screen_;
   const fs::path video_file_;
+  const std::string keys_;
   std::optional<TeachViewer> viewer_, screen_viewer_;  ///< each tells a change once: one for each who draws
   TeachPainter painter_{thread_count()};
   Film film_;
@@ -295,14 +308,27 @@ void tell_times(const ScreenTimes& times, Console& console) {
 }
 
 /// What would leave another planner, robot or load at work than the events say, before the session begins.
-void require_possible(const TeachEvent& event, const Setup& setup, const fs::path& file) try {
+/// @param where the event is: "events file 'e.jsonl', at 3 s"
+void require_possible(const TeachEvent& event, const Setup& setup, const std::string& where) try {
   if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
   if (event.action == TeachAction::robot) VirtualRobot(event.robot, event.near);
   if (event.action == TeachAction::attach) load_of(event, setup);
 } catch (const std::invalid_argument& error) {
-  throw std::invalid_argument("events file " + quote_path(file.string()) + ", at " +
-                              significant(event.time, 6) + " s, " + std::string(to_string(event.action)) +
-                              ": " + error.what());
+  throw std::invalid_argument(where + ", " + std::string(to_string(event.action)) + ": " + error.what());
+}
+
+/// Keys are for the window, and for what is done there.
+std::vector<TeachKey> keys_of_file(const TeachCommand& command, const Setup& setup) {
+  if (command.keys.empty()) return {};
+  if (!events_file(command).empty())
+    throw std::invalid_argument(
+        "--keys: expected no --events, and no recorded session: its actions are known");
+  std::vector<TeachKey> keys = load_teach_keys(command.keys);
+  for (const TeachKey& key : keys)
+    require_possible(
+        key.event, setup,
+        "keys file " + quote_path(command.keys.string()) + ", key " + quote(std::string(1, key.key)));
+  return keys;
 }
 
 /// The recording goes into the session's folder as it was: nothing may be written over it or into it.
@@ -326,7 +352,11 @@ int run_teach(const TeachCommand& command, Console& console) {
   const fs::path file = events_file(command);
   std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
   ChosenSetup setup = setup_of(recorded);
-  for (const TeachEvent& event : events) require_possible(event, setup.setup, file);
+  for (const TeachEvent& event : events)
+    require_possible(
+        event, setup.setup,
+        "events file " + quote_path(file.string()) + ", at " + significant(event.time, 6) + " s");
+  const std::vector<TeachKey> own_keys = keys_of_file(command, setup.setup);
   const PictureOptions stills{command.overlay, {}};
   const bool is_camera = is_camera_name(recorded.source);
   require_pictures(stills, recorded.source, command.out);
@@ -341,7 +371,8 @@ int run_teach(const TeachCommand& command, Console& console) {
 
   TeachSession* keyed = nullptr;
   const TeachSession::EventSource keys = [&](double until) {
-    return std::isfinite(until) ? events_of_keys(screen->keys(), *keyed, until) : std::vector<TeachEvent>{};
+    return std::isfinite(until) ? events_of_keys(screen->keys(), own_keys, *keyed, until)
+                                : std::vector<TeachEvent>{};
   };
   TeachSession session(file.empty() ? keys : script(std::move(events)),
                        {.seed = recorded.seed,
@@ -351,7 +382,7 @@ int run_teach(const TeachCommand& command, Console& console) {
                                     const Snapshot& map) { save_map(map, folder.path() / "maps" / name); },
                         .tell = [&](const TaughtEvent& told) { console.log(line_of(told)); }});
   keyed = &session;
-  ShownSession shown(session, screen.get(), command.video);
+  ShownSession shown(session, screen.get(), command.video, words_of(own_keys));
   FusionOptions options{.setup_file = setup.source,
                         .resolution = recorded.resolution,
                         .integration = recorded.integration,

@@ -64,6 +64,7 @@ struct TeachCommand {
   double camera_seconds = 600.0;  ///< of a live camera
   std::filesystem::path setup;    ///< empty: the one embedded in the recording
   std::filesystem::path events;   ///< what the person does, one action a line; empty: keys in the window
+  std::filesystem::path keys;     ///< more keys of the window, one a line; empty: none
   bool headless = false;          ///< no window
   std::filesystem::path overlay;  ///< folder of stills of the plans in the camera's image; empty: none
   std::filesystem::path video;    ///< .mp4 file of the session's pictures; empty: none

@@ -1,5 +1,6 @@
 #include "apps/pages/report.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "apps/console/parse.hpp"
@@ -207,6 +208,21 @@ std::vector<std::vector<std::string>> plan_table(const ReplayReport& report) {
   return rows;
 }
 
+namespace {
+
+/// Bodies are the page's, not a plan's: loads are drawn where all plans carry the same.
+std::vector<LegLoad> loads_of_all(const std::vector<ReplayPlan>& plans) {
+  const std::vector<LegLoad>& loads = plans.front().plan.loads;
+  const auto are_these = [&](const ReplayPlan& entry) {
+    return std::equal(loads.begin(), loads.end(), entry.plan.loads.begin(), entry.plan.loads.end(),
+                      [](const LegLoad& a, const LegLoad& b) { return is_same(a.load, b.load); }) &&
+           entry.plan.robot == plans.front().plan.robot;
+  };
+  return std::all_of(plans.begin(), plans.end(), are_these) ? loads : std::vector<LegLoad>{};
+}
+
+}  // namespace
+
 std::string report_html(const ReplayReport& report, const std::string& json) {
   const Setup& setup = report.fusion->setup;
   ReportPage page = page_of_map(MapLeaves(report.map),
@@ -221,7 +237,7 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
   if (!report.planning_problem.empty()) page.warnings.push_back(report.planning_problem);
   if (!report.plans.empty()) {
     const ReplayPlan& first = report.plans.front();
-    show_robot(page, first.space->robot(), first.start);
+    show_robot(page, with_all_loads(first.space->robot(), loads_of_all(report.plans)), first.start);
     for (const ReplayPlan& entry : report.plans) {
       page.plans.push_back(page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
     }

@@ -1,5 +1,7 @@
 #include "apps/teach/teach_event.hpp"
 
+#include "apps/teach/teach_keys.hpp"
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -20,21 +22,45 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, teach_actions> action_names = {
-    "paint_on", "paint_off", "erase_on", "erase_off", "volume", "robot",   "start", "via",  "goal",
-    "clear",    "attach",    "detach",   "plan",      "play",   "approve", "undo",  "save", "quit"};
+    "paint_on", "paint_off", "erase_on", "erase_off", "object", "object_off", "volume", "robot",
+    "start",    "via",       "goal",     "clear",     "pick",   "place",      "attach", "detach",
+    "plan",     "play",      "approve",  "undo",      "save",   "quit"};
+
+/// Whether it is done where the virtual robot is, or at a configuration.
+bool takes_place(TeachAction action) {
+  return action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal ||
+         action == TeachAction::pick || action == TeachAction::place;
+}
 
 std::set<std::string> fields_of(TeachAction action) {
-  std::set<std::string> fields = {"time", "action"};
+  std::set<std::string> fields = {"action"};
   if (action == TeachAction::volume) fields.merge(std::set<std::string>{"label", "critical_parts"});
   if (action == TeachAction::robot)
     fields.merge(
         std::set<std::string>{"robot", "scale", "base", "group", "fixed", "policies", "padding", "near"});
-  if (action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal)
-    fields.insert("q");
+  if (takes_place(action)) fields.insert("q");
+  if (action == TeachAction::object) fields.merge(std::set<std::string>{"name", "link", "mass", "touches"});
+  if (action == TeachAction::pick) fields.merge(std::set<std::string>{"name", "approach", "lift", "contact"});
   if (action == TeachAction::plan) fields.merge(std::set<std::string>{"name", "planner", "options"});
   if (action == TeachAction::save || action == TeachAction::detach) fields.insert("name");
   if (action == TeachAction::attach) fields.merge(std::set<std::string>{"name", "load"});
   return fields;
+}
+
+/// A length or mass, of which none may be below 0.
+double size_of(const JsonField& field) {
+  const double value = field.number();
+  if (value < 0.0 || value > 1e6) field.refuse("a number from 0 to 1e6");
+  return value;
+}
+
+void read_object(const JsonField& line, TeachEvent& event) {
+  if (event.action == TeachAction::object) line.at("name");
+  if (line.has("link")) event.link = line.at("link").text();
+  if (line.has("mass")) event.mass = size_of(line.at("mass"));
+  if (line.has("approach")) event.approach = line.at("approach").numbers(3);
+  if (line.has("lift")) event.lift = size_of(line.at("lift"));
+  if (line.has("contact")) event.contact = size_of(line.at("contact"));
 }
 
 std::vector<double> numbers_of(const JsonField& field) {
@@ -134,16 +160,23 @@ PlannerOptions options_of(const JsonField& field) {
 
 /// Of a load as it is written in files of loads; of plans and maps it becomes the name of a file.
 std::string name_of(const JsonField& line, TeachAction action) {
-  const bool is_of_load = action == TeachAction::attach || action == TeachAction::detach;
-  return is_of_load ? line.at("name").text() : file_name_of(line.at("name"));
+  const bool is_of_file = action == TeachAction::plan || action == TeachAction::save;
+  return !is_of_file ? line.at("name").text() : file_name_of(line.at("name"));
 }
 
-TeachEvent event_of(const JsonField& line) {
+double time_of(const JsonField& field) {
+  const double time = field.number();
+  if (time < 0.0) field.refuse("seconds after the first frame, 0 or more");
+  return time;
+}
+
+/// All but its time. @param when the field that says when it happens
+TeachEvent event_of(const JsonField& line, const char* when) {
   TeachEvent event;
-  event.time = line.at("time").number();
-  if (event.time < 0.0) line.at("time").refuse("seconds after the first frame, 0 or more");
+  line.at(when);
   event.action = action_of(line.at("action"));
-  const std::set<std::string> known = fields_of(event.action);
+  std::set<std::string> known = fields_of(event.action);
+  known.insert(when);
   for (const auto& [key, value] : line.members()) {
     if (known.contains(key)) continue;
     const std::vector<std::string> names(known.begin(), known.end());
@@ -154,6 +187,8 @@ TeachEvent event_of(const JsonField& line) {
   if (event.action == TeachAction::volume) event.name = line.at("label").text();
   if (line.has("critical_parts")) event.critical_parts = texts_of(line.at("critical_parts"));
   if (event.action == TeachAction::robot) event.robot = robot_of(line);
+  read_object(line, event);
+  if (line.has("touches")) event.touches = texts_of(line.at("touches"));
   if (line.has("near")) event.near = numbers_of(line.at("near"));
   if (line.has("q")) event.q = line.at("q").text();
   if (line.has("planner")) event.planner = line.at("planner").text();
@@ -187,28 +222,68 @@ void add_robot(const TeachEvent& event, Json& json) {
   if (!event.near.empty()) json["near"] = event.near;
 }
 
+void add_object(const TeachEvent& event, Json& json) {
+  if (!event.link.empty()) json["link"] = event.link;
+  if (event.mass > 0.0) json["mass"] = event.mass;
+  if (!event.touches.empty()) json["touches"] = event.touches;
+  if (event.approach) json["approach"] = {event.approach->x(), event.approach->y(), event.approach->z()};
+  if (event.lift) json["lift"] = *event.lift;
+  if (event.contact) json["contact"] = *event.contact;
+}
+
 }  // namespace
 
 std::string_view to_string(TeachAction action) { return action_names.at(static_cast<std::size_t>(action)); }
 
-std::vector<TeachEvent> load_teach_events(const std::filesystem::path& file) {
-  std::istringstream lines(read_input(file, "events file", 64U << 20U));
-  std::vector<TeachEvent> events;
+namespace {
+
+/// Calls `take` with each line's event, all but its time, and its fields.
+template <class Take>
+void read_events(const std::filesystem::path& file, const std::string& what, const char* when,
+                 const Take& take) {
+  std::istringstream lines(read_input(file, what, 64U << 20U));
   std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const std::string name = "events file " + quote_path(file.string()) + ", line " + std::to_string(number);
+    const std::string name = what + " " + quote_path(file.string()) + ", line " + std::to_string(number);
     require_json(line, name);
     const Json json = Json::parse(line);
     const JsonField field(json, name);
-    events.push_back(event_of(field));
-    if (events.back().action == TeachAction::attach)
-      read_attach(json, field, name, file.parent_path(), events.back());
-    if (events.size() > 1 && events.back().time < events[events.size() - 2].time)
-      field.at("time").refuse("a time not before the last line's");
+    TeachEvent event = event_of(field, when);
+    if (event.action == TeachAction::attach) read_attach(json, field, name, file.parent_path(), event);
+    take(std::move(event), field);
   }
+}
+
+char key_of(const JsonField& field, const std::vector<TeachKey>& known) {
+  const std::string text = field.text();
+  if (text.size() != 1 || text[0] <= ' ' || text[0] > '~') field.refuse("one visible ASCII character");
+  if (action_of_key(text[0], TeachState::ready)) field.refuse("a key that does nothing yet");
+  for (const TeachKey& key : known)
+    if (key.key == text[0]) field.refuse("each key once");
+  return text[0];
+}
+
+}  // namespace
+
+std::vector<TeachEvent> load_teach_events(const std::filesystem::path& file) {
+  std::vector<TeachEvent> events;
+  read_events(file, "events file", "time", [&](TeachEvent event, const JsonField& line) {
+    event.time = time_of(line.at("time"));
+    if (!events.empty() && event.time < events.back().time)
+      line.at("time").refuse("a time not before the last line's");
+    events.push_back(std::move(event));
+  });
   return events;
+}
+
+std::vector<TeachKey> load_teach_keys(const std::filesystem::path& file) {
+  std::vector<TeachKey> keys;
+  read_events(file, "keys file", "key", [&](TeachEvent event, const JsonField& line) {
+    keys.push_back({key_of(line.at("key"), keys), std::move(event)});
+  });
+  return keys;
 }
 
 std::string to_json_line(const TeachEvent& event) {
@@ -216,6 +291,7 @@ std::string to_json_line(const TeachEvent& event) {
   if (event.action == TeachAction::volume) json["label"] = event.name;
   if (!event.critical_parts.empty()) json["critical_parts"] = event.critical_parts;
   if (event.action == TeachAction::robot) add_robot(event, json);
+  add_object(event, json);
   if (!event.q.empty()) json["q"] = event.q;
   if (event.action == TeachAction::plan) {
     json["planner"] = event.planner;

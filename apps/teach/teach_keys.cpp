@@ -1,7 +1,10 @@
 #include "apps/teach/teach_keys.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
+
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -12,7 +15,7 @@ struct Key {
   std::string_view word;
 };
 
-constexpr std::array<Key, 12> keys = {{{' ', TeachAction::paint_on, "paint"},
+constexpr std::array<Key, 16> keys = {{{' ', TeachAction::paint_on, "paint"},
                                        {'e', TeachAction::erase_on, "erase"},
                                        {'s', TeachAction::start, "start"},
                                        {'v', TeachAction::via, "via"},
@@ -21,6 +24,10 @@ constexpr std::array<Key, 12> keys = {{{' ', TeachAction::paint_on, "paint"},
                                        {'p', TeachAction::plan, "plan"},
                                        {'l', TeachAction::play, "play"},
                                        {'a', TeachAction::approve, "approve"},
+                                       {'o', TeachAction::object, "object"},
+                                       {'k', TeachAction::pick, "pick"},
+                                       {'d', TeachAction::place, "place"},
+                                       {'x', TeachAction::detach, "detach"},
                                        {'u', TeachAction::undo, "undo"},
                                        {'w', TeachAction::save, "save"},
                                        {'q', TeachAction::quit, "quit"}}};
@@ -29,7 +36,8 @@ std::string spelled(char key) { return key == ' ' ? "space" : std::string(1, key
 
 /// Whether it makes sense to offer the action; others are refused with their reason when the key is pressed.
 bool is_offered(TeachAction action, TeachState state) {
-  const bool strokes = state == TeachState::painting || state == TeachState::erasing;
+  const bool strokes =
+      state == TeachState::painting || state == TeachState::erasing || state == TeachState::marking;
   const bool has_plan = state == TeachState::planned || state == TeachState::playing;
   switch (action) {
     case TeachAction::quit:
@@ -42,6 +50,12 @@ bool is_offered(TeachAction action, TeachState state) {
       return has_plan || state == TeachState::approved;
     case TeachAction::approve:
       return has_plan;
+    case TeachAction::pick:  // the strip has no room for more
+    case TeachAction::place:
+    case TeachAction::detach:
+      return false;
+    case TeachAction::object:
+      return state == TeachState::ready || state == TeachState::planned || state == TeachState::approved;
     case TeachAction::via:
     case TeachAction::goal:
     case TeachAction::clear:
@@ -59,9 +73,38 @@ std::optional<TeachAction> action_of_key(int key, TeachState state) {
   if (key == escape) return TeachAction::quit;
   if (key == ' ' && state == TeachState::painting) return TeachAction::paint_off;
   if (key == 'e' && state == TeachState::erasing) return TeachAction::erase_off;
+  if (key == 'o' && state == TeachState::marking) return TeachAction::object_off;
   for (const Key& known : keys)
     if (known.key == key) return known.action;
   return std::nullopt;
+}
+
+std::optional<TeachEvent> event_of_key(int key, const std::vector<TeachKey>& own,
+                                       const TeachSession& session) {
+  const auto found =
+      std::find_if(own.begin(), own.end(), [&](const TeachKey& one) { return one.key == key; });
+  if (found == own.end()) return std::nullopt;
+  TeachEvent event = found->event;
+  if (event.action == TeachAction::object && session.state() == TeachState::marking) {
+    event = {};
+    event.action = TeachAction::object_off;
+  }
+  if (event.action == TeachAction::attach && holds(session.shown_loads(), event.name)) {
+    event.action = TeachAction::detach;
+    event.load.reset();
+  }
+  return event;
+}
+
+std::string words_of(const std::vector<TeachKey>& own) {
+  std::string text;
+  for (const TeachKey& key : own) {
+    const TeachEvent& event = key.event;
+    const std::string& name = event.action == TeachAction::robot ? event.robot.robot : event.name;
+    text += (text.empty() ? "" : ", ") + spelled(key.key) + ": " + std::string(to_string(event.action)) +
+            (name.empty() ? "" : " " + shortened(name));
+  }
+  return text;
 }
 
 std::string keys_of(TeachState state) {
@@ -69,6 +112,7 @@ std::string keys_of(TeachState state) {
   std::string text;
   if (state == TeachState::painting) text = "space: stop painting";
   if (state == TeachState::erasing) text = "e: stop erasing";
+  if (state == TeachState::marking) text = "o: stop marking";
   for (const Key& key : keys)
     if (is_offered(key.action, state))
       text += (text.empty() ? "" : ", ") + spelled(key.key) + ": " + std::string(key.word);

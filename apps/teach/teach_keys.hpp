@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/teach/teach_session.hpp"
 
@@ -9,6 +10,14 @@ namespace clearway {
 
 /// What a key does in this state: one key begins and ends a stroke. Empty for a key that does nothing.
 std::optional<TeachAction> action_of_key(int key, TeachState state);
+
+/// What a key does now that a file of keys gives: where the ball marks an object, that of `object` ends the
+/// stroke; that of a load which is held lets go of it. Empty for other keys.
+std::optional<TeachEvent> event_of_key(int key, const std::vector<TeachKey>& keys,
+                                       const TeachSession& session);
+
+/// These keys for the strip: "1: robot arm6, 2: volume shelf".
+std::string words_of(const std::vector<TeachKey>& keys);
 
 /// The keys that do something in this state, for the strip: "space: stop painting, u: undo, q: quit".
 std::string keys_of(TeachState state);

@@ -115,13 +115,19 @@ void TeachViewer::add_loads(TeachView& view) {
   if (session_.start())
     add(view.start_pose, goals.empty() ? session_.start()->held : goals.front().held, Holder::start);
   if (session_.goal()) add(view.goal_pose, session_.goal()->held, Holder::goal);
+  for (const auto& [load, map_from_object] : session_.standing_objects())
+    view.loads.push_back({mesh_of(load->shape), map_from_object, Holder::start, false});
 }
 
 void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
   if (view.state != TeachState::playing) view.warning = session_.warning();
-  const bool uses_ball = session_.brush().use != Brush::Use::none;
+  const bool marks = view.state == TeachState::marking;
+  const bool uses_ball = session_.brush().use != Brush::Use::none || marks;
   if (uses_ball && image.sample != nullptr && !image.sample->accepted) {
-    view.refusal = (session_.brush().use == Brush::Use::paints ? "Not painted: " : "Not erased: ") +
+    const bool paints = session_.brush().use == Brush::Use::paints;
+    view.refusal = (marks    ? "Not marked: "
+                    : paints ? "Not painted: "
+                             : "Not erased: ") +
                    image.sample->reason;
     view.cure = cure_of(to_string(image.sample->refusal));
     return;
@@ -175,7 +181,8 @@ cv::Mat TeachPainter::draw(const TeachView& view) {
     robot_ = view.robot;
   }
   const std::string refusal = view.refusal.empty() ? view.warning : view.refusal;
-  const Strip strip{state_line(view), refusal, view.cure, keys_of(view.state), 0.0};
+  const std::string keys = keys_of(view.state) + (view.more_keys.empty() ? "" : ", " + view.more_keys);
+  const Strip strip{state_line(view), refusal, view.cure, keys, 0.0};
   if (!view.camera_from_map) {
     cv::Mat picture;
     cv::merge(std::vector<cv::Mat>{view.image, view.image, view.image}, picture);

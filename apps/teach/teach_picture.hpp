@@ -29,6 +29,7 @@ struct TeachView {
   double resolution = 0.02;        ///< of the map, m
   std::optional<OverlayBall> ball;
   bool is_led = false;        ///< the hand leads the virtual robot in this image
+  std::string more_keys;      ///< for the strip, beside those of the state
   std::string warning;        ///< of the virtual robot
   std::string refusal, cure;  ///< the last event's, or the image's
   std::shared_ptr<const Robot> robot;

@@ -13,17 +13,18 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/check_legs.hpp"
+#include "planning/check/check_pick.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {
 
-constexpr std::array<std::string_view, 9> state_names = {
-    "ready", "painting", "erasing", "selecting", "planning", "planned", "playing", "approved", "ended"};
-
-[[noreturn]] void refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
+constexpr std::array<std::string_view, 10> state_names = {"ready",     "painting", "erasing", "marking",
+                                                          "selecting", "planning", "planned", "playing",
+                                                          "approved",  "ended"};
 
 /// The robot of a plan's leg, with what it carries there, among what is free on the plan's map.
 ConfigurationSpace space_of_leg(const TaughtPlan& taught, int leg) {
@@ -44,11 +45,11 @@ void add_tip_path(const ConfigurationSpace& space, const std::vector<TrajectoryP
 }
 
 /// The query's answer, with what is drawn of it.
-TaughtPlan answered(TaughtPlan taught, PlanQuery query) {
+TaughtPlan answered(TaughtPlan taught, PlanQuery query, const std::optional<Pick>& pick) {
   constexpr std::size_t shown = 160;
   const ConfigurationSpace& space = *taught.space;
   query.map_digest = taught.map_digest = map_sha256(space.map());
-  taught.plan = plan_and_check(query);
+  taught.plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
   if (!taught.plan.is_proved()) return taught;
   if (taught.plan.loads.empty()) {
     add_tip_path(space, timed(taught).points, shown, taught);
@@ -73,8 +74,10 @@ std::string carried(const Plan& plan) {
 
 PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
   const Plan& plan = taught.plan;
-  return check_legs(legs_of(plan, taught.space->robot(), map), plan.policies, plan.padding, 0.0,
-                    plan.seen_within);
+  const Robot& robot = taught.space->robot();
+  if (plan.pick)
+    return check_pick(pick_of(plan, *plan.pick, robot, map), plan.policies, plan.padding, plan.seen_within);
+  return check_legs(legs_of(plan, robot, map), plan.policies, plan.padding, 0.0, plan.seen_within);
 }
 
 Trajectory timed(const TaughtPlan& taught) {
@@ -89,6 +92,8 @@ TeachSession::TeachSession(EventSource next_events, const TeachOptions& options)
     : next_events_(std::move(next_events)), options_(options) {}
 
 TeachSession::~TeachSession() = default;
+
+void TeachSession::refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
 
 void TeachSession::begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) {
   setup_ = &setup;
@@ -118,11 +123,12 @@ Brush TeachSession::brush() const {
 }
 
 void TeachSession::see(const SeenImage& image) {
+  if (doing_ == Doing::marking && image.sample != nullptr && image.sample->accepted) mark(*image.sample);
   if (!robot_ || !image.map_from_gripper) return;
   robot_->lead(*image.map_from_gripper * setup_->gripper->board_from_tip, image.since_start);
   ++led_images_;
   warning_.clear();
-  if (doing_ == Doing::painting || doing_ == Doing::erasing) return;
+  if (doing_ == Doing::painting || doing_ == Doing::erasing || doing_ == Doing::marking) return;
   warning_ = robot_->not_there(image.since_start);
   if (warning_.empty()) {
     try {
@@ -155,6 +161,8 @@ TeachState TeachSession::state() const {
       return TeachState::painting;
     case Doing::erasing:
       return TeachState::erasing;
+    case Doing::marking:
+      return TeachState::marking;
     case Doing::planning:
       return TeachState::planning;
     case Doing::playing:
@@ -233,10 +241,15 @@ std::string TeachSession::refusal_of_state(TeachAction action) const {
     case Doing::erasing:
       return ends || action == TeachAction::erase_off ? ""
                                                       : name + ": the ball erases; 'erase_off' ends that";
+    case Doing::marking:
+      return ends || action == TeachAction::object_off
+                 ? ""
+                 : name + ": a stroke marks an object; 'object_off' ends it";
     case Doing::playing:
     case Doing::nothing:
       break;
   }
+  if (action == TeachAction::object_off) return name + ": no object is being marked; 'object' begins that";
   if (action == TeachAction::paint_off)
     return name + ": nothing is being painted; 'paint_on' begins a stroke";
   if (action == TeachAction::erase_off) return name + ": nothing is being erased; 'erase_on' begins that";
@@ -267,13 +280,22 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       break;
     case TeachAction::clear:
       remember("clear");
-      choice_.start.reset();
-      choice_.goal.reset();
-      choice_.vias.clear();
-      forget_plan();
+      forget_places();
       break;
     case TeachAction::plan:
       begin_plan(event);
+      break;
+    case TeachAction::object:
+      begin_object(event);
+      break;
+    case TeachAction::object_off:
+      end_object(remark);
+      break;
+    case TeachAction::pick:
+      choose_pick(event, remark);
+      break;
+    case TeachAction::place:
+      choose_placing(event, remark);
       break;
     case TeachAction::attach:
       attach(event, remark);
@@ -304,6 +326,16 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       doing_ = Doing::ended;
       break;
   }
+}
+
+void TeachSession::forget_places() {
+  choice_.start.reset();
+  choice_.goal.reset();
+  choice_.vias.clear();
+  choice_.pick.reset();
+  choice_.grasp.reset();
+  choice_.place.reset();
+  forget_plan();
 }
 
 void TeachSession::forget_plan() {
@@ -366,10 +398,7 @@ void TeachSession::choose_robot(const TeachEvent& event) {
   remember("robot");
   choice_.robot = robot_ = std::move(robot);
   choice_.held.clear();
-  choice_.start.reset();
-  choice_.goal.reset();
-  choice_.vias.clear();
-  forget_plan();
+  forget_places();
 }
 
 void TeachSession::require_robot() const {
@@ -388,21 +417,14 @@ Verdict TeachSession::check(const Configuration& q, const std::vector<Load>& hel
   return robot_->space(present_map(), map_version(), held)->check(q);
 }
 
-/// A leg carries what is held when its end is picked: that has to be free where it begins, too.
-void TeachSession::require_begin(const TaughtPlace& begin) {
-  if (choice_.held.empty()) return;
-  const Verdict verdict = check(begin.q, choice_.held);
-  if (!verdict.is_free())
-    refuse("with " + names_of(choice_.held) +
-           " the robot may not be where the leg begins: " + verdict.sentence());
-}
-
 void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   require_robot();
   if (event.action != TeachAction::start && !choice_.start) refuse("no start is chosen; 'start' comes first");
   constexpr std::size_t most_vias = 1000;
   if (event.action == TeachAction::via && choice_.vias.size() >= most_vias)
     refuse("at most 1000 goals on the way are possible; 'clear' forgets them");
+  if (event.action == TeachAction::via && choice_.pick)
+    refuse("a pick has no goals on the way; 'goal' says where the robot goes in the end");
   const TaughtPlace place{place_of(event), choice_.held};
   const Verdict verdict = check(place.q, place.held);
   if (!verdict.is_free()) refuse(verdict.sentence());
@@ -410,9 +432,8 @@ void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
     require_begin(choice_.vias.empty() ? *choice_.start : choice_.vias.back());
   remember(std::string(to_string(event.action)));
   if (event.action == TeachAction::start) {
+    forget_places();
     choice_.start = place;
-    choice_.goal.reset();
-    choice_.vias.clear();
   } else if (event.action == TeachAction::via) {
     choice_.vias.push_back(place);
   } else {
@@ -421,60 +442,6 @@ void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   forget_plan();
   for (const double value : place.q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
   if (!place.held.empty()) remark += "; with " + names_of(place.held);
-}
-
-void TeachSession::change_held(const std::string& what, std::vector<Load> held) {
-  const bool had_plan = choice_.plan.has_value();
-  choice_.held = std::move(held);
-  const std::string outdated = choice_.outdated;
-  forget_plan();
-  choice_.outdated = had_plan ? what : outdated;
-}
-
-void TeachSession::attach(const TeachEvent& event, std::string& remark) {
-  require_robot();
-  constexpr std::size_t most_loads = 16;
-  Load load = load_of(event, *setup_);
-  for (const Load& known : choice_.held)
-    if (known.name == load.name) refuse(quote(load.name) + " is attached already; 'detach' comes first");
-  if (choice_.held.size() >= most_loads) refuse("at most 16 loads are possible; 'detach' one first");
-  for (const TaughtPlace& place : goals())
-    for (const Load& known : place.held) {
-      if (known.name != load.name) continue;
-      if (!is_same(known, load))
-        refuse("another load " + quote(load.name) +
-               " rides on a leg before; expected another name, or 'start' to begin anew");
-      load = known;
-    }
-  std::vector<Load> held = choice_.held;
-  held.push_back(load);
-  const auto space = robot_->space(present_map(), map_version(), held);
-  const TaughtPlace* begin = choice_.goal || !choice_.start ? nullptr
-                             : choice_.vias.empty()         ? &*choice_.start
-                                                            : &choice_.vias.back();
-  if (begin != nullptr)
-    if (const Verdict verdict = space->check(begin->q); !verdict.is_free())
-      refuse("with " + quote(load.name) +
-             " the robot may not be where the next leg begins: " + verdict.sentence());
-  remember("attach");
-  change_held(quote(load.name) + " was attached", std::move(held));
-  remark = load.name + " on " + load.link;
-}
-
-void TeachSession::detach(const TeachEvent& event, std::string& remark) {
-  if (choice_.held.empty()) refuse("nothing is attached; 'attach' takes a load");
-  if (event.name.empty() && choice_.held.size() > 1)
-    refuse("expected the name of a load, one of " + names_of(choice_.held));
-  const std::string name = event.name.empty() ? choice_.held.front().name : event.name;
-  std::vector<Load> held;
-  for (const Load& load : choice_.held)
-    if (load.name != name) held.push_back(load);
-  if (held.size() == choice_.held.size())
-    refuse("no load " + quote(shortened(name)) + " is attached; " + names_of(choice_.held) +
-           (held.size() == 1 ? " is" : " are"));
-  remember("detach");
-  change_held(quote(name) + " was detached", std::move(held));
-  remark = name;
 }
 
 void TeachSession::play(std::string& remark) {
@@ -511,11 +478,12 @@ bool TeachSession::is_taken(const std::string& name) const {
 void TeachSession::begin_plan(const TeachEvent& event) {
   require_robot();
   if (!choice_.start) refuse("no start is chosen; 'start' chooses one");
-  if (!choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
+  if (choice_.pick && !choice_.place)
+    refuse("no place is chosen; 'place' says where " + quote(choice_.pick->object.name) + " goes");
+  if (!choice_.pick && !choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
   for (const Load& load : choice_.held)
-    if (!holds(choice_.goal->held, load.name))
-      refuse("the goal was chosen before " + quote(load.name) +
-             " was attached; 'goal' chooses it with that, 'start' begins from there, 'detach' lets go");
+    if (choice_.goal && !holds(choice_.goal->held, load.name))
+      refuse(quote(load.name) + " was attached after the goal was chosen; 'goal' chooses it anew");
   TaughtPlan plan;
   plan.name = event.name;
   for (std::size_t number = plans_.size() + 1; event.name.empty(); ++number) {
@@ -525,11 +493,12 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   if (is_taken(plan.name))
     refuse("there is a plan or a map " + quote(plan.name) + " already, expected another name");
   plan.start = choice_.start->q;
+  for (const TaughtPlace& goal : goals()) plan.goals.push_back(goal.q);
   plan.robot = robot_->choice();
   plan.space = robot_->space(present_map(), map_version());
   PlanQuery query{.space = *plan.space,
                   .start = plan.start,
-                  .goals = {},
+                  .goals = plan.goals,
                   .planner = make_planner(event.planner, event.options),
                   .seed = options_.seed,
                   .time_limit = options_.time_limit,
@@ -537,14 +506,14 @@ void TeachSession::begin_plan(const TeachEvent& event) {
                   .robot_name = plan.robot.robot,
                   .map_file = "map.ot",
                   .name = plan.name};
-  for (const TaughtPlace& goal : goals()) query.goals.push_back(goal.q);
   if (setup_->robot) {
     query.payload = setup_->robot->payload;
     query.gravity = setup_->robot->gravity;
   }
   Job job;
-  job.result =
-      std::async(std::launch::async, [plan, query]() mutable { return answered(std::move(plan), query); });
+  job.result = std::async(std::launch::async, [plan, query, pick = choice_.pick]() mutable {
+    return answered(std::move(plan), query, pick);
+  });
   remember("plan");
   forget_plan();
   job_ = std::move(job);
@@ -592,6 +561,7 @@ void TeachSession::approve(std::string& remark) {
 void TeachSession::undo(std::string& remark) {
   if (undos_.empty()) refuse("nothing was done");
   if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
+  if (doing_ == Doing::marking) doing_ = Doing::nothing;
   Undo last = std::move(undos_.back());
   undos_.pop_back();
   if (choice_.is_approved && !last.before.is_approved && choice_.plan)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/fusion/fusion.hpp"
+#include "apps/teach/marked_object.hpp"
 #include "apps/teach/taught_loads.hpp"
 #include "apps/teach/teach_event.hpp"
 #include "apps/teach/virtual_robot.hpp"
@@ -24,6 +25,7 @@ enum class TeachState {
   ready,      ///< nothing is chosen
   painting,   ///< the ball paints
   erasing,    ///< the ball erases
+  marking,    ///< the ball marks an object
   selecting,  ///< a start is chosen
   planning,   ///< a planner works on a map of its own; frames go on
   planned,    ///< a plan is proved, and nothing that it rests on was changed by hand since
@@ -47,6 +49,7 @@ struct TaughtPlan {
   std::string name;
   Plan plan;
   Configuration start;
+  std::vector<Configuration> goals;  ///< as they were chosen
   std::shared_ptr<const ConfigurationSpace> space;
   RobotChoice robot;
   std::string map_digest;
@@ -81,13 +84,19 @@ struct TeachOptions {
 /// From `attach` to `detach` the robot holds a load: a body more wherever it is judged. Each leg carries what
 /// was held when its end was picked, from where it begins; another robot holds nothing.
 ///
+/// A stroke from `object` to `object_off` marks an object (marked_object.hpp) and changes no map. Between
+/// `start` and an optional `goal`, `pick` takes it where the virtual robot stands and `place` says where it
+/// goes: the plan is then plan_pick's, whose legs, voxels and contacts Pick defines, and the check is
+/// check_pick. Nothing rides beside it.
+///
 /// | state | takes |
 /// |---|---|
-/// | ready, selecting, planned, approved | all but paint_off and erase_off |
+/// | ready, selecting, planned, approved | all but paint_off, erase_off and object_off |
 /// | painting | paint_off, undo, save, quit |
 /// | erasing | erase_off, undo, save, quit |
+/// | marking | object_off, undo, save, quit |
 /// | planning | save, quit |
-/// | playing | approve, undo, save, quit, clear, start, via, goal, plan, play |
+/// | playing | as planned; all but play, approve and save end it |
 /// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start`, what follows, and
 /// `attach` a robot; `detach` a load.
 class TeachSession final : public FusionGuide {
@@ -119,6 +128,9 @@ class TeachSession final : public FusionGuide {
   std::vector<TaughtPlace> goals() const;                                  ///< all, in order
   /// What the virtual robot holds where it is to be drawn: now, or on the leg that is played.
   const std::vector<Load>& shown_loads() const;
+  /// The objects that strokes marked, each where it stands now, or on the leg that is played:
+  /// map_from_object. What the virtual robot holds then is not among them.
+  std::vector<std::pair<const Load*, Eigen::Isometry3d>> standing_objects() const;
   const std::vector<TaughtEvent>& events() const { return told_; }
   const std::deque<TaughtPlan>& plans() const { return plans_; }
   /// The plan of the present start and goals, proved or not; null when there is none.
@@ -135,6 +147,9 @@ class TeachSession final : public FusionGuide {
     int volume = 0;
     std::shared_ptr<VirtualRobot> robot;
     std::vector<Load> held;
+    std::vector<MarkedObject> objects;
+    std::optional<Pick> pick;  ///< its map_from_place counts once a place is chosen
+    std::optional<Configuration> grasp, place;
     std::optional<TaughtPlace> start, goal;
     std::vector<TaughtPlace> vias;
     std::optional<std::size_t> plan;    ///< in plans_, of this very choice, proved
@@ -156,6 +171,7 @@ class TeachSession final : public FusionGuide {
     std::size_t leg = 0;
   };
 
+  [[noreturn]] static void refuse(const std::string& sentence);
   void apply(const TeachEvent& event);
   std::string refusal_of_state(TeachAction action) const;
   void act(const TeachEvent& event, std::string& remark);
@@ -169,6 +185,12 @@ class TeachSession final : public FusionGuide {
   void attach(const TeachEvent& event, std::string& remark);
   void detach(const TeachEvent& event, std::string& remark);
   void change_held(const std::string& what, std::vector<Load> held);
+  void begin_object(const TeachEvent& event);
+  void end_object(std::string& remark);
+  void mark(const PaintingSample& sample);
+  void choose_pick(const TeachEvent& event, std::string& remark);
+  void choose_placing(const TeachEvent& event, std::string& remark);
+  void forget_places();
   Verdict check(const Configuration& q, const std::vector<Load>& held);
   void begin_plan(const TeachEvent& event);
   void take_plan(bool wait);
@@ -194,9 +216,11 @@ class TeachSession final : public FusionGuide {
   std::optional<Snapshot> snapshot_;
   std::size_t snapshot_version_ = 0;
 
-  enum class Doing { nothing, painting, erasing, planning, playing, ended };
+  enum class Doing { nothing, painting, erasing, marking, planning, playing, ended };
   Doing doing_ = Doing::nothing;
   int stroke_ = -1;
+  MarkedObject marked_;  ///< that the stroke is about
+  std::vector<MarkingBall> balls_;
   std::shared_ptr<VirtualRobot> robot_;
   Choice choice_;
   std::deque<Undo> undos_;  ///< the last thousand

@@ -43,6 +43,10 @@ VirtualRobot::VirtualRobot(const RobotChoice& choice, const std::vector<double>&
   is_led_ = true;
 }
 
+const std::string& VirtualRobot::tip_link() const {
+  return robot_.links.at(static_cast<std::size_t>(robot_.tip_link)).name;
+}
+
 double VirtualRobot::padding() const { return choose_padding(choice_, robot_); }
 
 void VirtualRobot::lead(const Eigen::Isometry3d& map_from_tip, double time) {

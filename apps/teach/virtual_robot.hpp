@@ -24,6 +24,7 @@ class VirtualRobot {
   const RobotChoice& choice() const { return choice_; }
   const Robot& robot() const { return robot_; }
   double padding() const;
+  const std::string& tip_link() const;  ///< its name
 
   /// Leads the tip there. @param time s after the first frame
   void lead(const Eigen::Isometry3d& map_from_tip, double time);

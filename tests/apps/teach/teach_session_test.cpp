@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "mapping/files/map_digest.hpp"
+#include "mapping/system/number_text.hpp"
+#include "planning/robot/goal_configurations.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -11,7 +13,7 @@ namespace teach_session_test {
 /// A session without pictures: a setup with a probe, spheres painted as the fusion would.
 class TeachSessionOf : public testing::Test {
  protected:
-  TeachSessionOf() {
+  explicit TeachSessionOf(double resolution = 0.05) : map_(MapOptions{.resolution = resolution}) {
     setup_.probe.emplace();
     setup_.volumes = {{.label = "free", .critical_parts = {}}};
     map_.add_volume("free", {});
@@ -25,7 +27,8 @@ class TeachSessionOf : public testing::Test {
     TeachEvent event;
     event.time = time_ += 1.0;
     event.action = action;
-    if (action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal)
+    if (action == TeachAction::start || action == TeachAction::via || action == TeachAction::goal ||
+        action == TeachAction::place)
       event.q = text;
     else if (action == TeachAction::robot)
       event.robot.robot = text;
@@ -64,7 +67,7 @@ class TeachSessionOf : public testing::Test {
   double time_ = 0.0;
   std::vector<TeachEvent> due_;
   clearway::Setup setup_;
-  FreeSpaceMap map_{MapOptions{.resolution = 0.05}};
+  FreeSpaceMap map_;
   FusionCounts counts_;
   TeachSession session_{[this](double) { return std::exchange(due_, {}); }, TeachOptions{.seed = 3}};
 };
@@ -275,10 +278,8 @@ TEST_F(TeachSessionOf, APlanWhoseLoadWasChangedIsNotApprovedAndUndoBringsItBack)
   EXPECT_EQ(act(TeachAction::approve), "");
   EXPECT_EQ(session_.state(), TeachState::approved);
   ASSERT_EQ(attach(0.1, 0.5, "clip"), "");
-  EXPECT_EQ(
-      act(TeachAction::plan),
-      "plan: the goal was chosen before 'clip' was attached; 'goal' chooses it with that, 'start' begins "
-      "from there, 'detach' lets go");
+  EXPECT_EQ(act(TeachAction::plan),
+            "plan: 'clip' was attached after the goal was chosen; 'goal' chooses it anew");
   EXPECT_EQ(act(TeachAction::goal, "1,0.5"), "");
   EXPECT_EQ(act(TeachAction::plan), "");
   EXPECT_EQ(act(TeachAction::approve), "");
@@ -318,6 +319,156 @@ TEST_F(TeachSessionOf, WhatOnlyTheLoadWouldHitIsHeldAgainstThePlan) {
       EXPECT_EQ(why, "");
     }
   }
+}
+
+/// A can on a table before the six-joint arm, all seen by sensors; a stroke goes round the can.
+class TeachPick : public TeachSessionOf {
+ protected:
+  TeachPick() : TeachSessionOf(0.02) {
+    BoardSetup board;
+    board.name = "base";
+    board.map_from_board = Eigen::Isometry3d::Identity();
+    setup_.boards = {board};
+    setup_.probe->ball_radius = 0.0225;
+    Scan scan;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(0.42, 0.0, 1.5);
+    add_box(scan, {0.25, -0.45, 0.05}, {0.69, 0.45, 0.1});
+    add_box(scan, {0.41, 0.15, 0.11}, {0.44, 0.18, 0.22});
+    see(scan);
+    map_.paint(0, {Eigen::Vector3d(0.0, 0.0, 0.5), 1.6}, time_);  // so that the map knows of all places
+    ++counts_.spheres;
+    TeachEvent robot;
+    robot.time = ++time_;
+    robot.action = TeachAction::robot;
+    robot.robot.robot = "arm6";
+    robot.robot.policies = {"not_occupied"};
+    EXPECT_EQ(act(robot), "");
+  }
+  static void add_box(Scan& scan, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    for (double x = low.x(); x <= high.x(); x += 0.02)
+      for (double y = low.y(); y <= high.y(); y += 0.02)
+        for (double z = low.z(); z <= high.z(); z += 0.02)
+          scan.points.push_back((scan.map_from_sensor.inverse() * Eigen::Vector3d(x, y, z)).cast<float>());
+  }
+  void see(const Scan& scan) {
+    map_.insert(scan);
+    ++counts_.scans_inserted;
+  }
+  std::string act(const TeachEvent& event) {
+    due_ = {event};
+    session_.before(time_);
+    return session_.events().back().refusal;
+  }
+  using TeachSessionOf::act;
+  std::string mark(const std::string& name, const std::string& link = "") {
+    TeachEvent event;
+    event.time = ++time_;
+    event.action = TeachAction::object;
+    event.name = name;
+    event.link = link;
+    if (const std::string why = act(event); !why.empty()) return why;
+    EXPECT_EQ(session_.state(), TeachState::marking);
+    EXPECT_EQ(session_.brush().use, Brush::Use::none);
+    for (double turn = 0.0; turn < 6.3; turn += 0.3)
+      for (const double height : {0.0, 0.05, 0.11}) {
+        PaintingSample sample;
+        sample.accepted = turn < 6.2;
+        sample.sphere.center = {0.42 + 0.025 * std::cos(turn), 0.16 + 0.025 * std::sin(turn),
+                                0.1225 + height};
+        sample.sphere.radius = 0.02;
+        sample.bound.total = 0.002;
+        session_.see({frame_, {}, &sample, {}, time_, {}});
+      }
+    return act(TeachAction::object_off);
+  }
+  /// The first of the arm's configurations with the tip so, from above, that the session takes.
+  std::string take(TeachAction action, const Eigen::Vector3d& tip) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = tip;
+    pose.linear() = Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    const Configuration near = (Configuration(6) << 0, -1.9, 1.7, -1.4, -1.57, 0).finished();
+    std::string why = "none";
+    for (const Configuration& q : goal_configurations(session_.robot()->robot(), pose, near)) {
+      TeachEvent event;
+      event.time = ++time_;
+      event.action = action;
+      event.q = to_text(std::vector<double>(q.begin(), q.end()));
+      if ((why = act(event)).empty()) break;
+    }
+    return why;
+  }
+  Frame frame_;
+};
+
+TEST_F(TeachPick, AMarkedObjectIsTakenAndPutDownAndOnlyWhatHoldsItTouchesIt) {
+  const std::string before = map_sha256(map_.snapshot());
+  EXPECT_EQ(act(TeachAction::object_off), "object_off: no object is being marked; 'object' begins that");
+  EXPECT_NE(mark("can", "hnd").find("did you mean 'hand'?"), std::string::npos);
+  ASSERT_EQ(mark("can"), "");
+  EXPECT_EQ(mark("can"), "object: there is an object 'can' already, expected another name");
+  EXPECT_EQ(map_sha256(map_.snapshot()), before);
+  EXPECT_EQ(act(TeachAction::pick), "pick: no start is chosen; 'start' comes first");
+  ASSERT_EQ(act(TeachAction::start, "0,-1.9,1.7,-1.4,-1.57,0"), "");
+  EXPECT_EQ(act(TeachAction::place, "0,0,0,0,0,0"), "place: nothing is picked; 'pick' comes first");
+  EXPECT_EQ(act(TeachAction::pick, "cup"), "pick: no object 'cup' is marked");
+  EXPECT_NE(take(TeachAction::pick, {0.42, 0.16, 0.09}), "");  // the hand in the table
+  ASSERT_EQ(take(TeachAction::pick, {0.42, 0.16, 0.21}), "");
+  EXPECT_EQ(act(TeachAction::via, "0,-1.9,1.7,-1.4,-1.57,0"),
+            "via: a pick has no goals on the way; 'goal' says where the robot goes in the end");
+  EXPECT_EQ(act(TeachAction::plan), "plan: no place is chosen; 'place' says where 'can' goes");
+  EXPECT_NE(take(TeachAction::place, {0.42, -0.2, 0.17}), "");  // the can in the table
+  ASSERT_EQ(take(TeachAction::place, {0.42, -0.2, 0.212}), "");
+  ASSERT_EQ(act(TeachAction::goal, "0,-1.9,1.7,-1.4,-1.57,0"), "");
+  ASSERT_EQ(act(TeachAction::plan, "carry"), "");
+  ASSERT_EQ(act(TeachAction::play), "")
+      << session_.plans().back().plan.explanation() << session_.plans().back().plan.validation.first_contact;
+  const TaughtPlan& taught = session_.plans().back();
+  ASSERT_TRUE(taught.plan.is_proved());
+  ASSERT_TRUE(taught.plan.pick.has_value());
+  EXPECT_EQ(taught.plan.legs.size(), 7U);
+  ASSERT_EQ(taught.plan.loads.size(), 1U);
+  EXPECT_EQ(taught.plan.loads[0].legs, (std::vector<int>{2, 3, 4}));
+  // The can stands, rides, and stands where it was put.
+  ASSERT_EQ(session_.standing_objects().size(), 1U);
+  const Eigen::Vector3d from = session_.standing_objects()[0].second.translation();
+  std::size_t rides = 0;
+  Eigen::Vector3d last = from;
+  for (double at = time_; session_.state() == TeachState::playing; session_.before(at += 0.05)) {
+    const auto standing = session_.standing_objects();
+    EXPECT_EQ(standing.size() + session_.shown_loads().size(), 1U);
+    rides += standing.empty();
+    if (!standing.empty()) last = standing[0].second.translation();
+  }
+  EXPECT_GT(rides, 3U);
+  EXPECT_NEAR((last - from).y(), -0.36, 1e-3);
+  EXPECT_EQ(act(TeachAction::approve), "");
+  EXPECT_EQ(map_sha256(map_.snapshot()), before);
+}
+
+TEST_F(TeachPick, APickIsUndoneStepByStepAndNotApprovedOnceItsWayIsBlocked) {
+  ASSERT_EQ(mark("can", "hand"), "");
+  ASSERT_EQ(act(TeachAction::start, "0,-1.9,1.7,-1.4,-1.57,0"), "");
+  ASSERT_EQ(take(TeachAction::pick, {0.42, 0.16, 0.21}), "");
+  ASSERT_EQ(take(TeachAction::place, {0.42, -0.2, 0.212}), "");
+  ASSERT_EQ(act(TeachAction::plan), "");
+  ASSERT_EQ(act(TeachAction::play), "");
+  Scan wall;  // across the way
+  wall.map_from_sensor.translation() = Eigen::Vector3d(0.42, 0.0, 1.5);
+  add_box(wall, {0.01, -0.03, 0.11}, {0.99, -0.01, 0.9});
+  see(wall);
+  const std::string why = act(TeachAction::approve);
+  EXPECT_NE(why.find("approve: the map has changed since it was planned: "), std::string::npos) << why;
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(remark(), "plan is undone");
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(remark(), "place is undone");
+  EXPECT_NE(act(TeachAction::plan).find("no place is chosen"), std::string::npos);
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(remark(), "pick is undone");
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(remark(), "object is undone");
+  EXPECT_TRUE(session_.standing_objects().empty());
 }
 
 TEST_F(TeachSessionOf, APlanRestsOnAMapWithTheVolumesThatThereAre) {
@@ -400,7 +551,31 @@ TEST(Teach, WhatIsWrongIsToldInOneSentence) {
   expect_load("\"q\": \"1\"", "no such field with action 'attach'");
   expect_load("\"name\": \"can\"", "at 0 s, attach: the setup has no load 'can'");
   expect_load("\"load\": {\"name\": \"can\", \"mesh\": \"no.stl\", \"link\": \"hand\"}", "no.stl");
+  expect("{\"time\": 0, \"action\": \"object\"}", "field 'name'");
+  expect("{\"time\": 0, \"action\": \"object\", \"name\": \"a\", \"mass\": -1}", "a number from 0 to 1e6");
+  expect("{\"time\": 0, \"action\": \"pick\", \"approach\": [0, 1]}", "field 'approach'");
   expect("nothing", "is not valid JSON at line 1");
+}
+
+TEST(Teach, KeysAreReadBeforeTheSessionAndAreForTheWindow) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& keys, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"teach",  "/usr/share/mrpt/datasets/localization_demo.rawlog",
+                                          "--keys", folder.write("k.jsonl", keys),
+                                          "--out",  folder.file("out")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    return run.log;
+  };
+  EXPECT_NE(refusal("{\"key\": \"1\", \"action\": \"robot\", \"robot\": \"no.urdf\"}", {})
+                .find("k.jsonl', key '1', robot: "),
+            std::string::npos);
+  const std::string fine = "{\"key\": \"1\", \"action\": \"robot\", \"robot\": \"arm6\"}";
+  EXPECT_NE(refusal(fine, {"--events", folder.write("e.jsonl", "")}).find("--keys: expected no --events"),
+            std::string::npos);
+  EXPECT_NE(refusal("{\"key\": 1}", {}).find("k.jsonl', line 1"), std::string::npos);
 }
 
 TEST(Teach, ARecordedSessionTakesNoOtherSettings) {
@@ -460,6 +635,13 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
       "{\"time\":0.5,\"action\":\"attach\",\"name\":\"a cup\"}\n"
       "{\"time\":0.6,\"action\":\"detach\",\"name\":\"a cup\"}\n"
       "{\"time\":0.6,\"action\":\"detach\"}\n"
+      "{\"time\":0.7,\"action\":\"object\",\"link\":\"hand\",\"mass\":0.25,\"touches\":[\"finger\"],\"name\":"
+      "\"a can\"}\n"
+      "{\"time\":0.8,\"action\":\"object_off\"}\n"
+      "{\"time\":0.9,\"action\":\"pick\",\"approach\":[0.0,0.1,-0.1],\"lift\":0.2,\"contact\":0.05,\"q\":"
+      "\"1\","
+      "\"name\":\"a can\"}\n"
+      "{\"time\":0.9,\"action\":\"place\",\"q\":\"1\"}\n"
       "{\"time\":1.0,\"action\":\"volume\",\"label\":\"a\",\"critical_parts\":[\"tool\"]}\n"
       "{\"time\":2.5,\"action\":\"start\",\"q\":\"0,1,2\"}\n"
       "{\"time\":3.0,\"action\":\"plan\",\"planner\":\"beam\",\"options\":{\"width\":\"20\"},\"name\":\"p\"}"
