@@ -300,10 +300,26 @@ TEST_F(KitchenJob, a_second_replay_writes_the_same_map_and_paths_byte_for_byte) 
   }
 }
 
+/// The demo's events, with a pen in the hand up to the second place on the way, and a ball that marks a cup.
+std::string events_with_load() {
+  std::string text = read_file(std::string(CLEARWAY_SOURCE_DIR) + "/datasets/scenes/miniature_kitchen.jsonl");
+  const auto insert = [&](const std::string& before, const std::string& line) {
+    text.insert(text.find("{\"time\": " + before), line + "\n");
+  };
+  insert("9.4", R"({"time": 8.05, "action": "object", "name": "cup"})");
+  insert("9.4", R"({"time": 8.2, "action": "object_off"})");
+  insert(
+      "9.4",
+      R"({"time": 9, "action": "attach", "load": {"name": "pen", "cylinder": [0.0025, 0.012], "link": "tool", )"
+      R"("pose_deg": [0, 0, 0.014, 0, 0.1, 0], "mass": 0.1}})");
+  insert("14.4", R"({"time": 13.5, "action": "detach", "name": "pen"})");
+  return text;
+}
+
 TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_byte_for_byte) {
   const TemporaryFolder folder;
   const std::string recording = folder_->file("recording.rawlog");
-  const std::string events = std::string(CLEARWAY_SOURCE_DIR) + "/datasets/scenes/miniature_kitchen.jsonl";
+  const std::string events = folder.write("events.jsonl", events_with_load());
   const CommandRun run = run_command({"teach", recording, "--events", events, "--out", folder.file("taught"),
                                       "--threads", "1", "--headless", "--overlay", folder.file("stills")});
   ASSERT_EQ(run.status, exit_done) << run.log << run.out;
@@ -333,6 +349,19 @@ TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_b
                          folder.file("taught"), "--robot", "puma560_miniature"})
                 .status,
             exit_done);
+  // The pen rides on the first two legs; a plan that forgets it is refused by the map's record.
+  EXPECT_EQ(plan["loads"][0]["name"], "pen");
+  EXPECT_EQ(plan["loads"][0]["legs"], Json({1, 2}));
+  EXPECT_EQ(taught["events"][5]["remark"].get<std::string>().substr(0, 5), "cup, ");
+  Json forgetful = plan;
+  forgetful.erase("loads");
+  forgetful["policy"].erase("pen");
+  const CommandRun refused = run_command({"check", folder.write("forgetful.json", forgetful.dump()), "--map",
+                                          folder.file("taught"), "--robot", "puma560_miniature"});
+  EXPECT_EQ(refused.status, exit_no);
+  EXPECT_NE(refused.out.find("expected pen on tool, legs 1, 2 by the map's record"), std::string::npos)
+      << refused.out;
+
   const CommandRun again =
       run_command({"replay", folder.file("taught/session"), "--out", folder.file("again"), "--threads", "2"});
   ASSERT_EQ(again.status, exit_done) << again.log << again.out;
