@@ -37,9 +37,10 @@ void add_loads(Canvas& canvas, const OverlayScene& scene, OverlayLoad::Holder ho
 }
 
 /// In layers of their own, blended over the ghosts that hold them.
-void add_ghosts_loads(Canvas& canvas, const OverlayScene& scene) {
+void add_clear_loads(Canvas& canvas, const OverlayScene& scene) {
   using Holder = OverlayLoad::Holder;
-  for (const auto& [holder, colour] : {std::pair(Holder::start, sky_blue), std::pair(Holder::goal, yellow)})
+  for (const auto& [holder, colour] :
+       {std::pair(Holder::start, sky_blue), std::pair(Holder::goal, yellow), std::pair(Holder::none, purple)})
     add_loads(canvas, scene, holder, colour, canvas.add_layer(0.7));
 }
 
@@ -166,7 +167,7 @@ cv::Mat draw_overlay(const cv::Mat& image, const Camera& camera, const Eigen::Is
   if (scene.robot != nullptr && !scene.robot_pose.empty())
     add_robot(canvas, *scene.robot, scene.robot_pose, pale, orange, 0);
   if (!scene.loads.empty()) {
-    add_ghosts_loads(canvas, scene);
+    add_clear_loads(canvas, scene);
     add_loads(canvas, scene, OverlayLoad::Holder::hand, purple, 0);
   }
   add_path(canvas, scene.path, std::max(2.5, camera.height / 144.0));

@@ -50,9 +50,9 @@ struct OverlayBall {
   bool is_accepted = true;
 };
 
-/// A load in the hand, or in that of a ghost.
+/// A load in the hand, in that of a ghost, or where it stands.
 struct OverlayLoad {
-  enum class Holder { hand, start, goal };
+  enum class Holder { hand, start, goal, none };
   Mesh mesh;  ///< load's frame
   Eigen::Isometry3d map_from_load = Eigen::Isometry3d::Identity();
   Holder holder = Holder::hand;
@@ -65,7 +65,7 @@ struct OverlayScene {
   const RobotSurface* robot = nullptr;
   LinkPoses robot_pose;                                ///< map_from_link; empty: not drawn
   LinkPoses start_pose, goal_pose;                     ///< of the ghosts
-  std::vector<OverlayLoad> loads;                      ///< solid in the hand, clear in a ghost's
+  std::vector<OverlayLoad> loads;                      ///< solid in the hand, clear elsewhere
   std::optional<Eigen::Vector3d> start_tip, goal_tip;  ///< where "start" and "goal" are written
   OverlayPath path;
   std::vector<Sphere> to_paint;  ///< where painting would help

@@ -253,7 +253,7 @@ class PlanPictures {
     const Pick& pick = *entry.plan.pick;
     scene.loads.push_back({mesh_of(pick.object.shape),
                            leg < lift ? pick.map_from_object : pick.map_from_place,
-                           OverlayLoad::Holder::start});
+                           OverlayLoad::Holder::none});
   }
 
   OverlayScene scene_of(const ReplayPlan& entry) {

@@ -116,7 +116,7 @@ void TeachViewer::add_loads(TeachView& view) {
     add(view.start_pose, goals.empty() ? session_.start()->held : goals.front().held, Holder::start);
   if (session_.goal()) add(view.goal_pose, session_.goal()->held, Holder::goal);
   for (const auto& [load, map_from_object] : session_.standing_objects())
-    view.loads.push_back({mesh_of(load->shape), map_from_object, Holder::start, false});
+    view.loads.push_back({mesh_of(load->shape), map_from_object, Holder::none, false});
 }
 
 void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {

@@ -118,7 +118,8 @@ TEST(OverlayScene, a_load_is_solid_in_the_hand_red_where_refused_and_clear_with_
   EXPECT_EQ(seen(20), seen(220));
   EXPECT_TRUE(is_red(seen(120)));
   scene.loads[0].is_refused = false;
-  for (const auto holder : {OverlayLoad::Holder::start, OverlayLoad::Holder::goal}) {
+  for (const auto holder :
+       {OverlayLoad::Holder::start, OverlayLoad::Holder::goal, OverlayLoad::Holder::none}) {
     scene.loads[0].holder = holder;
     EXPECT_GT(seen(220)[1], seen(20)[1] + 20);
     EXPECT_NE(seen(20), cv::Vec3b(20, 20, 20));
