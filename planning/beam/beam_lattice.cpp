@@ -34,20 +34,6 @@ double step_of(const Robot& robot, std::size_t j, const BeamOptions& options) {
   return turns ? kDefaultTurn : kDefaultSlide * robot.scale;
 }
 
-/// A joint that slides without limits below joints that turn: neither the scale between radians and metres
-/// nor how far a step moves the robot has a bound.
-void refuse_unlimited_reach(const ConfigurationSpace& space) {
-  if (joint_reach(space).allFinite()) return;
-  for (const Joint& joint : space.robot().joints) {
-    if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
-      continue;
-    throw std::invalid_argument(
-        "beam: joint '" + joint.name +
-        "' slides without limits, so that it has no scale against the joints that turn "
-        "(option 'prismatic_scale'): expected joint limits");
-  }
-}
-
 }  // namespace
 
 Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
@@ -55,7 +41,6 @@ Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
       goal_(problem.goal),
       weight_(joint_weights(problem.space, options.prismatic_scale)) {
   const Robot& robot = problem.space.robot();
-  refuse_unlimited_reach(problem.space);
   const auto n = static_cast<Eigen::Index>(robot.dof());
   step_.resize(n), lower_.resize(n), upper_.resize(n);
   for (Eigen::Index j = 0; j < n; ++j) {

@@ -142,6 +142,7 @@ class Search {
           return weight_.cwiseProduct(heads_[static_cast<std::size_t>(other)].q - found[i].q).norm() >= apart;
         });
         if (!is_apart) continue;
+        if (problem_.out_of_time()) return false;
         taken[i] = true;
         ++edges;
         if (!problem_.space.is_edge_free(heads_[static_cast<std::size_t>(found[i].parent)].q, found[i].q))

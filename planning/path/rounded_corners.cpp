@@ -25,9 +25,12 @@ class Rounder {
           std::uint64_t& edges_checked)
       : problem_(problem), weight_(weight), options_(options), edges_checked_(edges_checked) {}
 
-  /// The arc at a corner, or nothing. @pre the edges last - corner and corner - next are certified.
+  /// The arc at a corner, or nothing. @pre the edges before - corner and corner - next are certified, and so
+  /// is last - corner.
+  /// @param is_on_edge `last` is on the edge before - corner, so that any part of what lies between is
+  /// certified
   Path arc(const Configuration& before, const Configuration& last, const Configuration& corner,
-           const Configuration& next) {
+           const Configuration& next, bool is_on_edge) {
     const double turn = turn_at(before, corner, next, weight_);
     if (turn <= options_.turn) return {};
     const double in = length(before, corner), out = length(corner, next);
@@ -37,7 +40,8 @@ class Rounder {
       Path points = bezier(corner + (reach / in) * (before - corner), corner,
                            corner + (reach / out) * (next - corner), turn);
       if (are_one(last, points.front())) points.front() = last;  // two arcs meet in the middle of an edge
-      if (is_allowed(points, corner)) return points;
+      const bool is_reached = is_on_edge || points.front() == last || is_free(last, points.front());
+      if (is_reached && is_allowed(points, corner)) return points;
     }
     return {};
   }
@@ -107,9 +111,12 @@ std::vector<Configuration> rounded_corners(const PlanProblem& problem, const std
   if (path.size() < 3) return path;
   Rounder rounder(problem, weight, options, edges_checked);
   Path rounded{path.front()};
+  bool is_on_edge = true;  // the last point of the result, on the edge that ends at the corner
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    const Path arc = rounder.arc(path[i - 1], rounded.back(), path[i], path[i + 1]);
-    if (arc.empty() && !rounder.is_spare(rounded.back(), path[i], path[i + 1])) rounded.push_back(path[i]);
+    const Path arc = rounder.arc(path[i - 1], rounded.back(), path[i], path[i + 1], is_on_edge);
+    const bool is_left_out = arc.empty() && rounder.is_spare(rounded.back(), path[i], path[i + 1]);
+    if (arc.empty() && !is_left_out) rounded.push_back(path[i]);
+    is_on_edge = !is_left_out || rounded.back() == path[i];
     for (const Configuration& q : arc)
       if (q != rounded.back()) rounded.push_back(q);
   }

@@ -125,7 +125,10 @@ int BidirectionalTrees::extend(Side side, const Configuration& towards, bool fro
   const Node& node = trees_[side].nodes[static_cast<std::size_t>(from)];
   const Configuration& near = node.q;
   const double far = length(near, towards);
-  if (far == 0.0) return from;
+  if (far == 0.0) {  // or told apart by no weight
+    is_whole_ = false;
+    return from;
+  }
   if (!from_anywhere && node.is_beside && far > domain_ranges * range_) return -1;
   const Configuration next =
       far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near));

@@ -102,6 +102,21 @@ Robot reduced(const Robot& given) {
   return robot;
 }
 
+/// A joint that slides without limits below joints that turn: how far these move the robot has no bound, and
+/// no bound times a joint that stands still is no number.
+void refuse_unlimited_reach(const CollisionModel& model) {
+  for (std::size_t member = 0; member < model.members(); ++member) {
+    if (model.rates(member).allFinite()) continue;
+    for (const Joint& joint : model.robot.joints) {
+      if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
+        continue;
+      throw std::invalid_argument("robot " + model.robot.name + ": joint '" + joint.name +
+                                  "' slides without limits below joints that turn: expected joint limits");
+    }
+    throw std::invalid_argument("robot " + model.robot.name + ": expected links of finite lengths");
+  }
+}
+
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
@@ -151,6 +166,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     model.turns.push_back(body_turns(model.robot, body));
   }
   model.pairs = self_collision_pairs(model.robot);
+  refuse_unlimited_reach(model);
   model.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.robot.dof()));
   for (std::size_t member = 0; member < model.members(); ++member)
     model.matters = model.matters.array().max((model.rates(member).array() > 0.0).cast<double>());

@@ -61,29 +61,6 @@ TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
   }
 }
 
-TEST(Beam, RefusesASlidingJointThatHasNoScaleAgainstTheJointsThatTurn) {
-  // A turret on whose arm a carriage slides without limit: the reach that a scale is derived from is
-  // infinite.
-  Robot robot = load_robot("planar2");
-  robot.joints[1].kind = JointKind::prismatic;
-  robot.joints[1].axis = Eigen::Vector3d::UnitX();
-  robot.joints[1].lower = -1.0, robot.joints[1].upper = 1.0;
-  const Configuration start = vector_of({0.0, 0.0}), goal = vector_of({0.3, 0.2});
-  const BeamWorld bounded(robot, VoxelScene{});
-  EXPECT_EQ(bounded.plan("beam", start, goal, {{"step", "0.05"}}).status, PlanStatus::solved);
-  robot.joints[1].lower = -std::numeric_limits<double>::infinity();
-  robot.joints[1].upper = std::numeric_limits<double>::infinity();
-  const BeamWorld unbounded(robot, VoxelScene{});
-  for (const char* scale : {"auto", "1"}) {
-    const std::string sentence = refusal([&] {
-      unbounded.plan("beam", start, goal, {{"step", "0.05"}, {"prismatic_scale", scale}});
-    });
-    EXPECT_NE(sentence.find("'" + robot.joints[1].name + "' slides without limits"), std::string::npos)
-        << sentence;
-    EXPECT_NE(sentence.find("expected joint limits"), std::string::npos) << sentence;
-  }
-}
-
 TEST(Beam, StartAndGoalPastALimitAreToldWithTheJoint) {
   Robot robot = load_robot("point");
   robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;

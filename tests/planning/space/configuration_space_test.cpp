@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -404,6 +406,30 @@ TEST(ConfigurationSpace, NoPointOfTheRobotMovesFartherThanTheMotionBound) {
     }
     EXPECT_GT(tightest, 0.5) << name;
   }
+}
+
+TEST(ConfigurationSpace, ASlideWithoutLimitsBelowATurningJointIsRefused) {
+  // How far the turning joint moves it has no bound: no edge could be judged by bounds.
+  Robot robot = load_robot("planar2");
+  robot.joints[1].kind = JointKind::prismatic;
+  robot.joints[1].axis = Eigen::Vector3d::UnitX();
+  robot.joints[1].lower = -1.0, robot.joints[1].upper = 1.0;
+  EXPECT_NO_THROW(ConfigurationSpace(robot, Snapshot(), not_occupied()));
+  for (const bool up : {true, false}) {
+    Robot unlimited = robot;
+    (up ? unlimited.joints[1].upper : unlimited.joints[1].lower) =
+        (up ? 1.0 : -1.0) * std::numeric_limits<double>::infinity();
+    try {
+      ConfigurationSpace(unlimited, Snapshot(), not_occupied());
+      FAIL() << "expected a refusal";
+    } catch (const std::invalid_argument& told) {
+      EXPECT_NE(std::string(told.what()).find("'" + robot.joints[1].name + "' slides without limits"),
+                std::string::npos)
+          << told.what();
+    }
+  }
+  robot.joints[0].lower = -std::numeric_limits<double>::infinity();  // turning without limits is no harm
+  EXPECT_NO_THROW(ConfigurationSpace(robot, Snapshot(), not_occupied()));
 }
 
 TEST(ConfigurationSpace, UnknownPartsAndImpossibleOptionsAreRefused) {
