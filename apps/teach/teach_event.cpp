@@ -137,6 +137,8 @@ TaughtLoad load_of(Json json, const std::string& line, const std::filesystem::pa
     if (sentence.starts_with(what + ", line 1")) sentence.erase(what.size(), std::string(", line 1").size());
     throw std::invalid_argument(sentence);
   }
+  json["name"] = load.setup.name;  // YAML takes 5 for a text
+  load.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   return load;
 }
 
@@ -299,7 +301,8 @@ std::string to_json_line(const TeachEvent& event) {
   }
   if (event.load)
     json["load"] = Json::parse(event.load->json);
-  else if (event.action != TeachAction::volume && !event.name.empty())
+  else if (event.action == TeachAction::object ||
+           (event.action != TeachAction::volume && !event.name.empty()))
     json["name"] = event.name;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -89,7 +89,7 @@ std::optional<TeachEvent> event_of_key(int key, const std::vector<TeachKey>& own
     event = {};
     event.action = TeachAction::object_off;
   }
-  if (event.action == TeachAction::attach && holds(session.shown_loads(), event.name)) {
+  if (event.action == TeachAction::attach && holds(session.held_loads(), event.name)) {
     event.action = TeachAction::detach;
     event.load.reset();
   }

@@ -481,6 +481,7 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   if (choice_.pick && !choice_.place)
     refuse("no place is chosen; 'place' says where " + quote(choice_.pick->object.name) + " goes");
   if (!choice_.pick && !choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
+  if (choice_.pick) require_own_voxels(*choice_.pick, present_map());  // others may be marked since
   for (const Load& load : choice_.held)
     if (choice_.goal && !holds(choice_.goal->held, load.name))
       refuse(quote(load.name) + " was attached after the goal was chosen; 'goal' chooses it anew");

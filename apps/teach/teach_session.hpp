@@ -126,6 +126,7 @@ class TeachSession final : public FusionGuide {
   const std::optional<TaughtPlace>& start() const { return choice_.start; }
   const std::optional<TaughtPlace>& goal() const { return choice_.goal; }  ///< the last one
   std::vector<TaughtPlace> goals() const;                                  ///< all, in order
+  const std::vector<Load>& held_loads() const { return choice_.held; }     ///< now
   /// What the virtual robot holds where it is to be drawn: now, or on the leg that is played.
   const std::vector<Load>& shown_loads() const;
   /// The objects that strokes marked, each where it stands now, or on the leg that is played:
@@ -188,6 +189,9 @@ class TeachSession final : public FusionGuide {
   void begin_object(const TeachEvent& event);
   void end_object(std::string& remark);
   void mark(const PaintingSample& sample);
+  Load read_load_of(const TeachEvent& event) const;
+  /// Refuses a pick with which voxels of another marked object leave the map.
+  void require_own_voxels(const Pick& pick, const Snapshot& map) const;
   void choose_pick(const TeachEvent& event, std::string& remark);
   void choose_placing(const TeachEvent& event, std::string& remark);
   void forget_places();

@@ -4,6 +4,7 @@
 
 #include "apps/fusion/painter.hpp"
 #include "apps/teach/teach_session.hpp"
+#include "mapping/system/damaged_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/picks/pick_scene.hpp"
@@ -19,6 +20,17 @@ Eigen::Isometry3d map_from_link(const Robot& robot, const Configuration& q, cons
   for (std::size_t i = 0; i < robot.links.size(); ++i)
     if (robot.links[i].name == name) return poses[i];
   throw std::invalid_argument("robot " + quote(robot.name) + " has no link " + quote(shortened(name)));
+}
+
+/// Whether a blocked voxel that leaves the map with the pick is another object's, too.
+bool takes_from(const Pick& pick, const MarkedObject& other, const Snapshot& map) {
+  const double edge = map.resolution();
+  const std::vector<Eigen::Vector3d> voxels = object_voxels(pick, edge);
+  return std::any_of(voxels.begin(), voxels.end(), [&](const Eigen::Vector3d& voxel) {
+    const VoxelState state = map.state(voxel);
+    if (state != VoxelState::occupied && state != VoxelState::conflict) return false;
+    return distance_to_cube(other.load.shape, other.map_from_object, voxel, edge).lower <= 0.0;
+  });
 }
 
 std::string size_text(const Shape& shape) {
@@ -45,10 +57,18 @@ void TeachSession::change_held(const std::string& what, std::vector<Load> held) 
   choice_.outdated = had_plan ? what : outdated;
 }
 
+Load TeachSession::read_load_of(const TeachEvent& event) const {
+  try {
+    return load_of(event, *setup_);
+  } catch (const DamagedFile& error) {  // its mesh, which the reading of events did not open
+    refuse(error.what());
+  }
+}
+
 void TeachSession::attach(const TeachEvent& event, std::string& remark) {
   require_robot();
   constexpr std::size_t most_loads = 16;
-  Load load = load_of(event, *setup_);
+  Load load = read_load_of(event);
   if (choice_.pick)
     refuse(quote(choice_.pick->object.name) + " is picked, and nothing rides beside it; 'start' begins anew");
   for (const Load& known : choice_.held)
@@ -137,12 +157,23 @@ void TeachSession::end_object(std::string& remark) {
            std::to_string(balls_.size()) + " balls";
 }
 
+void TeachSession::require_own_voxels(const Pick& pick, const Snapshot& map) const {
+  for (const MarkedObject& other : choice_.objects)
+    if (other.load.name != pick.object.name && takes_from(pick, other, map))
+      refuse("with " + quote(pick.object.name) + " voxels of " + quote(other.load.name) +
+             " would leave the map; 'undo' back to their strokes and mark both again, the ball a voxel away "
+             "from the other");
+}
+
 /// The grasp is where the virtual robot stands; that is free when the object's voxels are, and only what
 /// holds it touches it.
 void TeachSession::choose_pick(const TeachEvent& event, std::string& remark) {
   require_robot();
   if (!choice_.start) refuse("no start is chosen; 'start' comes first");
   if (!choice_.vias.empty()) refuse("a pick has no goals on the way; 'start' begins anew");
+  if (choice_.goal && !choice_.goal->held.empty())
+    refuse("the goal was chosen with " + names_of(choice_.goal->held) +
+           ", and nothing rides beside what is picked; 'start' begins anew");
   if (!choice_.held.empty())
     refuse(names_of(choice_.held) +
            " rides already, and nothing rides beside what is picked; 'detach' comes first");
@@ -165,6 +196,7 @@ void TeachSession::choose_pick(const TeachEvent& event, std::string& remark) {
       robot.scale * pick.lift, contact_length(pick, space->map().resolution(), space->options().padding)));
   pick.contact = event.contact.value_or(pick.contact);
   require_sound(pick, space->map().resolution(), space->options().padding);
+  require_own_voxels(pick, space->map());
   const Verdict verdict = PickScene(*space, pick, {}).grasping().check(q);
   if (!verdict.is_free()) refuse(verdict.sentence());
   remember("pick");

@@ -360,7 +360,7 @@ class TeachPick : public TeachSessionOf {
     return session_.events().back().refusal;
   }
   using TeachSessionOf::act;
-  std::string mark(const std::string& name, const std::string& link = "") {
+  std::string mark(const std::string& name, const std::string& link = "", double x = 0.42) {
     TeachEvent event;
     event.time = ++time_;
     event.action = TeachAction::object;
@@ -373,8 +373,7 @@ class TeachPick : public TeachSessionOf {
       for (const double height : {0.0, 0.05, 0.11}) {
         PaintingSample sample;
         sample.accepted = turn < 6.2;
-        sample.sphere.center = {0.42 + 0.025 * std::cos(turn), 0.16 + 0.025 * std::sin(turn),
-                                0.1225 + height};
+        sample.sphere.center = {x + 0.025 * std::cos(turn), 0.16 + 0.025 * std::sin(turn), 0.1225 + height};
         sample.sphere.radius = 0.02;
         sample.bound.total = 0.002;
         session_.see({frame_, {}, &sample, {}, time_, {}});
@@ -382,7 +381,7 @@ class TeachPick : public TeachSessionOf {
     return act(TeachAction::object_off);
   }
   /// The first of the arm's configurations with the tip so, from above, that the session takes.
-  std::string take(TeachAction action, const Eigen::Vector3d& tip) {
+  std::string take(TeachAction action, const Eigen::Vector3d& tip, const std::string& name = "") {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() = tip;
     pose.linear() = Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()).toRotationMatrix();
@@ -392,6 +391,7 @@ class TeachPick : public TeachSessionOf {
       TeachEvent event;
       event.time = ++time_;
       event.action = action;
+      event.name = name;
       event.q = to_text(std::vector<double>(q.begin(), q.end()));
       if ((why = act(event)).empty()) break;
     }
@@ -443,6 +443,24 @@ TEST_F(TeachPick, AMarkedObjectIsTakenAndPutDownAndOnlyWhatHoldsItTouchesIt) {
   EXPECT_NEAR((last - from).y(), -0.36, 1e-3);
   EXPECT_EQ(act(TeachAction::approve), "");
   EXPECT_EQ(map_sha256(map_.snapshot()), before);
+}
+
+TEST_F(TeachPick, APickTakesNoVoxelOfAnotherMarkedObject) {
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0.48, 0.0, 1.5);
+  add_box(scan, {0.47, 0.15, 0.11}, {0.50, 0.18, 0.22});
+  see(scan);
+  ASSERT_EQ(mark("can"), "");
+  ASSERT_EQ(act(TeachAction::start, "0,-1.9,1.7,-1.4,-1.57,0"), "");
+  ASSERT_EQ(mark("cup", "", 0.48), "");
+  const std::string refusal = "with 'can' voxels of 'cup' would leave the map";
+  EXPECT_NE(take(TeachAction::pick, {0.42, 0.16, 0.21}, "can").find(refusal), std::string::npos);
+  // Marked after the pick: the plan is refused.
+  ASSERT_EQ(act(TeachAction::undo), "");
+  ASSERT_EQ(take(TeachAction::pick, {0.42, 0.16, 0.21}, "can"), "");
+  ASSERT_EQ(take(TeachAction::place, {0.42, -0.2, 0.212}), "");
+  ASSERT_EQ(mark("cup", "", 0.48), "");
+  EXPECT_NE(act(TeachAction::plan, "carry").find(refusal), std::string::npos);
 }
 
 TEST_F(TeachPick, APickIsUndoneStepByStepAndNotApprovedOnceItsWayIsBlocked) {
@@ -637,6 +655,7 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
       "{\"time\":0.6,\"action\":\"detach\"}\n"
       "{\"time\":0.7,\"action\":\"object\",\"link\":\"hand\",\"mass\":0.25,\"touches\":[\"finger\"],\"name\":"
       "\"a can\"}\n"
+      "{\"time\":0.7,\"action\":\"object\",\"name\":\"\"}\n"
       "{\"time\":0.8,\"action\":\"object_off\"}\n"
       "{\"time\":0.9,\"action\":\"pick\",\"approach\":[0.0,0.1,-0.1],\"lift\":0.2,\"contact\":0.05,\"q\":"
       "\"1\","
@@ -651,6 +670,15 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
   std::string again;
   for (const TeachEvent& event : load_teach_events(folder / "e.jsonl")) again += to_json_line(event) + "\n";
   EXPECT_EQ(again, text);
+}
+
+TEST(Teach, ALoadsNameIsATextHoweverItIsWritten) {
+  const TemporaryFolder folder;
+  folder.write("e.jsonl",
+               "{\"time\":0.5,\"action\":\"attach\",\"load\":{\"name\":5,\"box\":[0.1,0.1,0.1],"
+               "\"link\":\"hand\"}}\n");
+  const std::string line = to_json_line(load_teach_events(folder / "e.jsonl").front());
+  EXPECT_NE(line.find("\"name\":\"5\""), std::string::npos) << line;
 }
 
 }  // namespace teach_session_test
