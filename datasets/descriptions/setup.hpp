@@ -115,6 +115,17 @@ struct GripperSetup {
   std::string board;
   /// W_T_W' of Chong 2008, eq. 1: where the board has the robot's tip.
   Eigen::Isometry3d board_from_tip = Eigen::Isometry3d::Identity();
+  std::vector<CapsuleSetup> hand;  ///< what holds it, as of the probe
+};
+
+/// What scans must not see of probe, gripper and the hands that hold them: how far these may be from where
+/// the images around a scan put them.
+struct HandsSetup {
+  std::optional<double> margin;  ///< m, in all directions; none: two voxels
+  double latency = 0.02;         ///< s, by which times of images and of scans may differ
+  double acceleration = 3;       ///< m/s^2, of any point of them between two images
+  double hidden = 2;  ///< s: a scan in which they are not seen is left out, when images so near before and
+                      ///< after it see them
 };
 
 /// A painted volume (CFV) and when in the recording it was painted.
@@ -189,6 +200,7 @@ struct Setup {
   std::vector<SensorSetup> sensors;  ///< those that are not where the recording says
   std::optional<ProbeSetup> probe;
   std::optional<GripperSetup> gripper;
+  HandsSetup hands;
   std::vector<VolumeSetup> volumes;  ///< never empty: by default one, "free", over everything
   AcceptanceSetup acceptance;
   DetectorSetup detector;
