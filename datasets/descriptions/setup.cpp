@@ -306,6 +306,9 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   robot.latency = fields.number("latency", not_negative, robot.latency);
   robot.joint_error = fields.number("joint_error", not_negative, robot.joint_error);
   robot.place_error = fields.number("place_error", not_negative, robot.place_error);
+  robot.paints = fields.texts("paints");
+  if (!robot.paints.empty() && robot.joint_file.empty() && robot.joint_topic.empty())
+    fields.fail("paints", "expected joint_file or joint_topic beside it, which tell where the parts are led");
   fields.finish();
   return robot;
 }

@@ -172,6 +172,7 @@ struct RobotSetup {
   double latency = 0.02;             ///< s, by which times of joints and of scans may differ
   double joint_error = 0.01;         ///< rad or m, of each joint's position
   double place_error = 0.005;        ///< m, of the sensor's place against the robot's
+  std::vector<std::string> paints;   ///< parts that paint where they are led, as far as the joints tell
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.
