@@ -71,10 +71,14 @@ std::optional<Eigen::Isometry3d> BoardPoses::gripper_at(double time) const {
   return poses.last_time() == time ? poses.at(time) : std::nullopt;
 }
 
-bool BoardPoses::is_told(const std::string& board, double time) const {
+PoseStream::Around BoardPoses::around(const std::string& board, double time) const {
+  return boards_.at(board).poses.around(time);
+}
+
+bool BoardPoses::is_told(const std::string& board, double time, double wait) const {
   const Tracked& tracked = boards_.at(board);
   if (finished_ || tracked.poses.last_time().value_or(-1e300) >= time) return true;
-  return last_image_ && *last_image_ > time + tracked.max_gap;
+  return last_image_ && *last_image_ > time + std::max(wait, tracked.max_gap);
 }
 
 }  // namespace clearway

@@ -37,8 +37,12 @@ class BoardPoses {
   /// The board of the setup's gripper in an image of that very time; empty without one.
   std::optional<Eigen::Isometry3d> gripper_at(double time) const;
 
-  /// False while an image to come may still tell more about the board at `time`.
-  bool is_told(const std::string& board, double time) const;
+  /// When images before and after `time` saw it.
+  PoseStream::Around around(const std::string& board, double time) const;
+
+  /// False while an image to come may still tell more about the board at `time`: one that sees it at most
+  /// `wait` seconds later, or its longest gap where that is more.
+  bool is_told(const std::string& board, double time, double wait = 0.0) const;
 
  private:
   struct Tracked {

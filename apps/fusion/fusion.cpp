@@ -5,6 +5,7 @@
 
 #include "apps/console/stopwatch.hpp"
 #include "apps/fusion/board_poses.hpp"
+#include "apps/fusion/body_painter.hpp"
 #include "apps/fusion/emptiness.hpp"
 #include "apps/fusion/moving_robot.hpp"
 #include "apps/fusion/open_frames.hpp"
@@ -34,6 +35,11 @@ void warn_of_leftovers(Fusion& fusion) {
   if (counts.scans_without_pose > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_without_pose) +
                               " scans have no pose at their time and were left out");
+  }
+  if (counts.scans_probe_hidden > 0) {
+    fusion.warnings.push_back(std::to_string(counts.scans_probe_hidden) +
+                              " scans were left out: for a moment no image shows where the probe or the "
+                              "gripper in them is");
   }
   if (counts.scans_without_joints > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_without_joints) +
@@ -90,13 +96,16 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.map.keep_scans();
 
   for (const VolumeSetup& volume : fusion.setup.volumes)
-    if (fusion.setup.probe) fusion.map.add_volume(volume.label, volume.critical_parts);
+    if (fusion.setup.probe || (fusion.setup.robot && !fusion.setup.robot->paints.empty()))
+      fusion.map.add_volume(volume.label, volume.critical_parts);
   std::optional<Painter> painter;
   if (fusion.setup.probe) painter.emplace(fusion.setup, fusion.map, fusion.counts);
   BoardPoses boards(fusion.setup);
   std::optional<MovingRobot> robot;
   if (auto joints = recorded_joints(fusion.setup, recording))
     robot.emplace(*fusion.setup.robot, std::move(*joints));
+  std::optional<BodyPainter> body;
+  if (robot && !fusion.setup.robot->paints.empty()) body.emplace(fusion.setup, *robot, fusion.map);
   ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, robot ? &*robot : nullptr,
                      options.observer);
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));
@@ -114,6 +123,9 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     if (!start && !std::holds_alternative<CommentFrame>(frame->content)) start = frame->time;
     const double since_start = start ? frame->time - *start : 0.0;
     if (options.guide != nullptr && start && !options.guide->before(since_start)) break;
+    if (body && start)
+      body->paint_until(frame->time, *start,
+                        options.guide != nullptr ? std::optional(options.guide->brush()) : std::nullopt);
     ++counts.frames;
     counts.duration = std::max(counts.duration, since_start);
     if (const auto* image = std::get_if<ImageFrame>(&frame->content)) {
@@ -144,6 +156,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   counts.track_s += search.waited();
   progress(1.0);
   if (painter) painter->finish();
+  if (body) counts.body_balls = body->balls();
   fusion.damage = frames->damage();
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();

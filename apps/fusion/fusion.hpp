@@ -27,7 +27,8 @@ struct FusionCounts {
   std::map<std::string, std::string> first_refusals;  ///< by reason, the first sentence
   std::size_t accepted_outside_volumes = 0;           ///< accepted, but outside every volume's time span
   std::size_t spheres = 0;
-  std::size_t erasers = 0;  ///< accepted samples that erased
+  std::size_t body_balls = 0;  ///< painted by the robot's own bodies
+  std::size_t erasers = 0;     ///< accepted samples that erased
   std::size_t scans_inserted =
       0;              ///< of the scans: in the map by now; others wait for a pose, or were left out
   ScanCounts points;  ///< summed over the scans
@@ -35,6 +36,7 @@ struct FusionCounts {
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
   std::size_t scans_without_pose = 0;    ///< at their time nothing tells where their sensor was: left out
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
+  std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out
   std::size_t scans_without_joints = 0;  ///< at their time nothing tells where the robot was: left out
   std::size_t scans_refused = 0;         ///< whose origin was outside the map's key range
   double painted_radius = 0.0;           ///< r0 of Chong 2008, eq. 3, metres; mean over the accepted samples

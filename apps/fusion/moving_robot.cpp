@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
@@ -85,6 +86,14 @@ std::vector<double> MovingRobot::growths(double time) const {
     for (std::size_t j = 0; j < levers.size(); ++j) growth += levers[j] * (moved[j] + setup_.joint_error);
     result.push_back(growth);
   }
+  return result;
+}
+
+std::vector<double> MovingRobot::place_errors() const {
+  std::vector<double> result;
+  for (const std::vector<double>& levers : levers_)
+    result.push_back(setup_.place_error +
+                     setup_.joint_error * std::accumulate(levers.begin(), levers.end(), 0.0));
   return result;
 }
 

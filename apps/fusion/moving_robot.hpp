@@ -37,6 +37,13 @@ class MovingRobot {
   /// By how much each body is grown at that time, metres. @pre the joints are known then
   std::vector<double> growths(double time) const;
 
+  /// How far any point of each body may be from where the joints put it, metres: place_error, and for each
+  /// joint its lever times joint_error.
+  std::vector<double> place_errors() const;
+
+  /// When the joints were read, rising.
+  std::vector<double> times() const { return joints_.times(); }
+
   /// map_from_link of all links; empty where the joints are not known at that time.
   std::optional<LinkPoses> poses(double time) const;
 

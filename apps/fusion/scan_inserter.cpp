@@ -68,7 +68,13 @@ int link_of(const SensorSetup& sensor, const Robot& robot) {
 
 ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts,
                            const BoardPoses& boards, const MovingRobot* robot, FusionObserver* observer)
-    : setup_(setup), map_(map), counts_(counts), boards_(boards), moving_robot_(robot), observer_(observer) {
+    : setup_(setup),
+      map_(map),
+      counts_(counts),
+      boards_(boards),
+      held_(setup, boards, map.options().resolution),
+      moving_robot_(robot),
+      observer_(observer) {
   for (const SensorSetup& sensor : setup.sensors) {
     if (!sensor.poses.empty()) streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap));
     if (!sensor.link.empty()) links_.emplace(sensor.name, link_of(sensor, robot->robot()));
@@ -90,7 +96,7 @@ bool ScanInserter::is_ready(const Waiting& waiting) const {
       !boards_.is_told(waiting.sensor->board, time)) {
     return false;
   }
-  return !setup_.probe || boards_.is_told(setup_.probe->board, time);
+  return held_.is_told(time);
 }
 
 void ScanInserter::release() {
@@ -131,26 +137,6 @@ std::optional<Eigen::Isometry3d> ScanInserter::place_on_robot(const SensorSetup&
   return (*poses)[static_cast<std::size_t>(link)] * link_from_sensor;
 }
 
-/// The ball, its stick, the board's tags and the hand, where the nearest image saw them.
-void ScanInserter::add_probe(double time, ScanFilter& filter) {
-  const ProbeSetup& probe = *setup_.probe;
-  const auto map_from_board = boards_.nearest(probe.board, time);
-  if (!map_from_board) {
-    ++counts_.scans_without_probe;
-    return;
-  }
-  const double margin = 2.0 * map_.options().resolution;
-  const auto add = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius) {
-    filter.bodies.push_back({*map_from_board * from, *map_from_board * to, radius + margin});
-  };
-  add(probe.ball_center, Eigen::Vector3d::Zero(), probe.ball_radius);
-  for (const TagSetup& tag : setup_.board(probe.board)->tags) {
-    const Eigen::Vector3d center = tag.board_from_tag.translation();
-    add(center, center, 0.75 * std::sqrt(2.0) * tag.size);  // its corners, with the white border
-  }
-  for (const CapsuleSetup& hand : probe.hand) add(hand.from, hand.to, hand.radius);
-}
-
 void ScanInserter::insert(Waiting& waiting) {
   const Stopwatch watch(counts_.insert_s);
   const auto map_from_sensor = place(waiting);
@@ -159,6 +145,7 @@ void ScanInserter::insert(Waiting& waiting) {
     return;
   }
   Scan& scan = waiting.scan;
+  const HeldBodies::Sight sight = held_.sight(scan.time);
   scan.map_from_sensor = *map_from_sensor;
   if (observer_ != nullptr) observer_->see(scan);
   if (moving_robot_ != nullptr) {
@@ -169,9 +156,14 @@ void ScanInserter::insert(Waiting& waiting) {
     }
     counts_.points.dropped_filter += *own;
   }
+  if (sight == HeldBodies::Sight::hidden) {
+    ++counts_.scans_probe_hidden;
+    return;
+  }
   ScanFilter filter = filter_of(setup_.map);
   filter.bodies = robot_;
-  if (setup_.probe) add_probe(scan.time, filter);
+  if (sight == HeldBodies::Sight::unseen) ++counts_.scans_without_probe;
+  for (const Capsule& body : held_.bodies(scan.time)) filter.bodies.push_back(body);
   const ScanCounts done = map_.insert(scan, filter);
   ++counts_.scans_inserted;
   counts_.scan_origin_sum += scan.map_from_sensor.translation();

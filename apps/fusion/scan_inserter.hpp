@@ -8,12 +8,13 @@
 
 #include "apps/fusion/board_poses.hpp"
 #include "apps/fusion/fusion.hpp"
+#include "apps/fusion/held_bodies.hpp"
 #include "apps/fusion/moving_robot.hpp"
 
 namespace clearway {
 
 /// Scans -> map: gives each its place (where the recording says, or as the setup's `sensors` do), takes the
-/// robot, the probe and the hand out of it, and inserts it. Scans whose place or probe a later image will
+/// robot, the probes and the hands out of it, and inserts it. Scans whose place or probe a later image will
 /// tell wait for that image, 32 of them at most. A scan without a place is counted, never guessed.
 class ScanInserter {
  public:
@@ -38,12 +39,12 @@ class ScanInserter {
   std::optional<Eigen::Isometry3d> place(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place_on_robot(const SensorSetup& sensor, double time) const;
   void insert(Waiting& waiting);
-  void add_probe(double time, ScanFilter& filter);
 
   const Setup& setup_;
   FreeSpaceMap& map_;
   FusionCounts& counts_;
   const BoardPoses& boards_;
+  HeldBodies held_;
   const MovingRobot* moving_robot_;
   FusionObserver* observer_;
   std::map<std::string, PoseStream> streams_;  ///< by sensor

@@ -119,10 +119,12 @@ std::string report_json(const ReplayReport& report) {
                     {"odometry", counts.odometry}};
   json["tracking"] = tracking_json(counts, report.fusion->setup);
   json["balls"] = counts.spheres;
+  if (counts.body_balls > 0) json["balls_of_the_robot"] = counts.body_balls;
   json["scans"] = {{"count", counts.scans},
                    {"refused", counts.scans_refused},
                    {"without_pose", counts.scans_without_pose},
                    {"without_probe", counts.scans_without_probe},
+                   {"probe_hidden", counts.scans_probe_hidden},
                    {"points_inserted", counts.points.inserted},
                    {"points_beyond_range", counts.points.beyond_range},
                    {"points_invalid", counts.points.dropped_invalid},

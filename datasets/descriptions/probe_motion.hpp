@@ -11,7 +11,8 @@ class ProbeMotion {
  public:
   ProbeMotion(const SceneStroke& stroke, const ProbeSetup& probe);
 
-  double duration() const { return duration_; }          ///< s
+  double begin() const;                                  ///< s after the first picture
+  double duration() const { return duration_; }          ///< s, when it ends
   double length() const { return knots_.back().along; }  ///< m, of the ball's way
 
   /// Centre of the ball and pose of the probe's board, `time` seconds (clamped) after the stroke began.
@@ -27,9 +28,12 @@ class ProbeMotion {
     Eigen::Vector3d ball;
     double waypoint;  ///< index and part of the way to the next
   };
+  Knot knot_at(double time) const;
+
   SceneStroke stroke_;
+  ShakeMotion tremor_;
   Eigen::Vector3d ball_center_;
-  std::vector<Knot> knots_;
+  std::vector<Knot> knots_;  ///< the same number from waypoint to waypoint
   double duration_;
 };
 

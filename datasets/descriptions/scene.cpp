@@ -44,13 +44,31 @@ Eigen::Isometry3d read_view(const YamlFields& fields, const std::string& key, in
   return fields.has("look_at") ? read_look_at(fields.map("look_at"), forward_axis) : fields.pose(key);
 }
 
-SceneCamera read_scene_camera(const YamlFields& fields) {
+std::vector<SceneCamera::Waypoint> read_walk(const YamlFields& fields) {
+  std::vector<SceneCamera::Waypoint> path;
+  for (const auto& entry : fields.list_of_maps("path")) {
+    const double time = entry.number("time", {0, 3600});
+    if (!path.empty() && time <= path.back().time)
+      entry.fail("time", "expected a time after the waypoint's before");
+    path.push_back({time, read_view(entry, "map_from_camera", 2)});
+    entry.finish();
+  }
+  return path;
+}
+
+SceneCamera read_scene_camera(const YamlFields& fields, uint64_t seed) {
   SceneCamera camera;
-  camera.map_from_camera = read_view(fields, "map_from_camera", 2);
+  camera.path = read_walk(fields);
+  if (camera.path.empty())
+    camera.map_from_camera = read_view(fields, "map_from_camera", 2);
+  else
+    camera.map_from_camera = camera.path.front().map_from_camera;
+  camera.sway = read_shake(fields, "sway", camera.sway);
   camera.rate_hz = fields.number("rate_hz", {0.1, 1000}, camera.rate_hz);
   camera.noise_sigma = fields.number("noise_sigma", grey_levels, camera.noise_sigma);
   camera.blur_px = fields.number("blur_px", {0, 20}, camera.blur_px);
   camera.exposure = fields.number("exposure", {0, 1}, camera.exposure);
+  read_picture_sensing(fields, seed, camera);
   fields.finish();
   return camera;
 }
@@ -70,6 +88,9 @@ SceneDepth read_depth(const YamlFields& fields, uint64_t seed) {
   depth.unit = fields.number("unit", {1e-6, 1}, depth.unit);
   if (depth.max_range > 65535 * depth.unit)
     fields.fail("unit", "expected at least max_range / 65535, because ranges are stored in 16 bits");
+  depth.beside_pictures = fields.has("beside_pictures") && fields.boolean("beside_pictures");
+  if (depth.beside_pictures && fields.has("passes"))
+    fields.fail("passes", "expected it or 'beside_pictures', which makes as many as there is time");
   depth.passes = static_cast<size_t>(fields.integer("passes", {1, 1000}, 1));
   depth.interval = fields.number("interval", {1e-3, 1e3}, depth.interval);
   read_sensing(fields, seed, depth);
@@ -77,25 +98,37 @@ SceneDepth read_depth(const YamlFields& fields, uint64_t seed) {
   return depth;
 }
 
-SceneStroke read_stroke(const YamlFields& fields) {
+/// All waypoints have a time, which rises, or none has.
+double read_time(const YamlFields& entry, const SceneStroke& stroke) {
+  const bool is_first = stroke.waypoints.empty();
+  const double time = entry.number("time", {0, 3600});
+  if (!is_first && time <= stroke.waypoints.back().time)
+    entry.fail("time", "expected a time after the waypoint's before");
+  return time;
+}
+
+SceneStroke read_stroke(const YamlFields& fields, uint64_t seed) {
   SceneStroke stroke;
+  stroke.speed = fields.optional_number("speed", {1e-4, 100});
+  stroke.duration = fields.optional_number("duration", {1e-3, 3600});
   const Eigen::Matrix3d usual =
       fields.has_angles("orientation") ? fields.rotation("orientation") : Eigen::Matrix3d::Identity();
+  bool is_timed = false;
   for (const auto& entry : fields.list_of_maps("waypoints")) {
     const Eigen::Vector3d ball = entry.vector("ball");
     const Eigen::Matrix3d turn = entry.has_angles("orientation") ? entry.rotation("orientation") : usual;
-    if (!stroke.waypoints.empty() && (stroke.waypoints.back().ball - ball).norm() < 1e-6)
+    is_timed = stroke.waypoints.empty() ? entry.has("time") : is_timed;
+    if (is_timed != entry.has("time")) entry.fail("time", "expected a time of every waypoint, or of none");
+    const double time = is_timed ? read_time(entry, stroke) : 0.0;
+    if (!is_timed && !stroke.waypoints.empty() && (stroke.waypoints.back().ball - ball).norm() < 1e-6)
       entry.fail("ball", "expected a point away from the waypoint before");
-    stroke.waypoints.push_back({ball, Eigen::Quaterniond(turn)});
+    stroke.waypoints.push_back({ball, Eigen::Quaterniond(turn), time});
     entry.finish();
   }
   if (stroke.waypoints.size() < 2) fields.fail("waypoints", "expected at least two");
-  stroke.speed = fields.optional_number("speed", {1e-4, 100});
-  stroke.duration = fields.optional_number("duration", {1e-3, 3600});
-  if (stroke.speed.has_value() == stroke.duration.has_value())
-    fields.fail("speed", "expected either speed or duration");
-  stroke.wobble = fields.angle("wobble", 0);
-  stroke.wobble_hz = fields.number("wobble_hz", {0, 100}, stroke.wobble_hz);
+  if (int(stroke.speed.has_value()) + int(stroke.duration.has_value()) + int(is_timed) != 1)
+    fields.fail("speed", "expected either speed or duration, or times of the waypoints");
+  read_tremor(fields, seed, stroke);
   fields.finish();
   return stroke;
 }
@@ -155,7 +188,25 @@ void check_sizes(const YamlFields& fields, const Scene& scene) {
                               " Hz, got " + std::to_string(pictures));
 }
 
+/// A setup that states no errors is taken as exact, which a scene must not make false.
+void check_stated_errors(const YamlFields& fields, const Scene& scene) {
+  if (!scene.camera || !scene.camera->errors.has_wrong_setup()) return;
+  const CameraErrorsSetup& camera = scene.setup.errors.camera;
+  const bool is_stated =
+      camera.focal && camera.center && camera.distortion &&
+      std::all_of(scene.setup.boards.begin(), scene.setup.boards.end(), [](const BoardSetup& board) {
+        return board.errors.scale && board.errors.size && board.errors.place && board.errors.turn;
+      });
+  if (!is_stated)
+    fields.fail("setup",
+                "expected a setup that states all `errors` of camera and boards, because the scene's camera "
+                "or boards are not what the setup says");
+}
+
 void check_parts_fit(const YamlFields& fields, const Scene& scene) {
+  if (scene.hands && !scene.camera) fields.fail("hands", "expected a camera that sees them");
+  if (scene.depth && scene.depth->beside_pictures && !scene.camera)
+    fields.fail("depth", "expected a camera for 'beside_pictures'");
   if (scene.camera.has_value() != scene.stroke.has_value())
     fields.fail("camera", "expected camera and stroke together, or neither");
   if (scene.camera && !scene.setup.camera) fields.fail("setup", "expected a setup with a camera");
@@ -172,19 +223,21 @@ void check_parts_fit(const YamlFields& fields, const Scene& scene) {
 
 }  // namespace
 
+Eigen::Isometry3d pose_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, double share) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() =
+      Eigen::Quaterniond(from.linear()).slerp(share, Eigen::Quaterniond(to.linear())).toRotationMatrix();
+  pose.translation() = (1.0 - share) * from.translation() + share * to.translation();
+  return pose;
+}
+
 std::optional<Eigen::Isometry3d> SceneGripper::at(double time) const {
   if (time < waypoints.front().time || time > waypoints.back().time) return std::nullopt;
   const auto after = std::find_if(waypoints.begin(), waypoints.end(),
                                   [&](const Waypoint& waypoint) { return waypoint.time >= time; });
   if (after->time == time) return after->map_from_tip;
   const Waypoint &from = *(after - 1), &to = *after;
-  const double part = (time - from.time) / (to.time - from.time);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(from.map_from_tip.linear())
-                      .slerp(part, Eigen::Quaterniond(to.map_from_tip.linear()))
-                      .toRotationMatrix();
-  pose.translation() = (1.0 - part) * from.map_from_tip.translation() + part * to.map_from_tip.translation();
-  return pose;
+  return pose_between(from.map_from_tip, to.map_from_tip, (time - from.time) / (to.time - from.time));
 }
 
 double duration_of_pictures(const Scene& scene) {
@@ -225,17 +278,22 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
     throw std::invalid_argument(quote_path(setup_file.string()) +
                                 ", detector.families: expected [tag36h11], whose tags are rendered");
   for (const auto& entry : fields.list_of_maps("shapes")) scene.shapes.push_back(read_scene_shape(entry));
-  if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"));
-  if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"));
+  scene.seed = fields.seed("seed", 1);
+  if (fields.has("camera")) scene.camera = read_scene_camera(fields.map("camera"), scene.seed);
+  if (fields.has("stroke")) scene.stroke = read_stroke(fields.map("stroke"), scene.seed);
+  if (fields.has("hands")) scene.hands = read_hands(fields.map("hands"), scene.setup);
   if (fields.has("gripper")) scene.gripper = read_gripper_motion(fields.map("gripper"));
   for (const auto& entry : fields.list_of_maps("include"))
     scene.includes.push_back(read_include(entry, folder));
-  scene.seed = fields.seed("seed", 1);
   if (fields.has("depth")) scene.depth = read_depth(fields.map("depth"), scene.seed);
   scene.start_time = fields.number("start_time", {0, 1e10}, default_start_time);
   scene.background = fields.number("background", grey_levels, scene.background);
   check_parts_fit(fields, scene);
   check_sizes(fields, scene);
+  check_stated_errors(fields, scene);
+  if (scene.depth && scene.depth->beside_pictures)
+    scene.depth->images_beside =
+        static_cast<size_t>(duration_of_pictures(scene) / scene.depth->interval + 1e-9) + 1;
   fields.finish();
   return scene;
 }

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "datasets/descriptions/setup_camera.hpp"
+
 namespace clearway {
 namespace {
 
@@ -47,7 +49,98 @@ SequenceErrors read_errors(const YamlFields& fields, SequenceErrors errors) {
   return errors;
 }
 
+PictureErrors read_picture_errors(const YamlFields& fields, PictureErrors errors) {
+  const std::tuple<const char*, double*, Bounds> numbers[]{
+      {"brightness", &errors.brightness, {0, 8}},
+      {"noise", &errors.noise, {0, 8}},
+      {"dropped", &errors.dropped, share_bounds},
+      {"repeated", &errors.repeated, share_bounds},
+      {"focal_error", &errors.focal_error, {-0.5, 0.5}},
+      {"centre_error", &errors.centre_error, {-100, 100}},
+      {"distortion_error", &errors.distortion_error, {-100, 100}},
+      {"board_scale", &errors.board_scale, {-0.5, 0.5}},
+      {"tag_size", &errors.tag_size, {0, 0.5}},
+      {"tag_place", &errors.tag_place, share_bounds}};
+  for (const auto& [key, number, bounds] : numbers) *number = fields.number(key, bounds, *number);
+  errors.tag_turn = fields.angle("tag_turn", errors.tag_turn);
+  fields.finish();
+  return errors;
+}
+
+/// A tag of the probe's board.
+int read_tag(const YamlFields& fields, const Setup& setup) {
+  const int id = fields.integer("tag", {0, 1e6});
+  for (const TagSetup& tag : setup.board(setup.probe->board)->tags)
+    if (tag.id == id) return id;
+  fields.fail("tag", "expected a tag of the probe's board, got " + std::to_string(id));
+}
+
 }  // namespace
+
+Shake read_shake(const YamlFields& fields, const std::string& key, const Shake& usual) {
+  if (!fields.has(key)) return usual;
+  const YamlFields given = fields.map(key);
+  Shake shake = usual;
+  shake.shift = given.number("shift", share_bounds, shake.shift);
+  shake.turn = given.angle("turn", shake.turn);
+  shake.low_hz = given.number("low_hz", {1e-3, 1e3}, shake.low_hz);
+  shake.high_hz = given.number("high_hz", {1e-3, 1e3}, shake.high_hz);
+  if (!(shake.high_hz > shake.low_hz)) given.fail("high_hz", "expected more than low_hz");
+  given.finish();
+  return shake;
+}
+
+void read_tremor(const YamlFields& fields, uint64_t seed, SceneStroke& stroke) {
+  stroke.seed = seed;
+  if (fields.has("person")) {
+    DrawnPerson drawn;
+    try {
+      drawn = draw_person(fields.text("person"), seed);
+    } catch (const std::invalid_argument&) {
+      fields.fail("person", "expected calm, usual, shaky or any");
+    }
+    stroke.person = drawn.person;
+    stroke.tremor = drawn.tremor;
+    stroke.wobble = drawn.wobble;
+    stroke.wobble_hz = drawn.wobble_hz;
+  }
+  stroke.tremor = read_shake(fields, "tremor", stroke.tremor);
+  stroke.wobble = fields.angle("wobble", stroke.wobble);
+  stroke.wobble_hz = fields.number("wobble_hz", {0, 100}, stroke.wobble_hz);
+}
+
+SceneHands read_hands(const YamlFields& fields, const Setup& setup) {
+  if (!setup.probe) fields.fail("probe", "expected a setup with a probe for the hands to hold");
+  SceneHands hands;
+  hands.probe = fields.has("probe") ? read_capsules(fields, "probe") : setup.probe->hand;
+  if (setup.gripper)
+    hands.gripper = fields.has("gripper") ? read_capsules(fields, "gripper") : setup.gripper->hand;
+  hands.grey = fields.number("grey", {0, 255}, hands.grey);
+  hands.cover_share = fields.number("cover_share", {0, 0.9}, hands.cover_share);
+  for (const YamlFields& entry : fields.list_of_maps("covers")) {
+    SceneHands::Cover cover{entry.number("from", {0, 3600}), entry.number("to", {0, 3600}),
+                            read_tag(entry, setup)};
+    if (!(cover.to > cover.from)) entry.fail("to", "expected a time after 'from'");
+    hands.covers.push_back(cover);
+    entry.finish();
+  }
+  fields.finish();
+  return hands;
+}
+
+void read_picture_sensing(const YamlFields& fields, uint64_t seed, SceneCamera& camera) {
+  if (fields.has("family")) {
+    DrawnPictures drawn;
+    try {
+      drawn = draw_picture_errors(fields.text("family"), seed);
+    } catch (const std::invalid_argument&) {
+      fields.fail("family", "expected webcam, industrial, worn or any");
+    }
+    camera.family = drawn.family;
+    camera.errors = drawn.errors;
+  }
+  if (fields.has("errors")) camera.errors = read_picture_errors(fields.map("errors"), camera.errors);
+}
 
 void read_sensing(const YamlFields& fields, uint64_t seed, SceneDepth& depth) {
   if (fields.has("family")) {
@@ -57,6 +150,7 @@ void read_sensing(const YamlFields& fields, uint64_t seed, SceneDepth& depth) {
     } catch (const std::invalid_argument&) {
       fields.fail("family", "expected kinect, time_of_flight, lidar, stereo or any");
     }
+    depth.family = drawn.family;
     depth.noise = drawn.noise;
     depth.errors = drawn.errors;
   }

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "datasets/descriptions/shake.hpp"
+
 namespace clearway {
 
 /// What a depth camera adds to the exact depth z of a pixel, anew for each pixel. All zero: nothing.
@@ -47,6 +49,48 @@ struct DrawnErrors {
   DepthNoise noise;
   SequenceErrors errors;
 };
+
+/// What is wrong with pictures and with what the setup says of camera and boards, and nobody is told. All
+/// zero: nothing.
+struct PictureErrors {
+  double brightness = 0.0;        ///< rms of the slow changes of brightness, in stops (factors of 2)
+  double noise = 0.0;             ///< the same of the noise
+  double dropped = 0.0;           ///< share of pictures that never arrive
+  double repeated = 0.0;          ///< share of pictures that arrive a second time, half a picture later
+  double focal_error = 0.0;       ///< the stated focal length is longer by this share
+  double centre_error = 0.0;      ///< the stated principal point lies so far right and down, pixels
+  double distortion_error = 0.0;  ///< the stated distortion is off by so much in the image's corner, pixels
+  double board_scale = 0.0;       ///< all boards are larger than stated by this share
+  double tag_size = 0.0;          ///< sigma of each tag's size, relative
+  double tag_place = 0.0;         ///< sigma an axis of each tag's place on its board, metres
+  double tag_turn = 0.0;          ///< sigma an axis of its direction, radians
+
+  /// Whether camera or boards are not what the setup says.
+  bool has_wrong_setup() const {
+    return focal_error != 0.0 || centre_error != 0.0 || distortion_error != 0.0 || board_scale != 0.0 ||
+           tag_size != 0.0 || tag_place != 0.0 || tag_turn != 0.0;
+  }
+};
+
+/// Draws one sequence's errors, evenly between the family's bounds (datasets/FORMATS.md).
+/// @param family webcam, industrial, worn, or any: one of these.
+/// @throws std::invalid_argument for another name.
+struct DrawnPictures {
+  std::string family;  ///< the one drawn for `any`
+  PictureErrors errors;
+};
+DrawnPictures draw_picture_errors(const std::string& family, std::uint64_t seed);
+
+/// How a person's hand trembles and turns.
+struct DrawnPerson {
+  std::string person;  ///< the one drawn for `any`
+  Shake tremor;
+  double wobble = 0.0;  ///< rad, amplitude
+  double wobble_hz = 0.5;
+};
+/// @param person calm, usual, shaky, or any: one of these.
+/// @throws std::invalid_argument for another name.
+DrawnPerson draw_person(const std::string& person, std::uint64_t seed);
 
 /// Draws one sequence's errors: numbers of that family, evenly between its bounds (datasets/FORMATS.md).
 /// @param family kinect, time_of_flight, lidar, stereo, or any: one of these.

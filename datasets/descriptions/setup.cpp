@@ -163,10 +163,7 @@ ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   if (tracking != "bound" && tracking != "constant")
     fields.fail("tracking", "expected bound (each sample pays how far it may be off) or constant");
   probe.constant_tracking = tracking == "constant";
-  for (const auto& entry : fields.list_of_maps("hand")) {
-    probe.hand.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", positive)});
-    entry.finish();
-  }
+  probe.hand = read_capsules(fields, "hand");
   const double tracking_error = probe.constant_tracking ? probe.tracking_error : 0.0;
   if (probe.ball_radius - probe.robot_error - tracking_error - probe.modelling_error <= 0)
     fields.fail("ball_radius",
@@ -187,8 +184,19 @@ GripperSetup read_gripper(const YamlFields& fields, const Setup& setup) {
   if (setup.probe && setup.probe->board == gripper.board)
     fields.fail("board", "expected another board than the probe's");
   gripper.board_from_tip = fields.pose("tip", gripper.board_from_tip);
+  gripper.hand = read_capsules(fields, "hand");
   fields.finish();
   return gripper;
+}
+
+HandsSetup read_hands_setup(const YamlFields& fields) {
+  HandsSetup hands;
+  hands.margin = fields.optional_number("margin", not_negative);
+  hands.latency = fields.number("latency", {0, 0.2}, hands.latency);
+  hands.acceleration = fields.number("acceleration", {0, 100}, hands.acceleration);
+  hands.hidden = fields.number("hidden", {0, 10}, hands.hidden);
+  fields.finish();
+  return hands;
 }
 
 std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
@@ -298,6 +306,9 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   robot.latency = fields.number("latency", not_negative, robot.latency);
   robot.joint_error = fields.number("joint_error", not_negative, robot.joint_error);
   robot.place_error = fields.number("place_error", not_negative, robot.place_error);
+  robot.paints = fields.texts("paints");
+  if (!robot.paints.empty() && robot.joint_file.empty() && robot.joint_topic.empty())
+    fields.fail("paints", "expected joint_file or joint_topic beside it, which tell where the parts are led");
   fields.finish();
   return robot;
 }
@@ -386,6 +397,15 @@ CameraIntrinsics read_camera(const YamlFields& fields) {
   return camera;
 }
 
+std::vector<CapsuleSetup> read_capsules(const YamlFields& fields, const std::string& key) {
+  std::vector<CapsuleSetup> capsules;
+  for (const auto& entry : fields.list_of_maps(key)) {
+    capsules.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", positive)});
+    entry.finish();
+  }
+  return capsules;
+}
+
 const std::map<std::string, int>& tag_family_ids() {
   static const std::map<std::string, int> ids{{"tag16h5", 30},       {"tag25h9", 35},
                                               {"tag36h10", 2320},    {"tag36h11", 587},
@@ -433,6 +453,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   setup.sensors = read_sensors(fields, setup, std::filesystem::path(name).parent_path());
   if (fields.has("probe")) setup.probe = read_probe(fields.map("probe"), setup);
   if (fields.has("gripper")) setup.gripper = read_gripper(fields.map("gripper"), setup);
+  if (fields.has("hands")) setup.hands = read_hands_setup(fields.map("hands"));
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
   if (fields.has("source"))

@@ -115,6 +115,17 @@ struct GripperSetup {
   std::string board;
   /// W_T_W' of Chong 2008, eq. 1: where the board has the robot's tip.
   Eigen::Isometry3d board_from_tip = Eigen::Isometry3d::Identity();
+  std::vector<CapsuleSetup> hand;  ///< what holds it, as of the probe
+};
+
+/// What scans must not see of probe, gripper and the hands that hold them: how far these may be from where
+/// the images around a scan put them.
+struct HandsSetup {
+  std::optional<double> margin;  ///< m, in all directions; none: two voxels
+  double latency = 0.02;         ///< s, by which times of images and of scans may differ
+  double acceleration = 3;       ///< m/s^2, of any point of them between two images
+  double hidden = 2;  ///< s: a scan in which they are not seen is left out, when images so near before and
+                      ///< after it see them
 };
 
 /// A painted volume (CFV) and when in the recording it was painted.
@@ -161,6 +172,7 @@ struct RobotSetup {
   double latency = 0.02;             ///< s, by which times of joints and of scans may differ
   double joint_error = 0.01;         ///< rad or m, of each joint's position
   double place_error = 0.005;        ///< m, of the sensor's place against the robot's
+  std::vector<std::string> paints;   ///< parts that paint where they are led, as far as the joints tell
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.
@@ -189,6 +201,7 @@ struct Setup {
   std::vector<SensorSetup> sensors;  ///< those that are not where the recording says
   std::optional<ProbeSetup> probe;
   std::optional<GripperSetup> gripper;
+  HandsSetup hands;
   std::vector<VolumeSetup> volumes;  ///< never empty: by default one, "free", over everything
   AcceptanceSetup acceptance;
   DetectorSetup detector;

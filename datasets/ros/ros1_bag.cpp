@@ -5,7 +5,9 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
+#include <exception>
 #include <map>
+#include <new>
 #include <stdexcept>
 
 #include "datasets/ros/message_bag.hpp"
@@ -35,7 +37,17 @@ class Ros1Bag final : public MessageBag {
     return static_cast<std::uint64_t>(share_ * static_cast<double>(bag_.getSize()));
   }
 
+  /// What the library throws is damage; what `take` throws goes on to the caller.
   void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
+    std::exception_ptr thrown;
+    const auto taken = [&](const BagMessage& message) {
+      try {
+        return take(message);
+      } catch (...) {
+        thrown = std::current_exception();
+        return false;
+      }
+    };
     try {
       rosbag::View view(bag_, [&](const rosbag::ConnectionInfo* connection) {
         return wanted[topic_of_.at({connection->topic, connection->datatype})];
@@ -45,17 +57,23 @@ class Ros1Bag final : public MessageBag {
       std::vector<std::uint8_t> bytes;
       for (const rosbag::MessageInstance& message : view) {
         share_ = done++ / count;
-        if (message.size() > most_message_bytes) throw std::runtime_error("a message is larger than 1 GiB");
+        if (message.size() > most_message_bytes) {
+          damage_ = "a message is larger than 1 GiB; what comes after it is not read";
+          break;
+        }
         bytes.resize(message.size());
         ros::serialization::OStream out(bytes.data(), message.size());
         message.write(out);
-        if (!take({topic_of(message), message.getTime().toSec(), bytes})) return;
+        if (!taken({topic_of(message), message.getTime().toSec(), bytes})) break;
       }
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const rosbag::BagException&) {
       damage_ = "a chunk is damaged; what comes after it is not read";
-    } catch (const ros::Exception&) {
+    } catch (const std::exception&) {
       damage_ = "a message is damaged; what comes after it is not read";
     }
+    if (thrown) std::rethrow_exception(thrown);
     share_ = 1.0;
   }
 

@@ -33,7 +33,7 @@ Eigen::Isometry3d disturbed(const Eigen::Isometry3d& pose, const Eigen::Isometry
 /// The true pose at a time between images, the path being straight from pose to pose.
 Eigen::Isometry3d pose_at(const SceneDepth& depth, double image) {
   const std::vector<Eigen::Isometry3d>& poses = depth.map_from_sensor;
-  const double last = static_cast<double>(poses.size() * depth.passes - 1);
+  const double last = static_cast<double>(depth.images() - 1);
   const double at = std::clamp(image, 0.0, last);
   const auto first = static_cast<std::size_t>(at);
   const Eigen::Isometry3d& before = poses[first % poses.size()];
@@ -55,7 +55,7 @@ std::vector<Delivery> deliver_depth(const SceneDepth& depth, std::uint64_t seed)
   Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();
   std::vector<Delivery> deliveries;
   bool is_repeated = false;
-  for (std::size_t i = 0; i < depth.map_from_sensor.size() * depth.passes; ++i) {
+  for (std::size_t i = 0; i < depth.images(); ++i) {
     const double late = errors.clock_offset / depth.interval;
     const Eigen::Isometry3d own =
         small_motion(RandomNumbers(seed, own_stream + i), errors.pose_shift, errors.pose_turn);

@@ -26,6 +26,29 @@ void add_stick(const Eigen::Isometry3d& map_from_board, const Eigen::Vector3d& e
   surfaces.emplace_back(stick);
 }
 
+void add_capsule(const Eigen::Isometry3d& map_from_board, const CapsuleSetup& capsule, double grey,
+                 std::vector<Surface>& surfaces) {
+  const Eigen::Vector3d way = capsule.to - capsule.from;
+  for (const Eigen::Vector3d& end : {capsule.from, capsule.to}) {
+    SceneShape cap{"hand", SphereShape{capsule.radius}, map_from_board, grey};
+    cap.map_from_shape.translate(end);
+    surfaces.emplace_back(cap);
+  }
+  if (way.norm() <= 1e-6) return;
+  SceneShape side{"hand", CylinderShape{capsule.radius, way.norm()}, map_from_board, grey};
+  side.map_from_shape.translate(0.5 * (capsule.from + capsule.to));
+  side.map_from_shape.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), way));
+  surfaces.emplace_back(side);
+}
+
+/// A finger over the middle of a tag, across its bits.
+void add_finger(const Eigen::Isometry3d& map_from_board, const TagSetup& tag, double grey,
+                std::vector<Surface>& surfaces) {
+  const double radius = 0.3 * tag.size;
+  const CapsuleSetup finger{{-0.4 * tag.size, 0, radius}, {0.4 * tag.size, 0, radius}, radius};
+  add_capsule(map_from_board * tag.board_from_tag, finger, grey, surfaces);
+}
+
 }  // namespace
 
 std::vector<Surface> still_surfaces(const Scene& scene) {
@@ -48,21 +71,42 @@ std::vector<Surface> probe_surfaces(const Setup& setup, const Eigen::Isometry3d&
 
 MovingThings moving_things(const Scene& scene, const ProbeMotion& motion, double time) {
   MovingThings moving;
-  if (!scene.gripper || time <= motion.duration()) moving.probe = motion.at(time);
+  const bool is_in_sight = time >= motion.begin() && time <= motion.duration();
+  if (!scene.gripper || is_in_sight) moving.probe = motion.at(time);
   if (scene.gripper) moving.map_from_tip = scene.gripper->at(time);
+  if (!scene.hands || !moving.probe) return moving;
+  for (const SceneHands::Cover& cover : scene.hands->covers)
+    if (time >= cover.from && time < cover.to) moving.covered.push_back(cover.tag);
   return moving;
 }
 
-std::vector<Surface> surfaces_of(const Setup& setup, const MovingThings& moving) {
+namespace {
+
+void add_probe_hand(const Scene& scene, const MovingThings& moving, std::vector<Surface>& surfaces) {
+  const Eigen::Isometry3d& map_from_probe = moving.probe->map_from_probe;
+  for (const CapsuleSetup& capsule : scene.hands->probe)
+    add_capsule(map_from_probe, capsule, scene.hands->grey, surfaces);
+  for (const TagSetup& tag : scene.setup.board(scene.setup.probe->board)->tags)
+    if (std::find(moving.covered.begin(), moving.covered.end(), tag.id) != moving.covered.end())
+      add_finger(map_from_probe, tag, scene.hands->grey, surfaces);
+}
+
+}  // namespace
+
+std::vector<Surface> surfaces_of(const Scene& scene, const MovingThings& moving) {
   std::vector<Surface> surfaces;
-  if (moving.probe) surfaces = probe_surfaces(setup, moving.probe->map_from_probe);
+  if (moving.probe) surfaces = probe_surfaces(scene.setup, moving.probe->map_from_probe);
+  if (moving.probe && scene.hands) add_probe_hand(scene, moving, surfaces);
   if (!moving.map_from_tip) return surfaces;
-  const GripperSetup& gripper = *setup.gripper;
-  const BoardSetup& board = *setup.board(gripper.board);
+  const GripperSetup& gripper = *scene.setup.gripper;
+  const BoardSetup& board = *scene.setup.board(gripper.board);
   const Eigen::Isometry3d map_from_board = *moving.map_from_tip * gripper.board_from_tip.inverse();
   add_tags(board, map_from_board, surfaces);
   const Eigen::Vector3d tip = gripper.board_from_tip.translation();
   add_stick(map_from_board, tip, 0.02 * tip.norm(), surfaces);
+  if (scene.hands)
+    for (const CapsuleSetup& capsule : scene.hands->gripper)
+      add_capsule(map_from_board, capsule, scene.hands->grey, surfaces);
   return surfaces;
 }
 

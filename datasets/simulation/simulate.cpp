@@ -1,12 +1,16 @@
 #include "datasets/simulation/simulate.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "datasets/descriptions/probe_motion.hpp"
 #include "datasets/simulation/delivered_depth.hpp"
 #include "datasets/simulation/image_renderer.hpp"
 #include "datasets/simulation/probe_surfaces.hpp"
+#include "datasets/simulation/taken_pictures.hpp"
+#include "datasets/simulation/true_scene.hpp"
 #include "datasets/simulation/truth.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/system/atomic_file.hpp"
@@ -22,7 +26,12 @@ class Simulation {
  public:
   Simulation(const Scene& scene, const std::filesystem::path& recording,
              const std::function<void(double)>& progress)
-      : scene_(scene), progress_(progress), writer_(recording), truth_(scene), time_(scene.start_time) {
+      : stated_(scene),
+        scene_(true_scene(scene)),
+        progress_(progress),
+        writer_(recording),
+        truth_(scene_),
+        time_(scene.start_time) {
     result_.recording = recording;
     result_.truth = recording.parent_path() / "truth.json";
     if (recording.filename() == "truth.json") {
@@ -35,7 +44,8 @@ class Simulation {
   SimulationResult run() {
     writer_.write(Frame{time_, "", CommentFrame{scene_.setup_text}});
     for (const auto& include : scene_.includes) copy_frames(include);
-    if (scene_.depth) record_depth();
+    if (scene_.depth) deliveries_ = deliver_depth(*scene_.depth, scene_.seed);
+    if (scene_.depth && !scene_.depth->beside_pictures) record_depth();
     if (scene_.camera) record_images();
     AtomicFile truth_file(result_.truth);
     truth_file.append(truth_.json());
@@ -49,17 +59,28 @@ class Simulation {
   void copy_frames(const SceneInclude& include);
   void record_depth();
   void record_images();
-  GrayImage photograph(const ImageRenderer& renderer, const ProbeMotion& motion, double time,
-                       size_t number) const;
+  void write_depth(const Delivery& delivery, std::span<const Surface> surfaces);
+  void write_depth_beside(double until, const ProbeMotion& motion, std::span<const Surface> still);
+  void write_picture(const TakenPicture& picture, GrayImage image, const ProbeMotion& motion,
+                     std::span<const Surface> still);
+  GrayImage photograph(const ImageRenderer& renderer, const ProbeMotion& motion,
+                       const TakenPicture& picture) const;
+  GrayImage photograph_walking(const std::vector<Surface>& still, const ProbeMotion& motion,
+                               const TakenPicture& picture) const;
+  template <class Draw>
+  GrayImage exposed(const TakenPicture& picture, const Draw& draw) const;
   void tell(double share) const {
     if (progress_) progress_(share);
   }
 
-  const Scene& scene_;
+  const Scene& stated_;
+  const Scene scene_;  ///< as it truly is
   const std::function<void(double)>& progress_;
   RecordingWriter writer_;
   Truth truth_;
   double time_;
+  std::vector<Delivery> deliveries_;
+  std::size_t next_delivery_ = 0;
   SimulationResult result_;
 };
 
@@ -99,68 +120,109 @@ void Simulation::copy_frames(const SceneInclude& include) {
   time_ += after_copies;
 }
 
+void Simulation::write_depth(const Delivery& delivery, std::span<const Surface> surfaces) {
+  DepthImage image = photograph_depth(*scene_.depth, delivery.image, surfaces, scene_.seed);
+  truth_.add_depth(time_ + delivery.time, image.world_from_sensor);
+  image.world_from_sensor = delivery.map_from_sensor;
+  writer_.write(time_ + delivery.time, "depth", image);
+  ++result_.depth_images;
+}
+
 void Simulation::record_depth() {
   const std::vector<Surface> surfaces(scene_.shapes.begin(), scene_.shapes.end());
-  const SceneDepth& depth = *scene_.depth;
-  const std::vector<Delivery> deliveries = deliver_depth(depth, scene_.seed);
-  for (const Delivery& delivery : deliveries) {
-    DepthImage image = photograph_depth(depth, delivery.image, surfaces, scene_.seed);
-    const Eigen::Isometry3d true_pose = image.world_from_sensor;
-    image.world_from_sensor = delivery.map_from_sensor;
-    writer_.write(time_ + delivery.time, "depth", image);
-    truth_.add_depth(time_ + delivery.time, true_pose);
-    ++result_.depth_images;
-    tell(0.1 * static_cast<double>(result_.depth_images) / static_cast<double>(deliveries.size()));
+  for (const Delivery& delivery : deliveries_) {
+    write_depth(delivery, surfaces);
+    tell(0.1 * static_cast<double>(result_.depth_images) / static_cast<double>(deliveries_.size()));
   }
-  time_ += static_cast<double>(depth.map_from_sensor.size() * depth.passes) * depth.interval;
+  time_ += static_cast<double>(scene_.depth->images()) * scene_.depth->interval;
+}
+
+/// The depth images that are stamped up to `until` seconds after the first picture. Their clock goes wrong by
+/// the offset: they show what moves as it was that much earlier.
+void Simulation::write_depth_beside(double until, const ProbeMotion& motion, std::span<const Surface> still) {
+  if (!scene_.depth || !scene_.depth->beside_pictures) return;
+  for (; next_delivery_ < deliveries_.size() && deliveries_[next_delivery_].time <= until; ++next_delivery_) {
+    const Delivery& delivery = deliveries_[next_delivery_];
+    const double taken = static_cast<double>(delivery.image) * scene_.depth->interval;
+    std::vector<Surface> surfaces(still.begin(), still.end());
+    const auto moving =
+        surfaces_of(scene_, moving_things(scene_, motion, taken - scene_.depth->errors.clock_offset));
+    surfaces.insert(surfaces.end(), moving.begin(), moving.end());
+    write_depth(delivery, surfaces);
+  }
+}
+
+void Simulation::write_picture(const TakenPicture& picture, GrayImage image, const ProbeMotion& motion,
+                               std::span<const Surface> still) {
+  const MovingThings moving = moving_things(scene_, motion, picture.taken);
+  truth_.add_image(time_ + picture.stamp, camera_at(scene_, picture.taken), moving, still,
+                   surfaces_of(scene_, moving));
+  // The pose is left at the origin: where the camera stands is for the boards to say.
+  writer_.write(Frame{time_ + picture.stamp, "camera",
+                      ImageFrame{std::move(image), *stated_.setup.camera, Eigen::Isometry3d::Identity()}});
+  ++result_.images;
 }
 
 void Simulation::record_images() {
   const ProbeMotion motion(*scene_.stroke, *scene_.setup.probe);
   const auto still = still_surfaces(scene_);
-  const ImageRenderer renderer(*scene_.setup.camera, scene_.camera->map_from_camera, still,
-                               scene_.background);
+  const SceneCamera& camera = *scene_.camera;
+  const bool stands = camera.path.empty() && camera.sway.shift == 0.0 && camera.sway.turn == 0.0;
+  std::optional<ImageRenderer> renderer;
+  if (stands) renderer.emplace(*scene_.setup.camera, camera.map_from_camera, still, scene_.background);
   result_.duration = motion.duration();
   result_.stroke_length = motion.length();
-  const double interval = 1 / scene_.camera->rate_hz;
-  const size_t count = static_cast<size_t>(duration_of_pictures(scene_) / interval + 1e-9) + 1;
+  const std::vector<TakenPicture> pictures = take_pictures(scene_);
   const size_t batch = 4 * thread_count();
-  for (size_t begin = 0; begin < count; begin += batch) {
-    std::vector<GrayImage> images(std::min(batch, count - begin));
+  for (size_t begin = 0; begin < pictures.size(); begin += batch) {
+    std::vector<GrayImage> images(std::min(batch, pictures.size() - begin));
     parallel_for(images.size(), [&](size_t i) {
-      images[i] = photograph(renderer, motion, static_cast<double>(begin + i) * interval, begin + i);
+      images[i] = renderer ? photograph(*renderer, motion, pictures[begin + i])
+                           : photograph_walking(still, motion, pictures[begin + i]);
     });
     for (size_t i = 0; i < images.size(); ++i) {
-      const double since = static_cast<double>(begin + i) * interval;
-      const MovingThings moving = moving_things(scene_, motion, since);
-      truth_.add_image(time_ + since, moving, still, surfaces_of(scene_.setup, moving));
-      // The pose is left at the origin: where the camera stands is for the boards to say.
-      writer_.write(
-          Frame{time_ + since, "camera",
-                ImageFrame{std::move(images[i]), *scene_.setup.camera, Eigen::Isometry3d::Identity()}});
+      write_depth_beside(pictures[begin + i].stamp, motion, still);
+      write_picture(pictures[begin + i], std::move(images[i]), motion, still);
     }
-    result_.images += images.size();
-    tell(0.1 + 0.9 * static_cast<double>(result_.images) / static_cast<double>(count));
+    tell(0.1 + 0.9 * static_cast<double>(begin + images.size()) / static_cast<double>(pictures.size()));
   }
+  write_depth_beside(HUGE_VAL, motion, still);
 }
 
 /// One picture, centred in its exposure.
-GrayImage Simulation::photograph(const ImageRenderer& renderer, const ProbeMotion& motion, double time,
-                                 size_t number) const {
+template <class Draw>
+GrayImage Simulation::exposed(const TakenPicture& picture, const Draw& draw) const {
   const SceneCamera& camera = *scene_.camera;
   const int steps = camera.exposure > 0 ? exposure_steps : 1;
   Radiance sum;
   for (int step = 0; step < steps; ++step) {
-    const double instant = time + camera.exposure * ((step + 0.5) / steps - 0.5);
-    Radiance picture = renderer.draw(surfaces_of(scene_.setup, moving_things(scene_, motion, instant)));
+    Radiance drawn = draw(picture.taken + camera.exposure * ((step + 0.5) / steps - 0.5));
     if (step == 0) {
-      sum = std::move(picture);
+      sum = std::move(drawn);
     } else {
-      for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += picture.values[i];
+      for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += drawn.values[i];
     }
   }
-  for (float& value : sum.values) value /= static_cast<float>(steps);
-  return expose(sum, camera.blur_px, camera.noise_sigma, scene_.seed, number);
+  const Exposure exposure = exposure_at(scene_, picture.taken);
+  for (float& value : sum.values)
+    value = static_cast<float>(exposure.gain) * (value / static_cast<float>(steps));
+  return expose(sum, camera.blur_px, exposure.noise * camera.noise_sigma, scene_.seed, picture.number);
+}
+
+GrayImage Simulation::photograph(const ImageRenderer& renderer, const ProbeMotion& motion,
+                                 const TakenPicture& picture) const {
+  return exposed(picture, [&](double instant) {
+    return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)));
+  });
+}
+
+/// The same by a camera that moves: what stands still is drawn anew, too.
+GrayImage Simulation::photograph_walking(const std::vector<Surface>& still, const ProbeMotion& motion,
+                                         const TakenPicture& picture) const {
+  return exposed(picture, [&](double instant) {
+    const ImageRenderer renderer(*scene_.setup.camera, camera_at(scene_, instant), still, scene_.background);
+    return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)));
+  });
 }
 
 }  // namespace

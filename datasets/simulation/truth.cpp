@@ -40,6 +40,80 @@ Json to_json(const SceneShape& shape) {
   return json;
 }
 
+Json to_json(const Shake& shake) {
+  return {{"shift", shake.shift}, {"turn", shake.turn}, {"low_hz", shake.low_hz}, {"high_hz", shake.high_hz}};
+}
+
+Json to_json(const PictureErrors& errors) {
+  return {{"brightness", errors.brightness},
+          {"noise", errors.noise},
+          {"dropped", errors.dropped},
+          {"repeated", errors.repeated},
+          {"focal_error", errors.focal_error},
+          {"centre_error", errors.centre_error},
+          {"distortion_error", errors.distortion_error},
+          {"board_scale", errors.board_scale},
+          {"tag_size", errors.tag_size},
+          {"tag_place", errors.tag_place},
+          {"tag_turn", errors.tag_turn}};
+}
+
+Json to_json(const SequenceErrors& errors) {
+  return {{"depth_scale", errors.depth_scale},   {"depth_quadratic", errors.depth_quadratic},
+          {"pose_shift", errors.pose_shift},     {"pose_turn", errors.pose_turn},
+          {"drift_shift", errors.drift_shift},   {"drift_turn", errors.drift_turn},
+          {"mount_shift", errors.mount_shift},   {"mount_turn", errors.mount_turn},
+          {"clock_offset", errors.clock_offset}, {"focal_error", errors.focal_error},
+          {"centre_error", errors.centre_error}, {"dropped", errors.dropped},
+          {"repeated", errors.repeated}};
+}
+
+Json to_json(const DepthNoise& noise) {
+  return {{"range_scale", noise.range_scale},
+          {"constant", noise.constant},
+          {"proportional", noise.proportional},
+          {"quadratic", noise.quadratic},
+          {"lateral_px", noise.lateral_px},
+          {"flying", noise.flying},
+          {"disparity_step", noise.disparity_step},
+          {"baseline", noise.baseline},
+          {"multipath", noise.multipath},
+          {"grazing_cosine", noise.grazing_cosine},
+          {"dropout", noise.dropout}};
+}
+
+/// What was drawn for this sequence, and nobody is told.
+Json drawn_json(const Scene& scene) {
+  Json json = Json::object();
+  if (scene.stroke && !scene.stroke->person.empty())
+    json["person"] = {{"name", scene.stroke->person},
+                      {"tremor", to_json(scene.stroke->tremor)},
+                      {"wobble", scene.stroke->wobble},
+                      {"wobble_hz", scene.stroke->wobble_hz}};
+  if (scene.camera && !scene.camera->family.empty())
+    json["camera"] = {{"family", scene.camera->family}, {"errors", to_json(scene.camera->errors)}};
+  if (scene.depth && !scene.depth->family.empty())
+    json["depth"] = {{"family", scene.depth->family},
+                     {"noise", to_json(*scene.depth->noise)},
+                     {"errors", to_json(scene.depth->errors)}};
+  if (scene.hands && scene.hands->cover_share > 0.0)
+    for (const SceneHands::Cover& cover : scene.hands->covers)
+      json["covers"].push_back({{"from", cover.from}, {"to", cover.to}, {"tag", cover.tag}});
+  return json;
+}
+
+/// The tags of the boards where they are otherwise than stated.
+Json to_json(const std::vector<BoardSetup>& boards) {
+  Json json = Json::array();
+  for (const BoardSetup& board : boards)
+    for (const TagSetup& tag : board.tags)
+      json.push_back({{"id", tag.id},
+                      {"board", board.name},
+                      {"size", tag.size},
+                      {"board_from_tag", to_json(tag.board_from_tag)}});
+  return json;
+}
+
 /// One tag as a camera sees it.
 struct SeenTag {
   const CameraIntrinsics& camera;
@@ -104,6 +178,8 @@ Truth::Truth(const Scene& scene) : state_(new State{scene, {}}) {
   if (scene.camera) json["camera"] = to_json(*scene.setup.camera);
   json["shapes"] = Json::array();
   for (const auto& shape : scene.shapes) json["shapes"].push_back(to_json(shape));
+  if (Json drawn = drawn_json(scene); !drawn.empty()) json["drawn"] = std::move(drawn);
+  if (scene.camera && scene.camera->errors.has_wrong_setup()) json["tags"] = to_json(scene.setup.boards);
   json["depth"] = Json::array();
   json["frames"] = Json::array();
 }
@@ -126,8 +202,8 @@ std::optional<Eigen::Isometry3d> map_from(const BoardSetup& board, const Setup& 
 
 }  // namespace
 
-void Truth::add_image(double time, const MovingThings& moving, std::span<const Surface> still,
-                      std::span<const Surface> surfaces_of_moving) {
+void Truth::add_image(double time, const Eigen::Isometry3d& map_from_camera, const MovingThings& moving,
+                      std::span<const Surface> still, std::span<const Surface> surfaces_of_moving) {
   const Scene& scene = state_->scene;
   std::vector<const Surface*> surfaces;
   for (const auto& surface : still) surfaces.push_back(&surface);
@@ -137,20 +213,21 @@ void Truth::add_image(double time, const MovingThings& moving, std::span<const S
     const auto map_from_board = map_from(board, scene.setup, moving);
     if (!map_from_board) continue;
     for (const auto& tag : board.tags) {
-      const SeenTag seen{*scene.setup.camera, scene.camera->map_from_camera,
-                         *map_from_board * tag.board_from_tag, tag.size};
+      const SeenTag seen{*scene.setup.camera, map_from_camera, *map_from_board * tag.board_from_tag,
+                         tag.size};
       tags.push_back({{"id", tag.id},
                       {"board", board.name},
                       {"fully_visible", seen.fully_visible(surfaces)},
                       {"corners", seen.corners()}});
     }
   }
-  Json frame{{"time", time}, {"map_from_camera", to_json(scene.camera->map_from_camera)}};
+  Json frame{{"time", time}, {"map_from_camera", to_json(map_from_camera)}};
   if (moving.probe) {
     frame["map_from_probe"] = to_json(moving.probe->map_from_probe);
     frame["ball"] = to_json(moving.probe->map_ball);
   }
   if (moving.map_from_tip) frame["map_from_tip"] = to_json(*moving.map_from_tip);
+  if (!moving.covered.empty()) frame["covered"] = moving.covered;
   frame["tags"] = std::move(tags);
   state_->json["frames"].push_back(std::move(frame));
 }

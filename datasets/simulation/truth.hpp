@@ -12,12 +12,13 @@ namespace clearway {
 /// datasets/FORMATS.md.
 class Truth {
  public:
+  /// @param scene as it truly is; lives as long as this
   explicit Truth(const Scene& scene);
   ~Truth();
 
   /// @param surfaces of `moving`
-  void add_image(double time, const MovingThings& moving, std::span<const Surface> still,
-                 std::span<const Surface> surfaces);
+  void add_image(double time, const Eigen::Isometry3d& map_from_camera, const MovingThings& moving,
+                 std::span<const Surface> still, std::span<const Surface> surfaces);
   void add_depth(double time, const Eigen::Isometry3d& map_from_sensor);
   std::string json() const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -73,6 +74,13 @@ std::vector<double> JointStream::deviations(const std::vector<std::string>& name
     result.push_back(most);
   }
   return result;
+}
+
+std::vector<double> JointStream::times() const {
+  std::set<double> times;
+  for (const auto& [name, readings] : readings_)
+    for (const auto& [time, position] : readings) times.insert(time);
+  return {times.begin(), times.end()};
 }
 
 std::vector<std::string> JointStream::names() const {

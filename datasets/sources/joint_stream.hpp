@@ -28,6 +28,7 @@ class JointStream {
   std::vector<double> deviations(const std::vector<std::string>& names, double time, double span) const;
 
   std::vector<std::string> names() const;  ///< sorted
+  std::vector<double> times() const;       ///< of all readings, rising
   bool empty() const { return readings_.empty(); }
   std::optional<double> last_time() const;
 

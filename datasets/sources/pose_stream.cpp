@@ -67,6 +67,19 @@ std::optional<Eigen::Isometry3d> PoseStream::nearest(double time) const {
   return isometry(mrpt::poses::CPose3D(best->second));
 }
 
+PoseStream::Around PoseStream::around(double time) const {
+  if (state_->poses.empty() || !std::isfinite(time)) return {};
+  const auto stamp = mrpt::Clock::fromDouble(time);
+  const auto after = state_->poses.lower_bound(stamp);
+  Around result;
+  if (after != state_->poses.end()) result.after = mrpt::Clock::toDouble(after->first);
+  if (after != state_->poses.end() && after->first == stamp)
+    result.before = result.after;
+  else if (after != state_->poses.begin())
+    result.before = mrpt::Clock::toDouble(std::prev(after)->first);
+  return result;
+}
+
 std::optional<double> PoseStream::last_time() const {
   if (state_->poses.empty()) return std::nullopt;
   return mrpt::Clock::toDouble(state_->poses.rbegin()->first);

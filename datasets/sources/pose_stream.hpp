@@ -30,6 +30,12 @@ class PoseStream {
   /// The reading nearest in time; empty when none lies within max_gap.
   std::optional<Eigen::Isometry3d> nearest(double time) const;
 
+  /// Times of the last reading not after `time` and of the first one not before it.
+  struct Around {
+    std::optional<double> before, after;
+  };
+  Around around(double time) const;
+
   /// Time of the last reading; empty without one.
   std::optional<double> last_time() const;
   std::size_t size() const;

@@ -35,9 +35,22 @@ void check_filter(const ScanFilter& filter) {
   }
 }
 
-bool is_dropped(const Eigen::Vector3d& point, double range, const ScanFilter& filter) {
+/// Around all bodies; empty without one.
+Eigen::AlignedBox3d box_of(const std::vector<Capsule>& bodies) {
+  Eigen::AlignedBox3d box;
+  for (const Capsule& body : bodies) {
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(body.radius * (1.0 + 1e-9) + 1e-9);
+    box.extend(body.a.cwiseMin(body.b) - reach);
+    box.extend(body.a.cwiseMax(body.b) + reach);
+  }
+  return box;
+}
+
+bool is_dropped(const Eigen::Vector3d& point, double range, const ScanFilter& filter,
+                const Eigen::AlignedBox3d& bodies) {
   if (range < filter.min_range) return true;
   if (!filter.crop.isEmpty() && !filter.crop.contains(point)) return true;
+  if (!bodies.contains(point)) return false;
   return std::any_of(filter.bodies.begin(), filter.bodies.end(),
                      [&](const Capsule& body) { return contains(body, point); });
 }
@@ -86,6 +99,7 @@ bool contains(const Capsule& capsule, const Eigen::Vector3d& point) {
 
 FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
   check_filter(filter);
+  const Eigen::AlignedBox3d bodies = box_of(filter.bodies);
   FilteredPoints result;
   result.origin = scan.map_from_sensor.translation();
   result.points.reserve(scan.points.size());
@@ -94,7 +108,7 @@ FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
     const Eigen::Vector3f stored = point.cast<float>();  // OctoMap's own precision
     if (!stored.allFinite()) {
       ++result.dropped_invalid;
-    } else if (is_dropped(point, (point - result.origin).norm(), filter)) {
+    } else if (is_dropped(point, (point - result.origin).norm(), filter, bodies)) {
       ++result.dropped_filter;
     } else {
       result.points.push_back(stored);

@@ -173,10 +173,16 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
                                     {"sessions", evidence.sessions},
                                     {"approved", evidence.approved},
                                     {"told_why_not", evidence.told},
+                                    {"approved_by_attempt", evidence.approved_by_attempt},
+                                    {"not_approved_because", evidence.not_approved_by_reason},
+                                    {"with_a_walking_camera", evidence.walked},
+                                    {"probe_set_down", evidence.set_down},
                                     {"strokes_through_an_obstacle", evidence.mistakes},
                                     {"of_these_met_by_sensors", evidence.mistakes_met},
                                     {"painted_voxels", evidence.painted},
                                     {"deep_inside_of_obstacles", evidence.painted_inside},
+                                    {"points_seen_on_obstacles", evidence.seen_points},
+                                    {"of_these_painted_over", evidence.painted_over},
                                     {"refused_events", evidence.refused},
                                     {"broken", evidence.broken}};
   std::cout << json.dump(2) << std::endl;

@@ -1,82 +1,42 @@
 #include "tests/evidence/people_evidence.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <random>
+#include <optional>
 
+#include "datasets/descriptions/scene.hpp"
+#include "datasets/simulation/surface.hpp"
 #include "mapping/files/map_file.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/evidence/drawn_person.hpp"
 
 namespace clearway::evidence {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double to_rad = std::numbers::pi / 180.0;
 constexpr double deep = 0.003;  ///< m inside of a solid: beyond a voxel and the sensors' noise
-
-/// A thing that stands on the table, upright.
-struct Solid {
-  bool is_box = true;
-  Eigen::Vector3d size;  ///< edges; of a cylinder radius, radius, height
-  Eigen::Vector3d center;
-  double turn = 0.0;
-
-  /// How deep a point lies inside; below 0 outside.
-  double depth(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d p = Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitZ()) * (point - center);
-    const double up = 0.5 * size.z() - std::abs(p.z());
-    if (!is_box) return std::min(size.x() - p.head<2>().norm(), up);
-    return std::min((0.5 * size.head<2>() - p.head<2>().cwiseAbs()).minCoeff(), up);
-  }
-
-  std::string yaml(int number) const {
-    char text[256];
-    if (is_box)
-      std::snprintf(
-          text, sizeof text,
-          "  - {name: solid%d, box: [%.5f, %.5f, %.5f], pose: [%.5f, %.5f, %.5f, 0, 0, %.4f], grey: 110}\n",
-          number, size.x(), size.y(), size.z(), center.x(), center.y(), center.z(), turn);
-    else
-      std::snprintf(
-          text, sizeof text,
-          "  - {name: solid%d, cylinder: [%.5f, %.5f], pose: [%.5f, %.5f, %.5f, 0, 0, 0], grey: 90}\n",
-          number, size.x(), size.z(), center.x(), center.y(), center.z());
-    return text;
-  }
-};
+constexpr int most_attempts = 4;
 
 class Session {
  public:
-  explicit Session(std::uint64_t seed) : seed_(seed), random_(seed) {
-    first_ = uniform(-65, -40);
-    last_ = uniform(40, 65);
-    low_ = uniform(52, 70);
-    bump_ = uniform(5, 28);
-    radius_ = uniform(70, 77);
-    duration_ = uniform(3.5, 5.5);
-    is_mistaken_ = uniform(0, 1) < 0.5;
-    draw_solids();
-  }
+  explicit Session(std::uint64_t seed) : seed_(seed), person_(seed) {}
 
   PeopleEvidence run() {
     evidence_.sessions = 1;
-    evidence_.mistakes = is_mistaken_;
-    write_file(folder_ / "scene.yaml", scene());
-    write_file(folder_ / "events.jsonl", events());
-    if (!succeeds({"simulate", folder_.file("scene.yaml"), "--out", folder_.file("r.rawlog")}, {exit_done}))
-      return evidence_;
-    if (!succeeds({"teach", folder_.file("r.rawlog"), "--events", folder_.file("events.jsonl"), "--out",
-                   folder_.file("taught"), "--headless", "--threads", "1"},
-                  {exit_done, exit_no}))
-      return evidence_;
+    evidence_.mistakes = person_.leads_through_an_obstacle();
+    evidence_.walked = person_.walks();
+    evidence_.set_down = person_.sets_the_probe_down();
+    write_file(folder_ / "setup.yaml", person_.setup());
+    for (attempts_ = 1;; ++attempts_) {
+      if (!teach()) return evidence_;
+      if (is_approved() || attempts_ == most_attempts) break;
+      person_.try_again(answers_);
+    }
     if (!succeeds(
             {"replay", folder_.file("taught/session"), "--out", folder_.file("again"), "--threads", "2"},
             {exit_done, exit_no}))
@@ -88,115 +48,41 @@ class Session {
   }
 
  private:
-  double uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(random_() >> 11U) * 0x1.0p-53;
-  }
   void fail(const std::string& what) {
     evidence_.broken.push_back("session " + std::to_string(seed_) + ": " + what);
   }
 
-  /// The ball's way, mm and degrees to metres.
-  Eigen::Vector3d ball(double share) const {
-    const double azimuth = to_rad * (first_ + share * (last_ - first_));
-    const double height = low_ + bump_ * std::sin(std::numbers::pi * share);
-    return 1e-3 * Eigen::Vector3d(radius_ * std::cos(azimuth), radius_ * std::sin(azimuth), height);
+  /// The whole session up to now.
+  bool teach() {
+    std::filesystem::remove_all(folder_ / "taught");
+    write_file(folder_ / "scene.yaml", person_.scene());
+    write_file(folder_ / "events.jsonl", person_.events());
+    if (!succeeds({"simulate", folder_.file("scene.yaml"), "--out", folder_.file("r.rawlog")}, {exit_done}) ||
+        !succeeds({"teach", folder_.file("r.rawlog"), "--events", folder_.file("events.jsonl"), "--out",
+                   folder_.file("taught"), "--headless", "--threads", "1"},
+                  {exit_done, exit_no}))
+      return false;
+    report_ = Json::parse(read_file(folder_ / "taught/report.json"));
+    read_answers();
+    return true;
   }
 
-  void draw_solids() {
-    const int count = 2 + static_cast<int>(uniform(0, 3));
-    for (int i = 0; i < count; ++i) {
-      const bool in_the_way = is_mistaken_ && i == 0;
-      const double share = uniform(0.2, 0.8);
-      const double azimuth =
-          in_the_way ? to_rad * (first_ + share * (last_ - first_)) : to_rad * uniform(-80, 80);
-      const double away = in_the_way ? 1e-3 * radius_ : uniform(0.05, 0.115);
-      Solid solid;
-      solid.is_box = uniform(0, 1) < 0.5;
-      const double height = in_the_way ? ball(share).z() + uniform(-0.005, 0.015) : uniform(0.01, 0.03);
-      solid.size = solid.is_box ? Eigen::Vector3d(uniform(0.012, 0.03), uniform(0.012, 0.03), height)
-                                : Eigen::Vector3d(uniform(0.006, 0.014), 0.0, height);
-      solid.center = {away * std::cos(azimuth), away * std::sin(azimuth), 0.5 * height};
-      solid.turn = solid.is_box ? uniform(0, 3) : 0.0;
-      solids_.push_back(solid);
+  /// Of the last attempt.
+  void read_answers() {
+    answers_.clear();
+    for (const Json& event : report_["teaching"]["events"]) {
+      if (event["time"].get<double>() < person_.last_attempt_begins()) continue;
+      const std::string refused = event.value("refused", ""), remark = event.value("remark", "");
+      const bool is_plan = event["action"] == "plan";
+      if (!refused.empty() || (is_plan && !remark.starts_with("solved and proved")))
+        answers_.push_back({event["action"], refused.empty() ? remark : refused});
     }
   }
 
-  std::string scene() {
-    const std::filesystem::path datasets = datasets_folder();
-    std::string text = read_file(datasets / "scenes" / "miniature_kitchen.yaml");
-    const auto cut = [&](const std::string& from, const std::string& to, const std::string& by) {
-      const std::size_t a = text.find(from), b = to.empty() ? text.size() : text.find(to, a + 1);
-      text = text.substr(0, a) + by + text.substr(b);
-    };
-    std::string solids;
-    for (std::size_t i = 0; i < solids_.size(); ++i) solids += solids_[i].yaml(static_cast<int>(i));
-    cut("  - {name: box,", "\ncamera:", solids);
-    cut("stroke:\n", "", stroke_and_gripper());
-    cut("setup: ", "\nseed", "setup: " + (datasets / "setups" / "miniature_kitchen.yaml").string());
-    cut("seed: 1", "\nbackground", "seed: " + std::to_string(seed_));
-    char camera[80];
-    std::snprintf(camera, sizeof camera, "rate_hz: 10\n  exposure: %.5f", uniform(0.0, 0.005));
-    cut("rate_hz: 15", "\n  noise_sigma", camera);
-    return text;
-  }
-
-  std::string stroke_and_gripper() {
-    char line[200];
-    std::snprintf(line, sizeof line,
-                  "stroke:\n  duration: %.4f\n  orientation_deg: [0, %.2f, %.2f]\n  wobble_deg: %.3f\n  "
-                  "wobble_hz: %.3f\n  waypoints:\n",
-                  duration_, uniform(-20, -8), uniform(15, 40), uniform(0.5, 7), uniform(0.4, 4));
-    std::string text = line;
-    for (int i = 0; i <= 8; ++i) {
-      const Eigen::Vector3d at = ball(i / 8.0);
-      std::snprintf(line, sizeof line, "    - {ball: [%.5f, %.5f, %.5f]}\n", at.x(), at.y(), at.z());
-      text += line;
-    }
-    text += "gripper:\n  waypoints:\n";
-    double time = duration_ + 0.5;
-    for (const double share : {0.04, 0.5, 0.96}) {
-      const Eigen::Vector3d at = ball(share);
-      const double azimuth = std::atan2(at.y(), at.x());
-      const double out = 1e-3 * uniform(2, 7);
-      for (const double hold : {0.0, 0.8}) {
-        std::snprintf(line, sizeof line, "    - {time: %.3f, tip_deg: [%.5f, %.5f, %.5f, 0, 90, %.3f]}\n",
-                      time + hold, at.x() + out * std::cos(azimuth), at.y() + out * std::sin(azimuth), at.z(),
-                      azimuth / to_rad);
-        text += line;
-      }
-      held_.push_back(time + 0.7);
-      time += 1.5;
-    }
-    return text;
-  }
-
-  std::string events() {
-    constexpr double first_image = 0.4;  // after the depth images
-    std::vector<std::pair<double, std::string>> events;
-    const auto add = [&](double time, const std::string& rest) { events.emplace_back(time, rest); };
-    add(0.0,
-        R"("action":"robot","robot":"puma560_miniature","padding":0.0005,"near":[-1.2973,-0.6329,0.0951,2.7093,0.537,0.2505])");
-    const double pause = first_image + duration_ * uniform(0.3, 0.7);
-    add(first_image + 0.1, R"("action":"paint_on")");
-    add(pause, R"("action":"paint_off")");
-    add(pause + uniform(0.0, 0.2), R"("action":"paint_on")");
-    add(first_image + duration_, R"("action":"paint_off")");
-    if (uniform(0, 1) < 0.15) add(first_image + duration_ + 0.1, R"("action":"undo")");
-    add(first_image + held_[0], R"("action":"start")");
-    if (uniform(0, 1) < 0.5) add(first_image + held_[1], R"("action":"via")");
-    add(first_image + held_[2], R"("action":"goal")");
-    add(first_image + held_[2] + 0.05, std::string(R"("action":"plan","name":"drawn","planner":")") +
-                                           (uniform(0, 1) < 0.5 ? "beam" : "boundary_plus") + "\"");
-    add(first_image + held_[2] + 0.1, R"("action":"approve")");
-    const char* wrong[] = {"approve", "play", "paint_off", "erase_off", "clear", "save"};
-    for (int i = 0; i < 3; ++i)
-      add(uniform(0.0, held_[0]),
-          std::string(R"("action":")") + wrong[static_cast<int>(uniform(0, 5))] + "\"");
-    std::stable_sort(events.begin(), events.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::string text;
-    for (const auto& [time, rest] : events) text += "{\"time\":" + std::to_string(time) + "," + rest + "}\n";
-    return text;
+  bool is_approved() const {
+    const Json& plans = report_["teaching"]["plans"];
+    return std::any_of(plans.begin(), plans.end(),
+                       [](const Json& plan) { return plan["approved"].get<bool>(); });
   }
 
   bool succeeds(const std::vector<std::string>& arguments, const std::vector<int>& statuses) {
@@ -208,26 +94,28 @@ class Session {
   }
 
   void judge_end() {
-    const Json teaching = Json::parse(read_file(folder_ / "taught/report.json"))["teaching"];
-    bool is_told = false;
-    for (const Json& event : teaching["events"]) {
-      const std::string action = event["action"];
-      const std::string refused = event.value("refused", "");
-      if (!refused.empty()) ++evidence_.refused[action];
-      if (action == "start" || action == "goal") is_told = is_told || !refused.empty();
-      if (action == "plan") is_told = is_told || !refused.empty() || !event.value("remark", "").empty();
-    }
-    bool is_approved = false;
-    for (const Json& plan : teaching["plans"]) is_approved = is_approved || plan["approved"].get<bool>();
-    evidence_.approved = is_approved;
-    evidence_.told = !is_approved && is_told;
-    if (!is_approved && !is_told) fail("it ends without an approved plan and without a sentence");
-    if (is_approved) judge_plan();
+    for (const Json& event : report_["teaching"]["events"])
+      if (!event.value("refused", "").empty()) ++evidence_.refused[event["action"]];
+    evidence_.approved = is_approved();
+    ++(is_approved()
+           ? evidence_.approved_by_attempt
+           : evidence_.not_approved_by_reason)[is_approved() ? std::to_string(attempts_) : reason()];
+    evidence_.told = !is_approved() && !answers_.empty();
+    if (!is_approved() && answers_.empty()) fail("it ends without an approved plan and without a sentence");
+    for (const Json& plan : report_["teaching"]["plans"])
+      if (plan["approved"].get<bool>()) judge_plan(plan["name"]);
+  }
+
+  /// The first refusal of the last attempt, without its numbers.
+  std::string reason() const {
+    if (answers_.empty()) return "none";
+    std::string text = answers_.front().action + ": " + answers_.front().sentence;
+    return text.substr(0, text.find(" at ("));
   }
 
   /// Nothing of the tool is led deep into a solid.
-  void judge_plan() {
-    const Plan plan = load_plan(folder_ / "taught/plans/drawn.json");
+  void judge_plan(const std::string& name) {
+    const Plan plan = load_plan(folder_ / ("taught/plans/" + name + ".json"));
     const Robot robot = load_robot("puma560_miniature");
     const std::vector<Configuration> waypoints = plan.waypoints();
     double worst = 0.0;
@@ -238,7 +126,7 @@ class Session {
         for (const Body& body : robot.bodies) {
           if (body.part != "tool") continue;
           for (const Sphere& sphere : body.cover)
-            for (const Solid& solid : solids_)
+            for (const Solid& solid : person_.solids())
               worst =
                   std::max(worst, solid.depth(poses[static_cast<std::size_t>(body.link)] * sphere.center));
         }
@@ -252,32 +140,66 @@ class Session {
     for (const char* file : {"map.ot", "painted.csv", "provenance.bin", "session/events.jsonl"})
       if (read_file(folder_ / "taught" / file) != read_file(folder_ / "again" / file))
         fail(std::string(file) + " is another one when the session is done again");
-    const std::filesystem::path plan = "plans/drawn.json";
-    if (!std::filesystem::exists(folder_ / "taught" / plan)) return;
-    const Plan first = load_plan(folder_ / "taught" / plan), second = load_plan(folder_ / "again" / plan);
-    if (first.waypoints() != second.waypoints() || first.map_sha256 != second.map_sha256)
-      fail("the plan is another one when the session is done again");
+    for (const Json& told : report_["teaching"]["plans"]) {
+      const std::string plan = "plans/" + told["name"].get<std::string>() + ".json";
+      if (!std::filesystem::exists(folder_ / "taught" / plan)) continue;
+      const Plan first = load_plan(folder_ / "taught" / plan), second = load_plan(folder_ / "again" / plan);
+      if (first.waypoints() != second.waypoints() || first.map_sha256 != second.map_sha256)
+        fail("a plan is another one when the session is done again");
+    }
   }
 
   void judge_map() {
     const Snapshot map = load_map(folder_ / "taught");
-    evidence_.mistakes_met = is_mistaken_ && map.counts().conflict > 0;
+    evidence_.mistakes_met = person_.leads_through_an_obstacle() && map.counts().conflict > 0;
     map.visit_leaves([&](const Voxel& leaf) {
       if (leaf.state != VoxelState::painted) return;
       ++evidence_.painted;
-      const bool is_inside = std::any_of(solids_.begin(), solids_.end(),
-                                         [&](const Solid& solid) { return solid.depth(leaf.center) > deep; });
-      evidence_.painted_inside += is_inside;
+      evidence_.painted_inside +=
+          std::any_of(person_.solids().begin(), person_.solids().end(),
+                      [&](const Solid& solid) { return solid.depth(leaf.center) > deep; });
     });
+    judge_seen_surfaces(map);
+  }
+
+  /// A true ray of a depth image that ends on a solid ends at a voxel that is blocked, or next to one: paint
+  /// never wins over what was seen there. The world here is rendered anew, from its truth.
+  void judge_seen_surfaces(const Snapshot& map) {
+    const Scene scene = load_scene(folder_ / "scene.yaml");
+    std::vector<Surface> surfaces(scene.shapes.begin(), scene.shapes.end());
+    std::vector<const Surface*> all;
+    for (const Surface& surface : surfaces) all.push_back(&surface);
+    const double edge = map.resolution();
+    for (const Eigen::Isometry3d& pose : scene.depth->map_from_sensor) {
+      for (int row = 2; row < 240; row += 4) {
+        for (int column = 2; column < 320; column += 4) {
+          const Eigen::Vector3d way =
+              pose.linear() *
+              Eigen::Vector3d(1.0, (159.5 - column) / 290.0, (119.5 - row) / 290.0).normalized();
+          const CastResult hit = cast_ray(all, pose.translation(), way);
+          if (hit.index < 0 || !scene.shapes[static_cast<std::size_t>(hit.index)].name.starts_with("solid"))
+            continue;
+          if (-hit.hit.normal.dot(way) < 0.4) continue;  // grazing rays may not come back
+          const Eigen::Vector3d point = pose.translation() + hit.hit.along * way;
+          ++evidence_.seen_points;
+          bool is_blocked = false, is_painted = false;
+          for (int step = -3; step <= 3; ++step) {
+            const VoxelState state = map.state(point - 0.5 * step * edge * hit.hit.normal);
+            is_blocked |= state == VoxelState::occupied || state == VoxelState::conflict;
+            is_painted |= step >= 0 && state == VoxelState::painted;
+          }
+          evidence_.painted_over += is_painted && !is_blocked;
+        }
+      }
+    }
   }
 
   const std::uint64_t seed_;
-  std::mt19937_64 random_;
+  DrawnPerson person_;
   TemporaryFolder folder_;
-  double first_ = 0.0, last_ = 0.0, low_ = 0.0, bump_ = 0.0, radius_ = 0.0, duration_ = 0.0;
-  bool is_mistaken_ = false;
-  std::vector<Solid> solids_;
-  std::vector<double> held_;
+  int attempts_ = 0;
+  Json report_;
+  std::vector<DrawnPerson::Answer> answers_;
   PeopleEvidence evidence_;
 };
 
@@ -287,11 +209,17 @@ void PeopleEvidence::add(const PeopleEvidence& other) {
   sessions += other.sessions;
   approved += other.approved;
   told += other.told;
+  walked += other.walked;
+  set_down += other.set_down;
   mistakes += other.mistakes;
   mistakes_met += other.mistakes_met;
   painted += other.painted;
   painted_inside += other.painted_inside;
+  seen_points += other.seen_points;
+  painted_over += other.painted_over;
   for (const auto& [action, count] : other.refused) refused[action] += count;
+  for (const auto& [attempt, count] : other.approved_by_attempt) approved_by_attempt[attempt] += count;
+  for (const auto& [reason, count] : other.not_approved_by_reason) not_approved_by_reason[reason] += count;
   broken.insert(broken.end(), other.broken.begin(), other.broken.end());
 }
 

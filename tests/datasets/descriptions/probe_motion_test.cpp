@@ -76,6 +76,50 @@ TEST(ProbeMotion, TheBallIsWhereTheBoardSaysEvenWhenTheHandWobbles) {
   EXPECT_LT(largest, 0.1 * std::sqrt(3) + 1e-9);
 }
 
+SceneStroke timed_stroke() {
+  SceneStroke stroke = sample_stroke();
+  stroke.speed.reset();
+  stroke.waypoints.insert(stroke.waypoints.begin() + 2, stroke.waypoints[1]);  // it rests there
+  const double times[] = {0.5, 1.5, 4.0, 4.5, 7.0};
+  for (std::size_t i = 0; i < 5; ++i) stroke.waypoints[i].time = times[i];
+  return stroke;
+}
+
+TEST(ProbeMotion, WithTimesTheBallIsAtEachWaypointAtItsTimeAndRestsBetweenEqualOnes) {
+  const SceneStroke stroke = timed_stroke();
+  const ProbeMotion motion(stroke, probe);
+  EXPECT_EQ(motion.begin(), 0.5);
+  EXPECT_EQ(motion.duration(), 7.0);
+  for (const auto& waypoint : stroke.waypoints)
+    EXPECT_LT((motion.at(waypoint.time).map_ball - waypoint.ball).norm(), 1e-9) << waypoint.time;
+  for (double time = 1.5; time <= 4.0; time += 0.1)
+    EXPECT_LT((motion.at(time).map_ball - stroke.waypoints[1].ball).norm(), 1e-9) << time;
+  Eigen::Vector3d last = motion.at(0.0).map_ball;
+  for (double time = 0.0; time <= 7.5; time += 1e-3) {
+    const Eigen::Vector3d ball = motion.at(time).map_ball;
+    EXPECT_LE((ball - last).norm(), 0.25e-3) << time;  // never jumps: the fastest leg goes at 0.2 m/s
+    last = ball;
+  }
+}
+
+TEST(ProbeMotion, TremblesAboutItsWayByWhatTheStrokeSays) {
+  SceneStroke stroke = sample_stroke();
+  stroke.tremor = {0.0004, 0.01, 6, 12};
+  stroke.seed = 5;
+  const ProbeMotion motion(stroke, probe), calm(sample_stroke(), probe);
+  double squares = 0.0, turns = 0.0;
+  int count = 0;
+  for (double time = 0.0; time <= motion.duration(); time += 0.003, ++count) {
+    const auto state = motion.at(time), still = calm.at(time);
+    EXPECT_LT((state.map_from_probe * probe.ball_center - state.map_ball).norm(), 1e-12);
+    squares += (state.map_ball - still.map_ball).squaredNorm();
+    const Eigen::Matrix3d turn = still.map_from_probe.linear().transpose() * state.map_from_probe.linear();
+    turns += std::pow(Eigen::AngleAxisd(turn).angle(), 2);
+  }
+  EXPECT_NEAR(std::sqrt(squares / count / 3.0), 0.0004, 0.00004);
+  EXPECT_NEAR(std::sqrt(turns / count / 3.0), 0.01, 0.001);
+}
+
 TEST(ProbeMotion, StandsStillOutsideItsTime) {
   const ProbeMotion motion(sample_stroke(), probe);
   EXPECT_EQ(motion.at(-1).map_ball, motion.at(0).map_ball);

@@ -65,11 +65,57 @@ TEST(Scene, MistakesAreNamed) {
        "away from"},
       {"setup: setup.yaml\nstroke: {speed: 1, waypoints: [{ball: [0, 0, 0]}]}", "at least two"},
       {"setup: setup.yaml\nshaps: []", "did you mean 'shapes'"},
+      {"setup: setup.yaml\nhands: {}", "a camera that sees them"},
+      {"setup: setup.yaml\nhands: {covers: [{from: 0, to: 1, tag: 0}]}", "a tag of the probe's board, got 0"},
+      {"setup: setup.yaml\nhands: {covers: [{from: 1, to: 1, tag: 10}]}", "a time after 'from'"},
+      {"setup: setup.yaml\nhands: {cover_share: 1}", "0.9"},
+      {"setup: setup.yaml\nstroke: {person: robot, speed: 1, waypoints: [{ball: [0, 0, 0]}, {ball: [1, 0, "
+       "0]}]}",
+       "calm, usual, shaky or any"},
+      {"setup: setup.yaml\nstroke: {tremor: {low_hz: 9, high_hz: 9}, speed: 1, waypoints: [{ball: [0, 0, "
+       "0]}, {ball: [1, 0, 0]}]}",
+       "more than low_hz"},
+      {"setup: setup.yaml\nstroke: {waypoints: [{time: 0, ball: [0, 0, 0]}, {ball: [1, 0, 0]}]}",
+       "a time of every waypoint"},
+      {"setup: setup.yaml\nstroke: {waypoints: [{time: 1, ball: [0, 0, 0]}, {time: 1, ball: [1, 0, 0]}]}",
+       "a time after"},
+      {"setup: setup.yaml\nstroke: {speed: 1, waypoints: [{time: 0, ball: [0, 0, 0]}, {time: 1, ball: [1, "
+       "0, 0]}]}",
+       "either speed or duration, or times"},
+      {"setup: setup.yaml\ncamera: {family: pinhole, look_at: {eye: [1, 0, 1], target: [0, 0, 0]}}",
+       "webcam, industrial, worn or any"},
+      {"setup: setup.yaml\ncamera: {path: [{time: 1, look_at: {eye: [1, 0, 1], target: [0, 0, 0]}}, {time: "
+       "0, look_at: {eye: [1, 0, 1], target: [0, 0, 0]}}]}",
+       "a time after"},
   };
   for (const auto& [text, expected] : mistakes) {
     const std::string message = complaint([&] { parse(folder, text); });
     EXPECT_NE(message.find(expected), std::string::npos) << text << "\n" << message;
   }
+}
+
+TEST(Scene, WhatAPersonDoesIsRead) {
+  const TemporaryFolder folder;
+  const Scene scene = parse(folder, person_scene, person_setup);
+  EXPECT_EQ(scene.camera->path.size(), 3u);
+  EXPECT_EQ(scene.camera->errors.dropped, 0.1);
+  EXPECT_EQ(scene.camera->family, "worn");
+  EXPECT_EQ(scene.stroke->person, "usual");
+  EXPECT_EQ(scene.stroke->tremor.shift, 0.0003);
+  EXPECT_EQ(scene.stroke->seed, 5u);
+  EXPECT_EQ(scene.hands->probe.size(), 1u);
+  EXPECT_EQ(scene.hands->probe[0].radius, scene.setup.probe->hand[0].radius);
+  EXPECT_EQ(scene.hands->covers.size(), 1u);
+  EXPECT_TRUE(scene.depth->beside_pictures);
+  EXPECT_EQ(scene.depth->images(), 11u);
+  EXPECT_NE(complaint([&] { parse(folder, person_scene + "  passes: 2\n", person_setup); }).find("passes"),
+            std::string::npos);
+}
+
+TEST(Scene, ASetupThatIsTakenAsExactCannotBeWrong) {
+  const TemporaryFolder folder;
+  const std::string message = complaint([&] { parse(folder, person_scene, small_setup); });
+  EXPECT_NE(message.find("states all `errors`"), std::string::npos) << message;
 }
 
 TEST(Scene, TheDatasetsFolderOfMrptCanBeChosen) {

@@ -41,6 +41,31 @@ TEST(SensingErrors, AFamilyIsDrawnFromTheSeedAndAnyIsOneOfFour) {
   EXPECT_THROW(draw_errors("sonar", 1), std::invalid_argument);
 }
 
+TEST(SensingErrors, PicturesAndPersonsAreDrawnFromTheSeedToo) {
+  std::set<std::string> cameras, persons;
+  std::set<double> focals, shifts;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const DrawnPictures pictures = draw_picture_errors("any", seed);
+    const DrawnPerson person = draw_person("any", seed);
+    cameras.insert(pictures.family);
+    persons.insert(person.person);
+    focals.insert(pictures.errors.focal_error);
+    shifts.insert(person.tremor.shift);
+    EXPECT_EQ(draw_picture_errors("any", seed).errors.tag_turn, pictures.errors.tag_turn);
+    EXPECT_LE(std::abs(pictures.errors.focal_error), 0.004);
+    EXPECT_TRUE(pictures.errors.has_wrong_setup());
+    EXPECT_LT(person.tremor.low_hz, person.tremor.high_hz);
+  }
+  EXPECT_EQ(cameras, (std::set<std::string>{"webcam", "industrial", "worn"}));
+  EXPECT_EQ(persons, (std::set<std::string>{"calm", "usual", "shaky"}));
+  EXPECT_EQ(focals.size(), 60U);
+  EXPECT_EQ(shifts.size(), 60U);
+  EXPECT_GT(draw_person("shaky", 1).tremor.shift, draw_person("calm", 1).tremor.shift);
+  EXPECT_FALSE(PictureErrors{}.has_wrong_setup());
+  EXPECT_THROW(draw_picture_errors("pinhole", 1), std::invalid_argument);
+  EXPECT_THROW(draw_person("robot", 1), std::invalid_argument);
+}
+
 TEST(SensingErrors, ASceneNamesAFamilyAndNumbersThatWin) {
   const SceneDepth depth = parsed(
       "  family: stereo\n  passes: 2\n  interval: 0.5\n  noise: {dropout: 0.4}\n"

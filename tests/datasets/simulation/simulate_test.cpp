@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/calib3d.hpp>
 
+#include "datasets/descriptions/probe_motion.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/sample_frames.hpp"
@@ -160,6 +161,136 @@ TEST(Simulate, ADetectorFindsTheTagsWhereTheTruthPutsThem) {
   }
   EXPECT_GE(compared, 4u * 6 * 3);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(compared)), 0.2);
+}
+
+Scene person(const TemporaryFolder& folder) {
+  write_file(folder / "setup.yaml", person_setup);
+  return parse_scene(person_scene, "scene.yaml", folder / "");
+}
+
+TEST(Simulate, APersonWhoWalksGivesTheSameBytesOnAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  Scene scene = person(folder);
+  scene.camera->exposure = 0.01;
+  scene.hands->cover_share = 0.3;
+  std::string recording, truth;
+  for (const char* threads : {"1", "3"}) {
+    setenv("CLEARWAY_THREADS", threads, 1);
+    simulate(scene, folder / "out.rawlog");
+    if (recording.empty()) {
+      recording = read_file(folder / "out.rawlog");
+      truth = read_file(folder / "truth.json");
+    }
+    EXPECT_EQ(read_file(folder / "out.rawlog"), recording) << threads;
+    EXPECT_EQ(read_file(folder / "truth.json"), truth) << threads;
+  }
+  unsetenv("CLEARWAY_THREADS");
+  const Json json = Json::parse(truth);
+  const Json& drawn = json["drawn"];
+  EXPECT_EQ(drawn["person"]["name"], "usual");
+  EXPECT_EQ(drawn["camera"]["family"], "worn");
+  EXPECT_EQ(drawn["camera"]["errors"]["dropped"], 0.1);
+  EXPECT_EQ(drawn["depth"]["family"], "stereo");
+  EXPECT_GT(drawn["covers"].size(), 0u);
+  EXPECT_EQ(json["tags"].size(), 5u);
+}
+
+TEST(Simulate, AFingerHidesItsTagAndThePictureShowsTheRestWhereTheTruthSays) {
+  const TemporaryFolder folder;
+  const Scene scene = person(folder);
+  simulate(scene, folder / "out.rawlog");
+  RecordingReader reader(folder / "out.rawlog");
+  const Json truth = Json::parse(read_file(folder / "truth.json"));
+  std::size_t index = 0, covered = 0, seen_while_free = 0, compared = 0;
+  double worst = 0;
+  for (const auto& frame : read_all(reader)) {
+    const auto* image = std::get_if<ImageFrame>(&frame.content);
+    if (!image) continue;
+    EXPECT_EQ(image->intrinsics, *scene.setup.camera);  // as stated, not as it is
+    const Json& told = truth["frames"][index++];
+    EXPECT_NEAR(told["time"], frame.time, 1e-6);
+    auto found = detected(image->image);
+    const bool is_covered = told.contains("covered");
+    if (is_covered) {
+      EXPECT_EQ(told["covered"], Json::array({11}));
+      EXPECT_FALSE(found.contains(11));
+      ++covered;
+    } else {
+      seen_while_free += found.contains(11);
+    }
+    for (const auto& tag : told["tags"]) {
+      if (is_covered && tag["id"] == 11) {
+        EXPECT_FALSE(tag["fully_visible"]);
+      }
+      if (!tag["fully_visible"] || !found.contains(tag["id"])) continue;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Eigen::Vector2d corner(tag["corners"][i][0], tag["corners"][i][1]);
+        worst = std::max(worst, (found[tag["id"]][i] - corner).norm());
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(covered, 2u);
+  EXPECT_GT(seen_while_free, 2u);
+  EXPECT_GT(compared, 80u);
+  EXPECT_LT(worst, 1.0);
+}
+
+TEST(Simulate, DepthBesideThePicturesSeesTheProbeAndTheHandWhereTheyWereByTheOtherClock) {
+  const TemporaryFolder folder;
+  Scene scene = person(folder);
+  scene.camera->errors = {};
+  scene.depth->noise.reset();
+  scene.depth->errors = {};
+  scene.depth->errors.clock_offset = 0.05;
+  simulate(scene, folder / "out.rawlog");
+  const ProbeMotion motion(*scene.stroke, *scene.setup.probe);
+  RecordingReader reader(folder / "out.rawlog");
+  std::size_t clouds = 0, on_hand = 0, on_ball = 0;
+  double last = 0;
+  for (const auto& frame : read_all(reader)) {
+    if (std::holds_alternative<CommentFrame>(frame.content)) continue;
+    EXPECT_GE(frame.time, last - 1e-6);
+    last = frame.time;
+    const auto* cloud = std::get_if<CloudFrame>(&frame.content);
+    if (!cloud) continue;
+    ++clouds;
+    const auto then = motion.at(frame.time - scene.start_time - 0.05);
+    for (const auto& point : cloud->points) {
+      const Eigen::Vector3d p = cloud->world_from_sensor * point.cast<double>();
+      const double ball = std::abs((p - then.map_ball).norm() - scene.setup.probe->ball_radius);
+      const Eigen::Vector3d q = then.map_from_probe.inverse() * p;
+      const Eigen::Vector3d a(0, 0, 0.04), b(0.03, 0, 0.1);
+      const double along = std::clamp((q - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      const double hand = std::abs((q - a - along * (b - a)).norm() - 0.025);
+      on_ball += ball < 3e-4;
+      on_hand += hand < 3e-4;
+    }
+  }
+  EXPECT_EQ(clouds, 11u);
+  EXPECT_GT(on_hand, 11u * 20);
+  EXPECT_GT(on_ball, 11u * 5);
+}
+
+TEST(Simulate, BrightnessChangesThePicturesAndDetectionSuffers) {
+  const TemporaryFolder folder;
+  Scene scene = person(folder);
+  scene.depth.reset();
+  std::size_t tags[2] = {0, 0};
+  for (scene.seed = 1; scene.seed <= 4; ++scene.seed) {
+    for (const int run : {0, 1}) {
+      scene.camera->errors = {};
+      scene.camera->errors.brightness = run == 0 ? 0.0 : 4.0;
+      scene.camera->errors.noise = run == 0 ? 0.0 : 4.0;
+      simulate(scene, folder / "out.rawlog");
+      RecordingReader reader(folder / "out.rawlog");
+      for (const auto& frame : read_all(reader))
+        if (const auto* image = std::get_if<ImageFrame>(&frame.content))
+          tags[run] += detected(image->image).size();
+    }
+  }
+  EXPECT_GT(tags[0], 80u);
+  EXPECT_LT(tags[1], tags[0] * 9 / 10);
 }
 
 TEST(Simulate, CloudsLieOnTheShapes) {

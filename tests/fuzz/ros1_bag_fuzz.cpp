@@ -1,0 +1,20 @@
+// libFuzzer on ROS 1 bags, as users open them: rosbag_storage works in a child process, whose crash, exit or
+// want of memory has to become one sentence, too.
+#include "datasets/ros/bag_source.hpp"
+#include "tests/fuzz/fuzzed_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace clearway;
+  static const fuzz::InputFile file(".bag");
+  const std::string magic = "#ROSBAG V2.0\n";  // else it is an MCAP file, or none
+  const std::filesystem::path& bag = file.write(magic + std::string(fuzz::as_text(data, size)));
+  SourceOptions options;
+  options.bag.scans = {"/scan"};
+  fuzz::read_or_refuse([&] {
+    const auto source = open_bag(bag, options);
+    while (source->next()) continue;
+    for (const std::string& warning : source->warnings()) fuzz::require_sentence(std::runtime_error(warning));
+    if (source->damage()) fuzz::require_sentence(std::runtime_error(*source->damage()));
+  });
+  return fuzz::read_or_refuse([&] { read_joints(bag, "/joint_states"); });
+}
