@@ -61,6 +61,12 @@ BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpace
       is_there = true;
       if (!bodies[i].shape.has_exact_distance())
         fail(part, "is a mesh: expected a part of spheres, capsules, cylinders or boxes");
+      for (int link = bodies[i].link; link >= 0;) {
+        const Link& on_way = robot.robot().links[static_cast<std::size_t>(link)];
+        if (on_way.is_held)
+          fail(part, "hangs on a joint that is held, of which the recorded joints tell nothing");
+        link = on_way.parent;
+      }
       Painting painting{bodies[i].link, inner_balls(bodies[i].shape, errors[i])};
       for (Sphere& ball : painting.balls) ball.center = bodies[i].link_from_shape * ball.center;
       paints = paints || !painting.balls.empty();
@@ -73,6 +79,7 @@ BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpace
 
 void BodyPainter::paint(const LinkPoses& poses, double since_start, const std::optional<Brush>& brush) {
   constexpr double pause = 1.0;
+  if (since_start < 0.0) return;
   std::vector<int> volumes;
   if (brush && brush->use == Brush::Use::paints) volumes.push_back(brush->volume);
   for (std::size_t v = 0; v < volumes_.size() && !brush; ++v)

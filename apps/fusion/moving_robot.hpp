@@ -41,8 +41,8 @@ class MovingRobot {
   /// joint its lever times joint_error.
   std::vector<double> place_errors() const;
 
-  /// When the joints were read, rising.
-  std::vector<double> times() const { return joints_.times(); }
+  /// When all the joints were read, each itself, rising.
+  std::vector<double> times() const { return joints_.times(names_); }
 
   /// map_from_link of all links; empty where the joints are not known at that time.
   std::optional<LinkPoses> poses(double time) const;

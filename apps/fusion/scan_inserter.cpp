@@ -10,7 +10,7 @@
 namespace clearway {
 namespace {
 
-constexpr std::size_t most_waiting = 32;
+constexpr std::size_t most_waiting = 128;  ///< some seconds of a camera's
 
 /// The robot's bodies at its setup's joints, as the spheres that cover them, grown by the margin.
 std::vector<Capsule> robot_capsules(const RobotSetup& setup) {

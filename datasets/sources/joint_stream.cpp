@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -76,11 +75,19 @@ std::vector<double> JointStream::deviations(const std::vector<std::string>& name
   return result;
 }
 
-std::vector<double> JointStream::times() const {
-  std::set<double> times;
-  for (const auto& [name, readings] : readings_)
-    for (const auto& [time, position] : readings) times.insert(time);
-  return {times.begin(), times.end()};
+std::vector<double> JointStream::times(const std::vector<std::string>& names) const {
+  std::vector<double> times;
+  const auto first = names.empty() ? readings_.end() : readings_.find(names.front());
+  if (first == readings_.end()) return times;
+  for (const auto& [time, position] : first->second) {
+    const bool are_all_read =
+        std::all_of(names.begin(), names.end(), [&, at = time](const std::string& name) {
+          const auto joint = readings_.find(name);
+          return joint != readings_.end() && joint->second.contains(at);
+        });
+    if (are_all_read) times.push_back(time);
+  }
+  return times;
 }
 
 std::vector<std::string> JointStream::names() const {

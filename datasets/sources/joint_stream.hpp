@@ -28,7 +28,8 @@ class JointStream {
   std::vector<double> deviations(const std::vector<std::string>& names, double time, double span) const;
 
   std::vector<std::string> names() const;  ///< sorted
-  std::vector<double> times() const;       ///< of all readings, rising
+  /// At which each of these joints was read itself, rising.
+  std::vector<double> times(const std::vector<std::string>& names) const;
   bool empty() const { return readings_.empty(); }
   std::optional<double> last_time() const;
 

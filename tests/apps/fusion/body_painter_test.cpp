@@ -50,6 +50,34 @@ TEST(InnerBalls, LieInsideByTheMarginAndFillMostOfTheShape) {
   }
 }
 
+TEST(BodyPainter, PaintsOnlyWhereEachJointWasReadItself) {
+  const Robot robot = load_robot("arm5");
+  std::vector<std::string> rest;
+  for (std::size_t i = 1; i < robot.dof(); ++i) rest.push_back(robot.joints[i].name);
+  JointStream told;  // the first joint has a publisher of its own
+  for (const double time : {0.0, 0.4}) told.add(time, {robot.joints[0].name}, {0.0});
+  for (const double time : {0.0, 0.2, 0.4}) told.add(time, rest, std::vector<double>(rest.size(), 0.1));
+  for (const double time : {0.1, 0.2, 0.3}) told.add(time, {"gripper"}, {0.5});
+  clearway::Setup setup;
+  setup.robot = RobotSetup{};
+  setup.robot->name = "arm5";
+  setup.robot->joint_error = setup.robot->place_error = 0.0;
+  setup.robot->paints = {robot.bodies.back().part};
+  setup.volumes = {{.label = "led", .critical_parts = {}}};
+  const MovingRobot moving(*setup.robot, told);
+  EXPECT_EQ(moving.times(), (std::vector<double>{0.0, 0.4}));
+  FreeSpaceMap map(MapOptions{});
+  map.add_volume("led", {});
+  BodyPainter painter(setup, moving, map);
+  painter.paint_until(0.0, 0.0, {});
+  const std::size_t first = painter.balls();
+  EXPECT_GT(first, 0U);
+  painter.paint_until(0.3, 0.0, {});
+  EXPECT_EQ(painter.balls(), first);
+  painter.paint_until(1.0, 0.0, {});
+  EXPECT_EQ(painter.balls(), 2 * first);
+}
+
 class LedRobots : public ::testing::TestWithParam<const char*> {
  protected:
   LedRobots() : robot_(load_robot(GetParam())) {
