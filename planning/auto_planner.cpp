@@ -65,14 +65,10 @@ class Race {
   Race(const PlanProblem& problem, const AutoPlannerOptions& options)
       : problem_(problem), rounds_(options), threads_(static_cast<std::size_t>(options.threads)) {}
 
-  /// What each round up to the winner found, in turn; of the last one, if it won. Nothing: not for this
-  /// robot.
-  std::vector<std::optional<PlanResult>> run(std::string& winner_name) {
+  /// What each round up to the first that succeeded found, in turn. Nothing: not for this robot.
+  std::vector<std::optional<PlanResult>> run() {
     parallel_until_false(threads_, [this] { return step(); });
-    if (winner_ < found_.size()) {
-      found_.resize(winner_ + 1);
-      winner_name = rounds_.planner(winner_)->name();
-    }
+    if (winner_ < found_.size()) found_.resize(winner_ + 1);
     return std::move(found_);
   }
 
@@ -96,6 +92,7 @@ class Race {
     } catch (const std::invalid_argument&) {  // not for this robot
     }
     const bool is_solved = result && result->status == PlanStatus::solved;
+    if (is_solved) result->explanation = planner->name() + ": " + result->explanation;
     const std::lock_guard lock(found_by_);
     if (found_.size() <= round) found_.resize(round + 1);
     found_[round] = std::move(result);
@@ -126,19 +123,18 @@ AutoPlanner::AutoPlanner(const AutoPlannerOptions& options)
 PlanResult AutoPlanner::plan(const PlanProblem& problem) const {
   PlanResult best = check_ends(problem);
   if (best.status != PlanStatus::solved) return best;
-  std::string winner;
   std::uint64_t configurations = best.configurations_checked, edges = best.edges_checked;
-  std::vector<std::optional<PlanResult>> found = Race(problem, options_).run(winner);
+  std::vector<std::optional<PlanResult>> found = Race(problem, options_).run();
+  bool is_solved = false;
   for (std::size_t round = 0; round < found.size(); ++round) {
     if (!found[round]) continue;
     configurations += found[round]->configurations_checked;
     edges += found[round]->edges_checked;
-    const bool is_solved = found[round]->status == PlanStatus::solved;
+    is_solved = found[round]->status == PlanStatus::solved;
     if (is_solved || round == 0 || found[round]->final_distance < best.final_distance)
       best = std::move(*found[round]);
   }
-  if (winner.empty()) best.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
-  if (!winner.empty()) best.explanation = winner + ": " + best.explanation;
+  if (!is_solved) best.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
   best.configurations_checked = configurations;
   best.edges_checked = edges;
   best.statistics["rounds"] = static_cast<double>(found.size());

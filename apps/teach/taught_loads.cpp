@@ -19,11 +19,28 @@ std::vector<std::string> names_of_loads(const Setup& setup) {
   return names;
 }
 
+/// @throws std::invalid_argument when queries have different loads of that name, and `loads` does not say
+/// which.
+void require_one_of(const std::string& name, const Load& found, const Setup& setup) {
+  const auto has_name = [&](const LoadSetup& load) { return load.name == name; };
+  if (std::any_of(setup.loads.begin(), setup.loads.end(), has_name)) return;
+  for (const QuerySetup& query : setup.queries)
+    for (const LoadSetup& load : query.loads)
+      if (has_name(load) && !is_same(leg_load(load).load, found))
+        throw std::invalid_argument(
+            "queries of the setup have different loads " + quote(shortened(name)) +
+            "; expected the one that is meant in the setup's 'loads', or in the event");
+}
+
 }  // namespace
 
 Load load_of(const TeachEvent& event, const Setup& setup) {
   const LoadSetup* known = event.load ? &event.load->setup : setup.load(event.name);
-  if (known != nullptr) return leg_load(*known).load;
+  if (known != nullptr) {
+    const Load load = leg_load(*known).load;
+    if (!event.load) require_one_of(event.name, load, setup);
+    return load;
+  }
   const std::vector<std::string> names = names_of_loads(setup);
   throw std::invalid_argument(
       "the setup has no load " + quote(shortened(event.name)) +

@@ -191,7 +191,7 @@ GripperSetup read_gripper(const YamlFields& fields, const Setup& setup) {
 
 HandsSetup read_hands_setup(const YamlFields& fields) {
   HandsSetup hands;
-  hands.margin = fields.optional_number("margin", not_negative);
+  hands.margin = fields.optional_number("margin", {0, 0.5});
   hands.latency = fields.number("latency", {0, 0.2}, hands.latency);
   hands.acceleration = fields.number("acceleration", {0, 100}, hands.acceleration);
   hands.hidden = fields.number("hidden", {0, 10}, hands.hidden);

@@ -185,19 +185,9 @@ class CheaperPath {
 
 double sampled_cost(const PathCost& cost, const std::vector<Configuration>& path,
                     const Eigen::VectorXd& weight, double step) {
-  if (path.size() < 2) return 0.0;
   double sum = 0.0;
-  Eigen::VectorXd before = cost.generalized_forces(path.front());
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const Eigen::VectorXd whole = path[i] - path[i - 1];
-    const int pieces = std::max(1, static_cast<int>(std::ceil(weight.cwiseProduct(whole).norm() / step)));
-    const Eigen::VectorXd part = whole / pieces;
-    for (int k = 1; k <= pieces; ++k) {
-      const Eigen::VectorXd after = cost.generalized_forces(k < pieces ? path[i - 1] + k * part : path[i]);
-      sum += cost.step_cost(before, after, part);
-      before = after;
-    }
-  }
+  for (std::size_t i = 1; i < path.size(); ++i)
+    sum += edge_costs(cost, path[i - 1], path[i], weight, step).sum();
   return sum;
 }
 

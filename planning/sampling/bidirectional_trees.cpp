@@ -162,7 +162,6 @@ bool BidirectionalTrees::connect(Side side, int node) {
     }
     joined_[side] = node;
     joined_[far_side] = reached;
-    joined_by_sample_ = true;
     return true;
   }
   return false;

@@ -82,7 +82,6 @@ class BidirectionalTrees {
   double range_ = 0.0;  ///< longest edge of the samples, weighted units
   std::array<Tree, 2> trees_;
   std::array<int, 2> joined_{-1, -1};
-  bool joined_by_sample_ = false;
   bool is_whole_ = false;  ///< the last edge was free all along
   std::uint64_t edges_checked_ = 0;
   int samples_ = 0;

@@ -208,6 +208,19 @@ TEST_F(TeachSessionOf, ALoadIsAttachedOnceAndDetachedByItsName) {
   EXPECT_EQ(session_.shown_loads().size(), 1u);
 }
 
+TEST_F(TeachSessionOf, ALoadOfTwoQueriesIsTakenOnlyWhereBothMeanTheSame) {
+  LoadSetup can;
+  can.name = "can", can.shape = LoadSphere{0.1}, can.link = "forearm";
+  setup_.queries.resize(2);
+  for (QuerySetup& query : setup_.queries) query.loads = {can};
+  EXPECT_EQ(act(TeachAction::attach, "can"), "");
+  EXPECT_EQ(act(TeachAction::detach), "");
+  setup_.queries[1].loads[0].shape = LoadSphere{0.2};  // the smaller one would stand for both
+  EXPECT_NE(act(TeachAction::attach, "can").find("different loads 'can'"), std::string::npos);
+  setup_.loads = {can};  // which says so
+  EXPECT_EQ(act(TeachAction::attach, "can"), "");
+}
+
 /// The paint is a ball of 3 m, the arm's reach 2.05 m: whether the load stays inside is told by its corners.
 TEST_F(TeachSessionOf, PlacesAreRefusedWhereTheLoadLeavesThePaint) {
   paint_everything();

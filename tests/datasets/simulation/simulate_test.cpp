@@ -30,11 +30,11 @@ Eigen::Isometry3d pose_of(const Json& json) {
   return pose;
 }
 
-TEST(Simulate, TheSameSceneGivesTheSameBytesOnAnyNumberOfThreads) {
-  const TemporaryFolder folder;
-  const Scene scene = prepared(folder);
+/// The truth of a scene whose recording and truth are the same with each of these numbers of threads.
+std::string truth_on_any_threads(const Scene& scene, const TemporaryFolder& folder,
+                                 const std::vector<const char*>& numbers) {
   std::string recording, truth;
-  for (const char* threads : {"1", "2", "5"}) {
+  for (const char* threads : numbers) {
     setenv("CLEARWAY_THREADS", threads, 1);
     simulate(scene, folder / "out.rawlog");
     if (recording.empty()) {
@@ -45,6 +45,14 @@ TEST(Simulate, TheSameSceneGivesTheSameBytesOnAnyNumberOfThreads) {
     EXPECT_EQ(read_file(folder / "truth.json"), truth) << threads;
   }
   unsetenv("CLEARWAY_THREADS");
+  return truth;
+}
+
+TEST(Simulate, TheSameSceneGivesTheSameBytesOnAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  const Scene scene = prepared(folder);
+  truth_on_any_threads(scene, folder, {"1", "2", "5"});
+  const std::string recording = read_file(folder / "out.rawlog");
   Scene other = scene;
   other.seed = 6;
   simulate(other, folder / "out.rawlog");
@@ -173,18 +181,7 @@ TEST(Simulate, APersonWhoWalksGivesTheSameBytesOnAnyNumberOfThreads) {
   Scene scene = person(folder);
   scene.camera->exposure = 0.01;
   scene.hands->cover_share = 0.3;
-  std::string recording, truth;
-  for (const char* threads : {"1", "3"}) {
-    setenv("CLEARWAY_THREADS", threads, 1);
-    simulate(scene, folder / "out.rawlog");
-    if (recording.empty()) {
-      recording = read_file(folder / "out.rawlog");
-      truth = read_file(folder / "truth.json");
-    }
-    EXPECT_EQ(read_file(folder / "out.rawlog"), recording) << threads;
-    EXPECT_EQ(read_file(folder / "truth.json"), truth) << threads;
-  }
-  unsetenv("CLEARWAY_THREADS");
+  const std::string truth = truth_on_any_threads(scene, folder, {"1", "3"});
   const Json json = Json::parse(truth);
   const Json& drawn = json["drawn"];
   EXPECT_EQ(drawn["person"]["name"], "usual");
