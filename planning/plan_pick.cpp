@@ -9,10 +9,12 @@
 #include "mapping/system/thread_time.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/check_pick.hpp"
+#include "planning/path/shortcut.hpp"
 #include "planning/picks/pick_scene.hpp"
 #include "planning/picks/straight_motion.hpp"
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/sampling/rrtconnect.hpp"
+#include "planning/space/joint_weights.hpp"
 
 namespace clearway {
 namespace {
@@ -23,8 +25,10 @@ using Path = std::vector<Configuration>;
 constexpr double straight_step = 0.01;                       ///< m of the tip, full size
 constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick says
 constexpr int turns_of_axial = 12;
-constexpr int starts = 72;              ///< of inverse kinematics for a pose, a sixth for each turn
-constexpr std::size_t most_tried = 48;  ///< grasps that lead on, and places of each, in the last round
+constexpr int most_starts = 1152;       ///< of inverse kinematics for a pose, a sixth for each turn
+constexpr std::size_t most_tried = 48;  ///< grasps that lead on, and places of each
+
+constexpr int shortcuts = 100;
 
 /// A configuration that holds the object, by a turn about the object's axis.
 struct Hold {
@@ -39,6 +43,7 @@ struct Taking {
 };
 struct Putting {
   Path lower, retreat;
+  Eigen::Vector3d back;  ///< away from the place as the hand retreats, map frame
 };
 
 class PickPlanner {
@@ -46,7 +51,8 @@ class PickPlanner {
   PickPlanner(const PlanQuery& query, const Pick& pick, std::shared_ptr<const Planner> planner)
       : query_(query),
         pick_(pick),
-        rounds_(rounds_of(std::move(planner))),
+        is_growing_(planner->name() == AutoPlanner::table_name),
+        round_(is_growing_ ? Round::of_trees(1000, 6, 72) : Round{std::move(planner)}),
         robot_(query.space.robot()),
         padding_(query.space.options().padding),
         contact_(contact_length(pick, query.space.map().resolution(), padding_)),
@@ -55,13 +61,13 @@ class PickPlanner {
 
   /// The legs, up to the first that fails.
   std::vector<PlanResult> run() {
-    const std::vector<Hold> grasps = holds(pick_.map_from_object, query_.start);
     std::string why = "no configuration within the limits was found that puts the tip at the grasp";
-    for (const Round& round : rounds_) {
-      round_ = &round;
-      if (join_any(grasps, why)) return best_;
-      const bool is_hopeless = best_.empty() || best_.front().status == PlanStatus::start_invalid;
-      if (is_hopeless || is_out_of_time()) break;
+    for (;;) {
+      if (join_any(why)) return best_;
+      const bool is_start_free = best_.empty() || best_.front().status != PlanStatus::start_invalid;
+      const bool is_hopeless = round_.asked == 0 && round_.starts == most_starts;
+      if (!is_growing_ || !is_start_free || is_hopeless || is_out_of_time()) break;
+      round_ = Round::after(round_);
     }
     if (!best_.empty()) return best_;
     return {failure(is_out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path,
@@ -72,35 +78,41 @@ class PickPlanner {
   std::map<std::string, Policy> policies() { return scene_.carrying().policies(); }
 
  private:
-  /// Who is asked for the legs that are not straight, and how many grasps, and places of each, are tried.
+  /// Who is asked for the legs that are not straight, how many grasps, and places of each, are tried, and
+  /// how many starts of inverse kinematics look for them.
   struct Round {
     std::shared_ptr<const Planner> planner;
-    std::size_t most = 0;
+    int samples = 0;
+    std::size_t most = most_tried;
+    int starts = most_starts / 4;
+    int asked = 0;  ///< so many times was the planner
+
+    static Round of_trees(int samples, std::size_t most, int starts) {
+      return {std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = samples}), samples, most,
+              starts};
+    }
+    static Round after(const Round& round) {
+      return of_trees(std::min(4 * round.samples, 100'000'000), std::min(2 * round.most, most_tried),
+                      std::min(4 * round.starts, most_starts));
+    }
   };
 
-  /// `auto` does not end before its time is out: first short looks at several grasps and places, by what it
-  /// would begin with.
-  static std::vector<Round> rounds_of(std::shared_ptr<const Planner> planner) {
-    std::vector<Round> rounds;
-    if (planner->name() == AutoPlanner::table_name) {
-      rounds.push_back({std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = 1000}), 6});
-      rounds.push_back({std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = 4000}), 12});
-    }
-    rounds.push_back({std::move(planner), most_tried});
-    return rounds;
-  }
-
   /// Whether some grasp leads to a plan; else the legs that came farthest are kept.
-  bool join_any(const std::vector<Hold>& grasps, std::string& why) {
+  bool join_any(std::string& why) {
+    const std::vector<Hold> places = holds(pick_.map_from_place, query_.start);
     std::size_t tried = 0;
-    for (const Hold& grasp : grasps) {
-      if (tried == round_->most || is_out_of_time()) return false;
+    for (const Hold& grasp : holds(pick_.map_from_object, query_.start)) {
+      if (tried == round_.most || is_out_of_time()) return false;
       const auto taking = take(grasp, why);
       if (!taking) continue;
-      ++tried;
-      std::vector<PlanResult> legs = plan_from(*taking);
+      std::string why_not_put =
+          "no configuration within the limits was found that puts the object at its place";
+      const std::vector<Putting> puttings = putting_ways(*taking, places, why_not_put);
+      if (puttings.empty() && !best_.empty()) continue;  // why is known already
+      tried += !puttings.empty();
+      std::vector<PlanResult> legs = plan_from(*taking, puttings, why_not_put);
       const bool is_solved = legs.back().status == PlanStatus::solved;
-      if (is_solved || legs.size() > best_.size()) best_ = std::move(legs);
+      if (is_solved || legs.size() >= best_.size()) best_ = std::move(legs);
       if (is_solved) return true;
       if (best_.front().status == PlanStatus::start_invalid) return false;
     }
@@ -127,13 +139,17 @@ class PickPlanner {
       const Eigen::Isometry3d tip =
           map_from_object * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * pick_.object_from_tip;
       for (Configuration& q :
-           goal_configurations(robot_, tip, near, starts / (turns > 1 ? 6 : 1), query_.seed))
+           goal_configurations(robot_, tip, near, round_.starts / (turns > 1 ? 6 : 1), query_.seed))
         found.push_back({std::move(q), turn});
     }
-    std::stable_sort(found.begin(), found.end(), [&](const Hold& a, const Hold& b) {
+    sort_by_nearness(found, near);
+    return found;
+  }
+
+  static void sort_by_nearness(std::vector<Hold>& holds, const Configuration& near) {
+    std::stable_sort(holds.begin(), holds.end(), [&](const Hold& a, const Hold& b) {
       return (a.q - near).lpNorm<Eigen::Infinity>() < (b.q - near).lpNorm<Eigen::Infinity>();
     });
-    return found;
   }
 
   Eigen::Isometry3d link_pose(const Configuration& q) const {
@@ -201,7 +217,8 @@ class PickPlanner {
     const auto up = upwards(placed);
     const Eigen::Matrix3d turned =
         tip_pose(robot_, placed).linear() * tip_pose(robot_, taking.grasp.q).linear().transpose();
-    const auto retreat = straight_motion(robot_, placed, -(turned * pick_.approach), step_);
+    const Eigen::Vector3d back = -(turned * pick_.approach);
+    const auto retreat = straight_motion(robot_, placed, back, step_);
     why = "no arm configuration at the place can go the straight ways of lowering and retreat";
     if (!up || !retreat) return std::nullopt;
     why = "the straight ways at the place are not free";
@@ -209,13 +226,14 @@ class PickPlanner {
     if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
     if (!is_path_free(scene_.releasing(), *retreat)) return std::nullopt;
     const Path upward = joined(up->first, up->second);
-    return Putting{{upward.rbegin(), upward.rend()}, *retreat};
+    return Putting{{upward.rbegin(), upward.rend()}, *retreat, back};
   }
 
   PlanResult plan_leg(const ConfigurationSpace& space, const Configuration& from, const Configuration& to) {
     const PathCost cost = path_cost(query_, space.robot());
+    ++round_.asked;
     PlanResult leg =
-        round_->planner->plan({space, cost, from, to, query_.seed, [this] { return is_out_of_time(); }});
+        round_.planner->plan({space, cost, from, to, query_.seed, [this] { return is_out_of_time(); }});
     if (leg.status == PlanStatus::solved && leg.waypoints.back() != to) {
       leg.status = PlanStatus::no_path;
       leg.explanation = "The planner ends short of where the straight way begins.";
@@ -223,6 +241,37 @@ class PickPlanner {
       leg.waypoints.clear();
     }
     return leg;
+  }
+
+  /// As far straight that way, with the object, as is free.
+  Path way_with_load(const Configuration& from, const Eigen::Vector3d& way) {
+    const auto straight = straight_motion(robot_, from, way, step_);
+    Path free = {from};
+    for (std::size_t i = 1; straight && i < straight->size(); ++i) {
+      if (!scene_.carrying().is_edge_free(free.back(), (*straight)[i])) break;
+      free.push_back((*straight)[i]);
+    }
+    return free;
+  }
+
+  /// From the lifted object to above its place; out of a compartment and into one as the hand came and goes,
+  /// where trees do not find the way.
+  PlanResult plan_transfer(const Taking& taking, const Putting& putting) {
+    const ConfigurationSpace& space = scene_.carrying();
+    const Configuration &from = taking.lift.back(), &to = putting.lower.front();
+    PlanResult leg = plan_leg(space, from, to);
+    if (leg.status == PlanStatus::solved || is_out_of_time()) return leg;
+    Path path = way_with_load(from, -pick_.approach);
+    const Path in = way_with_load(to, putting.back);
+    if (path.size() == 1 && in.size() == 1) return leg;
+    PlanResult between = plan_leg(space, path.back(), in.back());
+    if (between.status != PlanStatus::solved) return leg;
+    path.insert(path.end(), between.waypoints.begin() + 1, between.waypoints.end());
+    path.insert(path.end(), in.rbegin() + 1, in.rend());
+    between.waypoints = shortcut(space, std::move(path), joint_weights(space, 0.0), query_.seed, shortcuts,
+                                 [this] { return is_out_of_time(); });
+    between.cost = path_cost(query_, space.robot())(between.waypoints);
+    return between;
   }
 
   PlanResult straight_leg(const ConfigurationSpace& space, const Path& path) const {
@@ -234,31 +283,38 @@ class PickPlanner {
     return leg;
   }
 
-  std::vector<PlanResult> plan_from(const Taking& taking) {
+  /// The ways that put the object down, the nearest to where it is lifted first.
+  std::vector<Putting> putting_ways(const Taking& taking, std::vector<Hold> places, std::string& why) {
+    sort_by_nearness(places, taking.lift.back());
+    std::vector<Putting> found;
+    for (const Hold& place : places) {
+      if (found.size() == round_.most || is_out_of_time()) break;
+      if (auto putting = put(taking, place.q, why)) found.push_back(std::move(*putting));
+    }
+    return found;
+  }
+
+  std::vector<PlanResult> plan_from(const Taking& taking, const std::vector<Putting>& puttings,
+                                    std::string why) {
     std::vector<PlanResult> legs = {plan_leg(scene_.before(), query_.start, taking.reach.front())};
     if (legs.back().status != PlanStatus::solved) return legs;
     legs.push_back(straight_leg(scene_.bare(), taking.reach));
     legs.push_back(straight_leg(scene_.carrying(), taking.lift));
     const std::size_t taken = legs.size();
     PlanResult failed = failure(PlanStatus::no_path, "");
-    std::string why = "no configuration within the limits was found that puts the object at its place";
-    std::size_t tried = 0;
-    for (const Hold& place : holds(pick_.map_from_place, taking.lift.back())) {
-      if (tried == round_->most || is_out_of_time()) break;
-      const auto putting = put(taking, place.q, why);
-      if (!putting) continue;
-      ++tried;
+    for (const Putting& putting : puttings) {
+      if (is_out_of_time()) break;
       legs.resize(taken);
-      legs.push_back(plan_leg(scene_.carrying(), taking.lift.back(), putting->lower.front()));
+      legs.push_back(plan_transfer(taking, putting));
       if (legs.back().status != PlanStatus::solved) {
         failed = legs.back();
         why = "from there: " + failed.explanation;
         continue;
       }
-      legs.push_back(straight_leg(scene_.carrying(), putting->lower));
-      legs.push_back(straight_leg(scene_.bare(), putting->retreat));
+      legs.push_back(straight_leg(scene_.carrying(), putting.lower));
+      legs.push_back(straight_leg(scene_.bare(), putting.retreat));
       if (!query_.goals.empty())
-        legs.push_back(plan_leg(scene_.after(), putting->retreat.back(), query_.goals.front()));
+        legs.push_back(plan_leg(scene_.after(), putting.retreat.back(), query_.goals.front()));
       return legs;
     }
     legs.resize(taken);
@@ -271,8 +327,8 @@ class PickPlanner {
 
   const PlanQuery& query_;
   const Pick& pick_;
-  std::vector<Round> rounds_;
-  const Round* round_ = nullptr;
+  bool is_growing_;  ///< `auto` does not end before its time is out: rounds of trees, each larger, instead
+  Round round_;
   const Robot& robot_;
   double padding_, contact_, step_;
   PickScene scene_;

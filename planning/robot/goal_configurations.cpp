@@ -9,6 +9,7 @@
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/random_unit.hpp"
+#include "planning/robot/puma_branches.hpp"
 #include "planning/robot/reach.hpp"
 
 namespace clearway {
@@ -55,7 +56,9 @@ Robot with_tip(const Robot& robot, const std::string& link) {
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                const Configuration& near, int starts, std::uint64_t seed) {
   std::vector<Configuration> found;
-  const auto add = [&](const Configuration& q) {
+  const auto add = [&](const Configuration& solution) {
+    // A joint that turns more than once reaches the pose by several of its turns.
+    const Configuration q = unwrapped_within_limits(robot, solution, near).value_or(solution);
     const bool is_known = std::any_of(found.begin(), found.end(), [&](const Configuration& known) {
       return largest_apart(known, q) <= same_configuration;
     });

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -17,6 +16,10 @@ constexpr double range_share = 0.1;
 /// Nodes beside an obstacle take samples from within so many ranges: what lies behind it is not theirs.
 constexpr double domain_ranges = 3.0;
 
+/// Of joints that turn more than once, each so manieth sample is from anywhere within the limits, the others
+/// from one turn about start and goal: all poses, once.
+constexpr int far_samples = 8;
+
 /// Less of an edge than this is not worth a node.
 constexpr double least_share = 0.25;
 
@@ -28,7 +31,13 @@ BidirectionalTrees::Side other(BidirectionalTrees::Side side) {
 
 BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::VectorXd& weight,
                                        double range)
-    : problem_(problem), weight_(weight), low_(problem.start), high_(problem.start) {
+    : problem_(problem),
+      weight_(weight),
+      low_(problem.start),
+      high_(problem.start),
+      near_low_(problem.start),
+      near_high_(problem.start),
+      trees_{Tree(problem.space.robot().dof()), Tree(problem.space.robot().dof())} {
   const Robot& robot = problem.space.robot();
   const Eigen::AlignedBox3d map = problem.space.map().bounds();
   const double map_size = map.isEmpty() ? 0.0 : map.diagonal().norm();
@@ -41,8 +50,13 @@ BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::
                               : map_size + (problem.goal - problem.start).norm();
     low_[j] = std::max(joint.lower, least - margin);
     high_[j] = std::min(joint.upper, most + margin);
+    near_low_[j] = low_[j], near_high_[j] = high_[j];
+    if (joint.kind != JointKind::revolute || high_[j] - low_[j] <= 2.0 * std::numbers::pi) continue;
+    const double middle = 0.5 * (least + most);
+    near_low_[j] = std::max(low_[j], std::min(least, middle - std::numbers::pi));
+    near_high_[j] = std::min(high_[j], std::max(most, middle + std::numbers::pi));
   }
-  range_ = range > 0.0 ? range : range_share * length(low_, high_);
+  range_ = range > 0.0 ? range : range_share * length(near_low_, near_high_);
   add(start, problem.start, -1, false);
   add(goal, problem.goal, -1, false);
 }
@@ -50,15 +64,8 @@ BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::
 int BidirectionalTrees::add(Side side, const Configuration& q, int parent, bool is_sampled) {
   Tree& tree = trees_[side];
   tree.nodes.push_back({q, parent, is_sampled, false});
-  const std::size_t place = tree.nodes.size() - 1, joints = static_cast<std::size_t>(q.size());
-  if (place % 8 == 0)
-    tree.weighted.resize(tree.weighted.size() + joints,
-                         EightNumbers::Constant(std::numeric_limits<double>::infinity()));
-  for (std::size_t j = 0; j < joints; ++j) {
-    const auto i = static_cast<Eigen::Index>(j);
-    tree.weighted[place / 8 * joints + j][static_cast<Eigen::Index>(place % 8)] = weight_[i] * q[i];
-  }
-  return static_cast<int>(place);
+  tree.weighted.add(weight_.cwiseProduct(q));
+  return static_cast<int>(tree.nodes.size()) - 1;
 }
 
 int BidirectionalTrees::add_trace(Side side, int from, const std::vector<Configuration>& trace) {
@@ -67,21 +74,7 @@ int BidirectionalTrees::add_trace(Side side, int from, const std::vector<Configu
 }
 
 int BidirectionalTrees::nearest(Side side, const Configuration& q) const {
-  const Eigen::VectorXd y = weight_.cwiseProduct(q);
-  const auto n = static_cast<std::size_t>(y.size());
-  const Tree& tree = trees_[side];
-  int best = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t first = 0; first < tree.weighted.size(); first += n) {
-    EightNumbers sums = EightNumbers::Zero();
-    for (std::size_t j = 0; j < n; ++j)
-      sums += (tree.weighted[first + j] - y[static_cast<Eigen::Index>(j)]).square();
-    if (!(sums.minCoeff() < least)) continue;
-    Eigen::Index of_eight = 0;
-    least = sums.minCoeff(&of_eight);
-    best = static_cast<int>(first / n * 8) + static_cast<int>(of_eight);
-  }
-  return best;
+  return static_cast<int>(trees_[side].weighted.nearest(weight_.cwiseProduct(q)));
 }
 
 bool BidirectionalTrees::is_free(const Configuration& from, const Configuration& to) {
@@ -168,8 +161,10 @@ bool BidirectionalTrees::connect(Side side, int node) {
 }
 
 Configuration BidirectionalTrees::draw(std::mt19937_64& random) const {
-  Configuration q(low_.size());
-  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = low_[j] + (high_[j] - low_[j]) * random_unit(random);
+  const bool is_far = samples_ % far_samples == 0;
+  const Eigen::VectorXd &low = is_far ? low_ : near_low_, &high = is_far ? high_ : near_high_;
+  Configuration q(low.size());
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = low[j] + (high[j] - low[j]) * random_unit(random);
   return q;
 }
 

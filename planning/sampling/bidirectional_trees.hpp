@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planning/problem/planner.hpp"
+#include "planning/sampling/nearest_nodes.hpp"
 #include "planning/sampling/sampled_trees.hpp"
 
 namespace clearway {
@@ -59,10 +60,10 @@ class BidirectionalTrees {
   int samples() const { return samples_; }
 
  private:
-  using EightNumbers = Eigen::Array<double, 8, 1>;
   struct Tree {
+    explicit Tree(std::size_t joints) : weighted(joints) {}
     std::vector<Node> nodes;
-    std::vector<EightNumbers> weighted;  ///< y of each eight nodes: a row of each joint; infinite: no node
+    NearestNodes weighted;  ///< the nodes, each joint times its weight
   };
 
   int add(Side side, const Configuration& q, int parent, bool is_sampled);
@@ -79,7 +80,8 @@ class BidirectionalTrees {
 
   const PlanProblem& problem_;
   Eigen::VectorXd weight_, low_, high_;
-  double range_ = 0.0;  ///< longest edge of the samples, weighted units
+  Eigen::VectorXd near_low_, near_high_;  ///< one turn about start and goal
+  double range_ = 0.0;                    ///< longest edge of the samples, weighted units
   std::array<Tree, 2> trees_;
   std::array<int, 2> joined_{-1, -1};
   bool is_whole_ = false;  ///< the last edge was free all along

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/worlds/batch_worlds.hpp"
+#include "tests/worlds/instruction_sets.hpp"
 
 namespace clearway {
 namespace core_lanes_test {
@@ -57,9 +58,7 @@ TEST(CoreLanes, WhatTheyRefuseIsNotFreeAndTheyRefuseMuchOfIt) {
 }
 
 TEST(CoreLanes, AllRegistersFindTheSameAndPlaceTheFramesAsTheLookDoes) {
-  std::vector<InstructionSet> kinds{InstructionSet::portable};
-  if (best_instruction_set() != InstructionSet::portable) kinds.push_back(InstructionSet::avx2);
-  if (best_instruction_set() == InstructionSet::avx512) kinds.push_back(InstructionSet::avx512);
+  const std::vector<InstructionSet> kinds = worlds::instruction_sets();
   for (const Robot& robot : worlds::robots_of_all_kinds()) {
     const ConfigurationSpace space(robot, worlds::voxels_about(robot, 3), {});
     const SphereRobot& spheres = *space.collision_model().spheres;
