@@ -278,7 +278,7 @@ class PickCheck {
   }
 
   Snapshot without_layer(const Snapshot& map, const Eigen::Isometry3d& map_from_object) const {
-    const double edge = plan_.map.resolution(), wide = edge + padding_;
+    const double edge = plan_.map.resolution(), wide = layer_reach(edge, padding_);
     const double plane = lowest(shape_, map_from_object);
     const Eigen::AlignedBox3d about = box_of(map_from_object, wide);
     const auto is_layer = [&](const Eigen::Vector3d& center) {

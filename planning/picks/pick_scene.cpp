@@ -46,7 +46,7 @@ std::vector<Eigen::Vector3d> object_voxels(const Pick& pick, double resolution) 
 
 std::vector<Eigen::Vector3d> support_layer(const Shape& shape, const Eigen::Isometry3d& map_from_object,
                                            double resolution, double padding) {
-  Eigen::AlignedBox3d box = grown(shape.bounds(map_from_object), resolution + padding);
+  Eigen::AlignedBox3d box = grown(shape.bounds(map_from_object), layer_reach(resolution, padding));
   const double plane = lowest_point(shape, map_from_object);
   box.max().z() = plane + resolution;
   const Eigen::AlignedBox3d wide = grown(box, 0.5 * surely);

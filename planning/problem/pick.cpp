@@ -34,6 +34,8 @@ double contact_length(const Pick& pick, double resolution, double padding) {
   return pick.contact > 0.0 ? pick.contact : 2.0 * (resolution + padding);
 }
 
+double layer_reach(double resolution, double padding) { return 1.05 * resolution + padding; }
+
 void require_sound(const Pick& pick, double resolution, double padding) {
   const auto require = [&](bool holds, const std::string& field, const std::string& expected) {
     if (!holds)

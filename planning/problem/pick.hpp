@@ -25,8 +25,8 @@ namespace clearway {
 ///   leave     to the goal, if there is one; the object, at its place, may not be touched
 ///
 /// The object's voxels: those wholly above the plane that it reaches into, or comes within `margin` of. The
-/// layer: voxels that lie wholly within the box about the object, one voxel and the padding wider, from one
-/// voxel and the padding below the plane to one voxel above it.
+/// layer: voxels that lie wholly within the box about the object, layer_reach() wider and lower, and reach at
+/// most one voxel above the plane.
 struct Pick {
   Load object;  ///< its link_from_load is not used: it is where the grasp has it
   Eigen::Isometry3d map_from_object = Eigen::Isometry3d::Identity();
@@ -45,6 +45,10 @@ std::vector<std::string> names_of_legs(bool has_goal);
 
 /// `contact`, chosen where it is 0. @param resolution of the map, metres
 double contact_length(const Pick& pick, double resolution, double padding);
+
+/// How far the layer reaches, metres: a voxel, the padding, and a twentieth of a voxel, for what moves
+/// straight in joint space strays from a straight line.
+double layer_reach(double resolution, double padding);
 
 /// @throws std::invalid_argument in one sentence naming the field: poses and lengths that are none, an
 /// approach of no length, a contact shorter than a voxel and the padding, a lift shorter than the contact.

@@ -1,5 +1,6 @@
 #include "tests/evidence/pick_evidence.hpp"
 
+#include <cmath>
 #include <optional>
 
 #include "apps/suites/suite_cells.hpp"
@@ -121,27 +122,42 @@ void draw_shelf(const Arm& arm, SuiteDice& dice, Problem& problem) {
   pick.lift = dice.between(0.05, 0.07);
 }
 
-/// Whether the tip can be led straight there and no joint reaches its limit; obstacles do not count.
-bool can_go(const Robot& robot, const Configuration& q, const Eigen::Vector3d& way) {
-  return follow_tip(robot, Eigen::Translation3d(way) * tip_pose(robot, q), q).is_reached;
+/// Whether the tip can be led straight there, without a joint at its limit, free of obstacles every 5 mm; the
+/// first `contact` metres in `first`, the others in `then`. `robot` holds nothing.
+bool can_go(const Robot& robot, Configuration q, const Eigen::Vector3d& way, const ConfigurationSpace& first,
+            double contact, const ConfigurationSpace& then) {
+  const Eigen::Isometry3d begin = tip_pose(robot, q);
+  const int steps = static_cast<int>(std::ceil(way.norm() / 0.005));
+  for (int i = 1; i <= steps; ++i) {
+    const FollowedTip next = follow_tip(robot, Eigen::Translation3d(way * i / steps) * begin, q);
+    const double gone = way.norm() * i / steps;
+    if (!next.is_reached || !(gone <= contact ? first : then).is_free(next.q)) return false;
+    q = next.q;
+  }
+  return true;
 }
 
-/// Whether the hand has a free configuration at both ends, with the object where it is then, from which the
-/// arm can go the straight ways.
-bool is_within_reach(const ConfigurationSpace& space, const Pick& pick, const Configuration& start) {
+/// Whether at both ends some configuration holds the object there, from which the straight ways are free. The
+/// planner has to find two of them, and the ways to and between them, which may not exist.
+bool are_ends_possible(const ConfigurationSpace& space, const Pick& pick, const Configuration& start) {
   PickScene scene(space, pick, {});
   const Robot& robot = space.robot();
+  const double contact = contact_length(pick, space.map().resolution(), space.options().padding);
+  const Eigen::Vector3d up = pick.lift * Eigen::Vector3d::UnitZ();
   const auto can = [&](const ConfigurationSpace& there, const Eigen::Isometry3d& object,
-                       const Eigen::Vector3d& back) {
-    for (const Configuration& q : goal_configurations(robot, object * pick.object_from_tip, start, 128, 7))
-      if (there.is_free(q) && can_go(robot, q, back) &&
-          can_go(robot, q, pick.lift * Eigen::Vector3d::UnitZ()))
+                       const Eigen::Vector3d& back, bool is_grasp) {
+    for (const Configuration& q : goal_configurations(robot, object * pick.object_from_tip, start, 128, 7)) {
+      if (!there.is_free(q) || !can_go(robot, q, back, there, 0.0, there)) continue;
+      const LinkPoses poses = forward_kinematics(robot, q);
+      scene.hold(poses[static_cast<std::size_t>(robot.tip_link)].inverse() * object);
+      if (can_go(robot, q, up, is_grasp ? scene.lifting() : scene.lowering(), contact, scene.carrying()))
         return true;
+    }
     return false;
   };
   const Eigen::Matrix3d turned = pick.map_from_place.linear() * pick.map_from_object.linear().transpose();
-  return can(scene.grasping(), pick.map_from_object, -pick.approach) &&
-         can(scene.releasing(), pick.map_from_place, -(turned * pick.approach));
+  return can(scene.grasping(), pick.map_from_object, -pick.approach, true) &&
+         can(scene.releasing(), pick.map_from_place, -(turned * pick.approach), false);
 }
 
 /// A free configuration with the hand before the furniture, pointing as it grasps.
@@ -189,7 +205,7 @@ PickEvidence pick_and_place(std::uint64_t seed, std::uint64_t index) {
                                    {.other = Policy::not_occupied, .critical_by_default = false},
                                    {.padding = robot.position_accuracy});
     const auto start = draw_start(space, problem, dice);
-    if (!start || !is_within_reach(space, problem.pick, *start)) continue;
+    if (!start || !are_ends_possible(space, problem.pick, *start)) continue;
     PickTally& tally = evidence.tallies[std::string(arm.name) + (is_shelf ? ", shelf" : ", table")];
     const Plan plan =
         plan_pick({.space = space, .start = *start, .goals = {}, .time_limit = 10.0, .survey = std::nullopt},

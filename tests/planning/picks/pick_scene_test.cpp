@@ -51,5 +51,22 @@ TEST(PickScene, KnowsTheLayerOnWhichAnObjectStands) {
   EXPECT_EQ(support_layer(box, on_border, 0.02, 0.001).size(), 2U * 25U);
 }
 
+/// A way that is straight in joint space is not quite so for the object: what is no layer keeps its distance.
+TEST(PickScene, VoxelsBesideAndBelowTheLayerAreFartherThanThePadding) {
+  constexpr double edge = 0.02, padding = 0.001, room = padding + 0.05 * edge - 1e-5;
+  Random random(6);
+  for (int i = 0; i < 300; ++i) {
+    const Shape box = Shape::box({0.03, 0.05, 0.1});
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = random.point(0.3);
+    const Eigen::AlignedBox3d bounds = box.bounds(pose);
+    Eigen::AlignedBox3d layer;
+    for (const Eigen::Vector3d& center : support_layer(box, pose, edge, padding))
+      layer.extend(Eigen::AlignedBox3d(center.array() - edge / 2, center.array() + edge / 2));
+    EXPECT_GE((bounds.min() - layer.min()).minCoeff(), room) << i;
+    EXPECT_GE((layer.max() - bounds.max()).head<2>().minCoeff(), room) << i;
+  }
+}
+
 }  // namespace pick_scene_test
 }  // namespace clearway

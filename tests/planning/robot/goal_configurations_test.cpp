@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
 
@@ -36,6 +38,24 @@ TEST(GoalConfigurations, EachPutsTheTipThereWithinLimitsAndTheNearestIsFirst) {
     }
     EXPECT_EQ(reached, 8) << name;
   }
+}
+
+/// The joints of arms as UR's turn twice: each pose has many turns, and a planner wants the nearest.
+TEST(GoalConfigurations, JointsThatTurnTwiceAreTurnedNearToTheGivenOnes) {
+  Robot robot = load_robot("arm6");
+  for (Joint& joint : robot.joints)
+    joint.lower = -2.0 * std::numbers::pi, joint.upper = 2.0 * std::numbers::pi;
+  Random random(4);
+  int found = 0;
+  for (int round = 0; round < 6; ++round) {
+    const Configuration near = 0.4 * random.configuration(robot);
+    for (const Configuration& q :
+         goal_configurations(robot, tip_pose(robot, random.configuration(robot)), near)) {
+      EXPECT_LE((q - near).lpNorm<Eigen::Infinity>(), std::numbers::pi + 1e-9);
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 12);
 }
 
 TEST(GoalConfigurations, NothingIsFoundOutOfReach) {

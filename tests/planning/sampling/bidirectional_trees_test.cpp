@@ -88,6 +88,31 @@ TEST(BidirectionalTrees, AGuideIsAskedFirstAndTheDeadlineKept) {
   EXPECT_EQ(late.samples(), 0);
 }
 
+/// Joints that turn eight times: 63 of 64 configurations are copies of the poses of one turn.
+TEST(BidirectionalTrees, MostSamplesLieWithinOneTurnAboutStartAndGoal) {
+  Robot robot = load_robot("planar2");
+  for (Joint& joint : robot.joints)
+    joint.lower = -8.0 * std::numbers::pi, joint.upper = 8.0 * std::numbers::pi;
+  const ConfigurationSpace space(robot, VoxelScene{0.05, {}, {}, {}}.snapshot(),
+                                 {.critical_by_default = false});
+  const PathCost cost(robot);
+  const PlanProblem problem{space, cost, Vector2d(1.0, 0.0), Vector2d(2.0, 0.0)};
+  BidirectionalTrees trees(problem, Eigen::VectorXd::Ones(2), 0.5);
+  std::mt19937_64 random(1);
+  const SampleGuide none = nullptr;
+  std::size_t near = 0, all = 0;
+  for (int round = 0; round < 40 && all < 300; ++round) {
+    trees.grow(1, random, none);
+    all = near = 0;
+    for (const BidirectionalTrees::Node& node : trees.nodes(BidirectionalTrees::start)) {
+      near += (node.q - Vector2d(1.5, 0.0)).lpNorm<Eigen::Infinity>() <= std::numbers::pi + 1e-9;
+      ++all;
+    }
+  }
+  EXPECT_GT(all, 20U);
+  EXPECT_GT(4 * near, 3 * all);
+}
+
 TEST(BidirectionalTrees, JoiningTriesTheNearestNodesTheLatestOfEquallyNearOnesFirst) {
   Wall scene;
   int asked = 0;
