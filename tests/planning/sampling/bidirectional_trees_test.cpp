@@ -97,7 +97,7 @@ TEST(BidirectionalTrees, MostSamplesLieWithinOneTurnAboutStartAndGoal) {
                                  {.critical_by_default = false});
   const PathCost cost(robot);
   const PlanProblem problem{space, cost, Vector2d(1.0, 0.0), Vector2d(2.0, 0.0)};
-  BidirectionalTrees trees(problem, Eigen::VectorXd::Ones(2), 0.5);
+  BidirectionalTrees trees(problem, Eigen::VectorXd::Ones(2), 100.0);  // nodes are the samples
   std::mt19937_64 random(1);
   const SampleGuide none = nullptr;
   std::size_t near = 0, all = 0;
