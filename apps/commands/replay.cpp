@@ -200,7 +200,9 @@ class QueryRunner {
             .seen_within = space.options().seen_within,
             .allow_outside = query.allow_outside,
             .start = configuration(query.start),
-            .goals = configurations(query.goals)};
+            .goals = configurations(query.goals),
+            .payload = setup_.robot->payload,
+            .gravity = setup_.robot->gravity};
   }
 
   std::vector<std::string> planners(const QuerySetup& query) const {

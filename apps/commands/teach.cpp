@@ -71,7 +71,9 @@ QueryTerms terms_of(const TaughtPlan& taught) {
           .start = taught.start,
           .goals = taught.goals,
           .loads = taught.plan.pick ? std::vector<LegLoad>{} : taught.plan.loads,
-          .pick = taught.plan.pick};
+          .pick = taught.plan.pick,
+          .payload = taught.plan.payload,
+          .gravity = taught.plan.gravity};
 }
 
 /// What a session leaves in its folder.
