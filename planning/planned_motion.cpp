@@ -10,6 +10,24 @@
 
 namespace clearway {
 
+namespace {
+
+Trajectory timed_legs(const Robot& robot, const Plan& plan) {
+  Trajectory joined;
+  for (const PlanResult& leg : plan.legs) {
+    const Trajectory own = time_parameterize(robot, leg.waypoints);
+    const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
+    joined.sampling_period = own.sampling_period;
+    for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
+      joined.points.push_back(own.points[k]);
+      joined.points.back().time += begin;
+    }
+  }
+  return joined;
+}
+
+}  // namespace
+
 PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
                           const SmoothMotionOptions& options) {
   if (!plan.is_proved())
@@ -48,22 +66,27 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
   return planned;
 }
 
-JointLoad load_of(const Plan& plan, const Robot& robot) {
-  return {.payload = plan.payload * std::pow(robot.scale, 3), .gravity = plan.gravity};
+void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotionOptions& options) {
+  plan.motion.reset();
+  plan.motion_caveat.clear();
+  if (!plan.is_proved()) return;
+  if (!plan.loads.empty() || plan.pick) {
+    plan.motion_caveat =
+        "with loads the robot goes edge by edge and rests where legs end: blends are proved without";
+    return;
+  }
+  try {
+    plan.motion = plan_motion(space, plan, options);
+    if (plan.motion->validation.valid) return;
+    plan.motion_caveat = "the check refuses it: " + plan.motion->validation.fault;
+    plan.motion.reset();
+  } catch (const std::invalid_argument& error) {
+    plan.motion_caveat = error.what();
+  }
 }
 
-Trajectory timed_legs(const Robot& robot, const Plan& plan) {
-  Trajectory joined;
-  for (const PlanResult& leg : plan.legs) {
-    const Trajectory own = time_parameterize(robot, leg.waypoints);
-    const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
-    joined.sampling_period = own.sampling_period;
-    for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
-      joined.points.push_back(own.points[k]);
-      joined.points.back().time += begin;
-    }
-  }
-  return joined;
+JointLoad load_of(const Plan& plan, const Robot& robot) {
+  return {.payload = plan.payload * std::pow(robot.scale, 3), .gravity = plan.gravity};
 }
 
 Trajectory trajectory_of(const Motion& motion) {
@@ -72,6 +95,12 @@ Trajectory trajectory_of(const Motion& motion) {
     trajectory.points.push_back({static_cast<double>(k) * motion.period, motion.positions[k],
                                  motion.velocities[k], motion.accelerations[k]});
   return trajectory;
+}
+
+Trajectory trajectory_of(const Robot& robot, const Plan& plan) {
+  if (plan.motion) return trajectory_of(plan.motion->motion);
+  return plan.loads.empty() && !plan.pick ? time_parameterize(robot, plan.waypoints())
+                                          : timed_legs(robot, plan);
 }
 
 }  // namespace clearway

@@ -16,14 +16,18 @@ namespace clearway {
 PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
                           const SmoothMotionOptions& options = {});
 
+/// Gives a proved plan its motion (plan_motion), or Plan::motion_caveat: it carries loads, its motion would
+/// be too long, or the check refuses it. A plan that is not proved is left as it is.
+void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotionOptions& options = {});
+
 /// What the plan was told to carry, at the robot's scale.
 JointLoad load_of(const Plan& plan, const Robot& robot);
 
-/// A plan that carries loads in time: each leg's edges without blends (time_parameterize), at rest where legs
-/// end. @throws std::invalid_argument as time_parameterize
-Trajectory timed_legs(const Robot& robot, const Plan& plan);
-
-/// The same motion as points in time, one at each knot, with accelerations.
+/// A motion as points in time, one at each knot, with accelerations.
 Trajectory trajectory_of(const Motion& motion);
+
+/// A proved plan in time: its motion; where it has none, its edges without blends (time_parameterize), of a
+/// plan with loads leg by leg, at rest where legs end. @throws std::invalid_argument as time_parameterize
+Trajectory trajectory_of(const Robot& robot, const Plan& plan);
 
 }  // namespace clearway

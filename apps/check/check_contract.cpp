@@ -1,6 +1,7 @@
 #include "apps/check/check_contract.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
@@ -112,6 +113,19 @@ class Statement {
                         "; by default it is " + std::string(to_string(by_default.at(part))));
     }
     return terms;
+  }
+
+  Term<double> payload() const {
+    if (options_.pull.payload) return {*options_.pull.payload, TermSource::flag};
+    if (query_ && query_->payload) return {*query_->payload, TermSource::map};
+    return {plan_.payload, TermSource::plan};
+  }
+
+  Term<Eigen::Vector3d> gravity() const {
+    if (!options_.pull.gravity.empty())
+      return {Eigen::Vector3d(options_.pull.gravity.data()), TermSource::flag};
+    if (query_ && query_->gravity) return {*query_->gravity, TermSource::map};
+    return {plan_.gravity, TermSource::plan};
   }
 
   /// At the contract's scale, metres: bit for bit as a robot of that scale has it.
@@ -298,6 +312,13 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
                                 "': expected none beside a pick, whose object is the one load");
   const std::vector<LegLoad> loads = carried_under(contract);
   contract.policies = statement.policies(loads, contract.notes);
+  contract.payload = statement.payload();
+  contract.gravity = statement.gravity();
+  if (!plan.motion && (options.pull.payload || !options.pull.gravity.empty()))
+    contract.notes.push_back(
+        "payload and gravity are only compared with what the plan says: torques belong to a motion, and it "
+        "has "
+        "none");
   contract.padding = statement.padding();
   contract.seen_within = statement.seen_within();
   contract.position_accuracy = statement.position_accuracy();
@@ -323,6 +344,11 @@ Robot robot_of(const Contract& contract, const Robot& robot) {
   Robot placed = scaled(robot, contract.scale.value / robot.scale);
   placed.map_from_base = contract.map_from_base.value;
   return placed;
+}
+
+JointLoad joint_load_of(const Contract& contract) {
+  return {.payload = contract.payload.value * std::pow(contract.scale.value, 3),
+          .gravity = contract.gravity.value};
 }
 
 std::map<std::string, Policy> policies_of(const Contract& contract) {

@@ -11,6 +11,7 @@
 #include "mapping/snapshot.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/files/query_record.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 
 namespace clearway {
 
@@ -36,6 +37,8 @@ struct Contract {
   std::map<std::string, Term<Policy>> policies;  ///< of every part, loads included
   Term<std::vector<LegLoad>> loads;              ///< that ride on the robot
   Term<std::optional<Pick>> pick;                ///< what is taken; its load is not in `loads`
+  Term<double> payload;                          ///< kg at the tip, full size
+  Term<Eigen::Vector3d> gravity;                 ///< m/s^2, map frame
   Term<double> padding;                          ///< metres
   Term<double> seen_within;                      ///< of parts under known_free, seconds; 0: ever
   double position_accuracy = 0.0;                ///< of the robot at the contract's scale, metres
@@ -73,12 +76,13 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
                         const std::optional<QueryRecord>& record);
 
 /// All in which the plan loosens the contract: another robot, scale, base or map; a policy that is looser or
-/// missing, a smaller padding; a load that is missing or another; another start, goals that its legs do not
-/// reach one after the other. What the plan tightens is none.
+/// missing, a smaller padding; a load that is missing or another, a smaller payload or another gravity;
+/// another start, goals that its legs do not reach one after the other. What the plan tightens is none.
 std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
                                   const std::set<AcceptedTerm>& accepted);
 
-/// Takes from the plan what it loosens and the user accepts: scale, base, policies, padding and loads.
+/// Takes from the plan what it loosens and the user accepts: scale, base, policies, padding, loads, payload
+/// and gravity.
 void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract);
 
 /// The robot at the scale and base of the contract, without its loads.
@@ -86,6 +90,9 @@ Robot robot_of(const Contract& contract, const Robot& robot);
 
 /// The loads of the contract; of a pick its object on the legs that carry it.
 std::vector<LegLoad> carried_under(const Contract& contract);
+
+/// What hangs on the robot of that scale and pulls it.
+JointLoad joint_load_of(const Contract& contract);
 
 /// The policy of each part.
 std::map<std::string, Policy> policies_of(const Contract& contract);

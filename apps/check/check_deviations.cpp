@@ -5,8 +5,8 @@
 #include "apps/check/check_contract.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/query/loads.hpp"
-
 #include "planning/problem/planner.hpp"
+
 namespace clearway {
 
 namespace {
@@ -39,6 +39,7 @@ class Comparison {
     compare_seen_within();
     compare_loads();
     compare_pick();
+    compare_pull();
     compare_map();
     compare_start();
     compare_goals();
@@ -160,6 +161,19 @@ class Comparison {
       add(AcceptedTerm::load, expected + ", the plan says another shape, pose, grasp, place or way of it");
   }
 
+  /// With more than is stated at the tip, costs are higher and motions slower.
+  void compare_pull() {
+    const auto& [payload, source] = contract_.payload;
+    if (plan_.payload < payload)
+      add(AcceptedTerm::payload, "payload: expected " + significant(payload) + " kg" + by(source) +
+                                     ", the plan says " + significant(plan_.payload) + " kg");
+    const Eigen::Vector3d& gravity = contract_.gravity.value;
+    if (!((plan_.gravity - gravity).cwiseAbs().maxCoeff() <= contract_tolerance))
+      add(AcceptedTerm::payload, "gravity: expected " + to_text(Configuration(gravity)) + " m/s^2" +
+                                     by(contract_.gravity.source) + ", the plan says " +
+                                     to_text(Configuration(plan_.gravity)) + " m/s^2");
+  }
+
   void compare_map() {
     if (contract_.map_sha256.value == plan_.map_sha256) return;
     add(AcceptedTerm::map, "map: expected one with the sha256 " + contract_.map_sha256.value.substr(0, 16) +
@@ -243,6 +257,11 @@ void adopt_loads(const Plan& plan, Contract& contract) {
   }
 }
 
+void adopt_pull(const Plan& plan, Contract& contract) {
+  if (plan.payload < contract.payload.value) contract.payload = {plan.payload, TermSource::plan};
+  if (plan.gravity != contract.gravity.value) contract.gravity = {plan.gravity, TermSource::plan};
+}
+
 }  // namespace
 
 void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract) {
@@ -252,6 +271,7 @@ void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contr
     if (deviation.term == AcceptedTerm::base) contract.map_from_base = {plan.map_from_base, TermSource::plan};
     if (deviation.term == AcceptedTerm::padding) contract.padding = {plan.padding, TermSource::plan};
     if (deviation.term == AcceptedTerm::load) adopt_loads(plan, contract);
+    if (deviation.term == AcceptedTerm::payload) adopt_pull(plan, contract);
     if (deviation.term != AcceptedTerm::policy) continue;
     Term<double>& seen_within = contract.seen_within;
     const bool is_looser = plan.seen_within == 0.0 || plan.seen_within > seen_within.value;

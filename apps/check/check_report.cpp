@@ -32,6 +32,8 @@ std::string_view name_of(AcceptedTerm term) {
       return "padding";
     case AcceptedTerm::load:
       return "load";
+    case AcceptedTerm::payload:
+      return "payload";
     case AcceptedTerm::map:
       return "map";
     case AcceptedTerm::goals:
@@ -69,6 +71,8 @@ Json contract_json(const Contract& contract) {
     json["pick"]["value"] = json_of(*contract.pick.value);
     json["pick"]["source"] = to_string(contract.pick.source);
   }
+  json["payload_kg"] = term_json(contract.payload.value, contract.payload.source);
+  json["gravity"] = term_json(numbers(contract.gravity.value), contract.gravity.source);
   json["map_sha256"] = term_json(contract.map_sha256.value, contract.map_sha256.source);
   json["start"] = term_json(numbers(contract.start.value), contract.start.source);
   Json goals = Json::array();
@@ -109,6 +113,9 @@ void append_contract(const Contract& contract, Rows& rows) {
     rows.emplace_back("load", describe_load(load) + from(contract.loads.source));
   if (contract.pick.value)
     rows.emplace_back("pick", contract.pick.value->object.name + from(contract.pick.source));
+  rows.emplace_back("payload", significant(contract.payload.value) + " kg" + from(contract.payload.source));
+  rows.emplace_back(
+      "gravity", to_text(Configuration(contract.gravity.value)) + " m/s^2" + from(contract.gravity.source));
   rows.emplace_back("policy", policy_text(contract));
   if (contract.seen_within.value > 0.0)
     rows.emplace_back("seen within", significant(contract.seen_within.value) +
@@ -140,11 +147,7 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
 }
 
 void append_torques(const TorqueFinding& torques, Rows& rows) {
-  const Eigen::Vector3d& gravity = torques.load.gravity;
-  if (torques.share != 0.0)
-    rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit, with payload " +
-                                     significant(torques.load.payload) + " kg and gravity " +
-                                     to_text(Configuration(gravity)) + " m/s^2");
+  if (torques.share != 0.0) rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit");
   for (const std::string& joint : torques.overloaded)
     rows.emplace_back("note", "gravity alone takes more than 95 % of the torque limit of joint " + joint);
 }

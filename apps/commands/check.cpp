@@ -9,7 +9,6 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "planning/files/plan_file.hpp"
-#include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/torque_terms.hpp"
 
@@ -66,7 +65,7 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
   report.motion = check_motion(placed, map, policies_of(contract), contract.padding.value,
                                plan.motion->motion, plan.motion->leg_ends, plan.stops(),
                                rate_limits(placed, plan.motion->scales), contract.seen_within.value);
-  const TorqueTerms terms = torque_terms(placed, load_of(plan, placed));
+  const TorqueTerms terms = torque_terms(placed, joint_load_of(contract));
   if (!report.motion->valid) return;
   report.torques = greatest_torques(placed, plan.motion->motion, terms);
   report.motion->fault = torque_fault(placed, plan.motion->motion, terms, *report.torques);

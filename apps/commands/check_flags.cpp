@@ -29,6 +29,7 @@ Command add_check(CLI::App& app, Console& console) {
   add_survey_flags(*command, options->survey);
   add_attach(*command, options->attach, otherwise + "the plan's");
   add_pick(*command, options->pick, options->place, "; default: the map's own query; a plan's is refused");
+  add_pull(*command, options->pull, otherwise + "the plan's", otherwise + "the plan's");
   command
       ->add_option(
           "--start", options->start,
@@ -51,6 +52,8 @@ Command add_check(CLI::App& app, Console& console) {
   accept("policy", AcceptedTerm::policy, "the plan's policies count where they are looser");
   accept("padding", AcceptedTerm::padding, "the plan's padding counts where it is smaller");
   accept("load", AcceptedTerm::load, "the plan's loads and its pick count where it drops or changes one");
+  accept("payload", AcceptedTerm::payload,
+         "the plan's payload and gravity count where the one is smaller or the other differs");
   accept("map", AcceptedTerm::map, "the plan may be made on another map (another sha256)");
   accept("goals", AcceptedTerm::goals, "the path may start elsewhere and leave out goals");
   return [options](Console& c) { return run_check(*options, c); };

@@ -182,17 +182,7 @@ Command add_plan(CLI::App& app, Console& console) {
       ->take_all();
   command->add_flag("--print-options", options->print_options,
                     "show the planner's options in force and stop");
-  command->add_option("--payload", options->cost.payload, "mass at the tip for the path cost, full size, kg")
-      ->check(number("a mass from 0 to 1000000000 (kg)", 0.0, 1e9))
-      ->type_name("KG");
-  command
-      ->add_option("--gravity", options->cost.gravity,
-                   "x,y,z for the path cost, map frame, m/s^2 (default: 0,0,-9.81)")
-      ->delimiter(',')
-      ->expected(3)
-      ->allow_extra_args(false)
-      ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
-      ->type_name("G");
+  add_pull(*command, options->pull, "; default: 0", "; default: 0,0,-9.81");
   command->add_option("--seed", options->seed, "of the planner")->type_name("N")->check(whole_number);
   command->add_option("--time-limit", options->time_limit, "seconds for each leg")
       ->check(positive())

@@ -34,30 +34,17 @@ bool wants_motion(const PlanOptions& options) {
   return !options.trajectories.empty() || !options.view.empty() || options.motion;
 }
 
-/// Empty, or why the plan has no motion: what was planned is not lost for it.
-std::string give_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan) try {
-  plan.motion = plan_motion(space, plan, {.scales = options.scales});
-  if (plan.motion->validation.valid) return {};
-  const std::string fault = plan.motion->validation.fault;
-  plan.motion.reset();
-  return "the check refuses it: " + fault;
-} catch (const std::invalid_argument& error) {
-  return error.what();
-}
-
 /// Blends are proved for the robot alone.
 bool has_loads(const Plan& plan) { return !plan.loads.empty() || plan.pick; }
 
 /// Nothing but a proved path is given time: a controller would follow it.
 void add_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan, Console& console) {
   if (!wants_motion(options)) return;
+  give_motion(space, plan, {.scales = options.scales});
   if (plan.is_proved() && has_loads(plan)) {
-    if (!options.trajectories.empty() || options.motion)
-      console.warn(
-          "note: with loads the robot goes edge by edge and rests where legs end: blends are proved without");
+    if (!options.trajectories.empty() || options.motion) console.warn("note: " + plan.motion_caveat);
   } else if (plan.is_proved()) {
-    const std::string fault = give_motion(options, space, plan);
-    if (!fault.empty()) console.warn("clearway: no trajectory was written: " + fault);
+    if (!plan.motion) console.warn("clearway: no trajectory was written: " + plan.motion_caveat);
   } else if (!options.trajectories.empty() || options.motion) {
     console.warn("clearway: no trajectory was written, because the plan is " +
                  (plan.status() == PlanStatus::solved
@@ -82,7 +69,7 @@ bool lacks_trajectory(const PlanOptions& options, const Plan& plan) {
 
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
   if (!has_trajectory(plan)) return;
-  const Trajectory trajectory = plan.motion ? trajectory_of(plan.motion->motion) : timed_legs(robot, plan);
+  const Trajectory trajectory = trajectory_of(robot, plan);
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
   }
@@ -220,12 +207,12 @@ int run_plan(const PlanOptions& options, Console& console) {
                   .time_limit = options.time_limit,
                   .loads = loads,
                   .load_policies = load_policies,
-                  .payload = options.cost.payload,
+                  .payload = options.pull.payload.value_or(0.0),
                   .survey = options.survey,
                   .robot_name = options.robot.robot,
                   .map_file = options.map,
                   .map_digest = map_sha256(options.map)};
-  if (!options.cost.gravity.empty()) query.gravity = Eigen::Vector3d(options.cost.gravity.data());
+  if (!options.pull.gravity.empty()) query.gravity = Eigen::Vector3d(options.pull.gravity.data());
   Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
   add_motion(options, space, plan, console);
   tell_default_policy(options, plan, space, console);

@@ -20,9 +20,9 @@
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
-#include "planning/path/trajectory.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -146,6 +146,9 @@ class QueryRunner {
                               .map_digest = digest,
                               .name = query.name};
         Plan plan = picks_[i] ? plan_pick(asked, *picks_[i]) : plan_and_check(asked);
+        const auto begin = Clock::now();
+        give_motion(*spaces_[i], plan);
+        motion_s_ += seconds_since(begin);
         const std::filesystem::path file =
             std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
         save_file(folder_ / file, to_json(plan));
@@ -154,6 +157,9 @@ class QueryRunner {
     }
     return plans;
   }
+
+  /// Wall time of giving the plans their motions.
+  double motion_seconds() const { return motion_s_; }
 
  private:
   static std::vector<LegLoad> loads_of(const QuerySetup& query) try {
@@ -200,7 +206,9 @@ class QueryRunner {
             .seen_within = space.options().seen_within,
             .allow_outside = query.allow_outside,
             .start = configuration(query.start),
-            .goals = configurations(query.goals)};
+            .goals = configurations(query.goals),
+            .payload = setup_.robot->payload,
+            .gravity = setup_.robot->gravity};
   }
 
   std::vector<std::string> planners(const QuerySetup& query) const {
@@ -242,6 +250,7 @@ class QueryRunner {
   std::vector<std::vector<LegLoad>> loads_;  ///< of each query
   std::vector<std::optional<Pick>> picks_;   ///< the same
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
+  double motion_s_ = 0.0;
 };
 
 /// The map, the robot and the plans behind what the fusion saw.
@@ -250,8 +259,7 @@ void finish_record(const ReplayReport& report, ReplayRecord& record) {
   for (const ReplayPlan& entry : report.plans) {
     if (entry.plan.status() != PlanStatus::solved) continue;
     const Robot& robot = entry.space->robot();
-    record.add_plan(entry.query + "-" + entry.plan.planner, robot,
-                    time_parameterize(robot, entry.plan.waypoints()));
+    record.add_plan(entry.query + "-" + entry.plan.planner, robot, trajectory_of(robot, entry.plan));
   }
   record.finish();
 }
@@ -269,6 +277,9 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
     console.out() << '\n';
     print_table(console.out(), plan_table(report));
     for (const ReplayPlan& entry : report.plans) {
+      if (!entry.plan.motion_caveat.empty())
+        console.out() << "  " << entry.query << ", " << entry.plan.planner
+                      << ": no smooth motion: " << entry.plan.motion_caveat << '\n';
       if (entry.plan.is_proved()) continue;
       console.out() << "  " << entry.query << ", " << entry.plan.planner << ": "
                     << (entry.plan.status() == PlanStatus::solved ? entry.plan.validation.first_contact
@@ -351,7 +362,9 @@ int run_replay(const ReplayOptions& options, Console& console) {
 
   begin = Clock::now();
   if (runner) report.plans = runner->run(console);
-  report.timings.emplace_back("plan and check", seconds_since(begin));
+  const double motion_s = runner ? runner->motion_seconds() : 0.0;
+  report.timings.emplace_back("plan and check", seconds_since(begin) - motion_s);
+  report.timings.emplace_back("motion", motion_s);
 
   const std::string json = report_json(report);
   save_file(folder.path() / "report.json", json);

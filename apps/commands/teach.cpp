@@ -32,7 +32,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/files/trajectory_file.hpp"
-#include "planning/path/trajectory.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
@@ -71,7 +71,9 @@ QueryTerms terms_of(const TaughtPlan& taught) {
           .start = taught.start,
           .goals = taught.goals,
           .loads = taught.plan.pick ? std::vector<LegLoad>{} : taught.plan.loads,
-          .pick = taught.plan.pick};
+          .pick = taught.plan.pick,
+          .payload = taught.plan.payload,
+          .gravity = taught.plan.gravity};
 }
 
 /// What a session leaves in its folder.
@@ -118,7 +120,7 @@ class TaughtFolder {
 
   void export_approved(const TaughtPlan& taught) const {
     const Robot& robot = taught.space->robot();
-    const Trajectory motion = timed(taught);
+    const Trajectory motion = trajectory_of(robot, taught.plan);
     fs::create_directories(folder_ / "approved");
     for (const TrajectoryFormat& format : trajectory_formats()) {
       const bool is_for_robots = format.name == "ros" || format.name == "urscript";

@@ -18,6 +18,7 @@
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/trajectory.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -37,12 +38,26 @@ std::string verdict_of(const Plan& plan) {
 constexpr double cost_step = 0.05;
 
 /// Nothing for a motion that lasts too long to be sampled.
-std::optional<CompareMotion> motion_of(const Robot& robot, const std::vector<Configuration>& path) try {
-  const Trajectory trajectory = time_parameterize(robot, path);
+std::optional<CompareMotion> motion_of(const Plan& plan, const Robot& robot) try {
+  if (plan.motion) {
+    const MotionShares shares = shares_of(greatest_rates(plan.motion->motion), rate_limits(robot));
+    return CompareMotion{plan.motion->motion.duration(), shares.velocity, shares.acceleration, shares.jerk};
+  }
+  const Trajectory trajectory = trajectory_of(robot, plan);
   const LimitShares shares = limit_shares(robot, trajectory);
-  return CompareMotion{trajectory.points.back().time, shares.velocity, shares.acceleration};
+  CompareMotion motion{trajectory.points.back().time, shares.velocity, shares.acceleration};
+  motion.note = plan.motion_caveat;
+  return motion;
 } catch (const std::invalid_argument&) {
   return std::nullopt;
+}
+
+/// The motion along a proved plan, which is no part of the time that it took to plan.
+void add_motion(Plan plan, const ConfigurationSpace& space, CompareRun& run) {
+  if (!plan.is_proved()) return;
+  const ThreadStopwatch cpu(run.motion_cpu);
+  give_motion(space, plan);
+  run.motion = motion_of(plan, space.robot());
 }
 
 /// rad per metre that the planner was given; 0, automatic, where it was given none.
@@ -72,7 +87,7 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
   run.check_time = plan.check_s;
   run.check_cpu = plan.check_cpu_s;
   run.statistics = column_statistics(plan.legs);
-  if (plan.validation.valid) run.motion = motion_of(space.robot(), plan.waypoints());
+  add_motion(plan, space, run);
   for (const PlanResult& leg : plan.legs) {
     run.legs += leg.status == PlanStatus::solved;
     run.configurations += leg.configurations_checked;
@@ -270,6 +285,7 @@ class RobotServer : public ProblemServer {
       Plan plan = planned == plans.end() ? load_plan(file) : parse_plan(planned->second, file.string());
       plan.map_integration = to_string(integration_of(open.stage.map));
       plan.map_caveat = map_caveat(open.stage.map);
+      give_motion(open.space, plan);
       page.plans.push_back(page_of_plan(plan, open.space, problem.start, experiment_.planners[i].label));
     }
     return render_report_page(page);

@@ -34,10 +34,10 @@ struct RobotChoice {
   std::vector<std::string> packages = {};  ///< "NAME=DIR"
 };
 
-/// Flags of `plan` about what a path costs.
-struct CostChoice {
-  double payload = 0.0;         ///< kg at the tip, full size
-  std::vector<double> gravity;  ///< x,y,z in the map frame, m/s^2; empty: (0, 0, -9.81)
+/// Flags that `plan` and `check` share about what pulls the robot: costs and torques follow from it.
+struct PullChoice {
+  std::optional<double> payload = {};  ///< kg at the tip, full size
+  std::vector<double> gravity = {};    ///< x,y,z in the map frame, m/s^2; empty: none is chosen
 };
 
 struct ReplayOptions {
@@ -113,7 +113,7 @@ struct PlanOptions {
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: none
   std::string place = {};                          ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's
   bool degrees = false;
-  CostChoice cost;
+  PullChoice pull;
   SurveyDemands survey;
   std::string planner = "auto";
   std::vector<std::string> settings;  ///< "key=value", planner options
@@ -130,7 +130,7 @@ struct PlanOptions {
 int run_plan(const PlanOptions& options, Console& console);
 
 /// What a plan may loosen when the user names it (--accept-…).
-enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, map, goals };
+enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, payload, map, goals };
 
 struct CheckOptions {
   std::filesystem::path map;
@@ -140,6 +140,7 @@ struct CheckOptions {
   std::vector<std::filesystem::path> attach = {};  ///< files of loads; none: the map's or the plan's
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: the map's
   std::string place = {};                          ///< where it goes; empty: the file's
+  PullChoice pull;
   bool degrees = false;
   std::set<AcceptedTerm> accepted;
   SurveyDemands survey;

@@ -180,6 +180,21 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       ->type_name("POSE");
 }
 
+void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, const std::string& gravity) {
+  command
+      .add_option("--payload", pull.payload,
+                  "mass at the tip for path cost and torques, full size, kg" + payload)
+      ->check(number("a mass from 0 to 1000000 (kg)", 0.0, 1e6))
+      ->type_name("KG");
+  command
+      .add_option("--gravity", pull.gravity, "x,y,z for path cost and torques, map frame, m/s^2" + gravity)
+      ->delimiter(',')
+      ->expected(3)
+      ->allow_extra_args(false)
+      ->check(number("numbers from -1000 to 1000", -1e3, 1e3))
+      ->type_name("G");
+}
+
 void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
   command
       .add_option(

@@ -56,6 +56,9 @@ void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, co
 /// --pick and --place, as `plan` and `check` share them. @param note of --pick's default
 void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note);
 
+/// --payload and --gravity, as `plan` and `check` share them. @param payload, gravity notes of their defaults
+void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, const std::string& gravity);
+
 /// --allow-outside and --strict, as `plan` and `check` share them.
 void add_survey_flags(CLI::App& command, SurveyDemands& demands);
 

@@ -25,6 +25,7 @@
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/path/trajectory.hpp"
+#include "planning/planned_motion.hpp"
 
 namespace clearway {
 namespace {
@@ -117,7 +118,7 @@ class GrowingPaint {
 };
 
 /// How a solved plan moves, and how near it comes to things.
-struct Motion {
+struct DrawnMotion {
   std::vector<Configuration> positions;
   std::vector<std::size_t> legs{};  ///< of each of them; empty: nothing rides on the robot
   double period = 0.0;              ///< s between two of them
@@ -126,16 +127,15 @@ struct Motion {
   double least_clearance = 0.0;
 };
 
-void add_timed(const Robot& robot, const std::vector<Configuration>& waypoints, Motion& motion) {
-  const Trajectory trajectory = time_parameterize(robot, waypoints);
+void add_timed(const Trajectory& trajectory, DrawnMotion& motion) {
   for (const TrajectoryPoint& point : trajectory.points) motion.positions.push_back(point.position);
   motion.period = trajectory.sampling_period;
 }
 
 /// Leg by leg where loads change from one to the next.
-void add_timed_legs(const Robot& robot, const Plan& plan, Motion& motion) {
+void add_timed_legs(const Robot& robot, const Plan& plan, DrawnMotion& motion) {
   for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
-    add_timed(robot, plan.legs[leg].waypoints, motion);
+    add_timed(time_parameterize(robot, plan.legs[leg].waypoints), motion);
     motion.legs.resize(motion.positions.size(), leg);
   }
 }
@@ -161,12 +161,12 @@ class LegClearance {
   std::map<std::size_t, std::unique_ptr<ConfigurationSpace>> spaces_;
 };
 
-Motion motion_of(const ReplayPlan& entry) {
+DrawnMotion drawn_motion(const ReplayPlan& entry) {
   const Robot& robot = entry.space->robot();
-  Motion motion;
+  DrawnMotion motion;
   try {
     if (entry.plan.loads.empty())
-      add_timed(robot, entry.plan.waypoints(), motion);
+      add_timed(trajectory_of(robot, entry.plan), motion);
     else
       add_timed_legs(robot, entry.plan, motion);
   } catch (const std::invalid_argument&) {  // too long to be given time
@@ -195,7 +195,8 @@ class PlanPictures {
  public:
   PlanPictures(const View& view, const OverlayMap& map) : view_(view), map_(map) {}
 
-  cv::Mat solved(const ReplayPlan& entry, const Motion& motion, std::size_t at, const std::string& moment) {
+  cv::Mat solved(const ReplayPlan& entry, const DrawnMotion& motion, std::size_t at,
+                 const std::string& moment) {
     OverlayScene scene = scene_of(entry);
     scene.robot_pose = forward_kinematics(entry.space->robot(), motion.positions[at]);
     scene.path = motion.path;
@@ -305,7 +306,7 @@ void save_stills(const std::filesystem::path& folder, const View& view, const Sn
       save("to_paint", pictures.failed(entry));
       continue;
     }
-    const Motion motion = motion_of(entry);
+    const DrawnMotion motion = drawn_motion(entry);
     save("start", pictures.solved(entry, motion, 0, "start"));
     save("goal", pictures.solved(entry, motion, motion.positions.size() - 1, "goal"));
     save("tightest", pictures.solved(entry, motion, motion.tightest,
@@ -374,7 +375,7 @@ void add_motions(Film& film, const View& view, const OverlayMap& map, const std:
   std::set<std::string> shown;
   for (const ReplayPlan& entry : plans) {
     if (!entry.plan.is_proved() || !shown.insert(entry.query).second) continue;
-    const Motion motion = motion_of(entry);
+    const DrawnMotion motion = drawn_motion(entry);
     const double duration = motion.period * static_cast<double>(motion.positions.size() - 1);
     const auto count = static_cast<std::size_t>(std::ceil(duration * film.rate()));
     for (std::size_t i = 0; i <= count; ++i) {

@@ -192,10 +192,9 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     const std::vector<Configuration>& explored = plan.legs.back().explored;
     path.insert(path.end(), explored.begin(), explored.end());
   }
-  const bool has_loads = !plan.loads.empty() || plan.pick;
-  const auto shown = plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion)
-                     : has_loads && plan.is_proved()
-                         ? show_trajectory(shown_plan, robot, timed_legs(robot, plan))
+  const auto shown = plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion, load_of(plan, robot))
+                     : (!plan.loads.empty() || plan.pick) && plan.is_proved()
+                         ? show_trajectory(shown_plan, robot, trajectory_of(robot, plan))
                          : show_motion(shown_plan, robot, path);
   if (shown.empty()) shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
   for (const PlanResult& leg : plan.legs)

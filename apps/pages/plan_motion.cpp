@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/console/parse.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
 namespace {
@@ -48,6 +49,29 @@ Eigen::VectorXd greatest_of(const std::vector<Eigen::VectorXd>& values, std::siz
 
 std::string percent(double share) { return significant(100.0 * share, 3) + " % of limit"; }
 
+void show_torques(PagePlan& plan, const Robot& robot, const Motion& motion,
+                  const std::vector<std::size_t>& shown, const JointLoad& load) {
+  const TorqueTerms terms = torque_terms(robot, load);
+  if (terms.limits.size() == 0 || !std::isfinite(terms.limits.minCoeff())) return;
+  plan.max_torque.assign(terms.limits.begin(), terms.limits.end());
+  std::vector<Eigen::VectorXd> torques;
+  double greatest = 0.0;
+  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
+    torques.push_back(
+        joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms));
+    greatest = std::max(greatest, torques.back().cwiseAbs().cwiseQuotient(terms.limits).maxCoeff());
+  }
+  std::size_t next = 0;
+  for (const std::size_t k : shown) {
+    plan.torques.push_back(greatest_of(torques, next, k));
+    next = k + 1;
+  }
+  plan.figures.emplace_back("top torque", percent(greatest) + ", with payload " + significant(load.payload) +
+                                              " kg and gravity (" + significant(load.gravity.x()) + ", " +
+                                              significant(load.gravity.y()) + ", " +
+                                              significant(load.gravity.z()) + ") m/s^2");
+}
+
 }  // namespace
 
 std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
@@ -75,8 +99,8 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
   return shown;
 }
 
-std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot,
-                                            const PlannedMotion& planned) {
+std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned,
+                                            const JointLoad& load) {
   const Motion& motion = planned.motion;
   if (motion.positions.size() < 2 || motion.duration() > longest_motion) return {};
   const RateLimits limits = rate_limits(robot);
@@ -98,6 +122,7 @@ std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot,
   plan.figures.emplace_back("top joint speed", percent(shares.velocity));
   plan.figures.emplace_back("top acceleration", percent(shares.acceleration));
   plan.figures.emplace_back("top jerk", percent(shares.jerk));
+  show_torques(plan, robot, motion, shown, load);
   return shown;
 }
 

@@ -6,6 +6,7 @@
 #include "apps/pages/report_page.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/path/trajectory.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 
 namespace clearway {
 
@@ -28,7 +29,11 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
 /// The same of such a motion that is given.
 std::vector<std::size_t> show_trajectory(PagePlan& plan, const Robot& robot, const Trajectory& trajectory);
 
-/// The same of the motion that a plan is given with it, at its knots: limits are the robot's own.
-std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned);
+/// The same of the motion that a plan is given with it, at its knots: limits are the robot's own. Torques
+/// (joint_torques) are shown where some joint has a limit of them, see torque_terms.
+/// @param load that torques are reckoned with, at the robot's scale
+/// @throws std::invalid_argument as torque_terms
+std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned,
+                                            const JointLoad& load);
 
 }  // namespace clearway

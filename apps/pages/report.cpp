@@ -84,6 +84,11 @@ Json plan_json(const ReplayPlan& entry) {
                                                     : "refused"},
                {"min_clearance_m", plan.validation.min_clearance},
                {"padding_m", plan.padding}};
+  if (plan.motion)
+    json["motion"] = {{"smooth", true},
+                      {"duration_s", plan.motion->motion.duration()},
+                      {"min_clearance_m", plan.motion->validation.min_clearance}};
+  if (!plan.motion_caveat.empty()) json["motion"] = {{"smooth", false}, {"note", plan.motion_caveat}};
   for (const LegLoad& load : plan.loads) json["loads"].push_back(describe_load(load));
   if (plan.survey) json.update(Json::parse(to_json(*plan.survey)));
   return json;

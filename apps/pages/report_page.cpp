@@ -183,12 +183,18 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
   for (const auto* limits : {&plan.max_speed, &plan.max_acceleration})
     if (limits->size() != (plan.period > 0.0 ? plan.joints.size() : 0))
       refuse(of + "max_speed and max_acceleration", "must have one entry per joint of a plan with time");
-  if (plan.jerks.size() != (plan.max_jerk.empty() ? 0 : waypoints) ||
-      (!plan.max_jerk.empty() && (plan.period <= 0.0 || plan.max_jerk.size() != plan.joints.size())))
-    refuse(of + "jerks", "must have one entry per waypoint of a plan with time, and max_jerk one per joint");
-  for (const Eigen::VectorXd& jerk : plan.jerks)
-    if (static_cast<std::size_t>(jerk.size()) != plan.joints.size())
-      refuse(of + "jerks", "must have one value per joint");
+  const auto require_known = [&](const std::string& name, const std::vector<Eigen::VectorXd>& values,
+                                 const std::vector<double>& limits) {
+    if (values.size() != (limits.empty() ? 0 : waypoints) ||
+        (!limits.empty() && (plan.period <= 0.0 || limits.size() != plan.joints.size())))
+      refuse(of + name + "s",
+             "must have one entry per waypoint of a plan with time, and max_" + name + " one per joint");
+    for (const Eigen::VectorXd& value : values)
+      if (static_cast<std::size_t>(value.size()) != plan.joints.size())
+        refuse(of + name + "s", "must have one value per joint");
+  };
+  require_known("jerk", plan.jerks, plan.max_jerk);
+  require_known("torque", plan.torques, plan.max_torque);
   for (const auto* values : {&plan.map_age, &plan.true_separation})
     if (values->size() != (plan.seen.empty() ? 0 : waypoints))
       refuse(of + "map_age and true_separation", "must have one entry per waypoint while the map changes");
@@ -263,6 +269,7 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"maxSpeed", plan.max_speed},
           {"maxAcceleration", plan.max_acceleration},
           {"maxJerk", plan.max_jerk},
+          {"maxTorque", plan.max_torque},
           {"security", plan.security_distance},
           {"waypoints", plan.waypoints.size()},
           {"links", plan.link_poses.empty() ? 0 : plan.link_poses.front().size()},
@@ -270,6 +277,7 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"speeds", place_joints(arrays, plan.speeds, joints)},
           {"accelerations", place_joints(arrays, plan.accelerations, joints)},
           {"jerks", place_joints(arrays, plan.jerks, joints)},
+          {"torques", place_joints(arrays, plan.torques, joints)},
           {"poses", place(arrays.add(std::span<const float>(poses)))},
           {"clearance", place(arrays.add(std::span<const float>(clearance)))},
           {"betweenBodies", place_numbers(arrays, plan.between_bodies)},

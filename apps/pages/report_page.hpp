@@ -61,6 +61,9 @@ struct PagePlan {
   /// limit of each joint. Else empty.
   std::vector<Eigen::VectorXd> jerks{};
   std::vector<double> max_jerk{};
+  /// The same of torques, N m (N of a sliding joint); the limit of a joint that has none is infinite.
+  std::vector<Eigen::VectorXd> torques{};
+  std::vector<double> max_torque{};
   double security_distance = 0.0;  ///< m: what was to be kept; 0: nothing was said
   /// While a map changes: what is blocked anew from time to time, the edge of these voxels, and at each
   /// waypoint how old the map was, s, and the true distance from what `clearance` has from the map alone, m.

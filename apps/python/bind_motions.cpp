@@ -198,6 +198,16 @@ void bind_making(py::module_& module) {
   module.def(
       "trajectory_of", [](const Motion& motion) { return trajectory_of(motion); }, py::arg("motion"),
       doc("trajectory_of"));
+  module.def(
+      "plan_trajectory",
+      [](const NamedRobot& robot, const Plan& plan) {
+        if (!plan.is_proved()) throw std::invalid_argument("plan: expected one that is proved");
+        for (const Configuration& q : plan.waypoints())
+          if (static_cast<std::size_t>(q.size()) != robot.robot.dof())
+            throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "'");
+        return without_lock([&] { return trajectory_of(robot.robot, plan); });
+      },
+      py::arg("robot"), py::arg("plan"), doc("trajectory_of#2"));
   module.def("export_trajectory", &export_text, py::arg("robot"), py::arg("plan"), py::arg("trajectory"),
              py::arg("format"),
              doc("trajectory_formats",

@@ -7,6 +7,7 @@
 #include "mapping/system/atomic_file.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot/goal_configurations.hpp"
 
@@ -30,15 +31,6 @@ std::string option_text(const std::string& name, py::object value) {
     return py::repr(value).cast<std::string>();
   throw std::invalid_argument("option '" + name +
                               "': expected a number, a truth value, a text or a list of numbers");
-}
-
-std::shared_ptr<const Planner> planner_from(const std::string& name, const py::dict& options) {
-  PlannerOptions texts;
-  for (const auto& [key, value] : options) {
-    const auto option = key.cast<std::string>();
-    texts[option] = option_text(option, py::reinterpret_borrow<py::object>(value));
-  }
-  return make_planner(name, texts);
 }
 
 /// For each pose the nearest configuration that is free, else the nearest.
@@ -79,18 +71,33 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
           const py::object& goal_poses, const std::string& tip, const std::string& planner,
           std::uint64_t seed, double time_limit, double payload, const py::object& gravity,
           const std::vector<std::string>& allow_outside, bool strict, double advice_time,
+          const std::vector<LegLoad>& loads, const std::optional<Pick>& pick, const py::dict& load_policies,
           const py::kwargs& options) {
   PlanQuery query{.space = *space, .start = configuration_from(start, "start", space->robot()), .goals = {}};
-  Goals wanted = goals_from(goals, goal_poses, tip, space->robot());
+  Goals wanted;
+  if (!pick || !goals.is_none() || !goal_poses.is_none())
+    wanted = goals_from(goals, goal_poses, tip, space->robot());
+  if (pick && !loads.empty())
+    throw std::invalid_argument("loads: expected none beside a pick, whose object is the one load");
+  if (pick && wanted.configurations.size() + wanted.poses.size() > 1)
+    throw std::invalid_argument("goals: expected at most one with a pick");
   if (!wanted.poses.empty() && !query.start.allFinite())
     throw std::invalid_argument("start: expected finite values with goal_poses");
-  query.planner = planner_from(planner, options);
+  query.planner = make_planner(planner, options_from(options));
   query.seed = seed;
   query.time_limit = time_limit;
   query.payload = payload;
   if (!gravity.is_none()) query.gravity = point_from(gravity, "gravity");
   query.survey = SurveyDemands{allow_outside, strict};
-  require_parts(allow_outside, space->robot(), "allow_outside");
+  query.loads = loads;
+  query.load_policies = policies_of_loads(load_policies);
+  Robot loaded = pick ? with_load(space->robot(), pick->object) : space->robot();
+  for (const LegLoad& load : loads) loaded = with_load(loaded, load.load);
+  for (const auto& [name, policy] : query.load_policies)
+    if (std::none_of(loaded.loads.begin(), loaded.loads.end(),
+                     [&, &load_name = name](const Load& load) { return load.name == load_name; }))
+      throw std::invalid_argument("load_policies: expected names of loads, got '" + name + "'");
+  require_parts(allow_outside, loaded, "allow_outside");
   query.advice_time = std::min(advice_time, time_limit);
   query.robot_name = space.asked;
   query.map_file = space.map_file;
@@ -98,7 +105,7 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
   return without_lock([&] {
     query.goals = wanted.poses.empty() ? wanted.configurations
                                        : goals_at(*space, wanted.poses, wanted.tip, query.start);
-    return plan_and_check(query);
+    return pick ? plan_pick(query, *pick) : plan_and_check(query);
   });
 }
 
@@ -177,6 +184,15 @@ void bind_plan(py::module_& module) {
       .computed(
           "policies", [](const Plan& self) { return to_dictionary(self.policies); }, doc("Plan::policies"))
       .field("padding", &Plan::padding)
+      .field("payload", &Plan::payload)
+      .field("gravity", &Plan::gravity)
+      .field("loads", &Plan::loads)
+      .computed(
+          "pick", [](const Plan& self) { return self.pick ? py::cast(*self.pick) : py::none(); },
+          doc("Plan::pick", "None where it picks nothing."))
+      .computed(
+          "motion", [](const Plan& self) { return self.motion ? py::cast(*self.motion) : py::none(); },
+          doc("Plan::motion", "None: it has none."))
       .field("cost_caveat", &Plan::cost_caveat)
       .field("map_caveat", &Plan::map_caveat)
       .field("time_s", &Plan::time_s, "Wall-clock seconds of planning.");
@@ -199,26 +215,39 @@ void bind_plan(py::module_& module) {
 
 }  // namespace
 
+PlannerOptions options_from(const py::dict& keywords) {
+  PlannerOptions texts;
+  for (const auto& [key, value] : keywords) {
+    const auto option = key.cast<std::string>();
+    texts[option] = option_text(option, py::reinterpret_borrow<py::object>(value));
+  }
+  return texts;
+}
+
 void bind_plans(py::module_& module) {
   bind_results(module);
   bind_plan(module);
-  module.def("plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
-             py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("planner") = "auto",
-             py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
-             py::arg("gravity") = py::none(), py::arg("allow_outside") = std::vector<std::string>{},
-             py::arg("strict") = false, py::arg("advice_time") = 5.0,
-             doc("plan_and_check",
-                 "start, goals: configurations as arrays, or names of the robot's states; goals also (n, "
-                 "dof) or a list.\n\n"
-                 "goal_poses: instead of goals, map_from_tip as 4x4 or (n, 4, 4): of each the nearest "
-                 "configuration that "
-                 "is free. tip: the link whose frame they place.\n\nplanner: a name in available_planners(); "
-                 "its options "
-                 "are further keywords, as width=20.\n\npayload: kg at the tip; gravity: m/s^2, map "
-                 "frame.\n\nallow_outside: "
-                 "parts that may leave the map's bounds, or 'all'. strict: bodies that no joint moves must "
-                 "not touch "
-                 "occupied voxels."));
+  module.def(
+      "plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
+      py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("planner") = "auto",
+      py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
+      py::arg("gravity") = py::none(), py::arg("allow_outside") = std::vector<std::string>{},
+      py::arg("strict") = false, py::arg("advice_time") = 5.0, py::arg("loads") = std::vector<LegLoad>{},
+      py::arg("pick") = py::none(), py::arg("load_policies") = py::dict(),
+      doc("plan_and_check",
+          "start, goals: configurations as arrays, or names of the robot's states; goals also (n, "
+          "dof) or a list.\n\n"
+          "goal_poses: instead of goals, map_from_tip as 4x4 or (n, 4, 4): of each the nearest "
+          "configuration that "
+          "is free. tip: the link whose frame they place.\n\nplanner: a name in available_planners(); "
+          "its options "
+          "are further keywords, as width=20.\n\npayload: kg at the tip; gravity: m/s^2, map "
+          "frame.\n\nallow_outside: "
+          "parts that may leave the map's bounds, or 'all'. strict: bodies that no joint moves must "
+          "not touch "
+          "occupied voxels.\n\nloads: that ride on the robot; load_policies: of loads by name, others "
+          "keep their holders'.\n\npick: an object to take and to put elsewhere, see Pick; goals is then "
+          "where the robot goes afterwards, if given."));
   module.def(
       "load_plan",
       [](const std::filesystem::path& file) { return without_lock([&] { return load_plan(file); }); },

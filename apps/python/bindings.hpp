@@ -3,10 +3,13 @@
 #include <pybind11/pybind11.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
 #include "mapping/snapshot.hpp"
+#include "planning/geometry/shape.hpp"
+#include "planning/problem/planner.hpp"
 #include "planning/robot/robot.hpp"
 #include "planning/space/configuration_space.hpp"
 
@@ -40,13 +43,27 @@ void bind_maps(pybind11::module_& module);
 void bind_snapshots(pybind11::module_& module);
 void bind_robots(pybind11::module_& module);
 void bind_spaces(pybind11::module_& module);
+void bind_loads(pybind11::module_& module);
 void bind_plans(pybind11::module_& module);
+void bind_plan_check(pybind11::module_& module);
 void bind_motions(pybind11::module_& module);
+void bind_teams(pybind11::module_& module);
 
 /// A configuration of the robot: an array, or the name of a state of its SRDF.
 Configuration configuration_from(pybind11::handle value, const std::string& name, const Robot& robot);
 /// One or several.
 std::vector<Configuration> configurations_from(pybind11::handle value, const std::string& name,
                                                const Robot& robot);
+
+/// The one shape that is given; the others are None.
+Shape shape_from(const pybind11::object& box, const pybind11::object& sphere,
+                 const pybind11::object& cylinder, const pybind11::object& capsule,
+                 const pybind11::object& vertices);
+
+/// A planner's options, from keywords, in their text form.
+PlannerOptions options_from(const pybind11::dict& keywords);
+
+/// A dictionary of policies by the names of loads.
+std::map<std::string, Policy> policies_of_loads(const pybind11::dict& policies);
 
 }  // namespace clearway

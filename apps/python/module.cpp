@@ -116,7 +116,10 @@ PYBIND11_MODULE(_clearway, module) {
   bind_maps(module);
   bind_robots(module);
   bind_spaces(module);
+  bind_loads(module);
   bind_plans(module);
+  bind_plan_check(module);
   bind_motions(module);
+  bind_teams(module);
   module.attr("__name__") = "clearway._clearway";
 }

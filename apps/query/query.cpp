@@ -244,6 +244,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
                       significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }
   if (plan.motion) tell_motion(*plan.motion, rows);
+  if (!plan.motion_caveat.empty()) rows.emplace_back("smooth motion", "none: " + plan.motion_caveat);
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
   for (const LegLoad& load : plan.loads) rows.emplace_back("load", describe_load(load));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "planning/boundary/boundary_plus.hpp"
@@ -49,6 +50,7 @@ std::vector<RunColumn> common_columns() {
       {"derive_cpu_s", "REAL", of_planning(&Run::derive_cpu)},
       {"check_s", "REAL", of_planning(&Run::check_time)},
       {"check_cpu_s", "REAL", of_planning(&Run::check_cpu)},
+      {"motion_cpu_s", "REAL", of_planning(&Run::motion_cpu)},
       {"plan", "TEXT", [](const Run& run, const Who&) -> Cell { return run.plan_file; }},
       {"contact", "TEXT", [](const Run& run, const Who&) -> Cell { return run.contact; }},
       {"explanation", "TEXT", [](const Run& run, const Who&) -> Cell { return run.explanation; }},
@@ -57,13 +59,19 @@ std::vector<RunColumn> common_columns() {
 
 /// What a motion in time has.
 RunColumn of_motion(const char* name, double CompareMotion::*value) {
-  return {name, "REAL",
-          [value](const Run& run, const Who&) { return run.motion ? Cell(*run.motion.*value) : Cell(); }};
+  return {name, "REAL", [value](const Run& run, const Who&) {
+            return run.motion && !std::isnan(*run.motion.*value) ? Cell(*run.motion.*value) : Cell();
+          }};
 }
 
 std::vector<RunColumn> motion_columns() {
-  return {of_motion("motion_time_s", &CompareMotion::time), of_motion("speed_share", &CompareMotion::speed),
-          of_motion("acceleration_share", &CompareMotion::acceleration)};
+  return {of_motion("motion_time_s", &CompareMotion::time),
+          of_motion("speed_share", &CompareMotion::speed),
+          of_motion("acceleration_share", &CompareMotion::acceleration),
+          of_motion("jerk_share", &CompareMotion::jerk),
+          {"motion_note", "TEXT", [](const Run& run, const Who&) {
+             return run.motion && !run.team ? Cell(run.motion->note) : Cell();
+           }}};
 }
 
 /// What teams alone have; nothing of those that never moved.

@@ -89,6 +89,16 @@ std::string team_conditions(const CompareExperiment& experiment) {
               : "");
 }
 
+/// Which motions are not those that controllers like, in words; empty for none.
+std::string motion_note(const CompareExperiment& experiment) {
+  std::size_t edge_by_edge = 0;
+  for (std::size_t i = 0; i < experiment.planners.size(); ++i)
+    edge_by_edge += summary(experiment, i).edge_by_edge;
+  return edge_by_edge == 0 ? ""
+                           : "; " + counted(edge_by_edge, "valid path") +
+                                 " without a smooth motion, timed edge by edge (column motion_note says why)";
+}
+
 std::string conditions(const CompareExperiment& experiment) {
   if (experiment.setup.teams) return team_conditions(experiment);
   std::string text = experiment.setup.name + ": " + counted(experiment.problems.size(), "problem");
@@ -102,7 +112,8 @@ std::string conditions(const CompareExperiment& experiment) {
   for (const auto& [part, policy] : experiment.setup.policies) text += "; " + part + " " + policy;
   if (const double padding = experiment.setup.padding.value_or(0.0); padding > 0.0)
     text += "; padding " + significant(1000.0 * padding) + " mm";
-  return text + loads(experiment.setup) + "; at most " + significant(experiment.time_limit) + " s a leg";
+  return text + loads(experiment.setup) + "; at most " + significant(experiment.time_limit) + " s a leg" +
+         motion_note(experiment);
 }
 
 Json experiment_json(const CompareExperiment& experiment) {

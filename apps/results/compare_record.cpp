@@ -59,7 +59,8 @@ constexpr std::array run_figures = {RunFigure{"cost", &CompareRun::cost},
                                     RunFigure{"space_cpu", &CompareRun::space_cpu},
                                     RunFigure{"derive_cpu", &CompareRun::derive_cpu},
                                     RunFigure{"check_time", &CompareRun::check_time},
-                                    RunFigure{"check_cpu", &CompareRun::check_cpu}};
+                                    RunFigure{"check_cpu", &CompareRun::check_cpu},
+                                    RunFigure{"motion_cpu", &CompareRun::motion_cpu}};
 
 Json team_record(const CompareTeamRun& team) {
   return {{"security_distance", real_record(team.security_distance)},
@@ -125,7 +126,8 @@ Json record_of(const CompareRun& run) {
   for (const auto& [name, value] : run.statistics) statistics[name] = real_record(value);
   if (run.motion)
     record["motion"] = {real_record(run.motion->time), real_record(run.motion->speed),
-                        real_record(run.motion->acceleration)};
+                        real_record(run.motion->acceleration), real_record(run.motion->jerk),
+                        run.motion->note};
   if (run.team) record["team"] = team_record(*run.team);
   return record;
 }
@@ -150,7 +152,8 @@ CompareRun run_of_record(const Json& record) {
   for (const auto& [name, value] : record.at("statistics").items()) run.statistics[name] = real_of(value);
   if (record.contains("motion")) {
     const Json& motion = record.at("motion");
-    run.motion = CompareMotion{real_of(motion.at(0)), real_of(motion.at(1)), real_of(motion.at(2))};
+    run.motion = CompareMotion{real_of(motion.at(0)), real_of(motion.at(1)), real_of(motion.at(2)),
+                               real_of(motion.at(3)), motion.at(4).get<std::string>()};
   }
   if (record.contains("team")) run.team = team_of(record.at("team"));
   return run;

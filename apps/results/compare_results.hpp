@@ -20,11 +20,13 @@ struct ComparePlanner {
   bool certified = true;  ///< promises that every path it returns is valid
 };
 
-/// How a run moves in time.
+/// How a run moves in time: a robot smoothly (plan_motion), a team as it moved.
 struct CompareMotion {
-  double time = 0.0;          ///< s, from first to last step
-  double speed = 0.0;         ///< greatest share of a joint's velocity limit
-  double acceleration = 0.0;  ///< greatest share of the acceleration limit
+  double time = 0.0;                                       ///< s, from first to last step
+  double speed = 0.0;                                      ///< greatest share of a joint's velocity limit
+  double acceleration = 0.0;                               ///< greatest share of the acceleration limit
+  double jerk = std::numeric_limits<double>::quiet_NaN();  ///< the same; not a number where there is no bound
+  std::string note = {};  ///< why it goes edge by edge (time_parameterize), one sentence; empty: smoothly
 };
 
 /// What a run of a team has beside its path.
@@ -59,9 +61,10 @@ struct CompareRun {
   double space_cpu = 0.0;   ///< s, before: the space of this problem's map, made once for all its runs
   double derive_cpu = 0.0;  ///< s, before: what the planner derives from map and robot; less once another did
   double check_time = 0.0, check_cpu = 0.0;  ///< s, after: the independent check
+  double motion_cpu = 0.0;                   ///< s, after: giving the path its motion, and the check of that
   std::string plan_file;                     ///< below the folder of results
   std::map<std::string, double> statistics;  ///< of those with columns of their own (compare_columns)
-  std::optional<CompareMotion> motion;       ///< of a valid path as time_parameterize times it, or of a team
+  std::optional<CompareMotion> motion;       ///< of a valid path, or of a team
   std::optional<CompareTeamRun> team;        ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return ended.empty() && status == PlanStatus::solved; }
@@ -118,6 +121,8 @@ struct CompareSummary {
   double motion_median = 0.0;      ///< s, of valid runs
   double time_median = 0.0, time_p95 = 0.0;     ///< s
   double cpu_median = 0.0, check_median = 0.0;  ///< s, CPU: to plan; to check what was planned
+  double motion_cpu_median = 0.0;               ///< s, CPU: to give valid paths their motions
+  std::size_t edge_by_edge = 0;                 ///< valid runs without a smooth motion
   double cost_median = 0.0;                     ///< J
   double length_median = 0.0;                   ///< rad
   double steps_median = 0.0;

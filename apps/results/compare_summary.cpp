@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
   CompareSummary sum;
-  std::vector<double> times, cpus, checks, costs, lengths, steps, motions;
+  std::vector<double> times, cpus, checks, costs, lengths, steps, motions, motion_cpus;
   for (const CompareProblem& problem : experiment.problems) {
     for (const CompareRun& run : problem.runs) {
       if (run.planner != planner) continue;
@@ -42,6 +42,8 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
       if (!run.is_valid()) continue;
       ++sum.valid;
       if (run.motion) motions.push_back(run.motion->time);
+      if (run.motion) motion_cpus.push_back(run.motion_cpu);
+      sum.edge_by_edge += run.motion && !run.motion->note.empty();
       costs.push_back(run.cost);
       lengths.push_back(run.length);
       steps.push_back(static_cast<double>(run.steps));
@@ -55,6 +57,7 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
   sum.length_median = quantile(lengths, 0.5);
   sum.steps_median = quantile(steps, 0.5);
   sum.motion_median = quantile(motions, 0.5);
+  sum.motion_cpu_median = quantile(motion_cpus, 0.5);
   return sum;
 }
 
@@ -81,6 +84,8 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"length_median_rad", number_or_null(sum.length_median)},
           {"steps_median", number_or_null(sum.steps_median)},
           {"motion_time_median_s", number_or_null(sum.motion_median)},
+          {"motion_cpu_median_s", of_planners(number_or_null(sum.motion_cpu_median))},
+          {"edge_by_edge", of_planners(sum.edge_by_edge)},
           {"safe", of_teams(sum.safe)},
           {"outrun", of_teams(sum.outrun)},
           {"least_separation_m", of_teams(number_or_null(sum.least_separation))},

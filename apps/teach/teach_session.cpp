@@ -51,8 +51,9 @@ TaughtPlan answered(TaughtPlan taught, PlanQuery query, const std::optional<Pick
   query.map_digest = taught.map_digest = map_sha256(space.map());
   taught.plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
   if (!taught.plan.is_proved()) return taught;
+  give_motion(space, taught.plan);
   if (taught.plan.loads.empty()) {
-    add_tip_path(space, timed(taught).points, shown, taught);
+    add_tip_path(space, trajectory_of(space.robot(), taught.plan).points, shown, taught);
     return taught;
   }
   const std::vector<PlanResult>& legs = taught.plan.legs;
@@ -70,6 +71,11 @@ std::string carried(const Plan& plan) {
   return text;
 }
 
+/// "; no smooth motion: …" for a proved plan that has none.
+std::string without_motion(const Plan& plan) {
+  return plan.motion_caveat.empty() ? "" : "; no smooth motion: " + plan.motion_caveat;
+}
+
 }  // namespace
 
 PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
@@ -77,13 +83,16 @@ PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
   const Robot& robot = taught.space->robot();
   if (plan.pick)
     return check_pick(pick_of(plan, *plan.pick, robot, map), plan.policies, plan.padding, plan.seen_within);
-  return check_legs(legs_of(plan, robot, map), plan.policies, plan.padding, 0.0, plan.seen_within);
-}
-
-Trajectory timed(const TaughtPlan& taught) {
-  const Robot& robot = taught.space->robot();
-  return taught.plan.loads.empty() ? time_parameterize(robot, taught.plan.waypoints())
-                                   : timed_legs(robot, taught.plan);
+  PathVerdict verdict =
+      check_legs(legs_of(plan, robot, map), plan.policies, plan.padding, 0.0, plan.seen_within);
+  if (!verdict.valid || !plan.motion) return verdict;
+  const MotionVerdict motion =
+      check_motion(robot, map, plan.policies, plan.padding, plan.motion->motion, plan.motion->leg_ends,
+                   plan.stops(), rate_limits(robot, plan.motion->scales), plan.seen_within);
+  verdict.valid = motion.valid;
+  verdict.undecided = motion.undecided;
+  verdict.first_contact = motion.fault;
+  return verdict;
 }
 
 std::string_view to_string(TeachState state) { return state_names.at(static_cast<std::size_t>(state)); }
@@ -462,7 +471,7 @@ void TeachSession::play(std::string& remark) {
   }
   if (legs == 0) {
     carried_.emplace_back();
-    add(timed(taught));
+    add(trajectory_of(robot, taught.plan));
   }
   play_begin_ = now_;
   play_seconds_ = motion_.back().time;
@@ -533,7 +542,8 @@ void TeachSession::take_plan(bool wait) {
   try {
     plans_.push_back(job.result.get());
     const Plan& plan = plans_.back().plan;
-    asked->remark = plan.is_proved() ? "solved and proved by " + plan.planner + carried(plan)
+    asked->remark = plan.is_proved()
+                        ? "solved and proved by " + plan.planner + carried(plan) + without_motion(plan)
                     : plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
                                                           : plan.explanation();
     (plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;

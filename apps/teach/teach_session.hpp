@@ -16,7 +16,6 @@
 #include "apps/teach/teach_event.hpp"
 #include "apps/teach/virtual_robot.hpp"
 #include "planning/files/plan_file.hpp"
-#include "planning/path/trajectory.hpp"
 
 namespace clearway {
 
@@ -58,11 +57,8 @@ struct TaughtPlan {
   std::vector<double> tip_clearance;      ///< of the robot and its loads at each of its points, m
 };
 
-/// The independent check of a plan, with what it carries, on a map. @throws as check_path
+/// The independent check of a plan, with what it carries, and of its motion on a map. @throws as check_path
 PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map);
-
-/// A proved plan in time, without blends where it carries loads. @throws as time_parameterize
-Trajectory timed(const TaughtPlan& taught);
 
 struct TeachOptions {
   std::uint64_t seed = 1;       ///< of the planners

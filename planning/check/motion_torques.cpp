@@ -106,7 +106,6 @@ Eigen::VectorXd kdl_torques(const Robot& robot, const Configuration& q, const Ei
 
 TorqueFinding greatest_torques(const Robot& robot, const Motion& motion, const TorqueTerms& terms) {
   TorqueFinding found;
-  found.load = terms.load;
   const Eigen::VectorXd& limits = terms.limits;
   if (limits.size() == 0 || (limits.array() == std::numeric_limits<double>::infinity()).all()) return found;
   MassTree tree(robot, terms);

@@ -14,7 +14,6 @@ struct TorqueFinding {
   double share = 0.0, torque = 0.0;  ///< N m or N; not a number where a torque is none
   double place = 0.0;                ///< in periods from the begin: 1.5 is midway between knots 1 and 2
   Eigen::Index joint = 0;
-  JointLoad load{};                     ///< what hangs on the robot
   std::vector<std::string> overloaded;  ///< joints of whose limit gravity alone takes more than 95 %
 };
 

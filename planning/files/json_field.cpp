@@ -152,6 +152,20 @@ double padding_of(const JsonField& field) {
   return padding;
 }
 
+double payload_of(const JsonField& field) {
+  constexpr double greatest = 1e6;
+  const double payload = field.number();
+  if (!(payload >= 0.0 && payload <= greatest)) field.refuse("kg from 0 to 1000000");
+  return payload;
+}
+
+Eigen::Vector3d gravity_of(const JsonField& field) {
+  constexpr double greatest = 1e3;
+  const Eigen::Vector3d gravity = field.numbers(3);
+  if (!(gravity.norm() <= greatest)) field.refuse("a vector of at most 1000 m/s^2");
+  return gravity;
+}
+
 double seen_within_of(const JsonField& field) {
   const double seconds = field.number();
   if (seconds < 0.0) field.refuse("a time not below 0 (seconds)");

@@ -61,6 +61,12 @@ std::map<std::string, Policy> policies_of(const JsonField& field);
 /// A length that a body keeps, metres: finite and not below 0.
 double padding_of(const JsonField& field);
 
+/// A mass at the tip, kg at full size: 0 to 1,000,000.
+double payload_of(const JsonField& field);
+
+/// m/s^2, at most 1,000.
+Eigen::Vector3d gravity_of(const JsonField& field);
+
 /// How long a look counts, seconds: finite and not below 0; 0 is ever.
 double seen_within_of(const JsonField& field);
 

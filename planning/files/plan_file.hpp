@@ -60,7 +60,8 @@ struct Plan {
   std::vector<PaintHint> paint;             ///< of a plan that is not solved: where painting would help
   PathVerdict validation;            ///< of the whole path; `valid == false` and empty contact: not checked
   std::optional<PathSurvey> survey;  ///< what the map knows of where the robot goes
-  std::optional<PlannedMotion> motion{};   ///< when one was asked for
+  std::optional<PlannedMotion> motion{};  ///< when one was asked for
+  std::string motion_caveat{};  ///< why a proved plan has none although it was, one sentence; in no file
   std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved

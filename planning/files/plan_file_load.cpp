@@ -81,20 +81,6 @@ PaintHint paint_hint(const JsonField& field) {
   return hint;
 }
 
-double payload_of(const JsonField& field) {
-  constexpr double greatest = 1e6;
-  const double payload = field.number();
-  if (!(payload >= 0.0 && payload <= greatest)) field.refuse("kg from 0 to 1000000");
-  return payload;
-}
-
-Eigen::Vector3d gravity_of(const JsonField& field) {
-  constexpr double greatest = 1e3;
-  const Eigen::Vector3d gravity = field.numbers(3);
-  if (!(gravity.norm() <= greatest)) field.refuse("a vector of at most 1000 m/s^2");
-  return gravity;
-}
-
 double scale_at(const JsonField& field) {
   const double scale = field.number();
   if (!(scale > 0.0 && scale <= 1.0)) field.refuse("a number above 0, at most 1");

@@ -33,6 +33,8 @@ Json terms_json(const QueryTerms& query) {
                {"goals", json_of(query.goals)}};
   if (!query.loads.empty()) json["loads"] = json_of(query.loads);
   if (query.pick) json["pick"] = json_of(*query.pick);
+  if (query.payload) json["payload_kg"] = *query.payload;
+  if (query.gravity) json["gravity"] = json_of(Eigen::VectorXd(*query.gravity));
   return json;
 }
 
@@ -54,6 +56,8 @@ QueryTerms terms_of(const JsonField& field) {
   query.goals = field.at("goals").vectors(joints);
   if (field.has("pick")) query.pick = pick_of(field.at("pick"));
   if (field.has("loads")) query.loads = loads_of(field.at("loads"));
+  if (field.has("payload_kg")) query.payload = payload_of(field.at("payload_kg"));
+  if (field.has("gravity")) query.gravity = gravity_of(field.at("gravity"));
   return query;
 }
 

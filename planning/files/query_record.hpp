@@ -24,8 +24,10 @@ struct QueryTerms {
   std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
   Configuration start;
   std::vector<Configuration> goals;
-  std::vector<LegLoad> loads = {};  ///< that ride on the robot
-  std::optional<Pick> pick = {};    ///< what is picked and placed
+  std::vector<LegLoad> loads = {};              ///< that ride on the robot
+  std::optional<Pick> pick = {};                ///< what is picked and placed
+  std::optional<double> payload = {};           ///< kg at the tip, full size; none: the record is older
+  std::optional<Eigen::Vector3d> gravity = {};  ///< m/s^2, map frame; the same
 };
 
 /// The record that a map folder keeps of its queries, in DIR/queries.json. It holds for one map.

@@ -31,7 +31,7 @@ std::vector<std::string> names_of_legs(bool has_goal) {
 }
 
 double contact_length(const Pick& pick, double resolution, double padding) {
-  return pick.contact > 0.0 ? pick.contact : 2.0 * (resolution + padding);
+  return pick.contact == 0.0 ? 2.0 * (resolution + padding) : pick.contact;
 }
 
 double layer_reach(double resolution, double padding) { return 1.05 * resolution + padding; }

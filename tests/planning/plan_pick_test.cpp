@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -155,6 +156,11 @@ TEST_F(PlanPick, SaysWhatIsInTheWay) {
   Pick unsound = can();
   unsound.lift = 0.01;
   EXPECT_THROW(plan(unsound), std::invalid_argument);
+  for (const double contact : {std::nan(""), -0.05}) {
+    Pick no_length = can();
+    no_length.contact = contact;
+    EXPECT_THROW(plan(no_length), std::invalid_argument) << contact;
+  }
 }
 
 /// Whatever a plan loosens the check refuses: it asks the pick as it is stated.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "planning/plan_and_check.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/beam_world.hpp"
@@ -47,6 +49,63 @@ TEST(PlannedMotion, ReadsBackFromAPlanFileBitForBitAndAgreesWithTheCheckAgain) {
       check_motion(space.robot(), space.map(), space.policies(), 0.01, again.motion->motion,
                    again.motion->leg_ends, again.stops(), rate_limits(space.robot(), again.motion->scales));
   EXPECT_TRUE(verdict.valid) << verdict.fault;
+}
+
+TEST(PlannedMotion, IsGivenToPlansThatCanHaveOneAndTheOthersGoEdgeByEdge) {
+  const ConfigurationSpace space = walled_space();
+  PlanQuery query{.space = space, .start = at(0, 0), .goals = {at(2, 0), at(0, 0.5)}};
+  Plan plan = plan_and_check(query);
+  give_motion(space, plan);
+  ASSERT_TRUE(plan.motion);
+  EXPECT_EQ(plan.motion_caveat, "");
+  const auto positions = [](const Trajectory& trajectory) {
+    std::vector<Configuration> list;
+    for (const TrajectoryPoint& point : trajectory.points) list.push_back(point.position);
+    return list;
+  };
+  EXPECT_EQ(positions(trajectory_of(space.robot(), plan)), plan.motion->motion.positions);
+  plan.motion.reset();
+  EXPECT_EQ(positions(trajectory_of(space.robot(), plan)),
+            positions(time_parameterize(space.robot(), plan.waypoints())));
+  // A motion that would be too long, and one of a robot that carries something.
+  give_motion(space, plan, {.scales = {.jerk = 1e-9}});
+  EXPECT_FALSE(plan.motion);
+  EXPECT_NE(plan.motion_caveat.find("jerk"), std::string::npos) << plan.motion_caveat;
+  LegLoad ball;
+  ball.load.name = "ball";
+  ball.load.link = "base";
+  ball.load.shape = Shape::sphere(0.05);
+  query.loads = {ball};
+  Plan loaded = plan_and_check(query);
+  ASSERT_TRUE(loaded.is_proved());
+  give_motion(space, loaded);
+  EXPECT_FALSE(loaded.motion);
+  EXPECT_NE(loaded.motion_caveat.find("edge by edge"), std::string::npos);
+  const auto stopping = trajectory_of(space.robot(), loaded).points;
+  const auto at_goal = std::find_if(stopping.begin(), stopping.end(),
+                                    [](const TrajectoryPoint& point) { return point.position == at(2, 0); });
+  ASSERT_NE(at_goal, stopping.end());
+  EXPECT_LT(at_goal->velocity.norm(), 1e-9);
+}
+
+TEST(PlannedMotion, ThatTorquesForbidIsNoneAndSaysSo) {
+  const Robot robot = load_robot("panda");
+  const VoxelScene scene{0.05, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)}, {}, {}};
+  const ConfigurationSpace space(robot, scene.snapshot(), anywhere_but_occupied());
+  Configuration from(7), to(7);
+  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
+  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  Plan plan = plan_and_check(
+      {.space = space, .start = from, .goals = {to}, .payload = 500.0, .survey = std::nullopt});
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  give_motion(space, plan);
+  EXPECT_FALSE(plan.motion);
+  EXPECT_NE(plan.motion_caveat.find("the check refuses it: motion: after"), std::string::npos)
+      << plan.motion_caveat;
+  EXPECT_NE(plan.motion_caveat.find("torque of joint"), std::string::npos);
+  Plan refused = plan_and_check({.space = space, .start = from, .goals = {100.0 * to}});
+  give_motion(space, refused);
+  EXPECT_EQ(refused.motion_caveat, "");
 }
 
 TEST(PlannedMotion, OfAPlanThatIsNotProvedIsRefused) {

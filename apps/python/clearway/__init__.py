@@ -45,15 +45,16 @@ class PathRefused(PlanError):
 _ERRORS = {"start_invalid": StartInvalid, "goal_invalid": GoalInvalid, "no_path": NoPath, "timed_out": TimedOut}
 
 
-def require_proved(plan, space=None):
+def require_proved(plan, space=None, *, loads=None, pick=None):
     """Returns the plan when every leg is solved and the check found the whole path valid.
 
-    What a plan from a file says of itself is only its word: with `space` the path is checked again, there.
+    What a plan from a file says of itself is only its word: with `space` the path is checked again, there, with
+    `loads` or `pick` as check_plan takes them.
 
     Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason.
     """
     if plan.is_proved and space is not None:
-        verdict = space.check_path(plan.waypoints)
+        verdict = check_plan(space, plan, loads=loads, pick=pick)  # noqa: F405
         if not verdict.valid:
             raise PathRefused(verdict.first_contact, plan)
     if plan.is_proved:

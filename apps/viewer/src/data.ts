@@ -38,6 +38,7 @@ export interface Plan {
   speeds: Place; accelerations: Place;  // of a plan with time, as values; rad/s (m/s), rad/s² (m/s²)
   maxSpeed: number[]; maxAcceleration: number[];  // of each joint
   jerks: Place; maxJerk: number[];  // the same where jerk is known, else empty; rad/s³ (m/s³)
+  torques: Place; maxTorque: (number | null)[];  // the same of torques; N m (N); null: a joint without a limit
   security: number;  // m, to be kept from obstacles; 0: nothing was said
   poses: Place;      // waypoint by waypoint, link by link: x y z qx qy qz qw
   clearance: Place;  // metres, NaN = not known

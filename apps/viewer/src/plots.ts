@@ -1,5 +1,5 @@
-// The plots along a plan: joint values, separation, and of a plan with time joint speeds, accelerations and jerk: one
-// time axis, one playhead.
+// The plots along a plan: joint values, separation, and of a plan with time joint speeds, accelerations, jerk and
+// torques: one time axis, one playhead.
 
 import type uPlot from "uplot";
 import type { Arrays, Place, Plan } from "./data";
@@ -69,6 +69,7 @@ export class Plots {
     byId("clearance-card").hidden = !plan || this.clearances.length < 1;
     byId("speed-card").hidden = byId("acceleration-card").hidden = !hasTime;
     byId("jerk-card").hidden = !hasTime || !plan.maxJerk.length;
+    byId("torque-card").hidden = !hasTime || !plan.maxTorque.length;
     if (!plan) return;
     this.scale = TimeScale.of(plan);
     byId("joint-name").textContent = plan.period > 0 ? "Joints" : "Joint profiles";
@@ -114,12 +115,14 @@ export class Plots {
   private drawRates(plan: Plan, steps: number[]): void {
     const unit: RateUnit = this.shares ? "share" : this.degrees ? "deg" : "rad";
     byId("rate-unit").textContent = this.shares ? (plan.prismatic.includes(false) ? (this.degrees ? "deg/s" : "rad/s") : "m/s") : "% of limit";
-    const of = { joints: plan.joints, prismatic: plan.prismatic };
-    const hasJerk = plan.maxJerk.length > 0;
+    const of = { joints: plan.joints, prismatic: plan.prismatic, isLast: false };
     const all: Rates[] = [
-      { ...of, id: "speed", per: "/s", isLast: false, values: this.jointsOf(plan, plan.speeds), limits: plan.maxSpeed },
-      { ...of, id: "acceleration", per: "/s²", isLast: !hasJerk, values: this.jointsOf(plan, plan.accelerations), limits: plan.maxAcceleration }];
-    if (hasJerk) all.push({ ...of, id: "jerk", per: "/s³", isLast: true, values: this.jointsOf(plan, plan.jerks), limits: plan.maxJerk });
+      { ...of, id: "speed", per: "/s", values: this.jointsOf(plan, plan.speeds), limits: plan.maxSpeed },
+      { ...of, id: "acceleration", per: "/s²", values: this.jointsOf(plan, plan.accelerations), limits: plan.maxAcceleration }];
+    if (plan.maxJerk.length > 0) all.push({ ...of, id: "jerk", per: "/s³", values: this.jointsOf(plan, plan.jerks), limits: plan.maxJerk });
+    if (plan.maxTorque.length > 0)
+      all.push({ ...of, id: "torque", per: "", values: this.jointsOf(plan, plan.torques), limits: plan.maxTorque.map((limit) => limit ?? Infinity) });
+    all[all.length - 1].isLast = true;
     this.rates = all.map((rates) => new RatePlot(rates, unit, this.scale, steps, kHeight, this.hidden, (time) => this.onSeek(time)));
   }
 

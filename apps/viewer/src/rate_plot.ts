@@ -1,4 +1,4 @@
-// Speeds, accelerations or jerk of all joints in time, against their limits.
+// Speeds, accelerations, jerk or torques of all joints in time, against their limits.
 
 import type uPlot from "uplot";
 import { byId } from "./dom";
@@ -7,16 +7,24 @@ import { TimePlot, TimeScale, axis, limitLine } from "./time_plot";
 
 export type RateUnit = "share" | "rad" | "deg";
 
-/// What one plot shows; values and limits in rad and m, per second, second² or second³.
+/// What one plot shows; values and limits in rad and m, per second, second² or second³, or in N m and N.
 export interface Rates {
-  id: "speed" | "acceleration" | "jerk";
-  per: "/s" | "/s²" | "/s³";
+  id: "speed" | "acceleration" | "jerk" | "torque";
+  per: "/s" | "/s²" | "/s³" | "";
   isLast: boolean;  // of the plots: it names the time axis
   joints: string[]; prismatic: boolean[];
   values: Float32Array[]; limits: number[];
 }
 
 const kDegrees = 180 / Math.PI;
+/// In which unit a joint is shown, and how many of it are one rad, m, N m or N.
+function unitOf(rates: Rates, joint: number, unit: RateUnit): [string, number] {
+  const slides = rates.prismatic[joint];
+  if (rates.id === "torque") return [slides ? "N" : "N m", 1];
+  if (slides) return ["m" + rates.per, 1];
+  return unit === "deg" ? ["deg" + rates.per, kDegrees] : ["rad" + rates.per, 1];
+}
+
 const three = (value: number) => Number(value.toPrecision(3)).toString();
 
 export class RatePlot {
@@ -24,10 +32,9 @@ export class RatePlot {
 
   constructor(private readonly rates: Rates, private readonly unit: RateUnit, scale: TimeScale, steps: number[], height: number,
               hidden: Set<string>, seek: (time: number) => void) {
-    const colors = palette(), { joints, prismatic, values, limits, per } = rates;
-    const angle = (unit === "deg" ? "deg" : "rad") + per, length = "m" + per;
-    const scaleOf = (j: number) => unit === "share" ? "%" : prismatic[j] ? length : angle;
-    const factor = (j: number) => unit === "share" ? 100 / limits[j] : unit === "deg" && !prismatic[j] ? kDegrees : 1;
+    const colors = palette(), { joints, values, limits } = rates;
+    const scaleOf = (j: number) => unit === "share" ? "%" : unitOf(rates, j, unit)[0];
+    const factor = (j: number) => unit === "share" ? 100 / limits[j] : unitOf(rates, j, unit)[1];
     const color = (j: number) => colors.series[j % colors.series.length];
     const series: uPlot.Series[] = [{}, ...joints.map((name, j) => ({
       label: name, scale: scaleOf(j), stroke: color(j), width: 1.5, pxAlign: 0, points: { show: false },
@@ -46,6 +53,7 @@ export class RatePlot {
       }
       joints.forEach((name, j) => {
         if (hidden.has(name)) return;
+        if (!Number.isFinite(limits[j])) return;
         for (const sign of [1, -1]) limitLine(u, scaleOf(j), sign * limits[j] * factor(j), color(j), 0, [3, 5]);
       });
     };
@@ -72,14 +80,13 @@ export class RatePlot {
 
   /// The joint that is nearest to its limit, at the cursor while it is in a plot, else at the playhead.
   private showValues(index: number | null): void {
-    const { id, joints, values, limits, prismatic, per } = this.rates, at = index ?? Math.round(this.time);
+    const { id, joints, values, limits } = this.rates, at = index ?? Math.round(this.time);
     const share = (j: number) => Math.abs(values[j]?.[at] ?? 0) / limits[j];
     const most = joints.reduce((best, _, j) => share(j) > share(best) ? j : best, 0);
-    const value = values[most]?.[at] ?? 0, degrees = this.unit === "deg" && !prismatic[most];
-    const unit = prismatic[most] ? "m" : degrees ? "deg" : "rad";
+    const value = values[most]?.[at] ?? 0, [unit, factor] = unitOf(this.rates, most, this.unit);
     const now = byId(`${id}-now`);
     now.textContent = share(most) < 5e-4 ? "at rest"
-      : `${joints[most]} ${three(value * (degrees ? kDegrees : 1))} ${unit}${per}, ${three(100 * share(most))} %`;
+      : `${joints[most]} ${three(value * factor)} ${unit}, ${three(100 * share(most))} %`;
     if (id !== "speed" && share(most) < 5e-4) now.textContent = "0";
     now.classList.toggle("bad", share(most) > 1.0005);
   }

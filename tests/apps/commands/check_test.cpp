@@ -277,6 +277,30 @@ TEST_F(CheckRecorded, the_maps_own_record_states_the_contract) {
       "flag");
 }
 
+TEST_F(CheckRecorded, a_smaller_payload_or_another_gravity_than_the_record_has_is_refused) {
+  query_.payload = 2.0;
+  query_.gravity = {0.0, 0.0, -1.62};
+  record(map_sha256(folder_.path() / "map"));
+  Json plan = plan_;
+  const CommandRun run = check(plan, {"--json"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(refused_terms(run), (Terms{"payload", "payload"}));
+  for (const char* words : {"payload: expected 2 kg by the map's record, the plan says 0 kg",
+                            "gravity: expected (0, 0, -1.62) m/s^2 by the map's record, the plan says (0, 0, "
+                            "-9.81) m/s^2"})
+    EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+  const Json accepted = Json::parse(check(plan, {"--accept-payload", "--json"}).out);
+  EXPECT_EQ(accepted["verdict"], "valid");
+  EXPECT_EQ(accepted["contract"]["payload_kg"], Json({{"value", 0.0}, {"source", "plan"}}));
+  EXPECT_EQ(accepted["contract"]["gravity"]["source"], "plan");
+  plan["gravity"] = {0.0, 0.0, -1.62};
+  plan["payload_kg"] = 3.0;  // more than is asked for
+  const Json more = Json::parse(check(plan, {"--json"}).out);
+  EXPECT_EQ(more["verdict"], "valid") << more;
+  EXPECT_EQ(more["contract"]["payload_kg"], Json({{"value", 2.0}, {"source", "map"}}));
+  EXPECT_EQ(refused_terms(check(plan, {"--payload", "4", "--json"})), Terms{"payload"});
+}
+
 TEST_F(CheckRecorded, a_plan_that_hides_its_query_is_found_by_start_and_goals) {
   Json plan = plan_;
   plan.erase("query");

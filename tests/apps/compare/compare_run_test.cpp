@@ -168,7 +168,8 @@ TEST(IsolatedRuns, WithoutIsolationFindTheSame) {
                        {.seed = 3, .out = folder.path(), .shown_out = "x", .isolation = {.is_on = isolated}});
     for (CompareProblem& problem : found.problems)
       for (CompareRun& run : problem.runs)
-        run.time = run.cpu = run.space_cpu = run.derive_cpu = run.check_time = run.check_cpu = 0.0;
+        run.time = run.cpu = run.space_cpu = run.derive_cpu = run.check_time = run.check_cpu =
+            run.motion_cpu = 0.0;
     return csv_rows("s", "e", found.planners, found.problems.at(1));
   };
   EXPECT_EQ(rows(one, true), rows(other, false));

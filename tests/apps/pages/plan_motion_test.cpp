@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "planning/check/motion_torques.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
 namespace plan_motion_test {
@@ -55,6 +57,46 @@ TEST(PlanMotion, OfManySamplesShowsSomeInTimeAndTheGreatestAccelerations) {
   }
   EXPECT_DOUBLE_EQ(plan.period, 0.008 * static_cast<double>(stride));
   EXPECT_DOUBLE_EQ(plan.duration, points.back().time);
+}
+
+/// Beside KDL, which the page does not ask.
+TEST(PlanMotion, ShowsTheTorquesOfASmoothMotionUnderItsLoad) {
+  const Robot robot = load_robot("panda");
+  Eigen::VectorXd from(7), to(7);
+  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
+  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  std::vector<Configuration> control(5, from);
+  for (int i = 0; i <= 100; ++i) control.push_back(from + (to - from) * (i * i * (300 - 2 * i) / 1e6));
+  control.insert(control.end(), 5, to);
+  PlannedMotion planned;
+  planned.motion = spline_motion(control, 0.02);
+  const JointLoad load{.payload = 2.0, .gravity = {0.0, -3.0, -9.0}};
+  const TorqueTerms terms = torque_terms(robot, load);
+  PagePlan plan;
+  const auto shown = show_smooth_motion(plan, robot, planned, load);
+  ASSERT_EQ(plan.torques.size(), shown.size());
+  ASSERT_EQ(shown.size(), planned.motion.positions.size());
+  EXPECT_EQ(plan.max_torque, std::vector<double>(terms.limits.begin(), terms.limits.end()));
+  for (const std::size_t k : shown)
+    EXPECT_TRUE(
+        plan.torques[k].isApprox(kdl_torques(robot, planned.motion.positions[k], planned.motion.velocities[k],
+                                             planned.motion.accelerations[k], terms),
+                                 1e-6))
+        << k;
+  EXPECT_EQ(plan.figures.back().first, "top torque");
+  EXPECT_NE(plan.figures.back().second.find("payload 2 kg and gravity (0, -3, -9) m/s^2"), std::string::npos)
+      << plan.figures.back().second;
+}
+
+TEST(PlanMotion, ShowsNoTorquesWhereNoneHasALimit) {
+  Robot robot = disc();
+  for (Link& link : robot.links) link.mass = 0.0;
+  PlannedMotion planned;
+  planned.motion = spline_motion(std::vector<Configuration>(9, at(0, 0)), 0.02);
+  PagePlan plan;
+  EXPECT_FALSE(show_smooth_motion(plan, robot, planned, {}).empty());
+  EXPECT_TRUE(plan.max_torque.empty());
+  EXPECT_TRUE(plan.torques.empty());
 }
 
 TEST(PlanMotion, LeavesPathsAsTheyAreThatHaveNoTime) {

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-
-#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -100,6 +99,25 @@ TEST_F(ReportPageInChromium, ShowsAPlanInTimeWithSpeedsAndAccelerationsAgainstTh
       << "a speed over its limit is told, and told to be bad";
   EXPECT_NE(open(html, "#nowebgl&plan=3&t=1").find("2.92 / 2.92 s"), std::string::npos);
   EXPECT_EQ(attribute(open(html, "#nowebgl&plan=1"), "plots"), "2") << "a plan without time";
+}
+
+TEST_F(ReportPageInChromium, ShowsTorquesAgainstTheLimitsOfTheJointsThatHaveOne) {
+  ReportPage page = SamplePage::make_timed();
+  PagePlan& timed = page.plans[3];
+  timed.torques.assign(timed.waypoints.size(), Eigen::VectorXd::Constant(6, 3.0));
+  for (Eigen::VectorXd& torques : timed.torques) torques[0] = 1e6;  // of a joint without a limit
+  timed.max_torque.assign(6, 12.0);
+  timed.max_torque[0] = std::numeric_limits<double>::infinity();
+  timed.torques[30][2] = -15.0;
+  const std::string html = render_report_page(page);
+  const std::string start = open(html, "#nowebgl&plan=3&t=0");
+  EXPECT_EQ(attribute(start, "errors"), "0") << errors(start);
+  EXPECT_EQ(attribute(start, "plots"), "5") << "joints, separation, speeds, accelerations, torques";
+  EXPECT_NE(start.find("<span id=\"torque-now\" class=\"now\">" + timed.joints[1] + " 3 N m, 25 %"),
+            std::string::npos);
+  EXPECT_NE(open(html, "#nowebgl&plan=3&t=" + std::to_string(1.5 / 2.92))
+                .find("<span id=\"torque-now\" class=\"now bad\">" + timed.joints[2] + " -15 N m, 125 %"),
+            std::string::npos);
 }
 
 TEST_F(ReportPageInChromium, ShowsWhatWasSeenAnewAtEachTimeAndHowOldTheMapWas) {

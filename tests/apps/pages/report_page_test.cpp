@@ -209,6 +209,15 @@ TEST(ReportPage, RefusesSizesAndIndicesThatDisagreeAndNamesTheField) {
   refused([&](ReportPage& p) { timed(p).speeds.pop_back(); }, "speeds");
   refused([&](ReportPage& p) { timed(p).accelerations[4].resize(5); }, "accelerations");
   refused([&](ReportPage& p) { timed(p).max_speed.clear(); }, "max_speed");
+  refused([&](ReportPage& p) { timed(p).max_jerk.assign(6, 1.0); }, "jerks");
+  refused([&](ReportPage& p) { timed(p).max_torque.assign(6, 1.0); }, "torques");
+  refused(
+      [&](ReportPage& p) {
+        PagePlan& plan = timed(p);
+        plan.torques.assign(plan.waypoints.size(), Eigen::VectorXd::Zero(6));
+        plan.max_torque.assign(5, 1.0);
+      },
+      "max_torque");
   refused(
       [](ReportPage& p) {
         p = SamplePage::make_sensed();

@@ -11,19 +11,7 @@ import numpy as np
 
 import clearway as cw
 import worlds
-
-
-def text(q):
-    return ",".join(map(repr, np.asarray(q).tolist()))
-
-
-def without_times(plan):
-    """A plan without what a clock measured."""
-    plan = json.loads(json.dumps(plan))
-    for part in (plan, *plan["legs"]):
-        for name in [name for name in part if name.endswith("time_s") or name.endswith("cpu_s")]:
-            del part[name]
-    return plan
+from worlds import text, without_times
 
 
 class Arm(unittest.TestCase):

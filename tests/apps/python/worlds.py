@@ -67,3 +67,17 @@ def arcs(resolution=0.03):
 
 def folder():
     return tempfile.TemporaryDirectory(prefix="clearway_python_")
+
+
+def text(q):
+    """A configuration as a flag has it, every bit of it."""
+    return ",".join(map(repr, np.asarray(q).tolist()))
+
+
+def without_times(plan):
+    """A plan without what a clock measured."""
+    plan = json.loads(json.dumps(plan))
+    for part in (plan, *plan["legs"]):
+        for name in [name for name in part if name.endswith("time_s") or name.endswith("cpu_s")]:
+            del part[name]
+    return plan

@@ -121,8 +121,10 @@ TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsAppr
   EXPECT_EQ(session_.plans()[0].map_digest, map_sha256(map_.snapshot()));
   EXPECT_EQ(act(TeachAction::play), "");
   EXPECT_EQ(session_.state(), TeachState::playing);
-  const auto waypoints = session_.plans()[0].plan.waypoints();
-  EXPECT_EQ(session_.shown_configuration(), waypoints.front());
+  const Plan& plan = session_.plans()[0].plan;
+  EXPECT_EQ(session_.shown_configuration(), plan.waypoints().front());
+  ASSERT_TRUE(plan.motion);
+  EXPECT_EQ(remark(), "it lasts " + short_text(plan.motion->motion.duration(), 3) + " s");
   EXPECT_EQ(act(TeachAction::approve), "");
   EXPECT_EQ(session_.state(), TeachState::approved);
   EXPECT_TRUE(session_.plans()[0].is_approved);
@@ -175,6 +177,23 @@ TEST_F(TeachSessionOf, APlanIsNotApprovedOnceWhatItRestsOnIsBlocked) {
   EXPECT_NE(why.find("approve: the map has changed since it was planned: "), std::string::npos) << why;
   EXPECT_EQ(session_.state(), TeachState::planned);
   EXPECT_FALSE(session_.plans()[0].is_approved);
+}
+
+/// A motion leaves the plan's edges at corners: it is what a person approves, so it has to hold as well.
+TEST_F(TeachSessionOf, TheCheckOfATaughtPlanIsOfItsMotionToo) {
+  paint_everything();
+  ASSERT_EQ(act(TeachAction::start, "0,0.3"), "");
+  ASSERT_EQ(act(TeachAction::via, "0.5,0.9"), "");
+  ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
+  ASSERT_EQ(act(TeachAction::plan), "");
+  ASSERT_EQ(act(TeachAction::play), "");
+  TaughtPlan taught = session_.plans().at(0);
+  ASSERT_TRUE(taught.plan.motion);
+  EXPECT_TRUE(check_taught(taught, map_.snapshot()).valid);
+  for (Eigen::VectorXd& velocity : taught.plan.motion->motion.velocities) velocity *= 1.5;
+  const PathVerdict verdict = check_taught(taught, map_.snapshot());
+  EXPECT_FALSE(verdict.valid);
+  EXPECT_NE(verdict.first_contact.find("motion"), std::string::npos) << verdict.first_contact;
 }
 
 TEST_F(TeachSessionOf, ALoadIsAttachedOnceAndDetachedByItsName) {

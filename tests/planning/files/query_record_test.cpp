@@ -36,6 +36,8 @@ QueryRecord example() {
     query.padding = 0.0005;
     query.start = random.point(3.0);
     query.goals = {random.point(3.0), random.point(3.0)};
+    query.payload = 0.7;
+    query.gravity = random.point(9.0);
     record.queries.push_back(query);
   }
   return record;
@@ -49,6 +51,19 @@ TEST_F(QueryRecordFile, ReadsBackEveryBit) {
   EXPECT_EQ(back->queries[1].map_from_base.matrix(), record.queries[1].map_from_base.matrix());
   EXPECT_EQ(back->queries[1].goals, record.queries[1].goals);
   EXPECT_EQ(back->queries[0].policies, record.queries[0].policies);
+  EXPECT_EQ(back->queries[1].payload, record.queries[1].payload);
+  EXPECT_EQ(back->queries[1].gravity, record.queries[1].gravity);
+}
+
+TEST_F(QueryRecordFile, AnOlderOneSaysNothingOfPayloadAndGravity) {
+  QueryRecord record = example();
+  for (QueryTerms& query : record.queries) query.payload = {}, query.gravity = {};
+  const auto back = read(to_json(record));
+  ASSERT_TRUE(back);
+  EXPECT_FALSE(back->queries[0].payload);
+  EXPECT_FALSE(back->queries[0].gravity);
+  record.queries[1].payload = -1.0;
+  EXPECT_THROW(read(to_json(record)), std::invalid_argument);
 }
 
 TEST_F(QueryRecordFile, AnyByteThatIsAnotherIsDamage) {
