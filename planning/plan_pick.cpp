@@ -270,6 +270,7 @@ class PickPlanner {
     path.insert(path.end(), in.rbegin() + 1, in.rend());
     between.waypoints = shortcut(space, std::move(path), joint_weights(space, 0.0), query_.seed, shortcuts,
                                  [this] { return is_out_of_time(); });
+    between.origins.clear();
     between.cost = path_cost(query_, space.robot())(between.waypoints);
     return between;
   }

@@ -139,8 +139,10 @@ int run_inspect(const InspectOptions& options, Console& console) {
   std::string text;
   for (const SlicePlane& plane : terms) text += '\n' + draw_in_terminal(drawn, plane, other.has_value());
   for (const auto& file : options.exports) export_map(map, file);
+  const bool is_edited = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
+  const auto place = is_edited ? std::nullopt : std::optional(options.map.string());
   if (!options.view.empty())
-    save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name));
+    save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name, place));
   if (!options.save.empty()) {
     save_edited(options, map);
     json["saved"] = options.save.string();

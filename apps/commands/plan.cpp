@@ -155,6 +155,7 @@ std::string plan_page(const PlanOptions& options, const Plan& plan, const Config
                       const Configuration& start) {
   ReportPage page = page_of_map(MapLeaves(space.map()), space.robot().name + ", " + plan.planner);
   page.subtitle = options.map.string();
+  page.map_place = options.map.string();
   look_from(page, space.map(), space.robot().map_from_base.translation());
   show_robot(page, with_all_loads(space.robot(), plan.loads), start);
   page.plans.push_back(page_of_plan(plan, space, start, plan.planner));

@@ -109,6 +109,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, robot ? &*robot : nullptr,
                      options.observer);
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));
+  TimelineKeeper timeline(fusion.timeline);
   std::optional<double> start;
   FusionCounts& counts = fusion.counts;
   if (options.guide != nullptr) options.guide->begin(fusion.setup, fusion.map, counts);
@@ -120,7 +121,10 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     }
     if (!searched) break;
     const Frame* frame = &searched->frame;
-    if (!start && !std::holds_alternative<CommentFrame>(frame->content)) start = frame->time;
+    if (!start && !std::holds_alternative<CommentFrame>(frame->content)) {
+      start = frame->time;
+      timeline.start_at(frame->time);
+    }
     const double since_start = start ? frame->time - *start : 0.0;
     if (options.guide != nullptr && start && !options.guide->before(since_start)) break;
     if (body && start)
@@ -136,6 +140,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
       if (painter) tracked = painter->take(*frame, *image, searched->tags, since_start, brush);
       if (tracked && options.observer != nullptr)
         options.observer->see(tracked->sample, *fixed_board(fusion.setup, "a probe").map_from_board);
+      timeline.see(*image, searched->tags, tracked ? &tracked->sample : nullptr, since_start);
       boards.take(*frame, *image, searched->tags, tracked ? &*tracked : nullptr);
       if (options.guide != nullptr)
         options.guide->see({*frame, searched->tags, tracked ? &tracked->sample : nullptr,
@@ -143,11 +148,13 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
       scans.release();
     } else if (const auto* cloud = std::get_if<CloudFrame>(&frame->content)) {
       scans.take(*frame, *cloud);
+      timeline.see_scan(since_start);
     } else if (std::holds_alternative<OdometryFrame>(frame->content)) {
       ++counts.odometry;
     }
     progress(frames->progress());
   }
+  timeline.finish();
   boards.finish();
   scans.finish();
   if (recorded != nullptr) recorded->finish();

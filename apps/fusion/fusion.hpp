@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/fusion/recording_timeline.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/free_space_map.hpp"
@@ -118,6 +119,7 @@ struct Fusion {
   std::optional<std::string>
       damage;  ///< one sentence when the recording is damaged; what came before it is kept
   std::vector<std::string> warnings;
+  RecordingTimeline timeline;  ///< of the images and scans that were used
 };
 
 /// Recording -> tag poses -> painted spheres and integrated scans -> one fused map.

@@ -60,11 +60,13 @@ class Gathered {
 
 }  // namespace
 
-std::vector<PageVoxels> drawn_voxels(const MapLeaves& map, std::uint64_t most_faces, bool shows_difference) {
+std::vector<PageVoxels> drawn_voxels(const MapLeaves& map, std::uint64_t most_faces, bool shows_difference,
+                                     const std::function<void(const MapLeaf&)>& also) {
   std::vector<Gathered> gathered;
   for (const VoxelState state : drawn_states)
     gathered.emplace_back(state, map.resolution(), shows_difference);
   map.visit([&](const MapLeaf& leaf) {
+    if (also) also(leaf);
     const auto at = std::find(drawn_states.begin(), drawn_states.end(), leaf.state);
     if (at != drawn_states.end()) gathered[static_cast<std::size_t>(at - drawn_states.begin())].add(leaf);
   });

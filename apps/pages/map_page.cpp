@@ -12,6 +12,7 @@
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/path/path_origins.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/robot/self_collision.hpp"
 
@@ -95,6 +96,45 @@ void rest_loads(const Plan& plan, std::size_t first_link, PagePlan& page) {
   }
 }
 
+/// A phase and what is followed in it, in the words of the page's legend.
+std::string words_of(const WaypointOrigin& origin) {
+  switch (origin.phase) {
+    case PathPhase::free_motion:
+      return "free motion";
+    case PathPhase::boundary:
+      return "boundary" + (origin.constraint.empty() ? "" : ": " + origin.constraint);
+    case PathPhase::start_tree:
+      return "tree from the start";
+    case PathPhase::goal_tree:
+      return "tree from the goal";
+    case PathPhase::lattice:
+      return "step of the beam";
+    case PathPhase::last_segment:
+      return "last segment";
+    case PathPhase::shortened:
+      return "shortcut";
+    case PathPhase::unknown:
+      break;
+  }
+  return "not known";
+}
+
+/// How the planner got to each waypoint of the page, told by those of the path that lie ahead.
+void show_origins(PagePlan& page, const std::vector<Configuration>& path,
+                  const std::vector<WaypointOrigin>& origins) {
+  const bool is_known = std::any_of(origins.begin(), origins.end(), [](const WaypointOrigin& origin) {
+    return origin.phase != PathPhase::unknown;
+  });
+  if (!is_known || path.size() != origins.size() || path.size() < 2) return;
+  for (const std::size_t ahead : waypoints_ahead(path, page.waypoints)) {
+    const std::string words = words_of(origins[ahead]);
+    const auto found = std::find(page.phase_names.begin(), page.phase_names.end(), words);
+    page.phases.push_back(static_cast<int>(found - page.phase_names.begin()));
+    if (found == page.phase_names.end()) page.phase_names.push_back(words);
+    page.search_steps.push_back(origins[ahead].search_step);
+  }
+}
+
 }  // namespace
 
 PageShape page_shape(const Shape& s) {
@@ -130,7 +170,9 @@ ReportPage page_of_map(const MapLeaves& map, const std::string& title) {
   ReportPage page;
   page.title = title;
   page.resolution = map.resolution();
-  page.voxels = drawn_voxels(map);
+  EvidenceGrid evidence(map);
+  page.voxels = drawn_voxels(map, most_faces_shown, false, [&](const MapLeaf& leaf) { evidence.add(leaf); });
+  page.evidence = evidence.take();
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     page.volume_labels.push_back(map.volumes()[v].label);
     for (const Sphere& sphere : map.volumes()[v].spheres) {
@@ -188,12 +230,18 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     shown_plan.is_prismatic.push_back(joint.kind == JointKind::prismatic);
 
   std::vector<Configuration> path = plan.waypoints();
+  std::vector<WaypointOrigin> origins = plan.origins();
   if (plan.status() != PlanStatus::solved && !plan.legs.empty()) {
     const std::vector<Configuration>& explored = plan.legs.back().explored;
     path.insert(path.end(), explored.begin(), explored.end());
+    std::vector<WaypointOrigin> of_explored = plan.legs.back().origins;
+    of_explored.resize(explored.size());
+    origins.insert(origins.end(), of_explored.begin(), of_explored.end());
   }
+  const std::vector<Configuration> whole = path;
+  const bool has_loads = !plan.loads.empty() || plan.pick;
   const auto shown = plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion, load_of(plan, robot))
-                     : (!plan.loads.empty() || plan.pick) && plan.is_proved()
+                     : has_loads && plan.is_proved()
                          ? show_trajectory(shown_plan, robot, trajectory_of(robot, plan))
                          : show_motion(shown_plan, robot, path);
   if (shown.empty()) shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
@@ -210,6 +258,7 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
     }
     shown_plan.tip_path.push_back(tip_pose(robot, q).translation());
   }
+  show_origins(shown_plan, whole, origins);
   for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.sphere);
   shown_plan.start_poses = forward_kinematics(loaded, start);
   if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(loaded, plan.goals.back());
@@ -235,8 +284,9 @@ std::string difference_page(const MapLeaves& difference, const std::string& name
   return render_report_page(page);
 }
 
-std::string map_page(const MapLeaves& map, const std::string& name) {
+std::string map_page(const MapLeaves& map, const std::string& name, const std::optional<std::string>& place) {
   ReportPage page = page_of_map(map, name.empty() ? "map" : name);
+  page.map_place = place;
   const VoxelCounts counts = map.counts();
   page.subtitle = "voxel map, " + significant(map.resolution() * 1000.0, 4) + " mm";
   page.figures = {{"resolution", significant(map.resolution() * 1000.0, 4) + " mm"},

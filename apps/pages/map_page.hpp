@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "apps/pages/report_page.hpp"
@@ -34,7 +35,8 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
 /// The page of `inspect --diff --view`, of MapLeaves::difference.
 std::string difference_page(const MapLeaves& difference, const std::string& name);
 
-/// The page of `inspect --view`.
-std::string map_page(const MapLeaves& map, const std::string& name);
+/// The page of `inspect --view`. @param place where the map is, for `clearway inspect`; none: in no file
+std::string map_page(const MapLeaves& map, const std::string& name,
+                     const std::optional<std::string>& place = {});
 
 }  // namespace clearway

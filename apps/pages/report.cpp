@@ -239,6 +239,11 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
   const FusionCounts& counts = report.fusion->counts;
   if (counts.scans > 0)
     look_from(page, report.map, counts.scan_origin_sum / static_cast<double>(counts.scans));
+  page.map_place = "";
+  page.recording = report.fusion->timeline;
+  page.provenance.events = report.provenance.events;  // not the scans' cells, which are much
+  page.provenance.strokes = report.provenance.strokes;
+  page.provenance.conflicts = report.provenance.conflicts;
   page.warnings = report.fusion->warnings;
   if (report.fusion->damage) page.warnings.push_back(*report.fusion->damage);
   if (!report.planning_problem.empty()) page.warnings.push_back(report.planning_problem);

@@ -7,6 +7,7 @@
 
 #include "apps/pages/page_arrays.hpp"
 #include "apps/pages/page_template.hpp"
+#include "apps/pages/page_timeline.hpp"
 #include "apps/viewer/page_templates.hpp"
 
 namespace clearway {
@@ -205,6 +206,12 @@ void require_sizes(const PagePlan& plan, std::size_t links) {
   for (const Poses& poses : plan.link_poses)
     if (poses.size() != plan.link_poses.front().size() || poses.size() < links)
       refuse(of + "link_poses", "must have a pose for each link with a shape at every waypoint");
+  if (plan.phases.size() != (plan.phase_names.empty() ? 0 : waypoints) ||
+      plan.search_steps.size() != plan.phases.size())
+    refuse(of + "phases and search_steps", "must have one entry per waypoint where phase_names has any");
+  for (const int phase : plan.phases)
+    if (phase < 0 || static_cast<std::size_t>(phase) >= plan.phase_names.size())
+      refuse(of + "phases", "must be indices into phase_names");
   require_links(plan.start_poses, links, of + "start_poses");
   require_links(plan.goal_poses, links, of + "goal_poses");
 }
@@ -221,6 +228,12 @@ json place_joints(PageArrays& arrays, const std::vector<Eigen::VectorXd>& rows, 
 json place_numbers(PageArrays& arrays, const std::vector<double>& values) {
   const std::vector<float> floats(values.begin(), values.end());
   return place(arrays.add(std::span<const float>(floats)));
+}
+
+json place_whole(PageArrays& arrays, const std::vector<int>& values) {
+  std::vector<std::uint32_t> numbers;
+  for (const int value : values) numbers.push_back(static_cast<std::uint32_t>(std::max(value, 0)));
+  return place(arrays.add(std::span<const std::uint32_t>(numbers)));
 }
 
 /// Octree coordinates of the voxels of each change, axis by axis.
@@ -284,6 +297,9 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"trueSeparation", place_numbers(arrays, plan.true_separation)},
           {"mapAge", place_numbers(arrays, plan.map_age)},
           {"seen", seen_json(arrays, plan)},
+          {"phaseNames", plan.phase_names},
+          {"phases", place_whole(arrays, plan.phases)},
+          {"searchSteps", place_whole(arrays, plan.search_steps)},
           {"figures", figures_json(plan.figures)},
           {"tip", place_points(arrays, plan.tip_path)},
           {"start", place_poses(arrays, plan.start_poses)},
@@ -312,6 +328,9 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
           {"voxels", all_voxels_json(arrays, page)},
           {"balls", spheres_json(arrays, page)},
           {"volumes", page.volume_labels},
+          {"evidence", evidence_json(arrays, page.evidence)},
+          {"mapPlace", page.map_place ? json(*page.map_place) : json()},
+          {"timeline", timeline_json(arrays, page.recording, page.provenance)},
           {"robot", robot},
           {"home", place_poses(arrays, page.robot_home)},
           {"plans", plans},

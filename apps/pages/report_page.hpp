@@ -3,11 +3,15 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "apps/fusion/recording_timeline.hpp"
+#include "apps/pages/page_evidence.hpp"
 #include "apps/pages/voxel_faces.hpp"
+#include "mapping/history/provenance.hpp"
 #include "mapping/voxels/sphere.hpp"
 
 namespace clearway {
@@ -71,6 +75,10 @@ struct PagePlan {
   std::vector<PageSeen> seen;
   double seen_voxel = 0.0;
   std::vector<double> map_age, true_separation;
+  /// How the planner got to each waypoint: an index into these words, and when the search made the edge
+  /// (WaypointOrigin::search_step, 0: not known). All empty where it does not say.
+  std::vector<std::string> phase_names{};
+  std::vector<int> phases{}, search_steps{};
   std::vector<PageFigure> figures;
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame
   std::vector<Sphere> to_paint;           ///< where more paint would connect the ends; map frame
@@ -108,6 +116,11 @@ struct ReportPage {
   std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
   std::vector<PageSphere> spheres;
   std::vector<std::string> volume_labels;
+  PageEvidence evidence{};  ///< of the voxels; may be none
+  /// MAP of `clearway inspect`; empty: the folder in which the page lies. None: the map lies in no file.
+  std::optional<std::string> map_place{};
+  RecordingTimeline recording{};         ///< what happened when; may be none
+  Provenance provenance = Provenance();  ///< balls and conflicts by their times; may be none
   std::vector<PageShape> robot;
   std::vector<Eigen::Isometry3d> robot_home;  ///< map_from_link, drawn when no plan gives a pose
   std::vector<PagePlan> plans;

@@ -98,7 +98,8 @@ MapLeaves MapLeaves::in_file(const fs::path& path) {
                        stream->seen());
   MapLeaves map(about, [stream](const Visit& visit) {
     stream->visit_leaves([&](const FusedNode& node, const CellCube& cube) {
-      visit({stream->bare_tree().state(node), node.painted(), cube.corner, cube.edge});
+      visit({stream->bare_tree().state(node), node.painted(), cube.corner, cube.edge, node.observed(),
+             node.getLogOdds()});
     });
   });
   if (stream->is_ours()) check_masks(map.painted_, about.volumes().size(), file);

@@ -25,7 +25,8 @@ VoxelState told_difference(VoxelState here, VoxelState there) {
 MapLeaves::MapLeaves(Snapshot map)
     : MapLeaves(map, [map](const Visit& visit) {
         map.tree().visit_leaves([&](const FusedNode& node, const CellCube& cube) {
-          visit({map.tree().state(node), node.painted(), cube.corner, cube.edge});
+          visit({map.tree().state(node), node.painted(), cube.corner, cube.edge, node.observed(),
+                 node.getLogOdds()});
         });
       }) {
   tree_bytes_ = map.tree().memoryUsage();

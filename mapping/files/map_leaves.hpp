@@ -19,6 +19,8 @@ struct MapLeaf {
   std::uint16_t volumes = 0;  ///< painted volumes (bit i = volume i) that contain it
   Eigen::Vector3i corner = Eigen::Vector3i::Zero();
   int edge = 1;
+  bool observed = false;  ///< some ray ended in it or passed through it
+  float log_odds = 0.0F;  ///< of the sensors only; meaningless when not observed
 };
 
 /// A map that one goes through leaf by leaf, as often as one likes: to look at maps that are larger than the

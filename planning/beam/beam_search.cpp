@@ -48,6 +48,14 @@ void append_last_segment(const PlanProblem& problem, PlanResult& result) {
   result.waypoints.push_back(problem.goal);
 }
 
+/// Each step of the search is one of the path.
+std::vector<WaypointOrigin> lattice_origins(std::size_t waypoints, bool last_segment) {
+  std::vector<WaypointOrigin> origins(waypoints);
+  for (std::size_t i = 1; i < waypoints; ++i) origins[i] = {PathPhase::lattice, {}, static_cast<int>(i)};
+  if (last_segment) origins.back() = {PathPhase::last_segment};
+  return origins;
+}
+
 void tell_success(const PlanProblem& problem, const BeamOptions& options, const BeamPaths& paths,
                   PlanResult& result) {
   result.status = PlanStatus::solved;
@@ -57,6 +65,7 @@ void tell_success(const PlanProblem& problem, const BeamOptions& options, const 
   result.final_distance = (result.waypoints.back() - problem.goal).norm();
   result.explanation = "Reached the goal box in " + std::to_string(result.search_steps) + " steps.";
   if (options.last_segment) append_last_segment(problem, result);
+  result.origins = lattice_origins(result.waypoints.size(), result.last_segment);
 }
 
 void tell_failure(const PlanProblem& problem, const Lattice& lattice, const BeamPaths& paths,
@@ -64,6 +73,7 @@ void tell_failure(const PlanProblem& problem, const Lattice& lattice, const Beam
   const Head& best = paths.head(paths.best_head());
   result.status = out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
   result.explored = paths.path_to(paths.best_head());
+  result.origins = lattice_origins(result.explored.size(), false);
   result.search_steps = paths.steps();
   result.final_distance = (lattice.configuration(best.node) - problem.goal).norm();
   const char* how = out_of_time ? "out of time" : paths.beam().empty() ? "stalled" : "stalled (max_steps)";

@@ -39,7 +39,11 @@ class BoundaryMotion {
     const BoundaryChoice choice =
         controller_.next(constraints_, local_, wanted, motion_.position(), problem_.goal);
     if (!choice.why.empty()) return stopped(choice.why);
-    if (motion_.take(choice.step)) return "";
+    const WaypointOrigin origin =
+        choice.is_local ? WaypointOrigin{PathPhase::free_motion}
+                        : WaypointOrigin{PathPhase::boundary,
+                                         followed_name(problem_.space, constraints_, choice.followed)};
+    if (motion_.take(choice.step, origin)) return "";
     return stopped(choice.is_local ? "The next local step could not be certified free"
                                    : "The next step along the boundary could not be certified free");
   }

@@ -107,7 +107,8 @@ BoundaryChoice BoundaryController::follow(const StepConstraints& constraints, co
   if (step.relaxed) ++counts_.relaxed;
   ++bypass_->steps;
   ++counts_.boundary;
-  return {bypass_->plane.lift(step.vertex.du), false, ""};
+  return {bypass_->plane.lift(step.vertex.du), false, "",
+          projected[static_cast<std::size_t>(step.followed)].source};
 }
 
 BoundaryChoice BoundaryController::stuck(const Eigen::VectorXd& step, const std::string& why) {

@@ -41,6 +41,7 @@ struct BoundaryChoice {
   Eigen::VectorXd step;  ///< weighted units
   bool is_local = true;  ///< the local step, not one along a boundary
   std::string why;       ///< what ends the method in a static scene; empty while it goes on
+  int followed = -1;     ///< along a boundary: the constraint, as LocalStep counts them
 };
 
 /// "1 deadlock", "2 deadlocks".

@@ -5,6 +5,7 @@
 
 #include "planning/boundary/boundary_plus_search.hpp"
 #include "planning/path/any_angle.hpp"
+#include "planning/path/path_origins.hpp"
 #include "planning/path/rounded_corners.hpp"
 #include "planning/path/shortcut.hpp"
 #include "planning/problem/option_reader.hpp"
@@ -107,8 +108,9 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   add_figures(damper, result);
   if (stage == BoundaryPlusStage::none) return failed(problem, search, std::move(result));
   result.statistics["solved_by"] = static_cast<double>(stage);
-  std::vector<Configuration> path = shortcut(problem.space, search.trees().path(), damper.weight,
-                                             problem.seed, options_.shortcuts, problem.out_of_time);
+  const std::vector<Configuration> found = search.trees().path();
+  std::vector<Configuration> path =
+      shortcut(problem.space, found, damper.weight, problem.seed, options_.shortcuts, problem.out_of_time);
   if (options_.smooth) {
     path = rounded_corners(problem, path, damper.weight, {.least_clearance = damper.security_distance},
                            result.edges_checked);
@@ -120,6 +122,7 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   result.statistics["sharpest_turn_rad"] = sharpest_turn(path, damper.weight);
   result.search_steps = static_cast<int>(path.size()) - 1;
   result.cost = sampled_cost(problem.cost, path, damper.weight, AnyAngleOptions().cost_step);
+  result.origins = origins_after(found, search.trees().path_origins(), path);
   result.waypoints = std::move(path);
   return result;
 }

@@ -77,7 +77,7 @@ bool BoundaryPlusSearch::run(Side side, int node, int most_steps,
   local_steps_ += run.local_steps;
   boundary_steps_ += run.boundary_steps;
   const std::size_t first = trees_.nodes(side).size();
-  const int last = trees_.add_trace(side, node, run.trace);
+  const int last = trees_.add_trace(side, node, run.trace, run.origins);
   if (run.end == RunEnd::reached) {
     side == BidirectionalTrees::start ? trees_.join_at(last, 0) : trees_.join_at(0, last);
     return true;

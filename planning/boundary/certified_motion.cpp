@@ -28,7 +28,7 @@ Configuration CertifiedMotion::moved(const Eigen::VectorXd& step) const {
   return missed <= 1e-9 * options_.max_step ? problem_.goal : q;
 }
 
-bool CertifiedMotion::take(const Eigen::VectorXd& step) {
+bool CertifiedMotion::take(const Eigen::VectorXd& step, WaypointOrigin origin) {
   double share = 1.0;
   for (int halving = 0; halving <= 10; ++halving, share *= 0.5) {
     const Configuration next = moved(share * step);
@@ -36,6 +36,8 @@ bool CertifiedMotion::take(const Eigen::VectorXd& step) {
     ++edges_checked_;
     if (!problem_.space.is_edge_free(position(), next)) continue;
     trace_.push_back(next);
+    origin.search_step = steps();
+    origins_.push_back(std::move(origin));
     if (halving > 0) ++shortened_;
     return true;
   }
@@ -57,6 +59,7 @@ PlanResult CertifiedMotion::result(PlanResult result, PlanStatus status,
   result.configurations_checked += trace_.size();
   result.edges_checked += edges_checked_;
   (is_at_goal() ? result.waypoints : result.explored) = trace_;
+  result.origins = origins_;
   if (is_at_goal()) result.cost = problem_.cost(trace_);
   result.statistics["most_rows"] = static_cast<double>(most_constraints_);
   result.statistics["steps_shortened"] = shortened_;
@@ -75,6 +78,19 @@ bool CreepWatch::is_creeping(double distance_to_goal) {
   const double before = last_.front();
   last_.pop_front();
   return before - distance_to_goal < least_gain_;
+}
+
+std::string followed_name(const ConfigurationSpace& space, const StepConstraints& constraints, int source) {
+  const Robot& robot = space.robot();
+  const auto pairs = static_cast<int>(constraints.pairs.size()), n = static_cast<int>(robot.dof());
+  if (source < 0 || source >= pairs + 2 * n) return {};
+  if (source < pairs) {
+    const int body = constraints.pairs[static_cast<std::size_t>(source)].body;
+    return robot.bodies[static_cast<std::size_t>(body)].part + " near what blocks it";
+  }
+  const int joint = (source - pairs) % n;
+  return "joint " + robot.joints[static_cast<std::size_t>(joint)].name + " near its " +
+         (source - pairs < n ? "upper" : "lower") + " limit";
 }
 
 std::string holding_back(const ConfigurationSpace& space, const StepConstraints& constraints,

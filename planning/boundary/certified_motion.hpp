@@ -23,10 +23,12 @@ class CertifiedMotion {
   double distance_to_goal() const;  ///< Lahouar 2006, eq. 21, weighted units
   bool is_at_goal() const { return position() == problem_.goal; }
   int steps() const { return static_cast<int>(trace_.size()) - 1; }
+  const WaypointOrigin& last_origin() const { return origins_.back(); }
 
   /// Moves by `step` (weighted units), or by its half, quarter, ... 1/1024 when only that is certified free.
   /// A step that ends within rounding of the goal ends at the goal. False: nothing could be certified.
-  bool take(const Eigen::VectorXd& step);
+  /// @param origin what kind of step it is; its number is set here
+  bool take(const Eigen::VectorXd& step, WaypointOrigin origin = {PathPhase::free_motion});
 
   /// Notes what the constraints at the present position say, for the statistics.
   void note(const StepConstraints& constraints, const LocalStep& step);
@@ -40,6 +42,7 @@ class CertifiedMotion {
   const PlanProblem& problem_;
   const DamperOptions& options_;
   std::vector<Configuration> trace_;
+  std::vector<WaypointOrigin> origins_{{}};  ///< of the trace
   std::uint64_t edges_checked_ = 0;
   std::size_t most_constraints_ = 0;
   int shortened_ = 0, relaxed_ = 0;
@@ -58,6 +61,10 @@ class CreepWatch {
   double least_gain_;
   std::deque<double> last_;
 };
+
+/// What constraint number `source` (as LocalStep counts them) is about, in words that stay the same along a
+/// boundary: "tool near what blocks it", "joint j2 near its upper limit". Empty: none.
+std::string followed_name(const ConfigurationSpace& space, const StepConstraints& constraints, int source);
 
 /// "tool is 1.2 mm from what blocks it at (x, y, z)" for the pair that holds the step back most (the largest
 /// multiplier); joint limits are told as such.

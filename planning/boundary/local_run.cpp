@@ -53,6 +53,7 @@ class Runner {
         motion_(leg, damper),
         watch_(100.0 * damper.max_step) {
     run_.trace.push_back(leg.start);
+    run_.origins.emplace_back();
   }
 
   LocalRun run(int most_steps, const std::optional<Eigen::VectorXd>& direction) {
@@ -63,6 +64,7 @@ class Runner {
       if (step == most_steps) return ended(RunEnd::used_up);
       if (const auto end = advance()) return ended(*end);
       run_.trace.push_back(motion_.position());
+      run_.origins.push_back(motion_.last_origin());
     }
     return ended(RunEnd::reached);
   }
@@ -76,6 +78,7 @@ class Runner {
   bool sees_goal() {
     if (!leg_.space.is_edge_free(motion_.position(), leg_.goal)) return false;
     run_.trace.push_back(leg_.goal);
+    run_.origins.push_back({PathPhase::free_motion, {}, motion_.steps() + 1});
     return true;
   }
 
@@ -136,7 +139,11 @@ class Runner {
       return motion_.take(run_.local.step) ? std::nullopt : std::optional(RunEnd::deadlock);
     }
     const BoundaryStep step = boundary_step(projected, followed, damper_.max_step);
-    if (step.is_null || !motion_.take(bypass_->plane.lift(step.vertex.du))) return RunEnd::no_way_round;
+    if (step.is_null) return RunEnd::no_way_round;
+    const int source = projected[static_cast<std::size_t>(step.followed)].source;
+    if (!motion_.take(bypass_->plane.lift(step.vertex.du),
+                      {PathPhase::boundary, followed_name(leg_.space, run_.constraints, source)}))
+      return RunEnd::no_way_round;
     bypass_->followed = projected[static_cast<std::size_t>(step.followed)].direction;
     ++bypass_->steps;
     ++run_.boundary_steps;

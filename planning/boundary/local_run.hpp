@@ -32,8 +32,9 @@ enum class RunEnd { reached, deadlock, known_deadlock, no_way_round, used_up, ou
 
 struct LocalRun {
   RunEnd end = RunEnd::used_up;
-  std::vector<Configuration> trace;  ///< where it began first; each edge certified free
-  StepConstraints constraints;       ///< where it ended in a deadlock
+  std::vector<Configuration> trace;     ///< where it began first; each edge certified free
+  std::vector<WaypointOrigin> origins;  ///< of the trace
+  StepConstraints constraints;          ///< where it ended in a deadlock
   LocalStep local;
   int local_steps = 0, boundary_steps = 0;
 };

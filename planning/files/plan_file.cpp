@@ -1,5 +1,6 @@
 #include "planning/files/plan_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -37,6 +38,30 @@ Json validation_json(const Plan& plan) {
   return json;
 }
 
+/// Runs of waypoints that the planner got to in the same way, each up to the waypoint `to` of the leg.
+Json phases_json(const std::vector<WaypointOrigin>& origins) {
+  Json runs = Json::array();
+  for (std::size_t i = 1; i < origins.size(); ++i) {
+    const WaypointOrigin &origin = origins[i], &before = origins[i - 1];
+    if (i > 1 && origin.phase == before.phase && origin.constraint == before.constraint) {
+      runs.back()["to"] = i;
+      continue;
+    }
+    runs.push_back({{"to", i}, {"phase", to_string(origin.phase)}});
+    if (!origin.constraint.empty()) runs.back()["constraint"] = origin.constraint;
+  }
+  return runs;
+}
+
+/// How the planner got to the leg's waypoints, where it says so.
+void add_origins(const std::vector<WaypointOrigin>& origins, Json& leg) {
+  if (origins.size() < 2) return;
+  leg["phases"] = phases_json(origins);
+  std::vector<int> steps;
+  for (const WaypointOrigin& origin : origins) steps.push_back(origin.search_step);
+  if (std::any_of(steps.begin(), steps.end(), [](int step) { return step > 0; })) leg["steps"] = steps;
+}
+
 /// `first` is the index of the leg's first waypoint in the whole path.
 Json leg_json(const PlanResult& leg, std::size_t first) {
   Json json = {{"status", to_string(leg.status)}, {"explanation", leg.explanation}};
@@ -55,6 +80,7 @@ Json leg_json(const PlanResult& leg, std::size_t first) {
   json["checks"] = leg.configurations_checked;
   json["edges_checked"] = leg.edges_checked;
   json["statistics"] = leg.statistics;
+  add_origins(leg.origins, json);
   return json;
 }
 
@@ -128,6 +154,20 @@ std::vector<Configuration> Plan::waypoints() const {
     path.insert(path.end(), leg.waypoints.begin() + (is_joined ? 1 : 0), leg.waypoints.end());
   }
   return path;
+}
+
+std::vector<WaypointOrigin> Plan::origins() const {
+  std::vector<WaypointOrigin> whole;
+  const Configuration* end = nullptr;
+  for (const PlanResult& leg : legs) {
+    if (leg.waypoints.empty()) break;
+    std::vector<WaypointOrigin> own = leg.origins;
+    own.resize(leg.waypoints.size());
+    const bool is_joined = end != nullptr && *end == leg.waypoints.front();
+    whole.insert(whole.end(), own.begin() + (is_joined ? 1 : 0), own.end());
+    end = &leg.waypoints.back();
+  }
+  return whole;
 }
 
 std::vector<LegsToCheck> legs_of(const Plan& plan, const Robot& robot, const Snapshot& map) {

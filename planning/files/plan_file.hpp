@@ -68,7 +68,9 @@ struct Plan {
   bool is_proved() const;     ///< every leg is solved, and the check found the whole path valid
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
-  std::vector<Configuration> stops() const;      ///< where the first leg begins and each solved one ends
+  /// Of waypoints(): how the planner got to each; unknown for legs that do not say.
+  std::vector<WaypointOrigin> origins() const;
+  std::vector<Configuration> stops() const;  ///< where the first leg begins and each solved one ends
 };
 
 /// The solved legs of a plan for the check, those that follow each other with the same loads in one; of a

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "mapping/system/input_file.hpp"
@@ -33,6 +34,29 @@ std::vector<Configuration> share(const JsonField& field, const std::vector<Confi
           whole.begin() + static_cast<std::ptrdiff_t>(last) + 1};
 }
 
+/// How the planner got to so many waypoints, where the leg says so: see add_origins in plan_file.cpp.
+std::vector<WaypointOrigin> origins(const JsonField& leg, std::size_t waypoints) {
+  if (!leg.has("phases")) return {};
+  std::vector<WaypointOrigin> origins;
+  for (const JsonField& run : leg.at("phases").items()) {
+    WaypointOrigin origin{path_phase(run.at("phase").text())};
+    if (origin.phase == PathPhase::unknown && run.at("phase").text() != "unknown")
+      run.at("phase").refuse("a phase that clearway writes, found " + quote(run.at("phase").text()));
+    if (run.has("constraint")) origin.constraint = run.at("constraint").text();
+    const std::uint64_t to = run.at("to").count();
+    if (to >= waypoints || to < std::max<std::size_t>(origins.size(), 1))
+      run.at("to").refuse("ascending indices of the leg's " + std::to_string(waypoints) + " waypoints");
+    origins.resize(std::max<std::size_t>(origins.size(), 1));  // the first has none
+    origins.resize(to + 1, origin);
+  }
+  if (origins.size() != waypoints) leg.at("phases").refuse("phases up to the leg's last waypoint");
+  if (!leg.has("steps")) return origins;
+  const std::vector<JsonField> steps = leg.at("steps").items();
+  if (steps.size() != waypoints) leg.at("steps").refuse("as many as the leg has waypoints");
+  for (std::size_t i = 0; i < waypoints; ++i) origins[i].search_step = steps[i].whole_number();
+  return origins;
+}
+
 PlanResult leg(const JsonField& field, const std::vector<Configuration>& whole, std::size_t dof) {
   PlanResult result;
   result.status = status(field.at("status"));
@@ -49,6 +73,7 @@ PlanResult leg(const JsonField& field, const std::vector<Configuration>& whole, 
   if (field.has("final_distance_rad")) result.final_distance = field.at("final_distance_rad").number();
   if (field.has("checks")) result.configurations_checked = field.at("checks").count();
   if (field.has("edges_checked")) result.edges_checked = field.at("edges_checked").count();
+  result.origins = origins(field, has_path ? result.waypoints.size() : result.explored.size());
   if (!field.has("statistics")) return result;
   for (const auto& [name, value] : field.at("statistics").members()) result.statistics[name] = value.number();
   return result;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "planning/problem/path_cost.hpp"
+#include "planning/problem/waypoint_origin.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
@@ -36,7 +37,9 @@ struct PlanResult {
   std::string explanation;               ///< one or two sentences: where it stopped and why
   std::vector<Configuration> waypoints;  ///< start first; empty unless solved
   std::vector<Configuration>
-      explored;                    ///< unless solved: the path to the best node or the trace of the motion
+      explored;  ///< unless solved: the path to the best node or the trace of the motion
+  /// Of each waypoint, unless solved of each of `explored`: how the planner got there. Empty: not known.
+  std::vector<WaypointOrigin> origins;
   double cost = 0.0;               ///< joules, Chong 2008, eq. 9, of the waypoints without the last segment
   double last_segment_cost = 0.0;  ///< joules of the segment to the exact goal, when appended
   bool last_segment = false;  ///< the last edge goes from the lattice (Chong 2008, eq. 11) to the exact goal

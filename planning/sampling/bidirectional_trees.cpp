@@ -68,9 +68,23 @@ int BidirectionalTrees::add(Side side, const Configuration& q, int parent, bool 
   return static_cast<int>(tree.nodes.size()) - 1;
 }
 
-int BidirectionalTrees::add_trace(Side side, int from, const std::vector<Configuration>& trace) {
-  for (std::size_t i = 1; i < trace.size(); ++i) from = add(side, trace[i], from, false);
+int BidirectionalTrees::add_trace(Side side, int from, const std::vector<Configuration>& trace,
+                                  const std::vector<WaypointOrigin>& origins) {
+  Tree& tree = trees_[side];
+  for (std::size_t i = 1; i < trace.size(); ++i) {
+    from = add(side, trace[i], from, false);
+    if (origins.size() != trace.size()) continue;
+    tree.nodes.back().origin = static_cast<int>(tree.origins.size());
+    tree.origins.push_back(origins[i]);
+  }
   return from;
+}
+
+/// Of the edge between a node and its parent.
+WaypointOrigin BidirectionalTrees::origin_of(Side side, int node) const {
+  const int origin = trees_[side].nodes[static_cast<std::size_t>(node)].origin;
+  if (origin >= 0) return trees_[side].origins[static_cast<std::size_t>(origin)];
+  return {side == start ? PathPhase::start_tree : PathPhase::goal_tree, {}, node};
 }
 
 int BidirectionalTrees::nearest(Side side, const Configuration& q) const {
@@ -195,6 +209,21 @@ std::vector<Configuration> BidirectionalTrees::path() const {
     if (q != path.back()) path.push_back(q);
   }
   return path;
+}
+
+std::vector<WaypointOrigin> BidirectionalTrees::path_origins() const {
+  std::vector<WaypointOrigin> origins;
+  for (int i = joined_[start]; i > 0; i = trees_[start].nodes[static_cast<std::size_t>(i)].parent)
+    origins.push_back(origin_of(start, i));
+  origins.emplace_back();  // the start's
+  std::reverse(origins.begin(), origins.end());
+  const int met = joined_[goal];
+  if (trees_[goal].nodes[static_cast<std::size_t>(met)].q !=
+      trees_[start].nodes[static_cast<std::size_t>(joined_[start])].q)
+    origins.push_back({PathPhase::start_tree, {}, static_cast<int>(trees_[start].nodes.size())});
+  for (int i = met; i > 0; i = trees_[goal].nodes[static_cast<std::size_t>(i)].parent)
+    origins.push_back(origin_of(goal, i));
+  return origins;
 }
 
 double BidirectionalTrees::sampled_share() const {

@@ -26,6 +26,7 @@ class BidirectionalTrees {
     int parent = -1;
     bool is_sampled = false;  ///< the edge to the parent is one of the samples', not of the local method
     bool is_beside = false;   ///< an edge from here was not free all along
+    int origin = -1;          ///< of a trace's edge to the parent: its origin's number in the tree
   };
 
   /// The roots are start and goal of the problem, which outlives this object.
@@ -35,7 +36,9 @@ class BidirectionalTrees {
   const std::vector<Node>& nodes(Side side) const { return trees_[side].nodes; }
 
   /// Hangs a trace whose first point is node `from` below it; returns the node of its last point.
-  int add_trace(Side side, int from, const std::vector<Configuration>& trace);
+  /// @param origins of the trace; may be none
+  int add_trace(Side side, int from, const std::vector<Configuration>& trace,
+                const std::vector<WaypointOrigin>& origins = {});
 
   /// Tries the straight edges from the nodes from `first` on, spaced by `spacing` (weighted units) and the
   /// last one always, to the other tree's nodes, nearest first and at most `tries` of each. True when one
@@ -52,6 +55,8 @@ class BidirectionalTrees {
 
   /// From start to goal. @pre is_joined()
   std::vector<Configuration> path() const;
+  /// Of its waypoints: those of traces, and the tree and the node of each sampled edge. @pre is_joined()
+  std::vector<WaypointOrigin> path_origins() const;
 
   /// Share of the path's weighted length that edges of samples make up. @pre is_joined()
   double sampled_share() const;
@@ -63,10 +68,12 @@ class BidirectionalTrees {
   struct Tree {
     explicit Tree(std::size_t joints) : weighted(joints) {}
     std::vector<Node> nodes;
-    NearestNodes weighted;  ///< the nodes, each joint times its weight
+    std::vector<WaypointOrigin> origins;  ///< of traces
+    NearestNodes weighted;                ///< the nodes, each joint times its weight
   };
 
   int add(Side side, const Configuration& q, int parent, bool is_sampled);
+  WaypointOrigin origin_of(Side side, int node) const;
   int nearest(Side side, const Configuration& q) const;
   bool is_free(const Configuration& from, const Configuration& to);
   int extend(Side side, const Configuration& towards, bool from_anywhere);

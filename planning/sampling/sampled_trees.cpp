@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "planning/path/any_angle.hpp"
+#include "planning/path/path_origins.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/shortcut.hpp"
 #include "planning/sampling/bidirectional_trees.hpp"
@@ -24,7 +25,10 @@ TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
     }
   }
   TreePath result;
-  if (trees.is_joined()) result.waypoints = trees.path();
+  if (trees.is_joined()) {
+    result.waypoints = trees.path();
+    result.origins = trees.path_origins();
+  }
   result.out_of_time = !trees.is_joined() && problem.out_of_time();
   result.is_certified = trees.is_joined();
   result.samples = trees.samples();
@@ -35,7 +39,7 @@ TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
 PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePath found,
                      const Eigen::VectorXd& weight, int shortcuts) {
   PlanResult result = ends;
-  std::vector<Configuration> path = std::move(found.waypoints);
+  std::vector<Configuration> path = found.waypoints;
   if (path.size() > 2)
     path = shortcut(problem.space, std::move(path), weight, problem.seed, shortcuts, problem.out_of_time);
   result.configurations_checked += found.configurations;
@@ -53,6 +57,7 @@ PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePat
   result.explanation = "Joined start and goal with " + std::to_string(found.samples) + " samples.";
   result.search_steps = static_cast<int>(path.size()) - 1;
   result.cost = sampled_cost(problem.cost, path, weight, AnyAngleOptions().cost_step);
+  result.origins = origins_after(found.waypoints, found.origins, path);
   result.waypoints = std::move(path);
   return result;
 }

@@ -24,8 +24,9 @@ struct TreeOptions {
 };
 
 struct TreePath {
-  std::vector<Configuration> waypoints;  ///< from start to goal; empty: none
-  bool is_certified = false;             ///< each edge was certified, or is a part of one that was
+  std::vector<Configuration> waypoints;   ///< from start to goal; empty: none
+  std::vector<WaypointOrigin> origins{};  ///< of the waypoints, or none
+  bool is_certified = false;              ///< each edge was certified, or is a part of one that was
   int samples = 0;
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   bool out_of_time = false;

@@ -49,6 +49,50 @@ class SamplePage {
     return page;
   }
 
+  /// The first page of a recording of 10 s: ball i comes at 0.2 i seconds, an image every second, of which
+  /// those from 3 to 5 s are refused and the others show 3 tags, a conflict at 6 s by scan 4. The first plan
+  /// follows a boundary from its waypoint 20 to 39; the search made waypoint i in step i. Voxels below the
+  /// map's origin in x were last seen at 100 s, the others at 160 s; the log-odds are those of two hits.
+  static ReportPage make_recorded() {
+    ReportPage page = make();
+    page.map_place = "a map's folder";
+    PagePlan& plan = page.plans.front();
+    plan.phase_names = {"free motion", "boundary: end effector near what blocks it"};
+    for (int i = 0; i < static_cast<int>(plan.waypoints.size()); ++i) {
+      plan.phases.push_back(i >= 20 && i < 40 ? 1 : 0);
+      plan.search_steps.push_back(i);
+    }
+    RecordingTimeline& recording = page.recording;
+    recording.start = 1000.0;
+    for (int i = 0; i <= 10; ++i) {
+      const bool refused = i >= 3 && i <= 5;
+      recording.images.push_back(i);
+      recording.tags.push_back(refused ? 0 : 3);
+      recording.accepted.push_back(refused ? 0 : 1);
+    }
+    recording.refusals = {{3.0, 5.0, 3, "probe_not_seen", "No tag of the probe was found."}};
+    recording.scans = {1.0, 2.0, 6.0};
+    for (std::size_t i = 0; i < page.spheres.size(); ++i) {
+      const PageSphere& sphere = page.spheres[i];
+      page.provenance.events.push_back(
+          {sphere.volume, 0, false, {sphere.center, sphere.radius}, 0.2 * static_cast<double>(i)});
+    }
+    page.provenance.conflicts.records = {{{0, 0, 30}, 1006.0, true, 4, -1}};
+    PageEvidence& evidence = page.evidence;
+    evidence.cell = 8;
+    evidence.low = {-56, -48, -8};
+    evidence.size = {14, 12, 9};
+    evidence.oldest = 100.0, evidence.newest = 160.0;
+    evidence.least = -2.0, evidence.greatest = 1.5;
+    for (int i = 0; i < evidence.size.prod(); ++i) {
+      evidence.look.push_back(i % 14 < 7 ? 1 : 255);
+      evidence.volume.push_back(i % 14 < 4 ? 0 : 1);
+      evidence.low_odds.push_back(255);
+      evidence.high_odds.push_back(255);
+    }
+    return page;
+  }
+
  private:
   static constexpr double kVoxel = 0.02;
 

@@ -46,6 +46,8 @@ export interface Plan {
   trueSeparation: Place;  // metres, from what is known from the map alone; empty when nothing is
   mapAge: Place;     // s, at each waypoint; empty when the map does not change
   seen: Seen;
+  phaseNames: string[];           // how the planner got to waypoints, in words; empty when it does not say
+  phases: Place; searchSteps: Place;  // of each waypoint: index into phaseNames; when the search made the edge, 0: not known
   figures: Figure[];
   tip: Place; start: Place; goal: Place;
   paint: Place;      // balls to paint for a plan that found no path: x y z radius colour
@@ -55,12 +57,39 @@ export interface Table { name: string; header: string[]; rows: string[][] }
 
 export interface Picture { caption: string; jpeg: Place }
 
+/// What the map knows of its voxels beside their states, in a grid of cubes; a byte a cube, x fastest, 0: nothing known.
+export interface Evidence {
+  cell: number;      // voxels along a cube's edge
+  low: number[];     // lowest voxel of the grid, from the map's origin
+  size: number[];    // cubes along each axis
+  times: number[];   // s, of looks 1 and 255
+  odds: number[];    // log-odds 1 and 255
+  look: Place; volume: Place;         // newest look; 1 + volume, 255: several
+  lowOdds: Place; highOdds: Place;    // least and greatest log-odds of the observed voxels
+}
+
+export interface Refusal { from: number; to: number; images: number; refusal: string; reason: string }
+
+/// What happened when in the recording; times are s since its first frame.
+export interface Timeline {
+  duration: number;
+  images: Place; tags: Place; accepted: Place;  // of each image: time, tags found, whether its sample painted
+  scans: Place;
+  refusals: Refusal[]; refusalsLeftOut: number;
+  pictures: { time: number; jpeg: Place }[];
+  balls: Place; ballCount: number;  // x y z radius volume time; a volume v below 0: erased from -1 - v
+  // Conflicts as they appeared; seconds: what came second, 2 n + 3: scan n, 2 n + 2: stroke n, 0: paint outside a stroke.
+  conflicts: { times: Place; cells: Place; seconds: Place; strokes: string[]; notKept: number };
+}
+
 export interface Page {
   title: string; subtitle: string; figures: Figure[];
   resolution: number; origin: number;
   isoAzimuth: number;  // degrees
   stateLabels: [StateName, string][];  // of states that mean something else than usual
   voxels: VoxelSet[]; balls: Place; volumes: string[];
+  evidence: Evidence; timeline: Timeline | null;
+  mapPlace: string | null;  // MAP of `clearway inspect`; "": the folder of this page; null: in no file
   robot: Shape[]; home: Place; plans: Plan[];
   tables: Table[]; pictures: Picture[]; warnings: string[]; report: Place;
 }

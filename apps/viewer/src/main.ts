@@ -11,6 +11,7 @@ import { isDark } from "./palette";
 import { showFigures, showNames, showPictures, showPlan, showPlanList, showTables, showWarnings } from "./panels";
 import { Playback } from "./playback";
 import { Plots } from "./plots";
+import { RecordingTimeline } from "./timeline";
 
 const options = readOptions();
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
@@ -63,6 +64,9 @@ async function show(): Promise<void> {
   if (arrays) showPictures(page.pictures, arrays);
   if (arrays) byId("download").addEventListener("click", () => download("report.json", "application/json", arrays.u8(page.report)));
   playback.onTime = (time) => { map?.showTime(time); plots?.showTime(time); };
+  if (map) map.onPathMode = (mode) => plots?.showPathMode(mode);
+  const recording = arrays && page.timeline ? new RecordingTimeline(page.timeline, arrays, options.recording) : null;
+  if (recording) recording.onTime = (time) => map?.showRecording(time);
   if (plots) plots.onSeek = (time) => playback.seek(time);
   choose = (index) => {
     showPlan(page.plans[index], index);
@@ -72,7 +76,7 @@ async function show(): Promise<void> {
   };
   if (first >= 0) choose(first);
 
-  const recolor = (dark: boolean) => { setTheme(dark); map?.recolor(); flat?.draw(); plots?.redraw(); };
+  const recolor = (dark: boolean) => { setTheme(dark); map?.recolor(); flat?.draw(); plots?.redraw(); recording?.draw(); };
   byId("theme").addEventListener("click", () => recolor(!isDark()));
   if (options.dark === null) systemDark.addEventListener("change", (event) => recolor(event.matches));
   addEventListener("hashchange", () => location.reload());

@@ -34,14 +34,14 @@ export function stateColors(state: StateName, colors: Palette): [string, string]
 }
 
 function surfaceGroup(kind: "voxels" | "balls", name: string, geometry: BufferGeometry,
-                      uniforms: SurfaceUniforms): Group {
+                      uniforms: SurfaceUniforms, isQuick = false): Group {
   const group = new Group();
   const order = blendOrder[name];
-  for (const pass of order === undefined ? ["opaque"] as const : ["depth", "blend"] as const) {
+  for (const pass of order === undefined ? ["opaque"] as const : isQuick ? ["quick"] as const : ["depth", "blend"] as const) {
     const mesh = new Mesh(geometry, surfaceMaterial(kind, pass, uniforms));
     mesh.frustumCulled = false;
     mesh.matrixAutoUpdate = false;
-    mesh.renderOrder = pass === "opaque" ? 0 : pass === "depth" ? order : order + 1;
+    mesh.renderOrder = pass === "opaque" ? 0 : pass === "blend" ? order + 1 : order;
     group.add(mesh);
   }
   return group;
@@ -64,12 +64,12 @@ function voxelUniforms(faces: Faces, page: Page, heights: [number, number]): Sur
   return uniforms;
 }
 
-function voxelGroup(faces: Faces, uniforms: SurfaceUniforms): Group {
+function voxelGroup(faces: Faces, uniforms: SurfaceUniforms, isQuick: boolean): Group {
   const { corners, triangles } = quadVertices(faces);
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(corners, 4));
   geometry.setIndex(new BufferAttribute(triangles, 1));
-  return surfaceGroup("voxels", faces.state, geometry, uniforms);
+  return surfaceGroup("voxels", faces.state, geometry, uniforms, isQuick);
 }
 
 /// Its vertices are made when it is first shown. `turned`: the same, coarser.
@@ -81,9 +81,9 @@ export function voxelLayer(faces: Faces, turned: Faces | null, page: Page, heigh
     group, bounds: facesBounds(faces, page),
     build() {
       if (group.children.length > 0) return;
-      group.add(voxelGroup(faces, all));
+      group.add(voxelGroup(faces, all, false));
       if (!turned || !few) return;
-      group.add(voxelGroup(turned, few));
+      group.add(voxelGroup(turned, few, true));
       group.children[1].visible = false;
     },
     setMoving(moving) {
@@ -147,7 +147,11 @@ export function sliceColor(state: StateName): number[] {
   return rgb(first).map((c, k) => Math.round(127.5 * (c + rgb(second)[k]) * (state === "occupied" ? 0.8 : 1)));
 }
 
+/// Another colour (0 to 255) than a state's for a voxel, counted from the corner of the octree's space; null: the state's.
+export type VoxelColor = (state: StateName, voxel: number[]) => number[] | null;
+
 export class Slice {
+  colorOf: VoxelColor | null = null;
   readonly mesh: Mesh<PlaneGeometry, MeshBasicMaterial>;
 
   constructor(private readonly sets: Faces[], private readonly page: Page) {
@@ -180,10 +184,13 @@ export class Slice {
     let count = 0;
     for (const faces of sets) {
       const mask = sliceMask(faces, axis, layer, low[0], low[1], width, height);
-      const color = sliceColor(faces.state);
+      const color = sliceColor(faces.state), voxel = [0, 0, 0];
+      voxel[axis] = layer;
       for (let i = 0; i < mask.length; ++i) {
         if (!mask[i]) continue;
-        pixels.set([...color, 255], i * 4);
+        voxel[u] = low[0] + i % width;
+        voxel[v] = low[1] + Math.floor(i / width);
+        pixels.set([...this.colorOf?.(faces.state, voxel) ?? color, 255], i * 4);
         ++count;
       }
     }

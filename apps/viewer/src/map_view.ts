@@ -1,18 +1,23 @@
 // The 3D view with its controls: layers, cut plane, views. It shows what it is told of the robot.
 
-import { Box3, CatmullRomCurve3, CurvePath, Group, LineCurve3, Mesh, MeshBasicMaterial, TubeGeometry, Vector3 } from "three";
+import { Box3, CatmullRomCurve3, Group, LineCurve3, Mesh, MeshBasicMaterial, TubeGeometry, Vector3 } from "three";
 import { cutControls } from "./cut_controls";
 import type { Arrays, Page, Place, Plan } from "./data";
 import { byId, el, grouped, millimetres } from "./dom";
+import { EvidenceGrid } from "./evidence";
 import { unpackFaces } from "./faces";
 import { ballLayer, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
 import type { Options } from "./options";
 import { palette } from "./palette";
-import { pick, type Hit } from "./pick";
+import { PathValues, type PathMode } from "./path_colors";
+import { pick } from "./pick";
+import { RecordedPaint } from "./recorded_paint";
 import { posesAt, RobotView } from "./robot";
 import { SeenVoxels } from "./seen_voxels";
 import { Stage, viewNames } from "./stage";
 import { cutUniform } from "./surface_material";
+import { VoxelAnswer } from "./voxel_answer";
+import { VoxelColors } from "./voxel_colors";
 
 interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group; counter?: HTMLElement }
 
@@ -30,6 +35,15 @@ export class MapView {
   private readonly advice = new Group();  // balls to paint, a layer a plan
   private readonly adviceLayers: (Layer | null)[] = [];
   private readonly tipMaterial = new MeshBasicMaterial({ toneMapped: false });
+  private readonly grid: EvidenceGrid;
+  private readonly colors: VoxelColors | null;
+  private readonly answer: VoxelAnswer;
+  private readonly recorded: RecordedPaint | null;
+  private readonly pathMenu = el("select", { id: "path-color", "aria-label": "Colour the tip's path by" });
+  private readonly pathLegend = el("div", { class: "legend" });
+  private path: PathValues | null = null;
+  private pathMode: PathMode;
+  onPathMode: (mode: PathMode) => void = () => {};
   private readonly workBox = new Box3();   // what the report is about: painted space, robot, path
   private readonly wholeBox = new Box3();  // the whole map
   private plan: Plan | null = null;
@@ -37,9 +51,14 @@ export class MapView {
 
   /// Throws when the browser offers no WebGL 2.
   constructor(private readonly page: Page, private readonly arrays: Arrays, options: Options, onLost: () => void) {
-    this.stage = new Stage(byId("canvas-box"), onLost);
+    this.stage = new Stage(byId("canvas-box"), options.picture, onLost);
     this.stage.isoAzimuth = page.isoAzimuth;
     const faces = unpackAll(page, arrays);
+    this.grid = new EvidenceGrid(page, arrays);
+    this.answer = new VoxelAnswer(page, arrays, this.grid, (state) => labelOf(page, state));
+    this.recorded = page.timeline ? new RecordedPaint(page, arrays, page.timeline) : null;
+    if (this.recorded) this.stage.scene.add(this.recorded.group);
+    this.pathMode = options.path as PathMode;
     this.robot = new RobotView(page, arrays);
     this.seen = new SeenVoxels(page, arrays);
     this.addMap(faces);
@@ -50,16 +69,20 @@ export class MapView {
     if (options.layers) for (const row of this.rows) row.shown = options.layers.has(row.name);
     const cut = faces.length === 0 ? null : cutControls(this.wholeBox, page.resolution, slices, options.cuts,
       (state) => this.row(state)?.shown ?? false, () => this.stage.invalidate());
+    this.colors = faces.length === 0 ? null : new VoxelColors(page, this.grid, this.heights(), options.color, () => { cut?.refresh(); this.stage.invalidate(); });
+    for (const slice of slices) slice.colorOf = (state, voxel) => this.colors?.of(state, voxel) ?? null;
     this.addRows(options.opacity, () => cut?.refresh());
+    this.addColors();
     cut?.refresh();
     this.addViews();
-    this.stage.onClick((from, direction) => this.tellVoxel(pick(faces.filter((f) => this.row(f.state)?.shown), from, direction,
+    this.stage.onClick((from, direction) => this.answer.show(pick(faces.filter((f) => this.row(f.state)?.shown), from, direction,
       cutUniform.value, page.resolution, page.origin)));
     this.stage.onView = () => this.drawTriad();
+    this.stage.onCoarse = (coarse) => this.tellGrid(coarse);
     this.stage.onMoving = (moving) => { for (const row of this.rows) row.layer?.setMoving?.(moving); };
     this.recolor();
     this.stage.drawGrid(this.workBox);
-    this.tellVoxel(null);
+    this.tellGrid();
     this.stage.look(options.view, options.fit === "all" ? this.wholeBox : this.workBox);
     document.body.dataset.quads = String(faces.reduce((sum, f) => sum + f.quadCount, 0));
     document.body.dataset.faces = String(faces.reduce((sum, f) => sum + f.faceCount, 0));
@@ -146,7 +169,8 @@ export class MapView {
       if (row.shown) row.layer?.build?.();
       box.addEventListener("change", () => {
         if (box.checked) row.layer?.build?.();
-        row.group.visible = row.shown = box.checked;
+        row.shown = box.checked;
+        row.group.visible = this.isVisible(row);
         onToggle();
         this.stage.invalidate();
       });
@@ -178,26 +202,26 @@ export class MapView {
     button("all", "Fit the whole map", () => { box = this.wholeBox; look(); });
   }
 
-  /// What the pointer met, beside the grid's step.
-  private tellVoxel(hit: Hit | null): void {
-    const digits = this.page.resolution < 0.01 ? 4 : 3;
+  /// Beside the view; with a way out where less is drawn.
+  private tellGrid(coarse = false): void {
     const grid = this.stage.gridStep > 0 ? `grid ${Number(this.stage.gridStep.toPrecision(2))} m` : "";
-    const center = hit?.voxel.map((c) => ((c + 0.5 - this.page.origin) * this.page.resolution).toFixed(digits));
-    if (!hit || !center) { byId("scale").textContent = grid; return; }
-    const cell = this.page.voxels.find((set) => set.state === hit.state)!.cell;
-    const about = [`${labelOf(this.page, hit.state)} ${cell > 1 ? "cube" : "voxel"} at ${center.join(", ")} m`, ...this.ballsAround(hit), grid];
-    const copy = el("button", { type: "button", class: "small", title: "Copy the flag that makes `clearway inspect` tell all of this place" }, "copy --at");
-    copy.addEventListener("click", () => { void navigator.clipboard?.writeText(`--at=${center.join(",")}`).then(() => { copy.textContent = "copied"; }); });
-    byId("scale").replaceChildren(about.filter((text) => text !== "").join(" · "), " ", copy);
+    const all = el("button", { type: "button", class: "small", title: "This browser draws slowly: larger cubes are shown" }, "draw all");
+    all.addEventListener("click", () => this.stage.drawAll());
+    byId("scale").replaceChildren(...(coarse ? ["drawn coarser ", all, " · "] : []), grid);
   }
 
-  /// Which volumes' exact balls hold the centre of a voxel.
-  private ballsAround(hit: Hit): string[] {
-    const center = hit.voxel.map((c) => (c + 0.5 - this.page.origin) * this.page.resolution);
-    const balls = this.arrays.f32(this.page.balls), found = new Set<number>();
-    for (let i = 0; i < balls.length; i += 5)
-      if (Math.hypot(balls[i] - center[0], balls[i + 1] - center[1], balls[i + 2] - center[2]) <= balls[i + 3]) found.add(balls[i + 4]);
-    return found.size > 0 ? [`in balls of ${[...found].map((volume) => this.page.volumes[volume]).join(", ")}`] : [];
+  /// Of all voxels, m.
+  private heights(): [number, number] {
+    const box = this.rows.reduce((sum, row) => row.layer && row.name !== "balls" ? sum.union(row.layer.bounds) : sum, new Box3());
+    return [box.min.z, box.max.z];
+  }
+
+  /// The menus of colours, under the layers.
+  private addColors(): void {
+    if (this.colors) byId("layer-rows").append(...this.colors.elements());
+    if (!this.row("tip")) return;
+    this.pathMenu.addEventListener("change", () => { this.pathMode = this.pathMenu.value as PathMode; this.colorTip(); });
+    byId("layer-rows").append(el("label", { class: "layer-slider" }, el("span", {}, "path by"), this.pathMenu), this.pathLegend);
   }
 
   private drawTriad(): void {
@@ -218,6 +242,8 @@ export class MapView {
       : size > 0 && plan.waypoints > 0 ? this.poses.subarray(from, from + size) : null;
     this.robot.showEnds(end(plan.start, 0), end(plan.goal, (plan.waypoints - 1) * size));
     this.seen.show(plan);
+    this.path = new PathValues(plan, this.arrays);
+    this.offerPathModes();
     this.drawTip(this.arrays.f32(plan.tip));
     if (this.row("others")) this.drawOtherTips();
     this.adviceLayers.forEach((layer, i) => { if (layer) layer.group.visible = this.page.plans[i] === plan; });
@@ -236,18 +262,43 @@ export class MapView {
     this.stage.invalidate();
   }
 
+  private offerPathModes(): void {
+    const names: Record<PathMode, string> = { plain: "one colour", clearance: "separation", phase: "phase", step: "search step" };
+    const modes = this.path!.modes();
+    this.pathMenu.replaceChildren(...modes.map((mode) => el("option", { value: mode }, names[mode])));
+    this.pathMenu.value = modes.includes(this.pathMode) ? this.pathMode : "plain";
+  }
+
   private drawTip(values: Float32Array): void {
     for (const mesh of this.tips.children as Mesh[]) mesh.geometry.dispose();
     this.tips.clear();
     const tube = this.tube(values, 1);
-    if (tube) this.tips.add(new Mesh(tube, this.tipMaterial));
+    if (tube) this.tips.add(new Mesh(tube.geometry, this.tipMaterial));
+    if (tube) tube.geometry.userData = tube;
+    this.colorTip();
+  }
+
+  /// As the menu says; the plots' strip, too.
+  private colorTip(): void {
+    const mode = this.pathMenu.value as PathMode, [mesh] = this.tips.children as Mesh<TubeGeometry>[];
+    if (mesh && this.path) {
+      const { curve, waypoints } = mesh.geometry.userData;
+      if (mode === "plain") mesh.geometry.deleteAttribute("color"); else this.path.paint(mesh.geometry, curve, waypoints, mode);
+    }
+    this.tipMaterial.vertexColors = mode !== "plain";
+    this.tipMaterial.color.set(mode === "plain" ? palette().tip : "#ffffff");
+    this.tipMaterial.needsUpdate = true;
+    this.pathLegend.replaceChildren(...this.path?.legend(mode) ?? []);
+    document.body.dataset.path = mode;
+    this.onPathMode(mode);
+    this.stage.invalidate();
   }
 
   /// Of all plans but the one that is shown, in the colours of series.
   private drawOtherTips(): void {
     if (this.otherTips.children.length === 0)
       for (const plan of this.page.plans)
-        this.otherTips.add(new Mesh(this.tube(this.arrays.f32(plan.tip), 0.6) ?? undefined, new MeshBasicMaterial({ toneMapped: false })));
+        this.otherTips.add(new Mesh(this.tube(this.arrays.f32(plan.tip), 0.6)?.geometry, new MeshBasicMaterial({ toneMapped: false })));
     this.otherTips.children.forEach((mesh, i) => { mesh.visible = this.page.plans[i] !== this.plan && this.page.plans[i].tip.count > 3; });
     this.recolorOtherTips();
   }
@@ -257,19 +308,32 @@ export class MapView {
     (this.otherTips.children as Mesh<TubeGeometry, MeshBasicMaterial>[]).forEach((mesh, i) => mesh.material.color.set(colors[i % colors.length]));
   }
 
-  /// Null for fewer than two points.
-  private tube(values: Float32Array, thickness: number): TubeGeometry | null {
+  /// Null for fewer than two points. `waypoints`: those that the curve passes.
+  private tube(values: Float32Array, thickness: number): { geometry: TubeGeometry; curve: CatmullRomCurve3 | null; waypoints: number[] } | null {
     const radius = thickness * 0.0022 * this.workBox.getSize(new Vector3()).length();
-    const points: Vector3[] = [];  // far enough apart that the curve through them does not overshoot
+    const points: Vector3[] = [], waypoints: number[] = [];  // far enough apart that the curve through them does not overshoot
     for (let i = 0; i < values.length; i += 3) {
       const point = new Vector3(values[i], values[i + 1], values[i + 2]);
-      if (points.length === 0 || points[points.length - 1].distanceTo(point) > 0.5 * radius) points.push(point);
+      if (points.length > 0 && points[points.length - 1].distanceTo(point) <= 0.5 * radius) continue;
+      points.push(point);
+      waypoints.push(i / 3);
     }
     if (points.length < 2) return null;
-    const path = new CurvePath<Vector3>();
-    for (let i = 1; i < points.length; ++i) path.add(new LineCurve3(points[i - 1], points[i]));
-    const curve = points.length > 2 ? new CatmullRomCurve3(points, false, "centripetal") : path;
-    return new TubeGeometry(curve, Math.min(2000, points.length * 4), radius, 8);
+    const curve = points.length > 2 ? new CatmullRomCurve3(points, false, "centripetal") : null;
+    const geometry = new TubeGeometry(curve ?? new LineCurve3(points[0], points[1]), Math.min(2000, points.length * 4), radius, 8);
+    return { geometry, curve, waypoints };
+  }
+
+  /// What had been painted at `time` of the recording, s, in the place of all that is painted; null: all of it.
+  showRecording(time: number | null): void {
+    this.recorded?.showTime(time);
+    for (const row of this.rows) row.group.visible = this.isVisible(row);
+    this.stage.invalidate();
+  }
+
+  /// What is painted at last is not shown while the recording shows what had been painted by then.
+  private isVisible(row: LayerRow): boolean {
+    return row.shown && !(this.recorded?.group.visible && ["painted", "balls", "conflict"].includes(row.name));
   }
 
   recolor(): void {
@@ -277,7 +341,9 @@ export class MapView {
     for (const layer of this.adviceLayers) layer?.recolor();
     this.robot.recolor();
     this.seen.recolor();
-    this.tipMaterial.color.set(palette().tip);
+    this.colorTip();
+    this.colors?.recolor();
+    this.recorded?.recolor();
     this.recolorOtherTips();
     this.stage.recolor();
   }

@@ -14,6 +14,9 @@ export interface Options {
   fit: string;               // "work" or "all"
   picture: boolean;          // only the 3D view, full window
   webgl: boolean;
+  color: string;             // of voxels: state, height, age, volume
+  path: string;              // of the tip's path: plain, clearance, phase, step
+  recording: number | null;  // where in the recording, 0 to 1; null: not shown
 }
 
 function parseCuts(text: string | null): Cut[] {
@@ -42,6 +45,9 @@ export function readOptions(): Options {
     opacity: numberOr(hash.get("opacity"), null),
     fit: hash.get("fit") ?? "work",
     picture: hash.has("picture"),
+    color: hash.get("color") ?? "state",
+    path: hash.get("path") ?? "plain",
+    recording: hash.has("recording") ? Math.min(1, Math.max(0, numberOr(hash.get("recording"), 0))) : null,
     webgl: !(query.has("nowebgl") || hash.has("nowebgl")),
   };
 }

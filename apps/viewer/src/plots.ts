@@ -5,6 +5,7 @@ import type uPlot from "uplot";
 import type { Arrays, Place, Plan } from "./data";
 import { byId, el, metres } from "./dom";
 import { palette } from "./palette";
+import { PathValues, type PathMode } from "./path_colors";
 import { RatePlot, type Rates, type RateUnit } from "./rate_plot";
 import { TimePlot, TimeScale, axis, limitLine } from "./time_plot";
 
@@ -28,6 +29,8 @@ export class Plots {
   private degrees = false;
   private shares = true;  // speeds and accelerations as shares of their limits
   private hidden = new Set<string>();
+  private path: PathValues | null = null;
+  private pathMode: PathMode = "plain";
 
   constructor(private readonly arrays: Arrays) {
     const unit = byId<HTMLButtonElement>("angle-unit");
@@ -51,7 +54,30 @@ export class Plots {
     this.bodies = this.arrays.f32(plan.betweenBodies);
     this.ages = this.arrays.f32(plan.mapAge);
     byId("map-age").hidden = this.ages.length === 0;
+    this.path = new PathValues(plan, this.arrays);
     this.redraw();
+  }
+
+  /// Colours the strip under the curves as the tip's path is coloured.
+  showPathMode(mode: PathMode): void {
+    if (mode === this.pathMode) return;
+    this.pathMode = mode;
+    if (this.plan) this.redraw();
+  }
+
+  /// Along the bottom of a plot: what the planner did there, where it says so.
+  private drawStrip(u: uPlot): void {
+    const known = this.path?.modes() ?? [], mode = known.includes(this.pathMode) && this.pathMode !== "plain" ? this.pathMode : known.includes("phase") ? "phase" : "plain";
+    const { left, top, width, height } = u.bbox, draw = u.ctx, thick = 5 * devicePixelRatio;
+    const x = (waypoint: number) => Math.min(left + width, Math.max(left, u.valToPos(this.scale.x(waypoint), "x", true)));
+    draw.save();
+    for (const { from, to, color } of this.path?.stretches(mode) ?? []) {
+      draw.fillStyle = color;
+      draw.fillRect(x(from), top + height - thick, x(to) - x(from), thick);
+    }
+    draw.restore();
+    document.body.dataset.strip = mode;
+    byId("strip-legend").replaceChildren(...this.path?.legend(mode) ?? []);
   }
 
   private jointsOf(plan: Plan, place: Place): Float32Array[] {
@@ -95,7 +121,7 @@ export class Plots {
     if (hasAngles) axes.push(axis({ scale: angle, label: angle }));
     if (hasLengths) axes.push(axis({ scale: "m", label: "m", ...(hasAngles ? { side: 1, grid: { show: false } } : {}) }));
     this.joints = new TimePlot(byId("joint-plot"), kHeight, this.scale, {
-      series, axes, scales: { x: { time: false } }, hooks: { setCursor: [(u) => this.showKeys(u.cursor.idx ?? null)] },
+      series, axes, scales: { x: { time: false } }, hooks: { draw: [(u) => this.drawStrip(u)], setCursor: [(u) => this.showKeys(u.cursor.idx ?? null)] },
     }, [steps, ...this.values.map((v, j) => Array.from(v, (x) => x * factor(j)))], (time) => this.onSeek(time));
     this.keys = plan.joints.map((name, j) => {
       const key = el("button", { type: "button", class: "key", title: `Show or hide ${name}` },
@@ -157,7 +183,7 @@ export class Plots {
         const [from, to] = [Math.min(0, low ?? 0), Math.max(0, high ?? 0)], margin = 0.08 * Math.max(to - from, 1e-3);
         return [from - margin, to + margin];
       } } },
-      hooks: { draw: [lines], setCursor: [(u) => this.showClearance(u.cursor.idx ?? null)] },
+      hooks: { draw: [lines, (u) => this.drawStrip(u)], setCursor: [(u) => this.showClearance(u.cursor.idx ?? null)] },
     }, [steps, known, ...(hasSecond ? [Array.from(second, (c) => Number.isNaN(c) ? null : c)] : [])], (time) => this.onSeek(time));
   }
 

@@ -7,7 +7,8 @@ import { palette } from "./palette";
 
 const kSmooth = 60;         // ms a frame may take while the view moves
 const kStill = 300;         // ms without a change after which all is drawn
-const kMovingPixels = 0.4;  // of the usual pixels, along an edge, where drawing is slow
+const kMovingPixels = [0.4, 0.25];  // of the usual pixels, along an edge, where drawing is slow; in software
+const kTooSlow = 1000;      // ms that all of it may take where the view is still, twice in a row
 
 /// Azimuth and elevation of the eye, degrees; azimuth 0 looks along +y, from the front.
 const namedViews: Record<string, [number, number]> = {
@@ -21,10 +22,20 @@ function roundUp(length: number): number {
   return power * ([1, 2, 5].find((factor) => factor * power >= length * 0.999) ?? 10);
 }
 
+/// Whether the browser draws without a graphics card; false where it does not say.
+function drawsInSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const about = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl && about ? String(gl.getParameter(about.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 export class Stage {
   readonly scene = new Scene();
   onView: () => void = () => {};
   onMoving: (moving: boolean) => void = () => {};  // draw less, because the view moves and drawing all is slow
+  onCoarse: (coarse: boolean) => void = () => {};  // whether less is drawn even when the view is still
   gridStep = 0;
   isoAzimuth = namedViews.iso[0];  // degrees; the report knows from which side the sensors looked
   private readonly renderer: WebGLRenderer;
@@ -38,14 +49,20 @@ export class Stage {
   private moving = false;
   private held = false;    // the pointer turns or shifts the view
   private settling = false;
+  private tooSlow = 0;     // draws of all in a row that took too long
+  private drawsAll: boolean;  // however long that takes
+  private readonly movingPixels: number;
   private stillAt = 0;     // when the view counts as still, by the clock, ms
   private readonly box: HTMLElement;
   private framed: (() => void) | null = null;  // the view asked for, until the user moves the camera
 
-  /// Throws when the browser offers no WebGL 2.
-  constructor(box: HTMLElement, onLost: () => void) {
+  /// Throws when the browser offers no WebGL 2. @param exact all is drawn with smooth edges, however slow that is
+  constructor(box: HTMLElement, exact: boolean, onLost: () => void) {
     this.box = box;
-    this.renderer = new WebGLRenderer({ antialias: true });
+    const software = drawsInSoftware();
+    this.drawsAll = exact;
+    this.movingPixels = kMovingPixels[software ? 1 : 0];
+    this.renderer = new WebGLRenderer({ antialias: exact || !software });
     this.renderer.localClippingEnabled = true;
     const canvas = this.renderer.domElement;
     box.prepend(canvas);
@@ -69,7 +86,7 @@ export class Stage {
     const { clientWidth: width, clientHeight: height } = this.box;
     const size = this.renderer.getSize(new Vector2());
     if (width === 0 || height === 0 || (size.x === width && size.y === height)) return;
-    this.renderer.setPixelRatio((this.moving ? kMovingPixels : 1) * Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio((this.moving ? this.movingPixels : 1) * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -103,9 +120,9 @@ export class Stage {
   private setMoving(moving: boolean): void {
     if (moving === this.moving) return;
     this.moving = moving;
-    this.onMoving(moving);
+    this.onMoving(moving || this.isCoarse());
     const ratio = Math.min(devicePixelRatio, 2);
-    this.renderer.setPixelRatio(moving ? kMovingPixels * ratio : ratio);
+    this.renderer.setPixelRatio(moving ? this.movingPixels * ratio : ratio);
   }
 
   render(): void {
@@ -114,9 +131,30 @@ export class Stage {
     this.controls.update();
     const start = performance.now();
     this.renderer.render(this.scene, this.camera);
-    if (!this.moving) this.slow = this.finish(start) > kSmooth;
+    if (!this.moving) this.judge(this.finish(start));
     document.body.dataset.frames = String(this.renderer.info.render.frame);
     this.onView();
+  }
+
+  private isCoarse(): boolean { return !this.drawsAll && this.tooSlow >= 2; }
+
+  /// What follows from a draw of all, or of the coarse, that took so long, ms.
+  private judge(took: number): void {
+    if (this.isCoarse()) return;
+    this.slow = took > kSmooth;
+    this.tooSlow = took > kTooSlow ? this.tooSlow + 1 : 0;
+    if (!this.isCoarse()) return;
+    this.onMoving(true);
+    this.onCoarse(true);
+    this.invalidate();
+  }
+
+  /// From now on all is drawn when the view is still, however long that takes.
+  drawAll(): void {
+    this.drawsAll = true;
+    this.onCoarse(false);
+    this.onMoving(false);
+    this.invalidate();
   }
 
   /// Waits until all is drawn. Returns the time since `start`, ms.

@@ -5,6 +5,10 @@
 #include <cmath>
 
 #include "mapping/free_space_map.hpp"
+#include "planning/plan_and_check.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
 namespace map_page_test {
@@ -38,6 +42,34 @@ TEST(MapPage, TheFirstViewStaysWhereOneIsAmidTheVoxelsOrThereAreNone) {
   ReportPage page;
   look_from(page, FreeSpaceMap({.resolution = 0.1}).snapshot(), {1.0, 2.0, 3.0});
   EXPECT_EQ(page.iso_azimuth_deg, ReportPage().iso_azimuth_deg);
+}
+
+/// A motion in time, whose corners are not the path's waypoints: what leads away from the goal was a step
+/// along the boundary (the local method always comes nearer).
+TEST(MapPage, TellsOfTheWholeMotionHowThePlannerGotThere) {
+  const VoxelScene scene{0.05, {box_of(1, -0.6, -0.05, 1.1, 0.9, 0.05)}, {}, {}};
+  const ConfigurationSpace space(load_robot("point"), scene.snapshot(),
+                                 {.parts = {}, .critical_by_default = false});
+  const Configuration start = Eigen::Vector2d(0.0, 0.0), goal = Eigen::Vector2d(2.5, 0.05);
+  const Plan plan = plan_and_check(
+      {.space = space, .start = start, .goals = {goal}, .planner = make_planner("boundary", {})});
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation();
+  const PagePlan page = page_of_plan(plan, space, start, "round the wall");
+  ASSERT_EQ(page.phases.size(), page.waypoints.size());
+  ASSERT_EQ(page.search_steps.size(), page.waypoints.size());
+  EXPECT_EQ(page.phase_names.front(), "free motion");
+  int away = 0, free = 0;
+  for (std::size_t i = 1; i < page.waypoints.size(); ++i) {
+    const std::string& name = page.phase_names.at(static_cast<std::size_t>(page.phases[i]));
+    EXPECT_GE(page.search_steps[i], page.search_steps[i - 1]);
+    free += name == "free motion";
+    if ((goal - page.waypoints[i]).norm() <= (goal - page.waypoints[i - 1]).norm() + 1e-3) continue;
+    ++away;
+    EXPECT_EQ(name.rfind("boundary: ", 0), 0U) << i << ": " << name;
+  }
+  EXPECT_GT(away, 5);
+  EXPECT_GT(free, 5);
+  EXPECT_EQ(page.search_steps.back(), plan.legs.front().search_steps);
 }
 
 }  // namespace map_page_test

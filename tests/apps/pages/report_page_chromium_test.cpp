@@ -248,6 +248,71 @@ TEST_F(ReportPageInChromium, FitsAPhoneAndTreatsHostileTextAsText) {
   EXPECT_EQ(attribute(dom, "images"), "0");
 }
 
+TEST_F(ReportPageInChromium, ColoursVoxelsAndThePathAndSaysByWhat) {
+  const std::string html = render_report_page(SamplePage::make_recorded());
+  const auto legend_has = [](const std::string& dom, const std::string& text) {
+    const std::size_t at = dom.find("class=\"legend\"");
+    return at != std::string::npos && dom.find(text, at) != std::string::npos;
+  };
+  const std::string age = open(html, "#color=age&path=phase&cut=z:0.3");
+  EXPECT_EQ(attribute(age, "errors"), "0") << errors(age);
+  EXPECT_EQ(attribute(age, "color"), "age");
+  EXPECT_EQ(attribute(age, "path"), "phase");
+  EXPECT_EQ(attribute(age, "strip"), "phase") << "under the curves, too";
+  EXPECT_TRUE(legend_has(age, "60 s")) << "how old the oldest is";
+  EXPECT_TRUE(legend_has(age, "boundary: end effector near what blocks it"));
+  const std::string volume = open(html, "#color=volume&path=step");
+  EXPECT_EQ(attribute(volume, "errors"), "0") << errors(volume);
+  EXPECT_EQ(attribute(volume, "color"), "volume");
+  EXPECT_TRUE(legend_has(volume, "in no volume"));
+  EXPECT_TRUE(legend_has(volume, "<span>59</span>")) << "the last search step";
+  const std::string height = open(html, "#color=height&path=clearance");
+  EXPECT_EQ(attribute(height, "errors"), "0") << errors(height);
+  EXPECT_TRUE(legend_has(height, "1.20 m"));
+  EXPECT_EQ(attribute(open(html, "#plan=1&path=phase"), "path"), "plain") << "a plan that does not say";
+}
+
+/// The page with a click in the middle of its view, once it is ready.
+std::string clicked(std::string html) {
+  html.insert(html.find("<script type=\"application/json\""),
+              "<script>const wait = setInterval(() => { if (!document.body.dataset.ready) return;"
+              "clearInterval(wait); const canvas = document.querySelector('#canvas-box canvas');"
+              "const box = canvas.getBoundingClientRect();"
+              "for (const type of ['pointerdown', 'pointerup']) canvas.dispatchEvent(new PointerEvent(type, "
+              "{isPrimary: true, button: 0, pointerId: 1, clientX: box.left + box.width / 2, "
+              "clientY: box.top + box.height / 2})); }, 50);</script>");
+  return html;
+}
+
+/// Seen from above, the middle of the whole map is in the column that is painted through and a conflict.
+TEST_F(ReportPageInChromium, AnswersAClickOnAVoxelAsInspectDoes) {
+  const std::string html = clicked(render_report_page(SamplePage::make_recorded()));
+  const std::string dom = open(html, "#view=top&fit=all&layers=occupied");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  const std::size_t at = dom.find("id=\"voxel-answer\"");
+  ASSERT_NE(at, std::string::npos);
+  const std::string answer = dom.substr(at, dom.find("recording", at) - at);
+  for (const char* part : {"<dd>occupied</dd>", "log-odds ≈ 1.5, probability 0.818 (of the 160 mm cube)",
+                           "s before the newest look", "clearway inspect 'a map'\\''s folder' --at="})
+    EXPECT_NE(answer.find(part), std::string::npos) << part << "\n" << answer;
+}
+
+TEST_F(ReportPageInChromium, ShowsTheRecordingInTime) {
+  const std::string html = render_report_page(SamplePage::make_recorded());
+  const std::string early = open(html, "#recording=0.4");
+  EXPECT_EQ(attribute(early, "errors"), "0") << errors(early);
+  EXPECT_EQ(attribute(early, "recording"), "4.00");
+  EXPECT_EQ(attribute(early, "painted"), "21") << "balls 0 to 20 came by 4 s";
+  EXPECT_NE(early.find("Refused, 3 images: probe not seen (No tag of the probe was found.)"),
+            std::string::npos);
+  EXPECT_NE(early.find("0 of 1 conflicts"), std::string::npos);
+  const std::string late = open(html, "#recording=0.7");
+  EXPECT_EQ(attribute(late, "painted"), "36");
+  EXPECT_NE(late.find("1 of 1 conflicts"), std::string::npos);
+  EXPECT_NE(late.find("3 tags"), std::string::npos);
+  EXPECT_EQ(attribute(open(html), "recording"), "") << "closed unless asked for";
+}
+
 /// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
 TEST_F(ReportPageInChromium, CutsWhereAStateIsTooFineToBeDrawn) {
   ReportPage page = SamplePage::make();

@@ -42,10 +42,28 @@ Voxels voxels_of(const MapLeaves& map) {
   return voxels;
 }
 
+bool has_observed(const Snapshot& map) {
+  bool has = false;
+  map.visit_leaves([&](const Voxel& leaf) { has = has || leaf.observed; });
+  return has;
+}
+
 void expect_same(const MapLeaves& streamed, const Snapshot& loaded) {
   const MapLeaves in_memory(loaded);
   EXPECT_EQ(streamed.resolution(), loaded.resolution());
   EXPECT_EQ(voxels_of(streamed), voxels_of(in_memory));
+  std::size_t observed = 0;
+  streamed.visit([&](const MapLeaf& leaf) {
+    const Eigen::Vector3d middle =
+        (leaf.corner.cast<double>().array() + 0.5 * leaf.edge) * loaded.resolution();
+    const Voxel voxel = loaded.voxel(middle);
+    ASSERT_EQ(leaf.observed, voxel.observed);
+    if (leaf.observed) {
+      ASSERT_EQ(static_cast<double>(leaf.log_odds), voxel.log_odds);
+    }
+    observed += leaf.observed;
+  });
+  EXPECT_EQ(observed > 0, has_observed(loaded));
   const VoxelCounts a = streamed.counts(), b = loaded.counts();
   EXPECT_EQ(std::tuple(a.painted, a.seen_free, a.occupied, a.conflict),
             std::tuple(b.painted, b.seen_free, b.occupied, b.conflict));

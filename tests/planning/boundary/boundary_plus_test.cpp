@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -86,6 +88,16 @@ TEST(BoundaryPlus, NeedsNoSamplesWhereTheLocalMethodOrAPlaneIsEnough) {
   EXPECT_EQ(result.statistics.at("samples"), 0.0);
   EXPECT_EQ(result.statistics.at("sampled_share"), 0.0);
   EXPECT_GT(result.statistics.at("steps_boundary"), 0.0);
+  ASSERT_EQ(result.origins.size(), result.waypoints.size());
+  const auto with_shortcuts = [&](const char* shortcuts) {
+    const PlanResult plan =
+        make_planner("boundary_plus", {{"max_samples", "0"}, {"shortcuts", shortcuts}, {"smooth", "false"}})
+            ->plan(problem);
+    return std::count_if(plan.origins.begin(), plan.origins.end(),
+                         [](const WaypointOrigin& origin) { return origin.phase == PathPhase::boundary; });
+  };
+  EXPECT_GT(with_shortcuts("0"), 5) << "what the search found tells where it followed the boundary";
+  EXPECT_LT(with_shortcuts("200"), with_shortcuts("0"));
 }
 
 TEST(BoundaryPlus, TheSameSeedGivesTheSamePath) {

@@ -79,6 +79,43 @@ TEST(Boundary, Figure5EitherSideLeadsRoundAnObstacle) {
   }
 }
 
+int count_of(const PlanResult& result, PathPhase phase) {
+  return static_cast<int>(std::count_if(result.origins.begin(), result.origins.end(),
+                                        [&](const WaypointOrigin& origin) { return origin.phase == phase; }));
+}
+
+/// The local method always comes nearer to the goal (section 3.3): what leads away is a step along a
+/// boundary.
+TEST(Boundary, TellsOfEachWaypointWhetherABoundaryWasFollowed) {
+  const Field field(load_robot("point"), walls({box_of(1, -0.6, -0.05, 1.1, 0.9, 0.05)}));
+  const Vector2d goal(2.5, 0.05);
+  for (const PlannerOptions& options : {unanticipated, anticipated}) {
+    const PlanResult result = field.plan("boundary", Vector2d(0.0, 0.0), goal, options);
+    int away = 0;
+    ASSERT_EQ(result.origins.size(), result.waypoints.size());
+    EXPECT_EQ(result.origins.front(), WaypointOrigin{});
+    EXPECT_EQ(count_of(result, PathPhase::free_motion), result.statistics.at("steps_local"));
+    EXPECT_EQ(count_of(result, PathPhase::boundary), result.statistics.at("steps_boundary"));
+    EXPECT_GT(result.statistics.at("steps_boundary"), 5.0);
+    for (std::size_t i = 1; i < result.waypoints.size(); ++i) {
+      const WaypointOrigin& origin = result.origins[i];
+      EXPECT_EQ(origin.search_step, static_cast<int>(i));
+      const double nearer = (goal - result.waypoints[i - 1]).norm() - (goal - result.waypoints[i]).norm();
+      if (nearer < 0.0) {
+        ++away;
+        EXPECT_TRUE(origin.phase == PathPhase::boundary) << i;
+      }
+      EXPECT_EQ(origin.constraint.empty(), origin.phase != PathPhase::boundary) << i;
+      if (!origin.constraint.empty()) {
+        EXPECT_NE(origin.constraint.find("near what blocks it"), std::string::npos) << origin.constraint;
+      }
+    }
+    EXPECT_GT(away, 5);
+  }
+  const PlanResult stuck = field.plan("constraint", Vector2d(0.0, 0.0), goal);
+  EXPECT_EQ(stuck.origins.size(), stuck.explored.size());
+}
+
 TEST(Boundary, Figure4AnEnclosedGoalIsReportedAfterOneRound) {
   const Field field(load_robot("point"),
                     walls({box_of(1, -1, -.05, 1.1, 1, .05), box_of(2.9, -1, -.05, 3, 1, .05),

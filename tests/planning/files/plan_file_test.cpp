@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -103,6 +104,47 @@ TEST(PlanFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read.payload, plan.payload);
   EXPECT_EQ(read.gravity, plan.gravity);
   EXPECT_EQ(read.map_from_base.matrix(), plan.map_from_base.matrix());
+}
+
+TEST(PlanFile, KeepsHowThePlannerGotToEachWaypoint) {
+  Plan plan = example();
+  EXPECT_FALSE(Json::parse(to_json(plan))["legs"][0].contains("phases"));
+  plan.legs[0].origins = {{}, {PathPhase::free_motion, {}, 1}, {PathPhase::boundary, "forearm near it", 4}};
+  plan.legs[1].origins = {{}, {PathPhase::lattice}, {PathPhase::lattice}};
+  const Json legs = Json::parse(to_json(plan))["legs"];
+  EXPECT_EQ(legs[0]["phases"].dump(),
+            R"([{"to":1,"phase":"free_motion"},{"to":2,"phase":"boundary","constraint":"forearm near it"}])");
+  EXPECT_EQ(legs[0]["steps"].dump(), "[0,1,4]");
+  EXPECT_EQ(legs[1]["phases"].dump(), R"([{"to":2,"phase":"lattice"}])");
+  EXPECT_FALSE(legs[1].contains("steps"));
+  const Plan read = load_plan(written(to_json(plan)));
+  EXPECT_EQ(read.legs[0].origins, plan.legs[0].origins);
+  EXPECT_EQ(read.legs[1].origins, plan.legs[1].origins);
+  const std::vector<WaypointOrigin> whole = read.origins();
+  ASSERT_EQ(whole.size(), read.waypoints().size());
+  EXPECT_EQ(whole[2], plan.legs[0].origins[2]) << "where the legs join, how the first one got there";
+  EXPECT_EQ(whole[3], plan.legs[1].origins[1]);
+}
+
+TEST(PlanFile, PhasesAndStepsThatDoNotFitTheWaypointsAreRefused) {
+  Plan plan = example();
+  plan.legs[0].origins = {{}, {PathPhase::free_motion, {}, 1}, {PathPhase::boundary, {}, 4}};
+  const auto told = [&](const std::function<void(Json&)>& change) {
+    Json json = Json::parse(to_json(plan));
+    change(json["legs"][0]);
+    return refusal(json.dump());
+  };
+  const auto expect_told = [](const std::string& sentence, const std::string& field) {
+    EXPECT_NE(sentence.find(field), std::string::npos) << sentence;
+  };
+  EXPECT_EQ(told([](Json&) {}), "accepted");
+  expect_told(told([](Json& leg) { leg["phases"][0]["phase"] = "dreaming"; }), "phases[0].phase");
+  expect_told(told([](Json& leg) { leg["phases"][1]["to"] = 3; }), "phases[1].to");
+  expect_told(told([](Json& leg) { leg["phases"][1]["to"] = 1; }), "phases[1].to");
+  expect_told(told([](Json& leg) { leg["phases"][0]["to"] = 0; }), "phases[0].to");
+  expect_told(told([](Json& leg) { leg["phases"].erase(1); }), "phases");
+  expect_told(told([](Json& leg) { leg["steps"].erase(1); }), "steps");
+  expect_told(told([](Json& leg) { leg["steps"][0] = 0.5; }), "steps[0]");
 }
 
 TEST(PlanFile, KeepsEveryBitOfRandomWaypoints) {

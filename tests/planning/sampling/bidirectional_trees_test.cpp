@@ -61,6 +61,34 @@ TEST(BidirectionalTrees, TracesAreJoinedWhereTheySeeEachOther) {
   EXPECT_EQ(trees.sampled_share(), 0.0);
 }
 
+TEST(BidirectionalTrees, TellWhereEachEdgeOfThePathIsFrom) {
+  const Wall scene;
+  BidirectionalTrees trees = scene.trees();
+  const WaypointOrigin first{PathPhase::free_motion, {}, 1}, second{PathPhase::boundary, "disc", 2},
+      third{PathPhase::boundary, "disc", 3};
+  trees.add_trace(BidirectionalTrees::start, 0, {scene.problem.start, Vector2d(0.0, 0.6), Vector2d(0.0, 1.2)},
+                  {{}, first, second});
+  trees.add_trace(BidirectionalTrees::goal, 0, {scene.problem.goal, Vector2d(2.5, 1.2)}, {{}, third});
+  ASSERT_TRUE(trees.join(BidirectionalTrees::goal, 1, 0.1, 4));
+  EXPECT_EQ(trees.path_origins(),
+            (std::vector<WaypointOrigin>{{}, first, second, {PathPhase::start_tree, {}, 3}, third}));
+  BidirectionalTrees sampled = scene.trees();
+  std::mt19937_64 random(3);
+  ASSERT_TRUE(sampled.grow(2000, random, nullptr));
+  const std::vector<WaypointOrigin> origins = sampled.path_origins();
+  ASSERT_EQ(origins.size(), sampled.path().size());
+  for (std::size_t i = 1; i < origins.size(); ++i) {
+    const bool is_start = origins[i].phase == PathPhase::start_tree;
+    EXPECT_TRUE(is_start || origins[i].phase == PathPhase::goal_tree);
+    const auto node = static_cast<std::size_t>(origins[i].search_step);
+    if (is_start) {
+      EXPECT_EQ(sampled.nodes(BidirectionalTrees::start).at(node).q, sampled.path()[i]);
+    } else {
+      EXPECT_EQ(sampled.nodes(BidirectionalTrees::goal).at(node).q, sampled.path()[i - 1]);
+    }
+  }
+}
+
 TEST(BidirectionalTrees, SamplesGrowFromTracesAndTheirShareIsTold) {
   const Wall scene;
   BidirectionalTrees trees = scene.trees();
