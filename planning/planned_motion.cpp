@@ -12,15 +12,44 @@ namespace clearway {
 
 namespace {
 
-Trajectory timed_legs(const Robot& robot, const Plan& plan) {
+/// What happens to loads between a leg and the next.
+std::vector<TrajectoryEvent> events_after(const Plan& plan, int leg) {
+  std::vector<TrajectoryEvent> events;
+  for (const LegLoad& load : plan.loads) {
+    const bool rides = load.rides_on(leg), will_ride = load.rides_on(leg + 1);
+    if (rides == will_ride) continue;
+    events.push_back(
+        {will_ride ? TrajectoryEvent::Kind::attach : TrajectoryEvent::Kind::detach, load.load.name});
+  }
+  return events;
+}
+
+/// At rest where it is for so many periods.
+void rest(Trajectory& trajectory, std::size_t periods) {
+  const TrajectoryPoint at = trajectory.points.back();
+  for (std::size_t k = 1; k <= periods; ++k) {
+    trajectory.points.push_back(at);
+    trajectory.points.back().time = at.time + static_cast<double>(k) * trajectory.sampling_period;
+  }
+}
+
+Trajectory timed_legs(const Robot& robot, const Plan& plan, double grip_time) {
   Trajectory joined;
-  for (const PlanResult& leg : plan.legs) {
-    const Trajectory own = time_parameterize(robot, leg.waypoints);
+  for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
+    const Trajectory own = time_parameterize(robot, plan.legs[leg].waypoints);
     const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
     joined.sampling_period = own.sampling_period;
     for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
       joined.points.push_back(own.points[k]);
       joined.points.back().time += begin;
+    }
+    if (leg + 1 == plan.legs.size()) break;
+    for (TrajectoryEvent& event : events_after(plan, static_cast<int>(leg))) {
+      event.time = joined.points.back().time;
+      const auto periods = static_cast<std::size_t>(std::ceil(grip_time / joined.sampling_period - 1e-9));
+      event.rest = static_cast<double>(periods) * joined.sampling_period;
+      rest(joined, periods);
+      joined.events.push_back(std::move(event));
     }
   }
   return joined;
@@ -97,10 +126,10 @@ Trajectory trajectory_of(const Motion& motion) {
   return trajectory;
 }
 
-Trajectory trajectory_of(const Robot& robot, const Plan& plan) {
+Trajectory trajectory_of(const Robot& robot, const Plan& plan, double grip_time) {
   if (plan.motion) return trajectory_of(plan.motion->motion);
   return plan.loads.empty() && !plan.pick ? time_parameterize(robot, plan.waypoints())
-                                          : timed_legs(robot, plan);
+                                          : timed_legs(robot, plan, grip_time);
 }
 
 }  // namespace clearway

@@ -27,7 +27,9 @@ JointLoad load_of(const Plan& plan, const Robot& robot);
 Trajectory trajectory_of(const Motion& motion);
 
 /// A proved plan in time: its motion; where it has none, its edges without blends (time_parameterize), of a
-/// plan with loads leg by leg, at rest where legs end. @throws std::invalid_argument as time_parameterize
-Trajectory trajectory_of(const Robot& robot, const Plan& plan);
+/// plan with loads leg by leg, at rest where legs end. Where a load begins or ends to ride on the robot
+/// between two legs, the arm rests for `grip_time` seconds, in whole sampling periods, and an event says so.
+/// @throws std::invalid_argument as time_parameterize
+Trajectory trajectory_of(const Robot& robot, const Plan& plan, double grip_time = usual_grip_time);
 
 }  // namespace clearway

@@ -213,6 +213,12 @@ Command add_plan(CLI::App& app, Console& console) {
   add_scale("--speed", options->scales.speed, "of the joints' velocity limits that the motion may use");
   add_scale("--acceleration", options->scales.acceleration, "the same of their acceleration limits");
   add_scale("--jerk", options->scales.jerk, "the same of their jerk limits");
+  command
+      ->add_option("--grip-time", options->grip_time,
+                   "seconds at rest where the hand grasps or lets go of a load")
+      ->check(number("seconds from 0 to 60", 0.0, 60.0))
+      ->capture_default_str()
+      ->type_name("S");
   return [options](Console& c) {
     if (!options->print_options) {
       for (const auto& [missing, flag] :

@@ -69,7 +69,7 @@ bool lacks_trajectory(const PlanOptions& options, const Plan& plan) {
 
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
   if (!has_trajectory(plan)) return;
-  const Trajectory trajectory = trajectory_of(robot, plan);
+  const Trajectory trajectory = trajectory_of(robot, plan, options.grip_time);
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
   }

@@ -12,6 +12,7 @@
 
 #include "apps/console/console.hpp"
 #include "planning/path/motion.hpp"
+#include "planning/path/trajectory.hpp"
 #include "planning/survey/path_survey.hpp"
 
 namespace clearway {
@@ -124,6 +125,7 @@ struct PlanOptions {
   std::filesystem::path view;                                     ///< HTML; empty: none
   std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE), …
   MotionScales scales{};                                          ///< of the motion
+  double grip_time = usual_grip_time;                             ///< seconds
   bool motion = false;                                            ///< in plan.json
   bool print_options = false;
 };

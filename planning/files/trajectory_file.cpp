@@ -35,12 +35,21 @@ std::string quoted(const std::string& name) {
   return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// A line of comment for each event.
+std::string events_text(const Trajectory& trajectory) {
+  std::string text;
+  for (const TrajectoryEvent& event : trajectory.events)
+    text += "# at " + to_text(event.time) + " s: " + std::string(to_string(event.kind)) + " " +
+            quoted(event.load) + ", at rest for " + to_text(event.rest) + " s\n";
+  return text;
+}
+
 std::string heading(const Plan& plan, const Trajectory& trajectory) {
   return "# robot: " + quoted(plan.robot) + ", scale " + to_text(plan.robot_scale) +
          "\n# planner: " + quoted(plan.planner) + ", seed " + std::to_string(plan.seed) +
          "\n# map: " + quoted(plan.map_file) + ", sha256 " + quoted(plan.map_sha256) +
          "\n# points: " + std::to_string(trajectory.points.size()) + ", one every " +
-         to_text(trajectory.sampling_period) + " s\n";
+         to_text(trajectory.sampling_period) + " s\n" + events_text(trajectory);
 }
 
 std::string no_refusal(const Robot&) { return {}; }
@@ -102,6 +111,11 @@ std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& t
     json["velocities"].push_back(json_of(point.velocity));
     json["accelerations"].push_back(json_of(point.acceleration));
   }
+  for (const TrajectoryEvent& event : trajectory.events)
+    json["events"].push_back({{"time_s", event.time},
+                              {"action", to_string(event.kind)},
+                              {"load", event.load},
+                              {"rest_s", event.rest}});
   return text_of(json);
 }
 
@@ -111,10 +125,17 @@ std::string write_csv(const Robot& robot, const Plan&, const Trajectory& traject
     if (*what == ' ' && what[1] == 'a' && trajectory.points.front().acceleration.size() == 0) break;
     for (const Joint& joint : robot.joints) text += "," + csv_field(joint.name + what);
   }
+  if (!trajectory.events.empty()) text += ",event";
+  auto event = trajectory.events.begin();
   for (const TrajectoryPoint& point : trajectory.points) {
     text += "\n" + to_text(point.time);
     for (const auto* values : {&point.position, &point.velocity, &point.acceleration})
       for (const double value : *values) text += "," + to_text(value);
+    if (trajectory.events.empty()) continue;
+    std::string happens;
+    for (; event != trajectory.events.end() && event->time <= point.time; ++event)
+      happens += (happens.empty() ? "" : "; ") + std::string(to_string(event->kind)) + " " + event->load;
+    text += "," + csv_field(happens);
   }
   return text + "\n";
 }
@@ -127,12 +148,28 @@ std::string urscript_refusal(const Robot& robot) {
          std::to_string(robot.dof()) + " joints, " + std::to_string(revolute) + " of them revolute";
 }
 
+/// What the program calls where the hand has something to do; whoever has a gripper writes it in there.
+std::string urscript_events(const Trajectory& trajectory) {
+  std::string text;
+  for (const auto kind : {TrajectoryEvent::Kind::attach, TrajectoryEvent::Kind::detach})
+    for (const TrajectoryEvent& event : trajectory.events) {
+      if (event.kind != kind) continue;
+      const std::string word(to_string(kind));
+      text += "  def " + word + "(load):\n    # " +
+              (kind == TrajectoryEvent::Kind::attach ? "Close" : "Open") +
+              " the gripper here.\n    textmsg(\"" + word + " \", load)\n    sleep(" + decimal(event.rest) +
+              ")\n  end\n";
+      break;
+    }
+  return text;
+}
+
 std::string write_urscript(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
   std::string joints;
   for (const Joint& joint : robot.joints) joints += (joints.empty() ? "" : ", ") + quoted(joint.name);
   std::string text =
-      heading(plan, trajectory) + "# joints, base first: " + joints +
-      "\ndef clearway_path():\n"
+      heading(plan, trajectory) + "# joints, base first: " + joints + "\ndef clearway_path():\n" +
+      urscript_events(trajectory) +
       "  # Ends here when the arm is not at the start of the path: the way to it is not checked.\n"
       "  local start = " +
       list(trajectory.points.front().position) +
@@ -148,7 +185,15 @@ std::string write_urscript(const Robot& robot, const Plan& plan, const Trajector
       "  end\n";
   const std::string timing =
       ", t=" + decimal(trajectory.sampling_period) + ", lookahead_time=0.03, gain=300)\n";
-  for (const TrajectoryPoint& point : trajectory.points) text += "  servoj(" + list(point.position) + timing;
+  auto event = trajectory.events.begin();
+  double rests_until = -1.0;
+  for (const TrajectoryPoint& point : trajectory.points) {
+    if (point.time > rests_until) text += "  servoj(" + list(point.position) + timing;
+    for (; event != trajectory.events.end() && event->time <= point.time; ++event) {
+      text += "  stopj(5.0)\n  " + std::string(to_string(event->kind)) + "(" + quoted(event->load) + ")\n";
+      rests_until = event->time + event->rest;
+    }
+  }
   return text + "  stopj(5.0)\nend\n";
 }
 

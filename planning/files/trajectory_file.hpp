@@ -27,11 +27,14 @@ struct TrajectoryFormat {
 /// - `ros-json`: the message of `ros` as JSON;
 /// - `json`: arrays of times, positions, velocities and accelerations, with robot, planner and map;
 /// - `csv`: a table with a heading: time, then positions, velocities and accelerations of all joints.
-/// Joints are the robot's own: those of its planning group. Accelerations are written where the trajectory
-/// has them. A smooth motion (trajectory_of) goes by cubics between its points: controllers that interpolate
-/// positions and velocities by cubics, or accelerations too by quintics, follow the proved curve itself.
-/// servoj is given the positions at their rate; between them the robot's own controller interpolates, and its
-/// lag and smoothing are not part of the proof. Every number reads back to the same double.
+/// Events (a load is grasped or let go) are comments of `ros`, calls of functions that the user fills of
+/// `urscript`, an array of `json`, a last column of `csv`; the message of `ros-json` has no place for them,
+/// and the arm rests there all the same. Joints are the robot's own: those of its planning group.
+/// Accelerations are written where the trajectory has them. A smooth motion (trajectory_of) goes by cubics
+/// between its points: controllers that interpolate positions and velocities by cubics, or accelerations too
+/// by quintics, follow the proved curve itself. servoj is given the positions at their rate; between them the
+/// robot's own controller interpolates, and its lag and smoothing are not part of the proof. Every number
+/// reads back to the same double.
 const std::vector<TrajectoryFormat>& trajectory_formats();
 
 /// The format `name` for the robot. @throws std::invalid_argument when there is no such format, naming the

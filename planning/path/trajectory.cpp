@@ -227,6 +227,10 @@ LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory, const
   return shares;
 }
 
+std::string_view to_string(TrajectoryEvent::Kind kind) {
+  return kind == TrajectoryEvent::Kind::attach ? "attach" : "detach";
+}
+
 Trajectory time_parameterize(const Robot& robot, const std::vector<Configuration>& waypoints,
                              const TrajectoryOptions& options) {
   check(robot, waypoints, options);

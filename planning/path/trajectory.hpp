@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "planning/robot/kinematics.hpp"
@@ -21,10 +23,24 @@ struct TrajectoryPoint {
   Configuration acceleration{};  ///< rad/s^2 or m/s^2; of no size where none is known
 };
 
+/// What the hand does while the arm rests.
+struct TrajectoryEvent {
+  enum class Kind { attach, detach };  ///< the load begins or ends to ride on the robot
+  Kind kind = Kind::attach;
+  std::string load;
+  double time = 0.0;  ///< seconds since the start: the arm has come to rest
+  double rest = 0.0;  ///< seconds until it goes on
+};
+std::string_view to_string(TrajectoryEvent::Kind kind);
+
+/// Seconds that a hand is given to grasp or to let go.
+constexpr double usual_grip_time = 1.0;
+
 /// A path with time. Point k is at k * sampling_period.
 struct Trajectory {
   double sampling_period = 0.0;  ///< seconds
   std::vector<TrajectoryPoint> points;
+  std::vector<TrajectoryEvent> events{};  ///< in the order of time
 };
 
 /// The motion along the straight joint-space edges between `waypoints`, without blending, from rest to rest:

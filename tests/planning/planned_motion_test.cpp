@@ -86,6 +86,49 @@ TEST(PlannedMotion, IsGivenToPlansThatCanHaveOneAndTheOthersGoEdgeByEdge) {
                                     [](const TrajectoryPoint& point) { return point.position == at(2, 0); });
   ASSERT_NE(at_goal, stopping.end());
   EXPECT_LT(at_goal->velocity.norm(), 1e-9);
+  EXPECT_TRUE(trajectory_of(space.robot(), loaded).events.empty());  // it rides from the beginning on
+}
+
+/// Whole periods at rest where a load begins or ends to ride, and nothing else differs.
+TEST(PlannedMotion, RestsWhereLoadsAreTakenAndLeft) {
+  const ConfigurationSpace space = walled_space();
+  PlanQuery query{.space = space, .start = at(0, 0), .goals = {at(2, 0), at(0, 0.5), at(0, 0)}};
+  LegLoad ball;
+  ball.load.name = "ball";
+  ball.load.link = "base";
+  ball.load.shape = Shape::sphere(0.05);
+  ball.legs = {1};
+  query.loads = {ball};
+  const Plan plan = plan_and_check(query);
+  ASSERT_TRUE(plan.is_proved());
+  const Trajectory at_once = trajectory_of(space.robot(), plan, 0.0);
+  const Trajectory motion = trajectory_of(space.robot(), plan, 0.5);
+  ASSERT_EQ(motion.events.size(), 2u);
+  EXPECT_EQ(motion.events[0].kind, TrajectoryEvent::Kind::attach);
+  EXPECT_EQ(motion.events[1].kind, TrajectoryEvent::Kind::detach);
+  std::size_t next = 0;
+  double rested = 0.0;
+  for (const TrajectoryPoint& point : at_once.points) {
+    ASSERT_LT(next, motion.points.size());
+    EXPECT_EQ(motion.points[next].position, point.position);
+    EXPECT_NEAR(motion.points[next].time, point.time + rested, 1e-9);
+    ++next;
+    for (const TrajectoryEvent& event : motion.events) {
+      if (event.time != motion.points[next - 1].time) continue;
+      EXPECT_EQ(event.load, "ball");
+      EXPECT_EQ(point.position, &event == &motion.events[0] ? at(2, 0) : at(0, 0.5));
+      EXPECT_GE(event.rest, 0.5);
+      EXPECT_LT(event.rest, 0.5 + motion.sampling_period);
+      for (; next < motion.points.size() && motion.points[next].time <= event.time + event.rest + 1e-9;
+           ++next) {
+        EXPECT_EQ(motion.points[next].position, point.position);
+        EXPECT_LT(motion.points[next].velocity.norm(), 1e-9);
+      }
+      rested += event.rest;
+    }
+  }
+  EXPECT_EQ(next, motion.points.size());
+  EXPECT_GT(rested, 0.99);
 }
 
 TEST(PlannedMotion, ThatTorquesForbidIsNoneAndSaysSo) {

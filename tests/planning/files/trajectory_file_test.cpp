@@ -159,6 +159,56 @@ TEST(TrajectoryFile, AccelerationsAreWrittenWhereTheyAreKnown) {
   }
 }
 
+/// A motion that grasps at its fifth point and rests until its eighth.
+Trajectory grasping(const Robot& robot) {
+  Trajectory trajectory = motion(robot);
+  for (std::size_t k : {5U, 6U, 7U}) trajectory.points[k].position = trajectory.points[4].position;
+  trajectory.events.push_back({TrajectoryEvent::Kind::attach, "can \"1\", red", trajectory.points[4].time,
+                               trajectory.points[7].time - trajectory.points[4].time});
+  return trajectory;
+}
+
+TEST(TrajectoryFile, EachFormatThatCanSaysWhereTheHandGrasps) {
+  const Robot robot = chain(6, false);
+  const Trajectory trajectory = grasping(robot);
+  const auto text_in = [&](const char* format) {
+    return trajectory_format(format, robot).write(robot, plan_of(robot), trajectory);
+  };
+  EXPECT_NE(text_in("ros").find("# at 0.032 s: attach \"can \\\"1\\\", red\", at rest for 0.024 s\n"),
+            std::string::npos);
+  EXPECT_EQ(YAML::Load(text_in("ros"))["points"].size(), trajectory.points.size());
+  const auto events = nlohmann::json::parse(text_in("json"))["events"];
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0]["time_s"], trajectory.events[0].time);
+  EXPECT_EQ(events[0]["action"], "attach");
+  EXPECT_EQ(events[0]["load"], "can \"1\", red");
+  std::istringstream csv(text_in("csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_TRUE(line.ends_with(",event")) << line;
+  for (std::size_t k = 0; std::getline(csv, line); ++k)
+    EXPECT_EQ(line.ends_with(",\"attach can \"\"1\"\", red\""), k == 4) << line;
+}
+
+TEST(TrajectoryFile, UrscriptCallsAFunctionWhereTheHandGraspsAndStreamsNoRest) {
+  const Robot robot = chain(6, false);
+  const Trajectory trajectory = grasping(robot);
+  const std::string text = trajectory_format("urscript", robot).write(robot, plan_of(robot), trajectory);
+  EXPECT_NE(text.find("  def attach(load):\n"), std::string::npos);
+  EXPECT_NE(text.find("    sleep(0.024)\n"), std::string::npos);
+  EXPECT_EQ(text.find("def detach"), std::string::npos);
+  std::istringstream lines(text);
+  std::vector<std::string> calls;
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("  servoj(") || line.starts_with("  stopj") || line.starts_with("  attach("))
+      calls.push_back(line.substr(2, line.find('(') - 2));
+  std::vector<std::string> expected(5, "servoj");
+  expected.insert(expected.end(), {"stopj", "attach"});
+  expected.resize(expected.size() + trajectory.points.size() - 8, "servoj");
+  expected.push_back("stopj");
+  EXPECT_EQ(calls, expected);
+}
+
 TEST(TrajectoryFile, CsvHasAHeadingAndALineForEachPoint) {
   Robot robot = chain(2, false);
   robot.joints[1].name = "el,bow";
