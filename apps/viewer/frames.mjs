@@ -1,8 +1,9 @@
 // Measures how smoothly a page turns in headless Chromium with software rendering (SwiftShader).
 //   node frames.mjs PAGE.html['#options'] [SECONDS]
 // Drags the pointer through the 3D view for SECONDS (5), shows the layer `seen_free` for the first time where there is
-// one, and turns again. Prints frames per second, the longest time without a frame, the
-// CPU time of a frame (which does not depend on what else the machine does), and load averages.
+// one, and turns again. Prints frames per second, the longest time without a frame, the CPU time of a frame (which does
+// not depend on what else the machine does), how long the page answered nobody when all was drawn again once the view
+// stood still, and load averages.
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { loadavg, tmpdir } from "node:os";
@@ -65,6 +66,14 @@ async function still() {
   }
 }
 
+/// The longest time, ms, that the page's own clock stands until nothing is drawn any more.
+async function stall() {
+  await ask(`window.stood = 0; window.beat = performance.now(); window.pulse = setInterval(() => {
+    const now = performance.now(); stood = Math.max(stood, now - beat); beat = now; }, 10); 0`);
+  await still();
+  return Math.round(await ask("clearInterval(pulse); stood"));
+}
+
 const start = Date.now();
 while (await ask("document.body?.dataset.ready ?? ''") !== "1") {
   if (Date.now() - start > 120000) throw new Error("the page was not ready after two minutes");
@@ -76,9 +85,13 @@ const result = { page: place, ready_ms: ready, faces: await ask("document.body.d
 const seconds_to_show = `(async () => { const box = document.querySelector("[data-layer=seen_free]"); if (!box || box.checked) return null;
   const before = document.body.dataset.frames, start = performance.now(); box.click();
   while (document.body.dataset.frames === before) await new Promise(requestAnimationFrame); return Math.round(performance.now() - start); })()`;
+result.all_drawn_stall_ms = await stall();
 result.seen_free_shown_ms = await ask(seconds_to_show);
-await still();
-if (result.seen_free_shown_ms !== null) result.turning_with_seen_free = await turn();
+if (result.seen_free_shown_ms !== null) {
+  result.seen_free_stall_ms = await stall();
+  result.turning_with_seen_free = await turn();
+  result.seen_free_drawn_stall_ms = await stall();
+}
 result.load = loadavg().map((load) => Number(load.toFixed(1)));
 console.log(JSON.stringify(result, null, 1));
 await send("Browser.close").catch(() => {});

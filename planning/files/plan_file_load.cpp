@@ -34,26 +34,25 @@ std::vector<Configuration> share(const JsonField& field, const std::vector<Confi
           whole.begin() + static_cast<std::ptrdiff_t>(last) + 1};
 }
 
-/// How the planner got to so many waypoints, where the leg says so: see add_origins in plan_file.cpp.
+/// How the planner got to so many waypoints, where the leg says so (see add_origins in plan_file.cpp). None
+/// where that does not fit the waypoints, which somebody may have changed: they are a plan all the same.
 std::vector<WaypointOrigin> origins(const JsonField& leg, std::size_t waypoints) {
   if (!leg.has("phases")) return {};
-  std::vector<WaypointOrigin> origins;
+  std::vector<WaypointOrigin> origins(1);  // the first waypoint has none
   for (const JsonField& run : leg.at("phases").items()) {
     WaypointOrigin origin{path_phase(run.at("phase").text())};
     if (origin.phase == PathPhase::unknown && run.at("phase").text() != "unknown")
       run.at("phase").refuse("a phase that clearway writes, found " + quote(run.at("phase").text()));
     if (run.has("constraint")) origin.constraint = run.at("constraint").text();
     const std::uint64_t to = run.at("to").count();
-    if (to >= waypoints || to < std::max<std::size_t>(origins.size(), 1))
-      run.at("to").refuse("ascending indices of the leg's " + std::to_string(waypoints) + " waypoints");
-    origins.resize(std::max<std::size_t>(origins.size(), 1));  // the first has none
+    if (to >= waypoints || to < origins.size()) return {};
     origins.resize(to + 1, origin);
   }
-  if (origins.size() != waypoints) leg.at("phases").refuse("phases up to the leg's last waypoint");
+  if (origins.size() != waypoints) return {};
   if (!leg.has("steps")) return origins;
   const std::vector<JsonField> steps = leg.at("steps").items();
-  if (steps.size() != waypoints) leg.at("steps").refuse("as many as the leg has waypoints");
-  for (std::size_t i = 0; i < waypoints; ++i) origins[i].search_step = steps[i].whole_number();
+  for (std::size_t i = 0; i < waypoints && i < steps.size(); ++i)
+    origins[i].search_step = steps[i].whole_number();
   return origins;
 }
 

@@ -77,6 +77,7 @@ export function voxelLayer(faces: Faces, turned: Faces | null, page: Page, heigh
   const all = voxelUniforms(faces, page, heights), few = turned ? voxelUniforms(turned, page, heights) : null;
   const both = few ? [all, few] : [all];
   const group = new Group();
+  let isMoving = false;
   const layer: Layer = {
     group, bounds: facesBounds(faces, page),
     build() {
@@ -84,9 +85,10 @@ export function voxelLayer(faces: Faces, turned: Faces | null, page: Page, heigh
       group.add(voxelGroup(faces, all, false));
       if (!turned || !few) return;
       group.add(voxelGroup(turned, few, true));
-      group.children[1].visible = false;
+      layer.setMoving?.(isMoving);
     },
     setMoving(moving) {
+      isMoving = moving;
       if (group.children.length < 2) return;
       group.children[0].visible = !moving;
       group.children[1].visible = moving;

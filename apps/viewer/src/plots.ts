@@ -73,7 +73,8 @@ export class Plots {
     draw.save();
     for (const { from, to, color } of this.path?.stretches(mode) ?? []) {
       draw.fillStyle = color;
-      draw.fillRect(x(from), top + height - thick, x(to) - x(from), thick);
+      const first = Math.floor(x(from));  // whole pixels, or the seams would show
+      draw.fillRect(first, top + height - thick, Math.ceil(x(to)) - first, thick);
     }
     draw.restore();
     document.body.dataset.strip = mode;

@@ -131,7 +131,7 @@ export class Stage {
     this.controls.update();
     const start = performance.now();
     this.renderer.render(this.scene, this.camera);
-    if (!this.moving) this.judge(this.finish(start));
+    if (!this.moving) this.judgeWhenDrawn(start);
     document.body.dataset.frames = String(this.renderer.info.render.frame);
     this.onView();
   }
@@ -157,11 +157,18 @@ export class Stage {
     this.invalidate();
   }
 
-  /// Waits until all is drawn. Returns the time since `start`, ms.
-  private finish(start: number): number {
-    const gl = this.renderer.getContext();
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    return performance.now() - start;
+  /// Once all is drawn: nobody waits for it, so that the page answers all the while.
+  private judgeWhenDrawn(start: number): void {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext, sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!sync) return;
+    gl.flush();
+    const look = () => {
+      if (gl.isContextLost()) return;
+      if (gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) { setTimeout(look, 5); return; }
+      gl.deleteSync(sync);
+      if (!this.moving) this.judge(performance.now() - start);
+    };
+    setTimeout(look, 0);
   }
 
   recolor(): void {

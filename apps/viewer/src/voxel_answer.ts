@@ -24,49 +24,57 @@ export class VoxelAnswer {
   show(hit: Hit | null): void {
     this.box.hidden = hit === null;
     if (!hit) return;
-    const digits = this.page.resolution < 0.01 ? 4 : 3;
+    const digits = Math.max(3, Math.ceil(1 - Math.log10(this.page.resolution)));  // well inside the voxel
     const center = hit.voxel.map((c) => (c + 0.5 - this.page.origin) * this.page.resolution);
     const place = center.map((c) => c.toFixed(digits));
     const cell = this.page.voxels.find((set) => set.state === hit.state)!.cell;
     const rows: [string, string][] = [
       [cell > 1 ? "drawn cube" : "voxel", `${place.join(", ")} m (${millimetres(cell * this.page.resolution)})`],
       ["state", this.labelOf(hit.state)],
-      ...this.evidence(hit), ["inside exact balls of", this.ballsAround(center)], ...this.conflict(hit)];
+      ["inside exact balls of", this.ballsAround(center)], ...this.paintedInto(center), ...this.conflict(hit)];
+    const list = (entries: [string, string][]) => el("dl", {}, ...entries.filter(([, text]) => text !== "")
+      .flatMap(([name, text]) => [el("dt", {}, name), el("dd", {}, text)]));
+    const evidence = this.evidence(hit), { cell: cubes } = this.grid.about;
+    if (cubes <= 1) rows.push(...evidence.splice(0));
     const close = el("button", { type: "button", class: "small", "aria-label": "Close", title: "Close" }, "✕");
     close.addEventListener("click", () => this.show(null));
-    this.box.replaceChildren(close, el("dl", {}, ...rows.filter(([, text]) => text !== "")
-      .flatMap(([name, text]) => [el("dt", {}, name), el("dd", {}, text)])), ...this.command(place.join(",")));
+    this.box.replaceChildren(close, list(rows),
+      ...(evidence.length > 0 ? [el("p", {}, `In the cube of ${millimetres(cubes * this.page.resolution)} that holds it:`), list(evidence)] : []),
+      ...this.command(place.join(",")));
   }
 
   private evidence(hit: Hit): [string, string][] {
     if (this.grid.cells === 0) return [];
-    const { cell, times } = this.grid.about, size = millimetres(cell * this.page.resolution);
-    const known = this.grid.at(hit.voxel, this.page.origin);
-    const within = cell > 1 ? ` (of the ${size} cube)` : "";
+    const { times } = this.grid.about, known = this.grid.at(hit.voxel, this.page.origin);
     const rows: [string, string][] = [];
     if (known.odds) {
       const [low, high] = known.odds, both = three(low) !== three(high);
-      rows.push(["sensors", both ? `log-odds ${three(low)} … ${three(high)}${within}` : `log-odds ≈ ${three(high)}, probability ${probability(high)}${within}`]);
-    } else rows.push(["sensors", `never observed${within}`]);
+      rows.push(["sensors", both ? `log-odds ${three(low)} … ${three(high)}` : `log-odds ≈ ${three(high)}, probability ${probability(high)}`]);
+    } else rows.push(["sensors", `never observed`]);
     if (known.look !== null)
-      rows.push(["last seen", `≈ ${three(times[1] - known.look)} s before the newest look${within}`]);
+      rows.push(["last seen", `≈ ${three(times[1] - known.look)} s before the newest look`]);
     else if (known.odds) rows.push(["last seen", "at a time that the map does not know"]);
     if (known.volume !== null)
-      rows.push(["painted by", (known.volume === "several" ? "several volumes" : this.page.volumes[known.volume]) + within]);
+      rows.push(["painted by", known.volume === "several" ? "several volumes" : this.page.volumes[known.volume]]);
     return rows;
   }
 
-  /// Which volumes' exact balls hold the centre, and when they were painted.
+  /// Which volumes' exact balls hold the centre.
   private ballsAround(center: number[]): string {
     const found = new Set<number>();
-    for (let i = 0; i < this.balls.length; i += 5) if (holds(this.balls, i, center)) found.add(this.balls[i + 4]);
-    const names = [...found].map((volume) => this.page.volumes[volume]).join(", ");
+    for (let i = 0; i < this.balls.length; i += 5) if (holds(this.balls, i, center, 0)) found.add(this.balls[i + 4]);
+    return found.size > 0 ? [...found].map((volume) => this.page.volumes[volume]).join(", ") : this.balls.length > 0 ? "none" : "";
+  }
+
+  /// Which balls, and when, cover the voxel: wholly, as painting asks.
+  private paintedInto(center: number[]): [string, string][] {
     const events = this.page.timeline ? this.arrays.f32(this.page.timeline.balls) : new Float32Array();
-    const times: number[] = [];
-    for (let i = 0; i < events.length; i += 6) if (events[i + 4] >= 0 && holds(events, i, center)) times.push(events[i + 5]);
-    if (names === "" || times.length === 0) return names === "" && this.balls.length > 0 ? "none" : names;
-    const [first, last] = [Math.min(...times), Math.max(...times)];
-    return `${names}: ${grouped(times.length)} ${times.length === 1 ? "ball" : "balls"}, ${three(first)} to ${three(last)} s`;
+    const times = new Map<number, number[]>();
+    for (let i = 0; i < events.length; i += 6)
+      if (events[i + 4] >= 0 && holds(events, i, center, 0.5 * this.page.resolution))
+        times.set(events[i + 4], [...times.get(events[i + 4]) ?? [], events[i + 5]]);
+    return [...times].map(([volume, at]) => ["painted into", `${this.page.volumes[volume]}: ${grouped(at.length)} ${at.length === 1 ? "ball" : "balls"}, `
+      + `${three(Math.min(...at))} to ${three(Math.max(...at))} s`]);
   }
 
   /// When the voxel became a conflict, and by what.
@@ -91,9 +99,9 @@ export class VoxelAnswer {
   }
 }
 
-/// Whether the ball at `i` (x y z radius ...) holds a point.
-function holds(balls: Float32Array, i: number, point: number[]): boolean {
-  return Math.hypot(balls[i] - point[0], balls[i + 1] - point[1], balls[i + 2] - point[2]) <= balls[i + 3];
+/// Whether the ball at `i` (x y z radius ...) holds a cube about a point.
+function holds(balls: Float32Array, i: number, point: number[], half: number): boolean {
+  return Math.hypot(...point.map((p, a) => Math.abs(balls[i + a] - p) + half)) <= balls[i + 3];
 }
 
 /// See Timeline.conflicts.

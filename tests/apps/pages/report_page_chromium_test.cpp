@@ -233,12 +233,20 @@ std::string in_a_phone(const std::string& html) {
          ";"
          "const wait = setInterval(() => { const inner = phone.contentDocument;"
          "if (!inner?.body?.dataset.ready) return; clearInterval(wait);"
-         "Object.assign(document.body.dataset, inner.body.dataset, {images: inner.images.length});"
-         "errors.textContent = inner.getElementById('errors').textContent; }, 100);</script></body>";
+         "inner.getElementById('recording').open = true;"
+         "for (const [id, value] of [['path-color', 'phase'], ['voxel-color', 'volume']]) {"
+         "const menu = inner.getElementById(id); menu.value = value; menu.dispatchEvent(new "
+         "Event('change')); }"
+         "setTimeout(() => { const root = inner.documentElement;"
+         "Object.assign(document.body.dataset, inner.body.dataset, {images: inner.images.length,"
+         " overflow: root.scrollWidth - root.clientWidth});"
+         "errors.textContent = inner.getElementById('errors').textContent; }, 300); }, 100);</script></body>";
 }
 
 TEST_F(ReportPageInChromium, FitsAPhoneAndTreatsHostileTextAsText) {
-  ReportPage page = SamplePage::make();
+  ReportPage page = SamplePage::make_recorded();
+  page.recording.refusals[0].reason = page.volume_labels[0] = page.plans[0].phase_names[1] =
+      "<img src=x onerror=alert(1)>" + std::string(80, 'W');
   page.title = page.plans[0].name = page.plans[0].explanation = page.tables[0].rows[0][0] = page.warnings[0] =
       "</script><img src=x onerror=alert(2)>" + std::string(80, 'W');
   const std::string dom = open(in_a_phone(render_report_page(page)));
@@ -246,6 +254,9 @@ TEST_F(ReportPageInChromium, FitsAPhoneAndTreatsHostileTextAsText) {
   EXPECT_EQ(attribute(dom, "width"), "390");
   EXPECT_EQ(attribute(dom, "overflow"), "0") << "nothing is wider than the window";
   EXPECT_EQ(attribute(dom, "images"), "0");
+  EXPECT_EQ(attribute(dom, "path"), "phase");
+  EXPECT_EQ(attribute(dom, "color"), "volume");
+  EXPECT_NE(attribute(dom, "recording"), "");
 }
 
 TEST_F(ReportPageInChromium, ColoursVoxelsAndThePathAndSaysByWhat) {
@@ -261,15 +272,11 @@ TEST_F(ReportPageInChromium, ColoursVoxelsAndThePathAndSaysByWhat) {
   EXPECT_EQ(attribute(age, "strip"), "phase") << "under the curves, too";
   EXPECT_TRUE(legend_has(age, "60 s")) << "how old the oldest is";
   EXPECT_TRUE(legend_has(age, "boundary: end effector near what blocks it"));
-  const std::string volume = open(html, "#color=volume&path=step");
-  EXPECT_EQ(attribute(volume, "errors"), "0") << errors(volume);
-  EXPECT_EQ(attribute(volume, "color"), "volume");
-  EXPECT_TRUE(legend_has(volume, "in no volume"));
-  EXPECT_TRUE(legend_has(volume, "<span>59</span>")) << "the last search step";
-  const std::string height = open(html, "#color=height&path=clearance");
+  const std::string height = open(html, "#color=height&path=step");
   EXPECT_EQ(attribute(height, "errors"), "0") << errors(height);
+  EXPECT_EQ(attribute(height, "color"), "height");
   EXPECT_TRUE(legend_has(height, "1.20 m"));
-  EXPECT_EQ(attribute(open(html, "#plan=1&path=phase"), "path"), "plain") << "a plan that does not say";
+  EXPECT_TRUE(legend_has(height, "<span>59</span>")) << "the last search step";
 }
 
 /// The page with a click in the middle of its view, once it is ready.
@@ -284,16 +291,18 @@ std::string clicked(std::string html) {
   return html;
 }
 
-/// Seen from above, the middle of the whole map is in the column that is painted through and a conflict.
+/// Seen from above, what lies in the middle of the view is the floor.
 TEST_F(ReportPageInChromium, AnswersAClickOnAVoxelAsInspectDoes) {
   const std::string html = clicked(render_report_page(SamplePage::make_recorded()));
   const std::string dom = open(html, "#view=top&fit=all&layers=occupied");
   EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_EQ(attribute(dom, "recording"), "") << "closed unless asked for";
   const std::size_t at = dom.find("id=\"voxel-answer\"");
   ASSERT_NE(at, std::string::npos);
   const std::string answer = dom.substr(at, dom.find("recording", at) - at);
-  for (const char* part : {"<dd>occupied</dd>", "log-odds ≈ 1.5, probability 0.818 (of the 160 mm cube)",
-                           "s before the newest look", "clearway inspect 'a map'\\''s folder' --at="})
+  for (const char* part :
+       {"<dd>occupied</dd>", "In the cube of 160 mm that holds it:", "log-odds ≈ 1.5, probability 0.818",
+        "s before the newest look", "clearway inspect 'a map'\\''s folder' --at="})
     EXPECT_NE(answer.find(part), std::string::npos) << part << "\n" << answer;
 }
 
@@ -310,7 +319,6 @@ TEST_F(ReportPageInChromium, ShowsTheRecordingInTime) {
   EXPECT_EQ(attribute(late, "painted"), "36");
   EXPECT_NE(late.find("1 of 1 conflicts"), std::string::npos);
   EXPECT_NE(late.find("3 tags"), std::string::npos);
-  EXPECT_EQ(attribute(open(html), "recording"), "") << "closed unless asked for";
 }
 
 /// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
