@@ -64,9 +64,7 @@ class PickPlanner {
     std::string why = "no configuration within the limits was found that puts the tip at the grasp";
     for (;;) {
       if (join_any(why)) return best_;
-      const bool is_start_free = best_.empty() || best_.front().status != PlanStatus::start_invalid;
-      const bool is_hopeless = round_.asked == 0 && round_.starts == most_starts;
-      if (!is_growing_ || !is_start_free || is_hopeless || is_out_of_time()) break;
+      if (!is_growing_ || is_end_blocked() || is_hopeless() || is_out_of_time()) break;
       round_ = Round::after(round_);
     }
     if (!best_.empty()) return best_;
@@ -85,7 +83,7 @@ class PickPlanner {
     int samples = 0;
     std::size_t most = most_tried;
     int starts = most_starts / 4;
-    int asked = 0;  ///< so many times was the planner
+    int failed = 0;  ///< so many times did the planner find no way between ends that are free
 
     static Round of_trees(int samples, std::size_t most, int starts) {
       return {std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = samples}), samples, most,
@@ -114,9 +112,22 @@ class PickPlanner {
       const bool is_solved = legs.back().status == PlanStatus::solved;
       if (is_solved || legs.size() >= best_.size()) best_ = std::move(legs);
       if (is_solved) return true;
-      if (best_.front().status == PlanStatus::start_invalid) return false;
+      if (is_end_blocked()) return false;
     }
     return false;
+  }
+
+  /// The start of the first leg or the goal of the last, which no other grasp changes.
+  bool is_end_blocked() const {
+    return !best_.empty() &&
+           (best_.front().status == PlanStatus::start_invalid ||
+            (best_.size() == names_of_legs(true).size() && best_.back().status == PlanStatus::goal_invalid));
+  }
+
+  /// A larger round would try the same grasps and places again, and there is no way that it would look longer
+  /// for.
+  bool is_hopeless() const {
+    return round_.failed == 0 && round_.starts == most_starts && round_.most == most_tried;
   }
 
   static PlanResult failure(PlanStatus status, const std::string& explanation) {
@@ -231,9 +242,9 @@ class PickPlanner {
 
   PlanResult plan_leg(const ConfigurationSpace& space, const Configuration& from, const Configuration& to) {
     const PathCost cost = path_cost(query_, space.robot());
-    ++round_.asked;
     PlanResult leg =
         round_.planner->plan({space, cost, from, to, query_.seed, [this] { return is_out_of_time(); }});
+    round_.failed += leg.status == PlanStatus::no_path || leg.status == PlanStatus::timed_out;
     if (leg.status == PlanStatus::solved && leg.waypoints.back() != to) {
       leg.status = PlanStatus::no_path;
       leg.explanation = "The planner ends short of where the straight way begins.";

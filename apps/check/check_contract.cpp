@@ -314,6 +314,10 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.policies = statement.policies(loads, contract.notes);
   contract.payload = statement.payload();
   contract.gravity = statement.gravity();
+  if (plan.motion && contract.gravity.source == TermSource::plan &&
+      !contract.gravity.value.isApprox(Plan().gravity, contract_tolerance))
+    contract.notes.push_back("the gravity is the plan's, " + to_text(Configuration(contract.gravity.value)) +
+                             " m/s^2; by default it is " + to_text(Configuration(Plan().gravity)));
   if (!plan.motion && (options.pull.payload || !options.pull.gravity.empty()))
     contract.notes.push_back(
         "payload and gravity are only compared with what the plan says: torques belong to a motion, and it "

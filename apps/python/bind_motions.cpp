@@ -202,6 +202,8 @@ void bind_making(py::module_& module) {
       "plan_trajectory",
       [](const NamedRobot& robot, const Plan& plan) {
         if (!plan.is_proved()) throw std::invalid_argument("plan: expected one that is proved");
+        if (plan.motion && !plan.motion->validation.valid)
+          throw std::invalid_argument("plan: expected one whose motion is not refused");
         for (const Configuration& q : plan.waypoints())
           if (static_cast<std::size_t>(q.size()) != robot.robot.dof())
             throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "'");
