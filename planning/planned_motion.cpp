@@ -55,6 +55,19 @@ Trajectory timed_legs(const Robot& robot, const Plan& plan, double grip_time) {
   return joined;
 }
 
+/// By the check of paths, then of torques.
+MotionVerdict verdict_on(const ConfigurationSpace& space, const std::vector<Configuration>& stops,
+                         const PlannedMotion& planned, const TorqueTerms& torques) {
+  MotionVerdict verdict = check_motion(
+      space.robot(), space.map(), space.policies(), space.options().padding, planned.motion, planned.leg_ends,
+      stops, rate_limits(space.robot(), planned.scales), space.options().seen_within);
+  if (!verdict.valid) return verdict;
+  verdict.fault = torque_fault(space.robot(), planned.motion, torques,
+                               greatest_torques(space.robot(), planned.motion, torques));
+  verdict.valid = verdict.fault.empty();
+  return verdict;
+}
+
 }  // namespace
 
 PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
@@ -70,7 +83,6 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
   planned.scales = options.scales;
   const auto torques =
       std::make_shared<const TorqueTerms>(torque_terms(space.robot(), load_of(plan, space.robot())));
-  const RateLimits limits = rate_limits(space.robot(), options.scales);
   for (const double share : {1.0, 0.125, 0.0}) {
     SmoothMotionOptions tried = options;
     tried.torques = torques;
@@ -83,13 +95,7 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
     planned.leg_ends = std::move(made.leg_ends);
     planned.blended = made.blended;
     planned.stops = made.stops;
-    planned.validation =
-        check_motion(space.robot(), space.map(), space.policies(), space.options().padding, planned.motion,
-                     planned.leg_ends, plan.stops(), limits, space.options().seen_within);
-    if (!planned.validation.valid) continue;
-    planned.validation.fault = torque_fault(space.robot(), planned.motion, *torques,
-                                            greatest_torques(space.robot(), planned.motion, *torques));
-    planned.validation.valid = planned.validation.fault.empty();
+    planned.validation = verdict_on(space, plan.stops(), planned, *torques);
     if (planned.validation.valid) break;
   }
   return planned;
@@ -112,6 +118,15 @@ void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotion
   } catch (const std::invalid_argument& error) {
     plan.motion_caveat = error.what();
   }
+}
+
+MotionVerdict check_planned_motion(const ConfigurationSpace& space, const Plan& plan) {
+  if (plan.loads.empty() && !plan.pick)
+    return verdict_on(space, plan.stops(), *plan.motion,
+                      torque_terms(space.robot(), load_of(plan, space.robot())));
+  MotionVerdict verdict;
+  verdict.fault = "motions of robots that carry loads are not checked, expected a plan without `motion`";
+  return verdict;
 }
 
 JointLoad load_of(const Plan& plan, const Robot& robot) {

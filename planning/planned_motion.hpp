@@ -20,6 +20,12 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
 /// be too long, or the check refuses it. A plan that is not proved is left as it is.
 void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotionOptions& options = {});
 
+/// The verdict on a plan's motion, whatever the plan says of it: by check_motion in the space and under its
+/// terms, with the limits of the robot's own files, torques (torque_fault) with the plan's payload and
+/// gravity. Motions of robots that carry loads are not checked, which is a fault.
+/// @pre plan.motion
+MotionVerdict check_planned_motion(const ConfigurationSpace& space, const Plan& plan);
+
 /// What the plan was told to carry, at the robot's scale.
 JointLoad load_of(const Plan& plan, const Robot& robot);
 

@@ -318,11 +318,12 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
       !contract.gravity.value.isApprox(Plan().gravity, contract_tolerance))
     contract.notes.push_back("the gravity is the plan's, " + to_text(Configuration(contract.gravity.value)) +
                              " m/s^2; by default it is " + to_text(Configuration(Plan().gravity)));
-  if (!plan.motion && (options.pull.payload || !options.pull.gravity.empty()))
+  const bool is_pull_stated = options.pull.payload || !options.pull.gravity.empty() ||
+                              (contract.payload.source == TermSource::map && contract.payload.value > 0.0);
+  if (!plan.motion && is_pull_stated)
     contract.notes.push_back(
-        "payload and gravity are only compared with what the plan says: torques belong to a motion, and it "
-        "has "
-        "none");
+        "payload and gravity are only compared with what the plan says: torques belong to a motion, which it "
+        "does not have");
   contract.padding = statement.padding();
   contract.seen_within = statement.seen_within();
   contract.position_accuracy = statement.position_accuracy();

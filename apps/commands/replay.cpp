@@ -257,7 +257,7 @@ class QueryRunner {
 void finish_record(const ReplayReport& report, ReplayRecord& record) {
   record.add_map(report.map);
   for (const ReplayPlan& entry : report.plans) {
-    if (entry.plan.status() != PlanStatus::solved) continue;
+    if (!entry.plan.is_proved()) continue;
     const Robot& robot = entry.space->robot();
     record.add_plan(entry.query + "-" + entry.plan.planner, robot, trajectory_of(robot, entry.plan));
   }

@@ -60,7 +60,7 @@ std::map<std::string, Policy> policies_with(const ConfigurationSpace& space,
   return part_policies(loaded, space.map(), policies);
 }
 
-/// The plan's path under the space's terms, with what is stated to ride on the robot.
+/// The plan's path, and its motion, under the space's terms, with what is stated to ride on the robot.
 PathVerdict check_plan(const NamedSpace& space, const Plan& plan,
                        const std::optional<std::vector<LegLoad>>& stated, const std::optional<Pick>& pick,
                        const py::dict& load_policies) {
@@ -80,15 +80,24 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& plan,
     throw std::invalid_argument("loads: expected none beside a pick, whose object is the one load");
   return without_lock([&] {
     const double padding = space->options().padding, seen_within = space->options().seen_within;
-    if (pick) {
-      require_sound(*pick, space->map().resolution(), padding);
-      return check_pick(pick_of(plan, *pick, robot, space->map()),
-                        policies_with(*space, {{pick->object, {}}}, of_loads), padding, seen_within);
-    }
     Plan carried = plan;
     if (stated) carried.loads = *stated;
-    return check_legs(legs_of(carried, robot, space->map()), policies_with(*space, carried.loads, of_loads),
-                      padding, 0.0, seen_within);
+    carried.pick = pick;
+    PathVerdict verdict;
+    if (pick) {
+      require_sound(*pick, space->map().resolution(), padding);
+      verdict = check_pick(pick_of(plan, *pick, robot, space->map()),
+                           policies_with(*space, {{pick->object, {}}}, of_loads), padding, seen_within);
+    } else {
+      verdict = check_legs(legs_of(carried, robot, space->map()),
+                           policies_with(*space, carried.loads, of_loads), padding, 0.0, seen_within);
+    }
+    if (!verdict.valid || !plan.motion) return verdict;
+    if (const MotionVerdict motion = check_planned_motion(*space, carried); !motion.valid) {
+      verdict.valid = false;
+      verdict.first_contact = "the motion: " + motion.fault;
+    }
+    return verdict;
   });
 }
 
@@ -212,7 +221,9 @@ void bind_plan_check(py::module_& module) {
       "check_plan", &check_plan, py::arg("space"), py::arg("plan"), py::kw_only(),
       py::arg("loads") = py::none(), py::arg("pick") = py::none(), py::arg("load_policies") = py::dict(),
       doc("check_legs",
-          "Returns the verdict on all legs under the space's robot, map, policies and padding.\n\n"
+          "Returns the verdict on all legs under the space's robot, map, policies and padding, and on the "
+          "plan's "
+          "motion, if it has one.\n\n"
           "loads: that ride on the robot; None: those that the plan says of itself.\n\npick: what the plan "
           "may pick and where; a plan that picks is not checked without. See check_pick."));
 }

@@ -49,6 +49,29 @@ TEST(PlannedMotion, ReadsBackFromAPlanFileBitForBitAndAgreesWithTheCheckAgain) {
       check_motion(space.robot(), space.map(), space.policies(), 0.01, again.motion->motion,
                    again.motion->leg_ends, again.stops(), rate_limits(space.robot(), again.motion->scales));
   EXPECT_TRUE(verdict.valid) << verdict.fault;
+  EXPECT_TRUE(check_planned_motion(space, again).valid);
+}
+
+TEST(PlannedMotion, IsCheckedAgainWhateverItsPlanSaysOfIt) {
+  const ConfigurationSpace space = walled_space();
+  Plan plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(2, 0)}});
+  plan.motion = plan_motion(space, plan);
+  ASSERT_TRUE(check_planned_motion(space, plan).valid);
+  Plan through = plan;  // the wall, slowly and smoothly
+  Motion& motion = through.motion->motion;
+  const std::size_t last = motion.positions.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k) {
+    motion.positions[k] = at(2.0 * static_cast<double>(k) / static_cast<double>(last), 0.0);
+    motion.velocities[k] = Eigen::VectorXd::Zero(2);
+  }
+  motion.accelerations = hermite_accelerations(motion);
+  EXPECT_TRUE(through.motion->validation.valid);
+  const MotionVerdict verdict = check_planned_motion(space, through);
+  EXPECT_FALSE(verdict.valid);
+  EXPECT_NE(verdict.fault, "");
+  Plan loaded = plan;
+  loaded.loads.emplace_back();
+  EXPECT_FALSE(check_planned_motion(space, loaded).valid);
 }
 
 TEST(PlannedMotion, IsGivenToPlansThatCanHaveOneAndTheOthersGoEdgeByEdge) {

@@ -48,7 +48,7 @@ _ERRORS = {"start_invalid": StartInvalid, "goal_invalid": GoalInvalid, "no_path"
 def require_proved(plan, space=None, *, loads=None, pick=None):
     """Returns the plan when every leg is solved and the check found the whole path valid.
 
-    What a plan from a file says of itself is only its word: with `space` the path is checked again, there, with
+    What a plan from a file says of itself is only its word: with `space` path and motion are checked again, there, with
     `loads` or `pick` as check_plan takes them.
 
     Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason.

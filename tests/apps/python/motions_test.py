@@ -85,6 +85,25 @@ class Motions(unittest.TestCase):
             trajectory = cw.trajectory_of(cw.plan_motion(space, plan).motion)
             self.assertEqual(file.read_text(), cw.export_trajectory(self.robot, plan, trajectory, "csv"))
 
+    def test_a_motion_from_a_file_is_checked_whatever_the_file_says(self):
+        with worlds.folder() as folder:
+            self.map.save(folder)
+            space = cw.ConfigurationSpace(self.robot, cw.load_map(folder))
+            text = [",".join(map(repr, q.tolist())) for q in (self.start, self.goal)]
+            told = worlds.answer("plan", "--map", folder, "--robot", "puma560", "--planner", "rrtconnect",
+                                 "--start=" + text[0], "--goal=" + text[1], "--motion")
+            self.assertEqual(told["motion"]["verdict"], "valid")
+            self.assertTrue(cw.require_proved(cw.parse_plan(json.dumps(told)), space).is_proved)
+            knots = told["motion"]["positions"]
+            for knot in knots[len(knots) // 4 : -len(knots) // 4]:
+                knot[0] += 1.0  # a leap
+            leaping = cw.parse_plan(json.dumps(told))
+            with self.assertRaisesRegex(cw.PathRefused, "the motion: "):
+                cw.require_proved(leaping, space)
+            told["motion"]["verdict"] = "refused"
+            with self.assertRaisesRegex(ValueError, "motion"):
+                cw.plan_trajectory(self.robot, cw.parse_plan(json.dumps(told)))
+
     def test_edges_without_blends_stay_on_the_path(self):
         waypoints = self.plan.waypoints
         trajectory = cw.time_parameterize(self.robot, waypoints, sampling_period=0.01)
