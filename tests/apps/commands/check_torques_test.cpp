@@ -59,7 +59,7 @@ class CheckTorques : public ::testing::Test {
 
 double torque_share(const CommandRun& run) { return Json::parse(run.out)["motion"]["torque_share"]; }
 
-TEST_F(CheckTorques, are_those_under_the_stated_payload_and_gravity) {
+TEST_F(CheckTorques, AreThoseUnderTheStatedPayloadAndGravity) {
   const double own = share({.payload = 2.0}), light = share({.payload = 0.5}),
                aside = share({.payload = 2.0, .gravity = {0.0, -9.81, 0.0}});
   ASSERT_GT(own, 1.02 * light);
@@ -76,7 +76,15 @@ TEST_F(CheckTorques, are_those_under_the_stated_payload_and_gravity) {
   EXPECT_EQ(contract["gravity"], Json({{"value", {0.0, -9.81, 0.0}}, {"source", "flag"}}));
 }
 
-TEST_F(CheckTorques, of_a_plan_that_states_less_are_refused_with_the_flag_and_counted_when_accepted) {
+TEST_F(CheckTorques, UnderAGravityThatOnlyThePlanStatesAreToldAsSuch) {
+  const std::string words = "the gravity is the plan's, (0, 0, 0) m/s^2";
+  Json plan = plan_;
+  plan["gravity"] = {0.0, 0.0, 0.0};
+  EXPECT_NE(check(plan).out.find(words), std::string::npos) << check(plan).out;
+  EXPECT_EQ(check(plan_).out.find("the gravity is the plan's"), std::string::npos);
+}
+
+TEST_F(CheckTorques, OfAPlanThatStatesLessAreRefusedUnlessAccepted) {
   Json plan = plan_;
   plan["payload_kg"] = 0.5;
   const CommandRun run = check(plan, {"--payload", "2"});
@@ -93,7 +101,7 @@ TEST_F(CheckTorques, of_a_plan_that_states_less_are_refused_with_the_flag_and_co
       << gravity.out;
 }
 
-TEST_F(CheckTorques, beyond_a_limit_are_refused) {
+TEST_F(CheckTorques, BeyondALimitAreRefused) {
   Json plan = plan_;
   plan["payload_kg"] = 500.0;
   const CommandRun run = check(plan, {"--payload", "500"});
@@ -106,7 +114,7 @@ TEST_F(CheckTorques, beyond_a_limit_are_refused) {
     EXPECT_EQ(check(plan, flag).status, exit_bad_input) << flag.front();
 }
 
-TEST_F(CheckTorques, without_a_motion_are_told_to_be_unknown) {
+TEST_F(CheckTorques, WithoutAMotionAreToldToBeUnknown) {
   Json plan = plan_;
   plan.erase("motion");
   const CommandRun run = check(plan, {"--payload", "2"});
