@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kNames[kRefusals] = {"accepted",           "image_refused",  "time_not_rising",
                                            "base_not_seen",      "probe_not_seen", "too_few_tags",
                                            "reprojection_error", "ambiguous_pose", "base_moved",
-                                           "uncertain_center",   "too_fast"};
+                                           "uncertain_center",   "unconfirmed",    "too_fast"};
 
 template <typename... Parts>
 std::string sentence(const Parts&... parts) {
@@ -36,6 +36,7 @@ void validate(const AcceptanceOptions& o) {
   require(o.least_noise > 0.0, "acceptance: least_noise", "> 0 pixels");
   require(o.max_speed > 0.0, "acceptance: max_speed", "> 0 metres per second");
   require(o.max_turn_speed > 0.0, "acceptance: max_turn_speed", "> 0 radians per second");
+  require(o.max_pause > 0.0, "acceptance: max_pause", "> 0 seconds");
 }
 
 double chi_square_allowed(const BodyPose& pose, const AcceptanceOptions& acceptance) {
@@ -81,6 +82,7 @@ PaintingSample Probe::sample(const std::vector<TagDetection>& detections, double
   sample.probe = pose_of(probe_.body, detections, probe_record_);
   Verdict verdict = judge_poses(sample);
   if (verdict.refusal == Refusal::none) verdict = judge_center(sample);
+  if (verdict.refusal == Refusal::none) verdict = judge_history(sample);
   if (verdict.refusal == Refusal::none) verdict = judge_speed(sample);
   remember(sample, verdict.refusal);
   return finish(std::move(sample), verdict);
@@ -178,6 +180,18 @@ Probe::Verdict Probe::judge_center(const PaintingSample& sample) const {
   return {};
 }
 
+// Three tags of a body contradict one that is found in the wrong place; for fewer, images before must do it.
+Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
+  constexpr std::size_t judges = 3;
+  if (std::min(sample.base->tags.size(), sample.probe->tags.size()) >= judges) return {};
+  if (!last_measured_ && acceptance_.max_pause < std::numeric_limits<double>::infinity())
+    return {Refusal::unconfirmed, "no image before this one measured the ball"};
+  if (last_measured_ && sample.time - last_measured_->time > acceptance_.max_pause)
+    return {Refusal::unconfirmed, sentence("the ball was last measured ", sample.time - last_measured_->time,
+                                           " s before, at most ", acceptance_.max_pause)};
+  return {};
+}
+
 Probe::Verdict Probe::judge_speed(PaintingSample& sample) const {
   double turning = 0.0;
   sample.speed = 0.0;
@@ -199,7 +213,8 @@ Probe::Verdict Probe::judge_speed(PaintingSample& sample) const {
 
 void Probe::remember(const PaintingSample& sample, Refusal refusal) {
   const Place place{sample.time, sample.sphere.center, sample.base_from_probe.pose.linear()};
-  if (refusal == Refusal::none || refusal == Refusal::too_fast) last_measured_ = place;
+  if (refusal == Refusal::none || refusal == Refusal::unconfirmed || refusal == Refusal::too_fast)
+    last_measured_ = place;
   if (refusal == Refusal::none) last_accepted_ = place;
 }
 

@@ -29,9 +29,10 @@ enum class Refusal {
   ambiguous_pose,      ///< another pose explains the corners nearly as well
   base_moved,          ///< fixed camera only: the base board is not where it was
   uncertain_center,    ///< the ball's centre may be off by more than Chong 2008, eq. 3, can pay
+  unconfirmed,         ///< poses by few tags, and no image shortly before that measured the ball too
   too_fast             ///< the ball moved or the probe turned too fast: blur, or a jump
 };
-constexpr int kRefusals = 11;
+constexpr int kRefusals = 12;
 
 /// The word used in reports: the enumerator's name, "accepted" for `none`.
 std::string to_string(Refusal refusal);
@@ -46,6 +47,10 @@ struct AcceptanceOptions {
   double min_separation = 36.0;  ///< see BodyPose::separation; 36 leaves room for 1.4 times the noise stated
   double max_speed = 0.5;        ///< of the ball's centre, metres per second
   double max_turn_speed = 6.0;   ///< of the probe, radians per second: a flipped pose turns at once
+  /// Seconds. Where base or probe show fewer than three tags, a tag that is found in the wrong place is only
+  /// told by the jump from one image to the next: an image without another that measured the ball so shortly
+  /// before it is not accepted, but confirms the next. Infinity accepts every image on its own.
+  double max_pause = 1.0;
   /// The corners' noise is taken from the residuals of earlier images where these are below the noise that
   /// is stated, but never below this, pixels. A value of the stated noise or more switches it off.
   double least_noise = 0.1;
@@ -100,6 +105,7 @@ class Probe {
   Verdict judge_body(const BodyPose& pose, const TagBody& body, int min_tags) const;
   Verdict judge_poses(PaintingSample& sample);
   Verdict judge_center(const PaintingSample& sample) const;
+  Verdict judge_history(const PaintingSample& sample) const;
   Verdict judge_speed(PaintingSample& sample) const;
   void remember(const PaintingSample& sample, Refusal refusal);
   PaintingSample finish(PaintingSample sample, const Verdict& verdict);

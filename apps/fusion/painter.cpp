@@ -58,6 +58,7 @@ TrackingOptions tracking_options(const Setup& setup) {
   override(options.acceptance.max_noise, acceptance.max_noise);
   override(options.acceptance.max_speed, acceptance.max_speed);
   override(options.acceptance.max_turn_speed, acceptance.max_turn_speed);
+  override(options.acceptance.max_pause, acceptance.max_pause);
   override(options.pose.pixel_noise, acceptance.pixel_noise);
   override(options.pose.edge_bias, setup.errors.edge);
   if (acceptance.min_tags)

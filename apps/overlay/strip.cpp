@@ -60,7 +60,7 @@ int draw_scale(cv::Mat& picture, double most, int baseline, double scale) {
 }  // namespace
 
 std::string cure_of(std::string_view refusal) {
-  static const std::array<std::pair<std::string_view, std::string_view>, 9> cures{{
+  static const std::array<std::pair<std::string_view, std::string_view>, 10> cures{{
       {"base_not_seen", "Keep the fixed board in view."},
       {"probe_not_seen", "Turn a tag of the probe towards the camera."},
       {"too_few_tags", "Show more tags of the probe and the fixed board."},
@@ -68,6 +68,7 @@ std::string cure_of(std::string_view refusal) {
       {"ambiguous_pose", "Come nearer, or show a second tag of the probe."},
       {"base_moved", "Put camera and fixed board back, or begin anew."},
       {"uncertain_center", "Come nearer, or show more tags of the probe."},
+      {"unconfirmed", "Keep the probe in view a moment longer."},
       {"too_fast", "Move more slowly."},
       {"image_refused", "Use the camera that the setup describes."},
   }};

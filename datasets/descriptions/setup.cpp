@@ -226,6 +226,7 @@ AcceptanceSetup read_acceptance(const YamlFields& fields) {
   acceptance.max_noise = fields.optional_number("max_noise", {1, 1e6});
   acceptance.max_speed = fields.optional_number("max_speed", positive);
   acceptance.max_turn_speed = fields.optional_number("max_turn_speed", positive);
+  acceptance.max_pause = fields.optional_number("max_pause", positive);
   acceptance.pixel_noise = fields.optional_number("pixel_noise", positive);
   if (fields.has("fixed_camera")) acceptance.fixed_camera = fields.boolean("fixed_camera");
   fields.finish();

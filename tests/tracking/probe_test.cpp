@@ -18,13 +18,20 @@ using scene::tag_before_camera;
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+// No image needs another to confirm it, so that a test may look at one.
+AcceptanceOptions on_its_own() {
+  AcceptanceOptions acceptance;
+  acceptance.max_pause = std::numeric_limits<double>::infinity();
+  return acceptance;
+}
+
 // A board and a cube probe half a metre before the camera; detections are made from true corners.
 struct Stage {
   Camera camera = scene::plain_camera();
   TagBody base = scene::board("base", 0, 3, 2, 0.06, 0.09);
   PaintingProbe probe{scene::cube("probe", 20, 0.05, 0.07), {0.0, 0.0, 0.09}, 0.04};
   ErrorBudget budget;
-  AcceptanceOptions acceptance;
+  AcceptanceOptions acceptance = on_its_own();
   BodyPoseOptions pose;
   Eigen::Isometry3d camera_from_base = tag_before_camera(0.6, 0.7, 0.2, 0.0, -0.08, 0.06);
   Eigen::Isometry3d camera_from_probe = tag_before_camera(0.45, 0.8, 2.5, 0.3, 0.08, -0.04);
@@ -254,6 +261,66 @@ TEST(Probe, an_outlier_between_two_good_images_leaves_its_speed_to_the_image_aft
   EXPECT_TRUE(at(0.02, 0.3).accepted);  // it rests: slow from both
 }
 
+TEST(Probe, FewTagsNeedAnotherImageShortlyBefore) {
+  Stage stage;
+  stage.acceptance.max_pause = 0.5;
+  Probe probe = stage.made();
+  const auto few = [&] { return without(stage.seen(), 2, 5); };  // two of the base
+  expect_refused(probe.sample(few(), 0.0), Refusal::unconfirmed);
+  EXPECT_TRUE(probe.sample(few(), 0.1).accepted);
+  EXPECT_TRUE(probe.sample(few(), 0.6).accepted);
+  expect_refused(probe.sample(few(), 1.2), Refusal::unconfirmed);
+  EXPECT_TRUE(probe.sample(few(), 1.3).accepted);
+  expect_refused(probe.sample({}, 1.7), Refusal::base_not_seen);  // measures nothing: the pause goes on
+  expect_refused(probe.sample(few(), 2.0), Refusal::unconfirmed);
+}
+
+TEST(Probe, ThreeTagsOfEachConfirmEachOther) {
+  Stage stage;
+  stage.acceptance.max_pause = 0.5;
+  const double upright = 0.95;  // radians: three faces of the cube show
+  bool was_seen = false;
+  for (double azimuth = 0.0; azimuth < 6.3 && !was_seen; azimuth += 0.2) {
+    stage.camera_from_probe = tag_before_camera(0.45, upright, azimuth, 0.3, 0.08, -0.04);
+    const PaintingSample sample = stage.made().sample(stage.seen(), 0.0);
+    if (!sample.probe || sample.probe->tags.size() < 3) continue;
+    was_seen = true;
+    EXPECT_TRUE(sample.accepted) << sample.reason;
+    expect_refused(stage.made().sample(without(stage.seen(), 2, 5), 0.0), Refusal::unconfirmed);
+  }
+  EXPECT_TRUE(was_seen);
+}
+
+// A tag alone on its body, found 30 pixels off: its residuals tell nothing.
+TEST(Probe, AWrongFirstImagePaintsNothing) {
+  Stage stage;
+  stage.base = scene::board("base", 0, 3, 1, 0.06, 0.09);
+  stage.probe = {scene::board("single", 20, 1, 1, 0.06, 0.1), {0.0, -0.1, 0.0}, 0.05};
+  stage.camera_from_probe = tag_before_camera(0.45, 0.6, 1.0, 0.3, 0.08, -0.04);
+  const auto wrong = [&] {
+    auto seen = stage.seen();
+    for (TagDetection& tag : seen)
+      if (tag.id == 20)
+        for (auto& corner : tag.corners) corner.x() += 30.0;
+    return seen;
+  };
+  const auto error = [&](const PaintingSample& sample) {
+    return (sample.sphere.center -
+            stage.camera_from_base.inverse() * (stage.camera_from_probe * stage.probe.ball_in_probe))
+        .norm();
+  };
+  const PaintingSample believed = stage.made().sample(wrong(), 0.0);
+  EXPECT_TRUE(believed.accepted);
+  EXPECT_GT(error(believed), believed.bound.total);
+  stage.acceptance.max_pause = AcceptanceOptions{}.max_pause;
+  Probe probe = stage.made();
+  expect_refused(probe.sample(wrong(), 0.0), Refusal::unconfirmed);
+  expect_refused(probe.sample(stage.seen(), 0.03), Refusal::too_fast);
+  const PaintingSample right = probe.sample(stage.seen(), 0.06);
+  EXPECT_TRUE(right.accepted) << right.reason;
+  EXPECT_LT(error(right), right.bound.total);
+}
+
 TEST(Probe, with_a_fixed_camera_averages_the_base_and_refuses_while_it_is_elsewhere) {
   Stage stage;
   stage.acceptance.fixed_camera = true;
@@ -295,6 +362,7 @@ TEST(Probe, cannot_be_made_of_parts_that_do_not_fit) {
   refuses([](Stage& s) { s.acceptance.max_noise = 0.5; });
   refuses([](Stage& s) { s.acceptance.least_noise = 0; });
   refuses([](Stage& s) { s.acceptance.max_turn_speed = 0; });
+  refuses([](Stage& s) { s.acceptance.max_pause = 0; });
   refuses([](Stage& s) { s.camera.errors.focal = -1; });
   refuses([](Stage& s) { s.base.errors.place = kNan; });
   refuses([](Stage& s) { s.acceptance.max_speed = -1; });

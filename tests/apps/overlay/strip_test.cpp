@@ -56,9 +56,10 @@ TEST(Strip, nothing_to_say_leaves_the_picture) {
 }
 
 TEST(Strip, what_a_person_can_mend_has_a_cure) {
-  for (const Refusal refusal : {Refusal::image_refused, Refusal::base_not_seen, Refusal::probe_not_seen,
-                                Refusal::too_few_tags, Refusal::reprojection_error, Refusal::ambiguous_pose,
-                                Refusal::base_moved, Refusal::uncertain_center, Refusal::too_fast})
+  for (const Refusal refusal :
+       {Refusal::image_refused, Refusal::base_not_seen, Refusal::probe_not_seen, Refusal::too_few_tags,
+        Refusal::reprojection_error, Refusal::ambiguous_pose, Refusal::base_moved, Refusal::uncertain_center,
+        Refusal::unconfirmed, Refusal::too_fast})
     EXPECT_TRUE(cure_of(to_string(refusal)).ends_with(".")) << to_string(refusal);
   EXPECT_EQ(cure_of("accepted"), "");
 }

@@ -68,7 +68,7 @@ boards:
   - {name: base, map_from_board: [0, 0, 0, 0, 0, 0], tags: [{id: 0, size: 0.03}]}
   - {name: probe, errors: {place: 0.002, turn: 0.01}, tags: [{id: 5, size: 0.05}]}
 probe: {board: probe, ball_center: [0, 0, -0.1], ball_radius: 0.02, tracking_error: 0.03}
-acceptance: {max_noise: 2.5, max_turn_speed: 4}
+acceptance: {max_noise: 2.5, max_turn_speed: 4, max_pause: 0.3}
 )";
 
 TEST(Setup, ErrorsAreReadAndABoardsOwnComeFirst) {
@@ -87,6 +87,7 @@ TEST(Setup, ErrorsAreReadAndABoardsOwnComeFirst) {
   EXPECT_FALSE(setup.probe->constant_tracking);
   EXPECT_EQ(setup.acceptance.max_noise, 2.5);
   EXPECT_EQ(setup.acceptance.max_turn_speed, 4);
+  EXPECT_EQ(setup.acceptance.max_pause, 0.3);
   const auto plain = parse_setup(full, "full.yaml");
   EXPECT_FALSE(plain.errors.camera.focal || plain.errors.edge || plain.boards[0].errors.place);
 }
