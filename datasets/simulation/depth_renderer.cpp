@@ -15,8 +15,7 @@ DepthImage render_depth(const SceneDepth& depth, size_t index, std::span<const S
   const size_t width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);
   DepthImage image{camera, std::vector<float>(width * height, 0), depth.unit, depth.max_range,
                    depth.map_from_sensor[index % depth.map_from_sensor.size()]};
-  std::vector<const Surface*> all;
-  for (const auto& surface : surfaces) all.push_back(&surface);
+  const std::vector<SurfaceView> views = views_from(image.world_from_sensor.translation(), surfaces);
   const RandomNumbers noise(seed, 1'000'000'000 + 2 * index), losses(seed, 1'000'000'001 + 2 * index);
 
   parallel_for(height, [&](size_t row) {
@@ -25,7 +24,7 @@ DepthImage render_depth(const SceneDepth& depth, size_t index, std::span<const S
           pixel_ray(camera, {static_cast<double>(column), static_cast<double>(row)});
       const Eigen::Vector3d ray =
           image.world_from_sensor.linear() * Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
-      const auto result = cast_ray(all, image.world_from_sensor.translation(), ray);
+      const auto result = cast_ray(views, ray);
       const size_t pixel = row * width + column;
       if (result.index < 0 || result.hit.along > depth.max_range) continue;
       if (depth.dropout > 0 && losses.uniform(pixel) < depth.dropout) continue;

@@ -21,36 +21,57 @@ std::array<Eigen::Vector2d, 34> spread_points() {
 
 }  // namespace
 
-ImageRenderer::ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isometry3d& map_from_camera,
-                             std::vector<Surface> still, double background)
-    : camera_(camera), map_from_camera_(map_from_camera), still_(std::move(still)), background_(background) {
-  const int columns = camera.width + 1;
-  corner_rays_.resize(static_cast<size_t>(columns) * static_cast<size_t>(camera.height + 1));
-  parallel_for(static_cast<size_t>(camera.height) + 1, [&](size_t row) {
+PixelRays::PixelRays(const CameraIntrinsics& camera) : width_(camera.width), height_(camera.height) {
+  const int columns = width_ + 1;
+  corners_.resize(static_cast<size_t>(columns) * static_cast<size_t>(height_ + 1));
+  parallel_for(static_cast<size_t>(height_) + 1, [&](size_t row) {
     for (int column = 0; column < columns; ++column)
-      corner_rays_[row * static_cast<size_t>(columns) + static_cast<size_t>(column)] =
+      corners_[row * static_cast<size_t>(columns) + static_cast<size_t>(column)] =
           pixel_ray(camera, {column - 0.5, static_cast<double>(row) - 0.5}).head<2>();
   });
+}
+
+Eigen::Vector3d PixelRays::at(double column, double row) const {
+  const double x = column + 0.5, y = row + 0.5;  // in units of corners
+  const int i = std::clamp(static_cast<int>(std::floor(x)), 0, width_ - 1);
+  const int j = std::clamp(static_cast<int>(std::floor(y)), 0, height_ - 1);
+  const auto* corner =
+      &corners_[static_cast<size_t>(j) * static_cast<size_t>(width_ + 1) + static_cast<size_t>(i)];
+  const auto* below = corner + width_ + 1;
+  const double u = x - i, v = y - j;
+  const Eigen::Vector2d at =
+      (1 - v) * ((1 - u) * corner[0] + u * corner[1]) + v * ((1 - u) * below[0] + u * below[1]);
+  return at.homogeneous();
+}
+
+ImageRenderer::ImageRenderer(std::shared_ptr<const PixelRays> rays, const Eigen::Isometry3d& map_from_camera,
+                             std::vector<Surface> still, double background)
+    : rays_(std::move(rays)),
+      width_(rays_->width()),
+      height_(rays_->height()),
+      map_from_camera_(map_from_camera),
+      still_(std::move(still)),
+      still_views_(views_from(map_from_camera.translation(), still_)),
+      background_(background) {
   make_tiles();
-  still_sights_.resize(static_cast<size_t>(camera.width + 2) * static_cast<size_t>(camera.height + 2));
-  empty_ = {camera.width, camera.height,
-            std::vector<float>(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height))};
+  still_sights_.resize(static_cast<size_t>(width_ + 2) * static_cast<size_t>(height_ + 2));
+  empty_ = {width_, height_, std::vector<float>(static_cast<size_t>(width_) * static_cast<size_t>(height_))};
   parallel_for(tiles_.size(), [&](size_t i) {
     const Tile& tile = tiles_[i];
     // Tiles at the rim of the image look at the pixels just outside as well.
     const int left = tile.column == 0 ? -1 : tile.column, top = tile.row == 0 ? -1 : tile.row;
-    const int right = std::min(tile.column + tile_size, camera_.width);
-    const int bottom = std::min(tile.row + tile_size, camera_.height);
-    for (int row = top; row < bottom + (bottom == camera_.height); ++row)
-      for (int column = left; column < right + (right == camera_.width); ++column)
-        still_sight(column, row) = look(tile.still, still_.data(), column, row);
+    const int right = std::min(tile.column + tile_size, width_);
+    const int bottom = std::min(tile.row + tile_size, height_);
+    for (int row = top; row < bottom + (bottom == height_); ++row)
+      for (int column = left; column < right + (right == width_); ++column)
+        still_sight(column, row) = look(tile.still, still_views_.data(), column, row);
   });
   parallel_for(tiles_.size(), [&](size_t i) { draw_still_tile(tiles_[i]); });
 }
 
 void ImageRenderer::make_tiles() {
-  for (int row = 0; row < camera_.height; row += tile_size) {
-    for (int column = 0; column < camera_.width; column += tile_size) {
+  for (int row = 0; row < height_; row += tile_size) {
+    for (int column = 0; column < width_; column += tile_size) {
       Tile tile{column, row, {}, 0, {}};
       // One pixel more on every side: neighbours decide where edges are.
       const double left = column - 1.5, top = row - 1.5, side = tile_size + 2;
@@ -60,8 +81,8 @@ void ImageRenderer::make_tiles() {
           const auto edge = ray(left + at.x() * side / 4, top + at.y() * side / 4).normalized();
           tile.half_angle = std::max(tile.half_angle, 1.01 * std::acos(std::min(1.0, edge.dot(tile.axis))));
         }
-      for (const auto& surface : still_)
-        if (touches(tile, surface)) tile.still.push_back(&surface);
+      for (const SurfaceView& view : still_views_)
+        if (touches(tile, view.surface())) tile.still.push_back(&view);
       tiles_.push_back(std::move(tile));
     }
   }
@@ -75,19 +96,6 @@ bool ImageRenderer::touches(const Tile& tile, const Surface& surface) const {
   return angle <= tile.half_angle + std::asin(surface.reach() / distance);
 }
 
-Eigen::Vector3d ImageRenderer::ray(double column, double row) const {
-  const double x = column + 0.5, y = row + 0.5;  // in units of corners
-  const int i = std::clamp(static_cast<int>(std::floor(x)), 0, camera_.width - 1);
-  const int j = std::clamp(static_cast<int>(std::floor(y)), 0, camera_.height - 1);
-  const auto* corner =
-      &corner_rays_[static_cast<size_t>(j) * static_cast<size_t>(camera_.width + 1) + static_cast<size_t>(i)];
-  const auto* below = corner + camera_.width + 1;
-  const double u = x - i, v = y - j;
-  const Eigen::Vector2d at =
-      (1 - v) * ((1 - u) * corner[0] + u * corner[1]) + v * ((1 - u) * below[0] + u * below[1]);
-  return map_from_camera_.linear() * at.homogeneous();
-}
-
 double ImageRenderer::shade(const CastResult& result) const {
   if (result.index < 0) return background_;
   static const Eigen::Vector3d light = Eigen::Vector3d(0.5, -0.25, 0.83).normalized();
@@ -95,7 +103,7 @@ double ImageRenderer::shade(const CastResult& result) const {
 }
 
 ImageRenderer::Sight& ImageRenderer::still_sight(int column, int row) {
-  return still_sights_[static_cast<size_t>(row + 1) * static_cast<size_t>(camera_.width + 2) +
+  return still_sights_[static_cast<size_t>(row + 1) * static_cast<size_t>(width_ + 2) +
                        static_cast<size_t>(column + 1)];
 }
 
@@ -104,13 +112,12 @@ const ImageRenderer::Sight& ImageRenderer::still_sight(int column, int row) cons
 }
 
 float& ImageRenderer::value(Radiance& picture, int column, int row) const {
-  return picture
-      .values[static_cast<size_t>(row) * static_cast<size_t>(camera_.width) + static_cast<size_t>(column)];
+  return picture.values[static_cast<size_t>(row) * static_cast<size_t>(width_) + static_cast<size_t>(column)];
 }
 
-ImageRenderer::Sight ImageRenderer::look(const Candidates& candidates, const Surface* first, int column,
+ImageRenderer::Sight ImageRenderer::look(const Candidates& candidates, const SurfaceView* first, int column,
                                          int row) const {
-  const auto result = cast_ray(candidates, map_from_camera_.translation(), ray(column, row));
+  const auto result = cast_ray(candidates, ray(column, row));
   if (result.index < 0) return {-1, result.hit.along, shade(result)};
   const auto surface = candidates[static_cast<size_t>(result.index)] - first;
   return {8 * static_cast<int>(surface) + result.hit.part, result.hit.along, shade(result)};
@@ -120,14 +127,13 @@ double ImageRenderer::average(const Candidates& candidates, int column, int row)
   static const auto spread = spread_points();
   double sum = 0;
   for (const auto& at : spread)
-    sum += shade(
-        cast_ray(candidates, map_from_camera_.translation(), ray(column - 0.5 + at.x(), row - 0.5 + at.y())));
+    sum += shade(cast_ray(candidates, ray(column - 0.5 + at.x(), row - 0.5 + at.y())));
   return sum / static_cast<double>(spread.size());
 }
 
 void ImageRenderer::draw_still_tile(const Tile& tile) {
-  for (int row = tile.row; row < std::min(tile.row + tile_size, camera_.height); ++row) {
-    for (int column = tile.column; column < std::min(tile.column + tile_size, camera_.width); ++column) {
+  for (int row = tile.row; row < std::min(tile.row + tile_size, height_); ++row) {
+    for (int column = tile.column; column < std::min(tile.column + tile_size, width_); ++column) {
       const Sight& here = still_sight(column, row);
       bool edge = false;
       for (int i = -1; i <= 1; ++i)
@@ -137,13 +143,13 @@ void ImageRenderer::draw_still_tile(const Tile& tile) {
   }
 }
 
-void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving, const Surface* first,
+void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving, const SurfaceView* first,
                                      Radiance& picture) const {
   constexpr int side = tile_size + 2;
   std::array<Sight, side * side> sights;
   std::array<bool, side * side> moves{};
-  const int rows = std::min(tile_size, camera_.height - tile.row);
-  const int columns = std::min(tile_size, camera_.width - tile.column);
+  const int rows = std::min(tile_size, height_ - tile.row);
+  const int columns = std::min(tile_size, width_ - tile.column);
   const auto index = [](int i, int j) { return static_cast<size_t>((j + 1) * side + i + 1); };
   for (int j = -1; j <= rows; ++j) {
     for (int i = -1; i <= columns; ++i) {
@@ -173,11 +179,12 @@ void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving,
 
 Radiance ImageRenderer::draw(std::span<const Surface> moving) const {
   Radiance picture = empty_;
+  const std::vector<SurfaceView> seen = views_from(map_from_camera_.translation(), moving);
   for (const auto& tile : tiles_) {
     Candidates candidates;
-    for (const auto& surface : moving)
-      if (touches(tile, surface)) candidates.push_back(&surface);
-    if (!candidates.empty()) draw_moving_tile(tile, candidates, moving.data(), picture);
+    for (const SurfaceView& view : seen)
+      if (touches(tile, view.surface())) candidates.push_back(&view);
+    if (!candidates.empty()) draw_moving_tile(tile, candidates, seen.data(), picture);
   }
   return picture;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,13 +15,28 @@ struct Radiance {
   std::vector<float> values;
 };
 
+/// Where the pixels of a camera look: exact at their corners, interpolated within. Made once for all pictures
+/// of a camera that moves.
+class PixelRays {
+ public:
+  explicit PixelRays(const CameraIntrinsics& camera);
+  int width() const { return width_; }
+  int height() const { return height_; }
+  /// In the camera frame, of depth 1; (0, 0) is the centre of the first pixel.
+  Eigen::Vector3d at(double column, double row) const;
+
+ private:
+  int width_, height_;
+  std::vector<Eigen::Vector2d> corners_;
+};
+
 /// Draws what a still camera sees by casting rays through its lens. Pixels at edges (another surface, face or
 /// tag cell within one pixel) take the mean of 34 rays spread evenly over the pixel, the others one ray. What
 /// never moves is drawn once; a picture then redraws only the 16 x 16 tiles that moving surfaces may touch.
 /// Shading: half ambient, half by the angle to a light above the scene; no shadows.
 class ImageRenderer {
  public:
-  ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isometry3d& map_from_camera,
+  ImageRenderer(std::shared_ptr<const PixelRays> rays, const Eigen::Isometry3d& map_from_camera,
                 std::vector<Surface> still, double background);
   ImageRenderer(const ImageRenderer&) = delete;  // the tiles point at the surfaces
   ImageRenderer& operator=(const ImageRenderer&) = delete;
@@ -29,7 +45,7 @@ class ImageRenderer {
   Radiance draw(std::span<const Surface> moving) const;
 
  private:
-  using Candidates = std::vector<const Surface*>;
+  using Candidates = std::vector<const SurfaceView*>;
   /// What the centre of a pixel sees.
   struct Sight {
     int part = -1;  ///< neighbours that differ have an edge between them
@@ -44,23 +60,26 @@ class ImageRenderer {
 
   void make_tiles();
   bool touches(const Tile& tile, const Surface& surface) const;
-  Eigen::Vector3d ray(double column, double row) const;
+  Eigen::Vector3d ray(double column, double row) const {
+    return map_from_camera_.linear() * rays_->at(column, row);
+  }
   double shade(const CastResult& result) const;
   /// `first` is the first of the surfaces the candidates are chosen from.
-  Sight look(const Candidates& candidates, const Surface* first, int column, int row) const;
+  Sight look(const Candidates& candidates, const SurfaceView* first, int column, int row) const;
   double average(const Candidates& candidates, int column, int row) const;
   Sight& still_sight(int column, int row);
   const Sight& still_sight(int column, int row) const;
   void draw_still_tile(const Tile& tile);
-  void draw_moving_tile(const Tile& tile, const Candidates& moving, const Surface* first,
+  void draw_moving_tile(const Tile& tile, const Candidates& moving, const SurfaceView* first,
                         Radiance& picture) const;
   float& value(Radiance& picture, int column, int row) const;
 
-  CameraIntrinsics camera_;
+  std::shared_ptr<const PixelRays> rays_;
+  int width_, height_;
   Eigen::Isometry3d map_from_camera_;
   std::vector<Surface> still_;
+  std::vector<SurfaceView> still_views_;
   double background_;
-  std::vector<Eigen::Vector2d> corner_rays_;  ///< exact rays of the pixels' corners, interpolated within
   std::vector<Tile> tiles_;
   std::vector<Sight> still_sights_;  ///< with a rim of one pixel around the image
   Radiance empty_;                   ///< the picture without moving surfaces

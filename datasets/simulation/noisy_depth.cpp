@@ -14,13 +14,13 @@ namespace {
 struct Eye {
   const CameraIntrinsics& camera;
   const Eigen::Isometry3d& pose;
-  std::vector<const Surface*> surfaces;
+  std::vector<SurfaceView> surfaces;
 
   Eigen::Vector3d ray(const Eigen::Vector2d& pixel) const {
     const Eigen::Vector3d optical = pixel_ray(camera, pixel);
     return pose.linear() * Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
   }
-  CastResult look(const Eigen::Vector3d& ray) const { return cast_ray(surfaces, pose.translation(), ray); }
+  CastResult look(const Eigen::Vector3d& ray) const { return cast_ray(surfaces, ray); }
 };
 
 /// Random numbers of one image: a stream for each effect, a counter for each pixel.
@@ -114,8 +114,7 @@ DepthImage render_noisy_depth(const SceneDepth& depth, size_t index, std::span<c
   const size_t width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);
   DepthImage image{camera, std::vector<float>(width * height, 0), depth.unit, depth.max_range,
                    depth.map_from_sensor[index % depth.map_from_sensor.size()]};
-  Eye eye{camera, image.world_from_sensor, {}};
-  for (const Surface& surface : surfaces) eye.surfaces.push_back(&surface);
+  const Eye eye{camera, image.world_from_sensor, views_from(image.world_from_sensor.translation(), surfaces)};
   const Chances chances(seed, index);
   parallel_for(height, [&](size_t row) {
     for (size_t column = 0; column < width; ++column) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clearway {
 namespace {
@@ -27,9 +28,19 @@ bool meet(const BoxShape& box, const LocalRay& ray, LocalHit& hit) {
   const Eigen::Array3d half = box.size.array() / 2, inverse = ray.direction.array().inverse();
   const Eigen::Array3d low = (-half - ray.origin.array()) * inverse;
   const Eigen::Array3d high = (half - ray.origin.array()) * inverse;
-  int enter_axis, leave_axis;
-  const double enter = low.min(high).maxCoeff<Eigen::PropagateNumbers>(&enter_axis);
-  const double leave = low.max(high).minCoeff<Eigen::PropagateNumbers>(&leave_axis);
+  int enter_axis = 0, leave_axis = 0;
+  double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
+  for (int axis = 0; axis < 3; ++axis) {  // not a number, in the plane of a side: neither
+    const double first = std::min(low[axis], high[axis]), last = std::max(low[axis], high[axis]);
+    if (first > enter) {
+      enter = first;
+      enter_axis = axis;
+    }
+    if (last < leave) {
+      leave = last;
+      leave_axis = axis;
+    }
+  }
   if (!(enter <= leave)) return false;
   const bool outside = enter > nearest_allowed;
   const int axis = outside ? enter_axis : leave_axis;
@@ -126,18 +137,28 @@ Surface::Surface(const TagShape& tag, const Eigen::Isometry3d& map_from_tag)
       reach_(reach_of(tag)) {}
 
 bool Surface::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const {
-  const Eigen::Vector3d to_center = center() - origin;
-  const double ahead = to_center.dot(direction);
-  if ((to_center.squaredNorm() - 1.000001 * reach_ * reach_) * direction.squaredNorm() > ahead * ahead)
-    return false;  // the ray passes by the sphere around it
-  const LocalRay ray{surface_from_map_ * origin, surface_from_map_.linear() * direction, nearest.along};
-  LocalHit hit{0, 0, Eigen::Vector3d::Zero(), grey_};
-  if (!std::visit([&](const auto& geometry) { return clearway::meet(geometry, ray, hit); }, geometry_))
+  return SurfaceView(*this, origin).meet(direction, nearest);
+}
+
+SurfaceView::SurfaceView(const Surface& surface, const Eigen::Vector3d& origin)
+    : surface_(&surface),
+      to_center_(surface.center() - origin),
+      origin_in_surface_(surface.surface_from_map_ * origin),
+      surface_from_map_(surface.surface_from_map_.linear()),
+      outside_(to_center_.squaredNorm() - 1.000001 * surface.reach_ * surface.reach_) {}
+
+bool SurfaceView::meet(const Eigen::Vector3d& direction, Hit& nearest) const {
+  const double ahead = to_center_.dot(direction);
+  if (outside_ * direction.squaredNorm() > ahead * ahead) return false;  // past the sphere around it
+  const LocalRay ray{origin_in_surface_, surface_from_map_ * direction, nearest.along};
+  LocalHit hit{0, 0, Eigen::Vector3d::Zero(), surface_->grey_};
+  if (!std::visit([&](const auto& geometry) { return clearway::meet(geometry, ray, hit); },
+                  surface_->geometry_))
     return false;
   nearest.along = hit.along;
   nearest.part = hit.part;
   nearest.grey = hit.grey;
-  const Eigen::Vector3d normal = map_from_surface_.linear() * hit.normal;
+  const Eigen::Vector3d normal = surface_->map_from_surface_.linear() * hit.normal;
   nearest.normal = normal.dot(direction) > 0 ? Eigen::Vector3d(-normal) : normal;
   return true;
 }
@@ -147,6 +168,26 @@ CastResult cast_ray(std::span<const Surface* const> surfaces, const Eigen::Vecto
   CastResult result;
   for (size_t i = 0; i < surfaces.size(); ++i)
     if (surfaces[i]->meet(origin, direction, result.hit)) result.index = static_cast<int>(i);
+  return result;
+}
+
+std::vector<SurfaceView> views_from(const Eigen::Vector3d& origin, std::span<const Surface> surfaces) {
+  std::vector<SurfaceView> views;
+  for (const Surface& surface : surfaces) views.emplace_back(surface, origin);
+  return views;
+}
+
+CastResult cast_ray(std::span<const SurfaceView* const> surfaces, const Eigen::Vector3d& direction) {
+  CastResult result;
+  for (size_t i = 0; i < surfaces.size(); ++i)
+    if (surfaces[i]->meet(direction, result.hit)) result.index = static_cast<int>(i);
+  return result;
+}
+
+CastResult cast_ray(std::span<const SurfaceView> surfaces, const Eigen::Vector3d& direction) {
+  CastResult result;
+  for (size_t i = 0; i < surfaces.size(); ++i)
+    if (surfaces[i].meet(direction, result.hit)) result.index = static_cast<int>(i);
   return result;
 }
 

@@ -39,10 +39,28 @@ class Surface {
   double reach() const { return reach_; }
 
  private:
+  friend class SurfaceView;
   std::variant<BoxShape, CylinderShape, SphereShape, TagShape> geometry_;
   Eigen::Isometry3d map_from_surface_, surface_from_map_;
   double grey_, reach_;
 };
+
+/// A surface from one place: what all rays that begin there share is computed once. It refers to the surface.
+class SurfaceView {
+ public:
+  SurfaceView(const Surface& surface, const Eigen::Vector3d& origin);
+  /// As Surface::meet, of a ray from `origin`.
+  bool meet(const Eigen::Vector3d& direction, Hit& nearest) const;
+  const Surface& surface() const { return *surface_; }
+
+ private:
+  const Surface* surface_;
+  Eigen::Vector3d to_center_, origin_in_surface_;
+  Eigen::Matrix3d surface_from_map_;
+  double outside_;  ///< how much farther than its reach the surface's centre is, squared: below 0 within it
+};
+
+std::vector<SurfaceView> views_from(const Eigen::Vector3d& origin, std::span<const Surface> surfaces);
 
 /// The nearest of `surfaces` along the ray and its index, -1 for none.
 struct CastResult {
@@ -51,5 +69,8 @@ struct CastResult {
 };
 CastResult cast_ray(std::span<const Surface* const> surfaces, const Eigen::Vector3d& origin,
                     const Eigen::Vector3d& direction);
+/// The same of surfaces that are seen from one place.
+CastResult cast_ray(std::span<const SurfaceView* const> surfaces, const Eigen::Vector3d& direction);
+CastResult cast_ray(std::span<const SurfaceView> surfaces, const Eigen::Vector3d& direction);
 
 }  // namespace clearway

@@ -24,7 +24,8 @@ Eigen::Isometry3d tag_pose(double x, double y, double z, double tilt, double tur
 }
 
 Radiance draw(const std::vector<Surface>& still, const std::vector<Surface>& moving = {}) {
-  return ImageRenderer(camera, Eigen::Isometry3d::Identity(), still, 40).draw(moving);
+  return ImageRenderer(std::make_shared<const PixelRays>(camera), Eigen::Isometry3d::Identity(), still, 40)
+      .draw(moving);
 }
 
 double level(const Radiance& picture, const Eigen::Vector2d& at) {
@@ -101,7 +102,8 @@ TEST(ImageRenderer, BallsAreAsLargeAsTheirOutlineSays) {
   const CameraIntrinsics pinhole{320, 240, 400, 400, 160, 120, {}};
   const Eigen::Vector3d center(0.02, -0.01, 0.6);
   const double radius = 0.05;
-  const ImageRenderer renderer(pinhole, Eigen::Isometry3d::Identity(), {}, 0);
+  const ImageRenderer renderer(std::make_shared<const PixelRays>(pinhole), Eigen::Isometry3d::Identity(), {},
+                               0);
   const SceneShape ball{"ball", SphereShape{radius}, Eigen::Isometry3d(Eigen::Translation3d(center)), 200};
   const Radiance picture = renderer.draw(std::vector<Surface>{Surface(ball)});
   // Solid angle of the ball against that of the pixels it lights (dark ones are background).
