@@ -105,6 +105,7 @@ std::optional<BodyPose> Probe::pose_of(const TagBody& body, const std::vector<Ta
 PaintingSample Probe::refuse_image(const std::string& reason, double time) {
   PaintingSample sample;
   sample.time = time;
+  measured_before_ = false;
   return finish(std::move(sample), {Refusal::image_refused, reason});
 }
 
@@ -180,15 +181,16 @@ Probe::Verdict Probe::judge_center(const PaintingSample& sample) const {
   return {};
 }
 
-// Three tags of a body contradict one that is found in the wrong place; for fewer, images before must do it.
+// Two tags of a body contradict each other when one is found in the wrong place. For a single one, the image
+// before must do it.
 Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
-  constexpr std::size_t judges = 3;
-  if (std::min(sample.base->tags.size(), sample.probe->tags.size()) >= judges) return {};
-  if (!last_measured_ && acceptance_.max_pause < std::numeric_limits<double>::infinity())
-    return {Refusal::unconfirmed, "no image before this one measured the ball"};
-  if (last_measured_ && sample.time - last_measured_->time > acceptance_.max_pause)
-    return {Refusal::unconfirmed, sentence("the ball was last measured ", sample.time - last_measured_->time,
-                                           " s before, at most ", acceptance_.max_pause)};
+  if (std::min(sample.base->tags.size(), sample.probe->tags.size()) > 1 || std::isinf(acceptance_.max_pause))
+    return {};
+  if (!measured_before_)
+    return {Refusal::unconfirmed, "by one tag alone, and the image before did not measure the ball"};
+  if (const double pause = sample.time - last_measured_->time; pause > acceptance_.max_pause)
+    return {Refusal::unconfirmed, sentence("by one tag alone, and the image before is ", pause,
+                                           " s older, at most ", acceptance_.max_pause)};
   return {};
 }
 
@@ -213,8 +215,9 @@ Probe::Verdict Probe::judge_speed(PaintingSample& sample) const {
 
 void Probe::remember(const PaintingSample& sample, Refusal refusal) {
   const Place place{sample.time, sample.sphere.center, sample.base_from_probe.pose.linear()};
-  if (refusal == Refusal::none || refusal == Refusal::unconfirmed || refusal == Refusal::too_fast)
-    last_measured_ = place;
+  measured_before_ =
+      refusal == Refusal::none || refusal == Refusal::unconfirmed || refusal == Refusal::too_fast;
+  if (measured_before_) last_measured_ = place;
   if (refusal == Refusal::none) last_accepted_ = place;
 }
 

@@ -29,7 +29,7 @@ enum class Refusal {
   ambiguous_pose,      ///< another pose explains the corners nearly as well
   base_moved,          ///< fixed camera only: the base board is not where it was
   uncertain_center,    ///< the ball's centre may be off by more than Chong 2008, eq. 3, can pay
-  unconfirmed,         ///< poses by few tags, and no image shortly before that measured the ball too
+  unconfirmed,         ///< base or probe by one tag alone, and the image before did not measure the ball
   too_fast             ///< the ball moved or the probe turned too fast: blur, or a jump
 };
 constexpr int kRefusals = 12;
@@ -47,9 +47,9 @@ struct AcceptanceOptions {
   double min_separation = 36.0;  ///< see BodyPose::separation; 36 leaves room for 1.4 times the noise stated
   double max_speed = 0.5;        ///< of the ball's centre, metres per second
   double max_turn_speed = 6.0;   ///< of the probe, radians per second: a flipped pose turns at once
-  /// Seconds. Where base or probe show fewer than three tags, a tag that is found in the wrong place is only
-  /// told by the jump from one image to the next: an image without another that measured the ball so shortly
-  /// before it is not accepted, but confirms the next. Infinity accepts every image on its own.
+  /// Seconds. Where base or probe show one tag only, that it is found in the wrong place is told by nothing
+  /// but the jump from one image to the next: an image is not accepted when the one before it did not measure
+  /// the ball, or was taken longer ago than this, but confirms the next. Infinity: each image stands alone.
   double max_pause = 1.0;
   /// The corners' noise is taken from the residuals of earlier images where these are below the noise that
   /// is stated, but never below this, pixels. A value of the stated noise or more switches it off.
@@ -132,6 +132,7 @@ class Probe {
   StaticBoard board_;
   Record base_record_, probe_record_;
   std::optional<double> last_time_;
+  bool measured_before_ = false;        // the image before this one measured the ball
   std::optional<Place> last_measured_;  // all rules held but perhaps the speed
   std::optional<Place> last_accepted_;
   std::array<std::int64_t, kRefusals> counts_{};
