@@ -16,22 +16,23 @@ struct LocalHit {
 };
 
 struct LocalRay {
-  Eigen::Vector3d origin, direction;
-  double limit;  ///< meetings must come before it
+  const Eigen::Vector3d& origin;
+  Eigen::Vector3d direction;
+  const Eigen::Vector3d &low, &high;  ///< sides of a box, from the origin
+  double limit;                       ///< meetings must come before it
 };
 
 constexpr double nearest_allowed = 1e-9;
 constexpr double tag_white = 235, tag_black = 25, tag_back = 120;
 
 /// Slabs; from inside, the far side is met.
-bool meet(const BoxShape& box, const LocalRay& ray, LocalHit& hit) {
-  const Eigen::Array3d half = box.size.array() / 2, inverse = ray.direction.array().inverse();
-  const Eigen::Array3d low = (-half - ray.origin.array()) * inverse;
-  const Eigen::Array3d high = (half - ray.origin.array()) * inverse;
+bool meet(const BoxShape&, const LocalRay& ray, LocalHit& hit) {
   int enter_axis = 0, leave_axis = 0;
   double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
   for (int axis = 0; axis < 3; ++axis) {  // not a number, in the plane of a side: neither
-    const double first = std::min(low[axis], high[axis]), last = std::max(low[axis], high[axis]);
+    const double inverse = 1.0 / ray.direction[axis], a = ray.low[axis] * inverse,
+                 b = ray.high[axis] * inverse;
+    const double first = std::min(a, b), last = std::max(a, b);
     if (first > enter) {
       enter = first;
       enter_axis = axis;
@@ -110,6 +111,12 @@ bool meet(const TagShape& tag, const LocalRay& ray, LocalHit& hit) {
   return true;
 }
 
+/// Written out: Eigen's product of small matrices is a call here, in the innermost of loops.
+template <class Turn>
+Eigen::Vector3d turned(const Turn& turn, const Eigen::Vector3d& v) {
+  return turn.col(0) * v.x() + turn.col(1) * v.y() + turn.col(2) * v.z();
+}
+
 double reach_of(const BoxShape& box) { return box.size.norm() / 2; }
 double reach_of(const CylinderShape& cylinder) { return std::hypot(cylinder.radius, cylinder.length / 2); }
 double reach_of(const SphereShape& sphere) { return sphere.radius; }
@@ -145,12 +152,17 @@ SurfaceView::SurfaceView(const Surface& surface, const Eigen::Vector3d& origin)
       to_center_(surface.center() - origin),
       origin_in_surface_(surface.surface_from_map_ * origin),
       surface_from_map_(surface.surface_from_map_.linear()),
-      outside_(to_center_.squaredNorm() - 1.000001 * surface.reach_ * surface.reach_) {}
+      outside_(to_center_.squaredNorm() - 1.000001 * surface.reach_ * surface.reach_) {
+  if (const auto* box = std::get_if<BoxShape>(&surface.geometry_)) {
+    low_ = -0.5 * box->size - origin_in_surface_;
+    high_ = 0.5 * box->size - origin_in_surface_;
+  }
+}
 
 bool SurfaceView::meet(const Eigen::Vector3d& direction, Hit& nearest) const {
   const double ahead = to_center_.dot(direction);
   if (outside_ * direction.squaredNorm() > ahead * ahead) return false;  // past the sphere around it
-  const LocalRay ray{origin_in_surface_, surface_from_map_ * direction, nearest.along};
+  const LocalRay ray{origin_in_surface_, turned(surface_from_map_, direction), low_, high_, nearest.along};
   LocalHit hit{0, 0, Eigen::Vector3d::Zero(), surface_->grey_};
   if (!std::visit([&](const auto& geometry) { return clearway::meet(geometry, ray, hit); },
                   surface_->geometry_))
@@ -158,7 +170,7 @@ bool SurfaceView::meet(const Eigen::Vector3d& direction, Hit& nearest) const {
   nearest.along = hit.along;
   nearest.part = hit.part;
   nearest.grey = hit.grey;
-  const Eigen::Vector3d normal = surface_->map_from_surface_.linear() * hit.normal;
+  const Eigen::Vector3d normal = turned(surface_from_map_.transpose(), hit.normal);
   nearest.normal = normal.dot(direction) > 0 ? Eigen::Vector3d(-normal) : normal;
   return true;
 }

@@ -57,6 +57,8 @@ class SurfaceView {
   const Surface* surface_;
   Eigen::Vector3d to_center_, origin_in_surface_;
   Eigen::Matrix3d surface_from_map_;
+  Eigen::Vector3d low_ = Eigen::Vector3d::Zero(),
+                  high_ = low_;  ///< sides of a box from the origin, in its frame
   double outside_;  ///< how much farther than its reach the surface's centre is, squared: below 0 within it
 };
 
