@@ -2,22 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
-#include "mapping/files/map_digest.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/check/check_legs.hpp"
-#include "planning/check/check_pick.hpp"
-#include "planning/plan_and_check.hpp"
-#include "planning/plan_pick.hpp"
-#include "planning/planned_motion.hpp"
-#include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {
@@ -26,74 +16,7 @@ constexpr std::array<std::string_view, 10> state_names = {"ready",     "painting
                                                           "selecting", "planning", "planned", "playing",
                                                           "approved",  "ended"};
 
-/// The robot of a plan's leg, with what it carries there, among what is free on the plan's map.
-ConfigurationSpace space_of_leg(const TaughtPlan& taught, int leg) {
-  const ConfigurationSpace& bare = *taught.space;
-  const Policies policies{.parts = bare.policies(), .other = Policy::not_occupied};
-  return {robot_of_leg(bare.robot(), taught.plan.loads, leg), bare.map(), policies, bare.options()};
-}
-
-/// What is drawn of a leg: its tip's way, some points of it, with the clearance there.
-void add_tip_path(const ConfigurationSpace& space, const std::vector<TrajectoryPoint>& points,
-                  std::size_t most, TaughtPlan& taught) {
-  const std::size_t last = points.size() - 1, pieces = std::min(last, most);
-  for (std::size_t i = 0; i <= pieces; ++i) {
-    const Configuration& q = points[pieces == 0 ? 0 : i * last / pieces].position;
-    taught.tip_path.push_back(tip_pose(space.robot(), q).translation());
-    taught.tip_clearance.push_back(space.clearance(q));
-  }
-}
-
-/// The query's answer, with what is drawn of it.
-TaughtPlan answered(TaughtPlan taught, PlanQuery query, const std::optional<Pick>& pick) {
-  constexpr std::size_t shown = 160;
-  const ConfigurationSpace& space = *taught.space;
-  query.map_digest = taught.map_digest = map_sha256(space.map());
-  taught.plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
-  if (!taught.plan.is_proved()) return taught;
-  give_motion(space, taught.plan);
-  if (taught.plan.loads.empty()) {
-    add_tip_path(space, trajectory_of(space.robot(), taught.plan).points, shown, taught);
-    return taught;
-  }
-  const std::vector<PlanResult>& legs = taught.plan.legs;
-  for (std::size_t leg = 0; leg < legs.size(); ++leg)
-    add_tip_path(space_of_leg(taught, static_cast<int>(leg)),
-                 time_parameterize(space.robot(), legs[leg].waypoints).points,
-                 std::max<std::size_t>(1, shown / legs.size()), taught);
-  return taught;
-}
-
-/// "; carries can on hand, leg 2", for what was planned.
-std::string carried(const Plan& plan) {
-  std::string text;
-  for (const LegLoad& load : plan.loads) text += "; carries " + describe_load(load);
-  return text;
-}
-
-/// "; no smooth motion: …" for a proved plan that has none.
-std::string without_motion(const Plan& plan) {
-  return plan.motion_caveat.empty() ? "" : "; no smooth motion: " + plan.motion_caveat;
-}
-
 }  // namespace
-
-PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
-  const Plan& plan = taught.plan;
-  const Robot& robot = taught.space->robot();
-  if (plan.pick)
-    return check_pick(pick_of(plan, *plan.pick, robot, map), plan.policies, plan.padding, plan.seen_within);
-  PathVerdict verdict =
-      check_legs(legs_of(plan, robot, map), plan.policies, plan.padding, 0.0, plan.seen_within);
-  if (!verdict.valid || !plan.motion) return verdict;
-  const MotionVerdict motion =
-      check_motion(robot, map, plan.policies, plan.padding, plan.motion->motion, plan.motion->leg_ends,
-                   plan.stops(), rate_limits(robot, plan.motion->scales), plan.seen_within);
-  verdict.valid = motion.valid;
-  verdict.undecided = motion.undecided;
-  verdict.first_contact = motion.fault;
-  return verdict;
-}
 
 std::string_view to_string(TeachState state) { return state_names.at(static_cast<std::size_t>(state)); }
 
@@ -347,18 +270,6 @@ void TeachSession::forget_places() {
   forget_plan();
 }
 
-void TeachSession::forget_plan() {
-  choice_.plan.reset();
-  choice_.failed.reset();
-  choice_.is_approved = false;
-  choice_.outdated.clear();
-}
-
-const TaughtPlan* TeachSession::last_plan() const {
-  if (choice_.plan) return &plans_[*choice_.plan];
-  return choice_.failed ? &plans_[*choice_.failed] : nullptr;
-}
-
 void TeachSession::remember(const std::string& what, std::optional<int> stroke) {
   constexpr std::size_t most_undos = 1000;
   if (undos_.size() == most_undos) undos_.pop_front();
@@ -451,122 +362,6 @@ void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
   forget_plan();
   for (const double value : place.q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
   if (!place.held.empty()) remark += "; with " + names_of(place.held);
-}
-
-void TeachSession::play(std::string& remark) {
-  if (!choice_.plan) refuse("there is no plan; 'plan' makes one");
-  const TaughtPlan& taught = plans_[*choice_.plan];
-  const Robot& robot = taught.space->robot();
-  const auto add = [&](const Trajectory& motion) {
-    const double begin = motion_.empty() ? 0.0 : motion_.back().time;
-    for (const TrajectoryPoint& point : motion.points)
-      motion_.push_back({begin + point.time, point.position, carried_.size() - 1});
-  };
-  motion_.clear();
-  carried_.clear();
-  const std::size_t legs = taught.plan.loads.empty() ? 0 : taught.plan.legs.size();
-  for (std::size_t leg = 0; leg < legs; ++leg) {
-    carried_.push_back(robot_of_leg(robot, taught.plan.loads, static_cast<int>(leg)).loads);
-    add(time_parameterize(robot, taught.plan.legs[leg].waypoints));
-  }
-  if (legs == 0) {
-    carried_.emplace_back();
-    add(trajectory_of(robot, taught.plan));
-  }
-  play_begin_ = now_;
-  play_seconds_ = motion_.back().time;
-  remark = "it lasts " + short_text(play_seconds_, 3) + " s";
-  doing_ = Doing::playing;
-}
-
-bool TeachSession::is_taken(const std::string& name) const {
-  return saved_.contains(name) ||
-         std::any_of(plans_.begin(), plans_.end(), [&](const TaughtPlan& plan) { return plan.name == name; });
-}
-
-void TeachSession::begin_plan(const TeachEvent& event) {
-  require_robot();
-  if (!choice_.start) refuse("no start is chosen; 'start' chooses one");
-  if (choice_.pick && !choice_.place)
-    refuse("no place is chosen; 'place' says where " + quote(choice_.pick->object.name) + " goes");
-  if (!choice_.pick && !choice_.goal) refuse("no goal is chosen; 'goal' chooses one");
-  if (choice_.pick) require_own_voxels(*choice_.pick, present_map());  // others may be marked since
-  for (const Load& load : choice_.held)
-    if (choice_.goal && !holds(choice_.goal->held, load.name))
-      refuse(quote(load.name) + " was attached after the goal was chosen; 'goal' chooses it anew");
-  TaughtPlan plan;
-  plan.name = event.name;
-  for (std::size_t number = plans_.size() + 1; event.name.empty(); ++number) {
-    plan.name = "plan_" + std::to_string(number);
-    if (!is_taken(plan.name)) break;
-  }
-  if (is_taken(plan.name))
-    refuse("there is a plan or a map " + quote(plan.name) + " already, expected another name");
-  plan.start = choice_.start->q;
-  for (const TaughtPlace& goal : goals()) plan.goals.push_back(goal.q);
-  plan.robot = robot_->choice();
-  plan.space = robot_->space(present_map(), map_version());
-  PlanQuery query{.space = *plan.space,
-                  .start = plan.start,
-                  .goals = plan.goals,
-                  .planner = make_planner(event.planner, event.options),
-                  .seed = options_.seed,
-                  .time_limit = options_.time_limit,
-                  .loads = loads_of_legs(goals()),
-                  .robot_name = plan.robot.robot,
-                  .map_file = "map.ot",
-                  .name = plan.name};
-  if (setup_->robot) {
-    query.payload = setup_->robot->payload;
-    query.gravity = setup_->robot->gravity;
-  }
-  Job job;
-  job.result = std::async(std::launch::async, [plan, query, pick = choice_.pick]() mutable {
-    return answered(std::move(plan), query, pick);
-  });
-  remember("plan");
-  forget_plan();
-  job_ = std::move(job);
-  doing_ = Doing::planning;
-}
-
-void TeachSession::take_plan(bool wait) {
-  if (!job_) return;
-  if (!wait && job_->result.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-  Job job = std::move(*job_);
-  job_.reset();
-  doing_ = Doing::nothing;
-  const auto asked = std::find_if(told_.rbegin(), told_.rend(), [](const TaughtEvent& told) {
-    return told.event.action == TeachAction::plan;
-  });
-  try {
-    plans_.push_back(job.result.get());
-    const Plan& plan = plans_.back().plan;
-    asked->remark = plan.is_proved()
-                        ? "solved and proved by " + plan.planner + carried(plan) + without_motion(plan)
-                    : plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
-                                                          : plan.explanation();
-    (plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;
-  } catch (const std::invalid_argument& error) {
-    asked->refusal = std::string("plan: ") + error.what();
-  }
-  asked->state = state();
-  if (options_.tell) options_.tell(*asked);
-}
-
-void TeachSession::approve(std::string& remark) {
-  if (!choice_.plan)
-    refuse(choice_.outdated.empty() ? "there is no plan that is proved; 'plan' makes one"
-                                    : choice_.outdated + " since it was planned; plan again");
-  TaughtPlan& plan = plans_[*choice_.plan];
-  if (map_sha256(present_map()) != plan.map_digest) {
-    const PathVerdict verdict = check_taught(plan, present_map());
-    if (!verdict.valid)
-      refuse("the map has changed since it was planned: " + verdict.first_contact + "; plan again");
-    remark = "the map has changed since it was planned; checked on the present one: valid";
-  }
-  remember("approval");
-  plan.is_approved = choice_.is_approved = true;
 }
 
 void TeachSession::undo(std::string& remark) {
