@@ -13,6 +13,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_pieces.hpp"
@@ -96,6 +97,24 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
     run.steps += static_cast<std::size_t>(leg.search_steps);
   }
   return run;
+}
+
+/// "&cut=z:0.5,-x:0.1"; empty for no values.
+std::string asked_for(const std::string& key, const std::vector<std::string>& values) {
+  std::string text;
+  for (const std::string& value : values) text += (text.empty() ? "&" + key + "=" : ",") + value;
+  return text;
+}
+
+/// What the page's address would ask for (apps/viewer/README.md).
+std::string address_of(const SuiteView& view) {
+  std::vector<std::string> planes, eye;
+  for (const auto& [plane, at] : view.cut) planes.push_back(plane + ":" + to_text(at));
+  for (const double angle : view.eye_deg) eye.push_back(to_text(angle));
+  if (!eye.empty()) eye.push_back(to_text(view.zoom));
+  const std::string all =
+      asked_for("cut", planes) + asked_for("view", eye) + asked_for("layers", view.layers);
+  return all.substr(all.empty() ? 0 : 1);
 }
 
 /// A stage with the space that all its problems share.
@@ -276,6 +295,8 @@ class RobotServer : public ProblemServer {
   std::string page_of_problem(const OpenStage& open, const StageProblem& problem,
                               const std::map<std::size_t, std::string>& plans) const {
     ReportPage page = page_of_map(MapLeaves(open.stage.map), experiment_.setup.title + ": " + problem.name);
+    page.subtitle = problem.view.caption;
+    page.opens = address_of(problem.view);
     look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
     show_robot(page, experiment_.robot, problem.start);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {

@@ -106,6 +106,7 @@ const Generator& generator_of(const Suite& suite, const SuiteExperiment& experim
 StageProblem stage_problem(const SuiteProblem& problem) {
   StageProblem ready{problem.name, configuration(problem.start), {}};
   for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
+  ready.view = problem.view;
   return ready;
 }
 

@@ -15,6 +15,7 @@ struct StageProblem {
   std::string name;
   Configuration start;
   std::vector<Configuration> goals;
+  SuiteView view = {};
 };
 
 /// A map of a suite and the problems in it.

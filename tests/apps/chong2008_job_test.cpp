@@ -17,6 +17,12 @@ namespace chong2008_job_test {
 
 constexpr double step = 0.5 * 3.14159265358979323846 / 180.0;
 
+const Suite& all_figures() {
+  static const Suite suite =
+      load_suite(std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets/suites/chong2008.yaml");
+  return suite;
+}
+
 /// An experiment of the suite, ready to be searched.
 class Experiment {
  public:
@@ -25,9 +31,9 @@ class Experiment {
     choice.robot = experiment_.robot;
     choice.scale = experiment_.scale;
     robot_ = choose_robot(choice);
-    stage_ = SuiteStages(suite(), experiment_, robot_).make(0);
+    stage_ = SuiteStages(all_figures(), experiment_, robot_).make(0);
     space_ = std::make_unique<ConfigurationSpace>(robot_, stage_.map,
-                                                  suite_policies(suite(), experiment_, robot_));
+                                                  suite_policies(all_figures(), experiment_, robot_));
   }
 
   const ConfigurationSpace& space() const { return *space_; }
@@ -60,13 +66,8 @@ class Experiment {
   }
 
  private:
-  static const Suite& suite() {
-    static const Suite suite =
-        load_suite(std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets/suites/chong2008.yaml");
-    return suite;
-  }
   static const SuiteExperiment& find(const std::string& name) {
-    for (const SuiteExperiment& experiment : suite().experiments)
+    for (const SuiteExperiment& experiment : all_figures().experiments)
       if (experiment.name == name) return experiment;
     throw std::logic_error("no experiment " + name);
   }
@@ -162,6 +163,17 @@ TEST(Chong2008, Figs18And19TheSameTaskPassesLegByLegAtBothSizes) {
       EXPECT_EQ(leg.status, PlanStatus::solved) << name;
       EXPECT_TRUE(experiment.is_valid(leg)) << name;
     }
+  }
+}
+
+TEST(Chong2008, EachFigureHasAnAnimationThatSaysWhatIsToBeSeen) {
+  for (const SuiteExperiment& experiment : all_figures().experiments) {
+    EXPECT_NE(std::find(experiment.plots.begin(), experiment.plots.end(), "animation"),
+              experiment.plots.end())
+        << experiment.name;
+    EXPECT_EQ(experiment.title.rfind("Fig", 0), 0U) << experiment.title;
+    for (const SuiteProblem& problem : experiment.problems)
+      EXPECT_FALSE(problem.view.caption.empty()) << experiment.name << ": " << problem.name;
   }
 }
 
