@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "apps/suites/suite_furniture.hpp"
+#include "apps/suites/suite_holes.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "apps/suites/suite_shelves.hpp"
 #include "apps/suites/suite_tunnels.hpp"
@@ -58,6 +59,12 @@ SuiteStage tunnel_stage(const SuiteGenerator& generator, std::size_t index, cons
       tunnel.world.name, tunnel.map, "", "", {{tunnel.world.name, tunnel.way.front(), {tunnel.way.back()}}}};
 }
 
+SuiteStage hole_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                      const Policies& policies, double padding) {
+  const Hole hole = draw_hole(generator, index, robot, policies, padding);
+  return {hole.world.name, hole.map, "", "", {{hole.world.name, hole.start, {hole.goal}}}};
+}
+
 SuiteStage shelf_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                        const Policies& policies, double padding) {
   Shelf shelf = draw_shelf(generator, index, robot, policies, padding);
@@ -79,6 +86,8 @@ SuiteStage furniture_stage(const SuiteGenerator& generator, std::size_t index, c
 /// All kinds.
 constexpr Generator generators[] = {
     {"tunnels", 1, tunnel_stage},
+    {"holes", 1, hole_stage},
+    {"large_holes", 1, hole_stage},
     {"shelves", problems_of_a_shelf, shelf_stage},
     {"shelf", problems_of_a_scene, reaching_stage},
     {"table", problems_of_a_scene, reaching_stage},

@@ -154,6 +154,32 @@ TEST(Chong2008, Fig18AWindingTaskFailsInOneQuery) {
   EXPECT_EQ(experiment.plan(10, 0).at(0).status, PlanStatus::no_path);
 }
 
+/// Four volumes of the family of Fig. 17: two stall the greedy search, one of these k = 10 as well.
+TEST(Chong2008, Fig17OfVolumesWithALargeHoleAWiderBeamPassesMoreButNotAll) {
+  const Suite family =
+      load_suite(std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets/suites/chong2008_holes.yaml");
+  const SuiteExperiment& experiment = family.experiments.at(1);
+  EXPECT_GE(experiment.generate->count, 30);
+  const Robot robot = load_robot(experiment.robot);
+  const SuiteStages stages(family, experiment, robot);
+  const PathCost cost(robot);
+  std::map<int, std::size_t> passed;
+  for (std::size_t i = 8; i < 12; ++i) {
+    const SuiteStage stage = stages.make(i);
+    const ConfigurationSpace space(robot, stage.map, suite_policies(family, experiment, robot));
+    const StageProblem& problem = stage.problems.at(0);
+    for (const int width : {1, 10}) {
+      const auto beam = make_planner("beam", {{"width", std::to_string(width)}});
+      const PlanResult leg = beam->plan({space, cost, problem.start, problem.goals[0]});
+      if (leg.status != PlanStatus::solved) continue;
+      ++passed[width];
+      EXPECT_TRUE(check_path(robot, stage.map, space.policies(), 0.0, leg.waypoints, 0.05).valid) << i;
+    }
+  }
+  EXPECT_EQ(passed[1], 2U);
+  EXPECT_EQ(passed[10], 3U);
+}
+
 TEST(Chong2008, Figs18And19TheSameTaskPassesLegByLegAtBothSizes) {
   for (const char* name : {"fig18_miniature", "fig19_full_size"}) {
     const Experiment experiment(name);

@@ -125,10 +125,10 @@ TEST(SuiteStages, AnUnknownGeneratorIsRefused) {
     SuiteStages(suite, suite.experiments[0], robot);
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "suite 's', experiment 'drawn', field 'generate': expected one of the kinds tunnels, shelves, "
-        "shelf, table, ladder, cage, boxes, cells, got 'mazes'");
+    EXPECT_STREQ(error.what(),
+                 "suite 's', experiment 'drawn', field 'generate': expected one of the kinds tunnels, holes, "
+                 "large_holes, shelves, "
+                 "shelf, table, ladder, cage, boxes, cells, got 'mazes'");
   }
 }
 
