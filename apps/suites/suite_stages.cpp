@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "apps/query/loads.hpp"
 #include "apps/suites/suite_furniture.hpp"
 #include "apps/suites/suite_holes.hpp"
 #include "apps/suites/suite_reaching.hpp"
@@ -115,6 +116,7 @@ const Generator& generator_of(const Suite& suite, const SuiteExperiment& experim
 StageProblem stage_problem(const SuiteProblem& problem) {
   StageProblem ready{problem.name, configuration(problem.start), {}};
   for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
+  for (const LoadSetup& load : problem.loads) ready.loads.push_back(leg_load(load));
   ready.view = problem.view;
   return ready;
 }
@@ -140,6 +142,16 @@ void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const 
     check(problem, problem.start, "start");
     for (std::size_t i = 0; i < problem.goals.size(); ++i)
       check(problem, problem.goals[i], "goals[" + std::to_string(i) + "]");
+  }
+}
+
+void require_loads(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
+  for (const SuiteProblem& problem : experiment.problems) {
+    try {
+      with_all_loads(robot, stage_problem(problem).loads);
+    } catch (const std::invalid_argument& error) {
+      refuse(suite, experiment, "problem '" + problem.name + "', field 'loads': " + error.what());
+    }
   }
 }
 
@@ -179,6 +191,7 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
       if (is_cloud_file(world.map)) load_map(world.map);
     }
     require_sizes(suite, experiment, robot);
+    require_loads(suite, experiment, robot);
   }
 }
 

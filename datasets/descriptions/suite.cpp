@@ -100,6 +100,20 @@ SuiteView read_view(const YamlFields& fields) {
   return view;
 }
 
+/// Of a problem with its legs known.
+std::vector<LoadSetup> read_leg_loads(const YamlFields& fields, const std::filesystem::path& folder,
+                                      std::size_t legs) {
+  std::vector<LoadSetup> loads;
+  for (const auto& entry : fields.list_of_maps("loads")) {
+    loads.push_back(read_load(entry, folder));
+    for (const int leg : loads.back().legs)
+      if (leg > static_cast<int>(legs))
+        entry.fail("legs", "expected legs from 1 to " + std::to_string(legs) + ", one for each goal, got " +
+                               std::to_string(leg));
+  }
+  return loads;
+}
+
 /// A list, or the name of a file beside the suite that holds one under `problems`.
 std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& suite,
                                         const std::filesystem::path& folder, const std::string& usual_world) {
@@ -122,6 +136,7 @@ std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& su
       entry.fail("world", "expected one here, or one for the whole experiment");
     }
     read_legs(entry, problem.start, problem.goals);
+    problem.loads = read_leg_loads(entry, folder, problem.goals.size());
     if (entry.has("view")) problem.view = read_view(entry.map("view"));
     entry.finish();
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/descriptions/load_setup.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/suite_team.hpp"
 
@@ -53,6 +54,7 @@ struct SuiteProblem {
   std::vector<double> start;               ///< rad and m
   std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
   std::string world{};                     ///< empty: the experiment's
+  std::vector<LoadSetup> loads{};          ///< that ride on the robot, on some legs or all
   SuiteView view{};
 };
 
