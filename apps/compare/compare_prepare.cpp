@@ -30,7 +30,8 @@ auto told(const Suite& suite, const SuiteExperiment& experiment, const std::stri
 }
 
 /// Plots of the page beyond those that every experiment has.
-const std::vector<std::string> plot_names = {"profiles", "cost_against_width", "animation"};
+const std::vector<std::string> plot_names = {"profiles", "cost_against_width", "share_against_width",
+                                             "animation"};
 
 /// Everything that plans promises certified paths, but for those who say that they look here and there.
 bool promises_certified_paths(const std::string& planner, const PlannerOptions& in_force) {

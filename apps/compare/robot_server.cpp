@@ -7,12 +7,14 @@
 
 #include "apps/console/stopwatch.hpp"
 #include "apps/pages/map_page.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/results/compare_columns.hpp"
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_record.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_pieces.hpp"
@@ -69,8 +71,21 @@ double given_prismatic_scale(const Plan& plan) {
   return scale;
 }
 
-/// @param cost what the planner reckoned with
-CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathCost& cost) {
+/// J of the legs solved, each with the loads that rode on it.
+double cost_of(const Plan& plan, const PlanQuery& query) {
+  const Eigen::VectorXd weights = joint_weights(query.space, given_prismatic_scale(plan));
+  if (plan.loads.empty()) return sampled_cost(path_cost(query), plan.waypoints(), weights, cost_step);
+  double joules = 0.0;
+  for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
+    if (plan.legs[leg].status != PlanStatus::solved) continue;
+    const Robot loaded = robot_of_leg(query.space.robot(), plan.loads, static_cast<int>(leg));
+    joules += sampled_cost(path_cost(query, loaded), plan.legs[leg].waypoints, weights, cost_step);
+  }
+  return joules;
+}
+
+CompareRun run_of(const Plan& plan, const PlanQuery& query) {
+  const ConfigurationSpace& space = query.space;
   CompareRun run;
   run.seed = plan.seed;
   run.status = plan.status();
@@ -78,8 +93,7 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
   run.check = verdict_of(plan);
   run.contact = plan.validation.first_contact;
   run.length = joint_space_length(plan.waypoints());
-  run.cost =
-      sampled_cost(cost, plan.waypoints(), joint_weights(space, given_prismatic_scale(plan)), cost_step);
+  run.cost = cost_of(plan, query);
   run.waypoints = plan.waypoints().size();
   run.min_clearance = plan.validation.min_clearance;
   run.time = plan.time_s;
@@ -96,6 +110,24 @@ CompareRun run_of(const Plan& plan, const ConfigurationSpace& space, const PathC
     run.steps += static_cast<std::size_t>(leg.search_steps);
   }
   return run;
+}
+
+/// "&cut=z:0.5,-x:0.1"; empty for no values.
+std::string asked_for(const std::string& key, const std::vector<std::string>& values) {
+  std::string text;
+  for (const std::string& value : values) text += (text.empty() ? "&" + key + "=" : ",") + value;
+  return text;
+}
+
+/// What the page's address would ask for (apps/viewer/README.md).
+std::string address_of(const SuiteView& view) {
+  std::vector<std::string> planes, eye;
+  for (const auto& [plane, at] : view.cut) planes.push_back(plane + ":" + to_text(at));
+  for (const double angle : view.eye_deg) eye.push_back(to_text(angle));
+  if (!eye.empty()) eye.push_back(to_text(view.zoom));
+  const std::string all =
+      asked_for("cut", planes) + asked_for("view", eye) + asked_for("layers", view.layers);
+  return all.substr(all.empty() ? 0 : 1);
 }
 
 /// A stage with the space that all its problems share.
@@ -185,6 +217,7 @@ class RobotServer : public ProblemServer {
             .planner = experiment_.makers[planner],
             .seed = choice_.seed + static_cast<std::uint64_t>(number - 1),
             .time_limit = experiment_.time_limit,
+            .loads = problem.loads,
             .payload = experiment_.setup.payload,
             .gravity = experiment_.setup.gravity,
             .survey = std::nullopt,  // suites judge planners, in scenes whose unknown is theirs
@@ -219,7 +252,7 @@ class RobotServer : public ProblemServer {
       if (!is_derived) derive(query, problem, planner, derive_cpu);
       told(problem, planner, [&] {
         const Plan plan = plan_and_check(query);
-        CompareRun run = run_of(plan, open.space, path_cost(query));
+        CompareRun run = run_of(plan, query);
         run.derive_cpu = derive_cpu;
         send(record_of(run).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
         send(to_json(plan));
@@ -276,8 +309,10 @@ class RobotServer : public ProblemServer {
   std::string page_of_problem(const OpenStage& open, const StageProblem& problem,
                               const std::map<std::size_t, std::string>& plans) const {
     ReportPage page = page_of_map(MapLeaves(open.stage.map), experiment_.setup.title + ": " + problem.name);
+    page.subtitle = problem.view.caption;
+    page.opens = address_of(problem.view);
     look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
-    show_robot(page, experiment_.robot, problem.start);
+    show_robot(page, with_all_loads(experiment_.robot, problem.loads), problem.start);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
       const fs::path file = choice_.out / plan_file(problem, i, 1);
       const auto planned = plans.find(i);

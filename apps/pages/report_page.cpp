@@ -321,6 +321,7 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
   return {{"title", page.title},
           {"subtitle", page.subtitle},
           {"figures", figures_json(page.figures)},
+          {"opens", page.opens},
           {"isoAzimuth", page.iso_azimuth_deg},
           {"resolution", page.resolution},
           {"origin", kOriginVoxel},

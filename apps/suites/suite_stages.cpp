@@ -5,7 +5,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "apps/query/loads.hpp"
 #include "apps/suites/suite_furniture.hpp"
+#include "apps/suites/suite_holes.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "apps/suites/suite_shelves.hpp"
 #include "apps/suites/suite_tunnels.hpp"
@@ -58,6 +60,12 @@ SuiteStage tunnel_stage(const SuiteGenerator& generator, std::size_t index, cons
       tunnel.world.name, tunnel.map, "", "", {{tunnel.world.name, tunnel.way.front(), {tunnel.way.back()}}}};
 }
 
+SuiteStage hole_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                      const Policies& policies, double padding) {
+  const Hole hole = draw_hole(generator, index, robot, policies, padding);
+  return {hole.world.name, hole.map, "", "", {{hole.world.name, hole.start, {hole.goal}}}};
+}
+
 SuiteStage shelf_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                        const Policies& policies, double padding) {
   Shelf shelf = draw_shelf(generator, index, robot, policies, padding);
@@ -79,6 +87,8 @@ SuiteStage furniture_stage(const SuiteGenerator& generator, std::size_t index, c
 /// All kinds.
 constexpr Generator generators[] = {
     {"tunnels", 1, tunnel_stage},
+    {"holes", 1, hole_stage},
+    {"large_holes", 1, hole_stage},
     {"shelves", problems_of_a_shelf, shelf_stage},
     {"shelf", problems_of_a_scene, reaching_stage},
     {"table", problems_of_a_scene, reaching_stage},
@@ -106,6 +116,8 @@ const Generator& generator_of(const Suite& suite, const SuiteExperiment& experim
 StageProblem stage_problem(const SuiteProblem& problem) {
   StageProblem ready{problem.name, configuration(problem.start), {}};
   for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
+  for (const LoadSetup& load : problem.loads) ready.loads.push_back(leg_load(load));
+  ready.view = problem.view;
   return ready;
 }
 
@@ -130,6 +142,16 @@ void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const 
     check(problem, problem.start, "start");
     for (std::size_t i = 0; i < problem.goals.size(); ++i)
       check(problem, problem.goals[i], "goals[" + std::to_string(i) + "]");
+  }
+}
+
+void require_loads(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
+  for (const SuiteProblem& problem : experiment.problems) {
+    try {
+      with_all_loads(robot, stage_problem(problem).loads);
+    } catch (const std::invalid_argument& error) {
+      refuse(suite, experiment, "problem '" + problem.name + "', field 'loads': " + error.what());
+    }
   }
 }
 
@@ -169,6 +191,7 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
       if (is_cloud_file(world.map)) load_map(world.map);
     }
     require_sizes(suite, experiment, robot);
+    require_loads(suite, experiment, robot);
   }
 }
 

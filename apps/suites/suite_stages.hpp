@@ -6,6 +6,7 @@
 #include "datasets/descriptions/suite.hpp"
 #include "mapping/snapshot.hpp"
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot/load.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
@@ -15,6 +16,8 @@ struct StageProblem {
   std::string name;
   Configuration start;
   std::vector<Configuration> goals;
+  std::vector<LegLoad> loads = {};
+  SuiteView view = {};
 };
 
 /// A map of a suite and the problems in it.
@@ -35,7 +38,8 @@ class SuiteStages {
  public:
   /// Keeps references to all three. @param robot scaled and placed as the experiment wants it
   /// @throws std::invalid_argument naming the suite, the experiment, the field and what was expected: a world
-  /// or generator that is not there, a number of joints that does not fit the robot, an unknown part.
+  /// or generator that is not there, a number of joints that does not fit the robot, an unknown part, a load
+  /// that the robot cannot carry.
   SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
   std::size_t size() const;

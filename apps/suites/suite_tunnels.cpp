@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <stdexcept>
 
 #include "apps/suites/suite_dice.hpp"
+#include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_world.hpp"
 
 namespace clearway {
@@ -16,58 +16,13 @@ namespace {
 constexpr int most_tunnel_draws = 2000;
 constexpr double widest_turn = 1.2;  ///< rad (or share of m), of a joint between two turns of a way
 
-/// The sphere about the robot's critical parts.
-class EndEffector {
- public:
-  explicit EndEffector(const Robot& robot) : robot_(robot) {
-    const std::set<std::string> critical(robot.critical_parts.begin(), robot.critical_parts.end());
-    for (const Body& body : robot.bodies) {
-      if (critical.empty() ? body.link == robot.tip_link : critical.count(body.part) > 0)
-        bodies_.push_back(&body);
-    }
-    if (bodies_.empty()) {
-      throw std::runtime_error("tunnels: robot '" + robot.name +
-                               "' has no critical part and no body at its tip");
-    }
-  }
-
-  Sphere sphere(const Configuration& q) const {
-    const LinkPoses poses = forward_kinematics(robot_, q);
-    Eigen::AlignedBox3d box;
-    for (const Body* body : bodies_) box.extend(center(*body, poses));
-    Sphere sphere{box.center(), 0.0};
-    for (const Body* body : bodies_) {
-      const double off = (center(*body, poses) - sphere.center).norm();
-      sphere.radius = std::max(sphere.radius, off + body->shape.bounding_radius());
-    }
-    return sphere;
-  }
-
- private:
-  static Eigen::Vector3d center(const Body& body, const LinkPoses& poses) {
-    return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape.translation();
-  }
-
-  const Robot& robot_;
-  std::vector<const Body*> bodies_;
-};
-
-/// A straight piece of a way, cut so that no joint moves by more than `step`.
-std::vector<Configuration> finely(const Configuration& from, const Configuration& to, double step) {
-  const Eigen::VectorXd dq = to - from;
-  const int pieces = std::max(1, static_cast<int>(std::ceil(dq.cwiseAbs().maxCoeff() / step)));
-  std::vector<Configuration> fine;
-  for (int k = 0; k <= pieces; ++k) fine.push_back(from + static_cast<double>(k) / pieces * dq);
-  return fine;
-}
-
 class TunnelDrawer {
  public:
   TunnelDrawer(const SuiteGenerator& generator, std::size_t index, const Robot& robot, double padding)
       : resolution_(generator.resolution),
         padding_(padding),
         robot_(robot),
-        hand_(robot),
+        hand_(robot, generator.kind),
         bare_(robot, Snapshot(), {.parts = {}, .critical_by_default = false}),
         dice_(generator.seed, index) {}
 
@@ -146,7 +101,7 @@ class TunnelDrawer {
 
   double resolution_, padding_;
   const Robot& robot_;
-  EndEffector hand_;
+  SuiteHand hand_;
   ConfigurationSpace bare_;
   SuiteDice dice_;
 };

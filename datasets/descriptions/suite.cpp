@@ -68,6 +68,52 @@ SuiteWorld read_world(const YamlFields& fields, const std::filesystem::path& fol
 
 void require_world(const YamlFields& fields, const Suite& suite, const std::string& name);
 
+const std::vector<std::string> page_layers = {"painted", "occupied", "conflict", "seen_free", "balls",
+                                              "robot",   "ghosts",   "tip",      "others",    "seen"};
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+SuiteView read_view(const YamlFields& fields) {
+  SuiteView view;
+  view.caption = fields.prose("caption", "");
+  if (fields.has("cut")) {
+    const YamlFields cut = fields.map("cut");
+    for (const std::string& plane : cut.keys()) {
+      const std::string axis = plane.substr(plane.starts_with('-') ? 1 : 0);
+      if (axis != "x" && axis != "y" && axis != "z")
+        cut.fail(plane, "expected planes of x, y or z, or -x, -y or -z to see the other side");
+      view.cut[plane] = cut.number(plane, within_reach);
+    }
+  }
+  if (fields.has("eye_deg")) view.eye_deg = fields.numbers("eye_deg", {-360, 360}, 2);
+  if (fields.has("zoom") && view.eye_deg.empty()) fields.fail("zoom", "expected 'eye_deg' beside it");
+  view.zoom = fields.number("zoom", {0.01, 100}, view.zoom);
+  view.layers = fields.texts("layers");
+  for (const std::string& layer : view.layers)
+    if (std::find(page_layers.begin(), page_layers.end(), layer) == page_layers.end())
+      fields.fail("layers", "expected any of " + list_of(page_layers) + ", got " + quote(layer));
+  fields.finish();
+  return view;
+}
+
+/// Of a problem with its legs known.
+std::vector<LoadSetup> read_leg_loads(const YamlFields& fields, const std::filesystem::path& folder,
+                                      std::size_t legs) {
+  std::vector<LoadSetup> loads;
+  for (const auto& entry : fields.list_of_maps("loads")) {
+    loads.push_back(read_load(entry, folder));
+    for (const int leg : loads.back().legs)
+      if (leg > static_cast<int>(legs))
+        entry.fail("legs", "expected legs from 1 to " + std::to_string(legs) + ", one for each goal, got " +
+                               std::to_string(leg));
+  }
+  return loads;
+}
+
 /// A list, or the name of a file beside the suite that holds one under `problems`.
 std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& suite,
                                         const std::filesystem::path& folder, const std::string& usual_world) {
@@ -90,6 +136,8 @@ std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& su
       entry.fail("world", "expected one here, or one for the whole experiment");
     }
     read_legs(entry, problem.start, problem.goals);
+    problem.loads = read_leg_loads(entry, folder, problem.goals.size());
+    if (entry.has("view")) problem.view = read_view(entry.map("view"));
     entry.finish();
   }
   if (problems.empty()) fields.fail("problems", "expected at least one problem");

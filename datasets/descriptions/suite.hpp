@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/descriptions/load_setup.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/suite_team.hpp"
 
@@ -39,11 +40,22 @@ struct SuiteWorld {
   std::vector<SuiteSphere> pockets;  ///< left out of all painted volumes: spheres meeting one are not painted
 };
 
+/// How the page that animates a problem opens, and what it says.
+struct SuiteView {
+  std::string caption;                ///< what is to be seen; may be empty
+  std::map<std::string, double> cut;  ///< planes: "x", "y", "z", or "-z" for the other side -> m, map frame
+  std::vector<double> eye_deg;        ///< azimuth (0 is from the front, -y), elevation; empty: the page's own
+  double zoom = 1.0;                  ///< with eye_deg
+  std::vector<std::string> layers;    ///< that are shown, as the page's address names them; empty: the usual
+};
+
 struct SuiteProblem {
   std::string name;
   std::vector<double> start;               ///< rad and m
   std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
   std::string world{};                     ///< empty: the experiment's
+  std::vector<LoadSetup> loads{};          ///< that ride on the robot, on some legs or all
+  SuiteView view{};
 };
 
 /// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/FORMAT.md.

@@ -35,7 +35,7 @@ experiments:
       - {planner: rrtconnect}
       - {planner: rrtconnect_fcl, label: coarse, options: {resolution: 0.5}}
     runs: 2
-    plots: [profiles, cost_against_width]
+    plots: [profiles, cost_against_width, share_against_width]
   - name: swing
     robot: planar2
     world: wall

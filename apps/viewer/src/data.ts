@@ -85,6 +85,7 @@ export interface Timeline {
 export interface Page {
   title: string; subtitle: string; figures: Figure[];
   resolution: number; origin: number;
+  opens: string;       // what is asked for where the address says nothing of it, as after '#'
   isoAzimuth: number;  // degrees
   stateLabels: [StateName, string][];  // of states that mean something else than usual
   voxels: VoxelSet[]; balls: Place; volumes: string[];

@@ -13,7 +13,8 @@ import { Playback } from "./playback";
 import { Plots } from "./plots";
 import { RecordingTimeline } from "./timeline";
 
-const options = readOptions();
+const page = readPage();
+const options = readOptions(page.opens);
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
 
 function setTheme(dark: boolean): void {
@@ -27,7 +28,7 @@ function sayInView(sentence: string): void {
   document.body.classList.add("no-view");
 }
 
-function openMap(page: ReturnType<typeof readPage>, arrays: Arrays): MapView | null {
+function openMap(arrays: Arrays): MapView | null {
   const lost = "The browser lost its 3D context (graphics memory or driver): reload the page. Tables and plots still work.";
   try {
     if (!options.webgl) throw new Error("WebGL switched off");
@@ -43,7 +44,6 @@ async function show(): Promise<void> {
   setTheme(options.dark ?? systemDark.matches);
   document.body.classList.toggle("picture", options.picture);
   if (innerWidth < 760) byId<HTMLDetailsElement>("layers").open = false;
-  const page = readPage();
   document.body.classList.toggle("map-only", page.plans.length === 0);
   showNames(page);
   showWarnings(page.warnings);
@@ -57,7 +57,7 @@ async function show(): Promise<void> {
   if (first >= 0) playback.reset(page.plans[first], 0);  // so that the view gets its size at once
 
   const arrays = await readArrays().catch((error: Error) => { sayInView(error.message); return null; });
-  const map = arrays && openMap(page, arrays);
+  const map = arrays && openMap(arrays);
   const plots = arrays && new Plots(arrays);
   byId("download").hidden = !arrays || page.report.count === 0;
   const flat = arrays && !map ? new FlatSlices(page, arrays) : null;

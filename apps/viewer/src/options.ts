@@ -30,8 +30,10 @@ function numberOr<T>(text: string | null, otherwise: T): number | T {
   return text !== null && text !== "" && Number.isFinite(value) ? value : otherwise;
 }
 
-export function readOptions(): Options {
-  const hash = new URLSearchParams(location.hash.slice(1));
+/// @param usual what the page itself asks for, in the same words; the address goes first
+export function readOptions(usual: string): Options {
+  const hash = new URLSearchParams(usual);
+  for (const [key, value] of new URLSearchParams(location.hash.slice(1))) hash.set(key, value);
   const query = new URLSearchParams(location.search);
   const layers = hash.get("layers");
   const dark = hash.get("dark");

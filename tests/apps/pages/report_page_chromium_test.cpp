@@ -175,6 +175,19 @@ TEST_F(ReportPageInChromium, OpensOnTheFirstPlanThatArrives) {
   EXPECT_EQ(attribute(open(html, "#nowebgl&plan=0"), "plots"), "0") << "but for the one that is asked for";
 }
 
+TEST_F(ReportPageInChromium, OpensAsThePageAsksUnlessTheAddressAsksOtherwise) {
+  ReportPage page = SamplePage::make();
+  const std::string plain = open(render_report_page(page), "#cut=z:0.3");
+  page.opens = "cut=z:0.3&view=60,50,1.4";
+  page.subtitle = "What is to be seen.";
+  const std::string dom = open(render_report_page(page));
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_GT(std::stoi("0" + attribute(dom, "slice")), 0);
+  EXPECT_EQ(attribute(dom, "slice"), attribute(plain, "slice"));
+  EXPECT_NE(dom.find("What is to be seen."), std::string::npos);
+  EXPECT_EQ(attribute(open(render_report_page(page), "#cut="), "slice"), "") << "no plane";
+}
+
 TEST_F(ReportPageInChromium, CutsAlongAllAxesAtOnce) {
   const std::string html = render_report_page(SamplePage::make());
   const std::string layers = "#layers=painted,occupied,conflict,seen_free&cut=";

@@ -24,8 +24,10 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
     EXPECT_EQ(attribute(dom, "ready"), "1");
     EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
     EXPECT_EQ(attribute(dom, "experiments"), "2");
-    // times, two against the width, four profiles, costs; none of a single run
-    EXPECT_EQ(attribute(dom, "charts"), "8");
+    // times, three against the width, four profiles, costs; none of a single run
+    EXPECT_EQ(attribute(dom, "charts"), "9");
+    EXPECT_NE(dom.find("Share solved against beam width"), std::string::npos);
+    EXPECT_NE(dom.find("Of 6 runs each; bars are Wilson's intervals at 95 % confidence."), std::string::npos);
     EXPECT_NE(dom.find("4 / 0 / 6"), std::string::npos);
     EXPECT_NE(dom.find("not certified"), std::string::npos);
     EXPECT_NE(dom.find("What a paper says."), std::string::npos);
@@ -35,7 +37,7 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
     EXPECT_NE(dom.find("round/there_and_back/coarse-1"), std::string::npos) << "what --rerun takes";
     std::size_t canvases = 0;
     for (std::size_t at = 0; (at = dom.find("<canvas", at)) != std::string::npos; ++at) ++canvases;
-    EXPECT_EQ(canvases, 8U);
+    EXPECT_EQ(canvases, 9U);
   }
 }
 

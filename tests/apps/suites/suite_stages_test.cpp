@@ -88,6 +88,14 @@ TEST(SuiteStages, WhatDoesNotFitTheRobotIsRefused) {
   EXPECT_EQ(refusal(replaced(good, ", link3: painted", ""), "planar2"),
             "suite 's', experiment 'explicit', problem 'a', field 'start': got 6 values, expected 2, one for "
             "each joint of robot 'planar2'");
+  const std::string held =
+      replaced(good, "0, 1], goals: [[1, 0, 0, 0, 0, 0]]",
+               "0, 1], goals: [[1, 0, 0, 0, 0, 0]], loads: [{name: ball, sphere: 0.1, link: tool}]");
+  EXPECT_EQ(refusal(held, "puma560"), "accepted");
+  EXPECT_EQ(refusal(replaced(held, "link: tool", "link: tol"), "puma560")
+                .rfind("suite 's', experiment 'explicit', problem 'b', field 'loads': ", 0),
+            0U)
+      << refusal(replaced(held, "link: tool", "link: tol"), "puma560");
 }
 
 const std::string drawn = R"(
@@ -125,10 +133,10 @@ TEST(SuiteStages, AnUnknownGeneratorIsRefused) {
     SuiteStages(suite, suite.experiments[0], robot);
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "suite 's', experiment 'drawn', field 'generate': expected one of the kinds tunnels, shelves, "
-        "shelf, table, ladder, cage, boxes, cells, got 'mazes'");
+    EXPECT_STREQ(error.what(),
+                 "suite 's', experiment 'drawn', field 'generate': expected one of the kinds tunnels, holes, "
+                 "large_holes, shelves, "
+                 "shelf, table, ladder, cage, boxes, cells, got 'mazes'");
   }
 }
 

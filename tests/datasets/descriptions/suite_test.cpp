@@ -45,7 +45,11 @@ experiments:
     world: made
     problems:
       - {name: there, start_deg: [0, 90], goals_deg: [[180, 0], [90, -90]]}
-      - {name: back, start: [1, 2], goals: [[3, 4]]}
+      - name: back
+        start: [1, 2]
+        goals: [[3, 4], [5, 6]]
+        loads: [{name: ball, sphere: 0.04, link: tool, pose: [0, 0, 0.15, 0, 0, 0], mass: 0.2, legs: [2]}]
+        view: {caption: Mind the gap., cut: {z: 0.5, -x: 0.25}, eye_deg: [60, 50], zoom: 1.4, layers: [painted, others]}
     policies: {default: known_free, tool: painted}
     padding: 0.01
     planners: [{planner: boundary}]
@@ -83,6 +87,17 @@ TEST(Suite, EveryKeyIsRead) {
   EXPECT_EQ(across.scale, 0.1);
   EXPECT_NEAR(across.problems.at(0).goals.at(1).at(1), -M_PI / 2, 1e-15);
   EXPECT_EQ(across.problems.at(1).start, (std::vector<double>{1, 2}));
+  EXPECT_TRUE(across.problems.at(0).loads.empty());
+  const LoadSetup& ball = across.problems.at(1).loads.at(0);
+  EXPECT_EQ(std::get<LoadSphere>(ball.shape).radius, 0.04);
+  EXPECT_EQ(ball.link_from_load.translation().z(), 0.15);
+  EXPECT_EQ(ball.legs, std::vector<int>{2});
+  const SuiteView& view = across.problems.at(1).view;
+  EXPECT_EQ(view.caption, "Mind the gap.");
+  EXPECT_EQ(view.cut, (std::map<std::string, double>{{"z", 0.5}, {"-x", 0.25}}));
+  EXPECT_EQ(view.eye_deg, (std::vector<double>{60, 50}));
+  EXPECT_EQ(view.zoom, 1.4);
+  EXPECT_EQ(view.layers, (std::vector<std::string>{"painted", "others"}));
   EXPECT_EQ(across.policies.at("tool"), "painted");
   EXPECT_EQ(across.padding, 0.01);
   EXPECT_EQ(across.runs, 3);
@@ -176,7 +191,7 @@ TEST(Suite, NamesThatWouldShareAFolderAreRefused) {
 
 TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
   const std::vector<std::array<std::string, 3>> mistakes = {
-      {"runs: 3", "run: 3", "line 40, experiments[0].run: unknown key; did you mean 'runs'?"},
+      {"runs: 3", "run: 3", "line 44, experiments[0].run: unknown key; did you mean 'runs'?"},
       {"world: made", "world: mad",
        "expected the name of one of the suite's worlds (loaded, made), got 'mad'"},
       {"{kind: tunnels,", "{kind: tunnels, depth: 3,", "experiments[1].generate.depth: unknown key"},
@@ -198,6 +213,13 @@ TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
       {"radii: [0.1, 0.2]", "radii: [0.2, 0.1]", "the smallest and then the largest radius"},
       {"strokes:\n          - {balls", "strokes:\n          - {ball", "expected either balls, or points"},
       {"payload: 2.5", "payload: -1", "experiments[0].payload: expected a number from 0"},
+      {"legs: [2]", "legs: [3]",
+       "problems[1].loads[0].legs: expected legs from 1 to 2, one for each goal, got 3"},
+      {"sphere: 0.04, ", "", "problems[1].loads[0]"},
+      {"{z: 0.5,", "{h: 0.5,", "problems[1].view.cut.h: expected planes of x, y or z, or -x, -y or -z"},
+      {"eye_deg: [60, 50], ", "", "problems[1].view.zoom: expected 'eye_deg' beside it"},
+      {"[painted, others]", "[paint]", "problems[1].view.layers: expected any of painted, occupied, "},
+      {"caption: Mind", "title: Mind", "problems[1].view.title: unknown key"},
       {"gravity: [0, 9.81, 0]", "gravity: [0, 9.81]", "experiments[0].gravity: expected 3 numbers"},
       {"time_limit: 2.5", "time_limit: -1",
        "line 4, time_limit: expected a positive number up to 1000000, got '-1'"},

@@ -13,6 +13,7 @@ export interface Line {
   steps?: boolean;             // a staircase, as of an empirical distribution
   points?: boolean;            // dots, with no line between them
   dots?: boolean;              // dots on the line
+  bounds?: [number, number][]; // of each y: a bar from here to there
 }
 
 export interface ChartOptions {
@@ -66,6 +67,25 @@ function drawDots(u: uPlot, lines: Line[]): void {
       ctx.beginPath();
       ctx.arc(u.valToPos(x, "x", true), u.valToPos(line.y[i], "y", true), size, 0, 2 * Math.PI);
       ctx.fill();
+    });
+  }
+  ctx.restore();
+}
+
+function drawBounds(u: uPlot, lines: Line[]): void {
+  const { ctx } = u, foot = 4 * devicePixelRatio;
+  ctx.save();
+  ctx.lineWidth = 1.5 * devicePixelRatio;
+  for (const line of lines) {
+    ctx.strokeStyle = colorOf(line.color);
+    line.bounds?.forEach(([low, high], i) => {
+      const x = u.valToPos(line.x[i], "x", true), [bottom, top] = [u.valToPos(low, "y", true), u.valToPos(high, "y", true)];
+      ctx.beginPath();
+      for (const [from, to] of [[[x, bottom], [x, top]], [[x - foot, bottom], [x + foot, bottom]], [[x - foot, top], [x + foot, top]]]) {
+        ctx.moveTo(from[0], from[1]);
+        ctx.lineTo(to[0], to[1]);
+      }
+      ctx.stroke();
     });
   }
   ctx.restore();
@@ -134,7 +154,7 @@ export class Chart {
         paths: line.points ? () => null : line.steps ? uPlot.paths.stepped!({ align: 1 }) : uPlot.paths.linear!(),
         points: { show: line.dots === true, size: 7, fill: colorOf(line.color) },
       }))],
-      hooks: { draw: [(u) => { if (diagonal) drawDiagonal(u); drawDots(u, lines); }] },
+      hooks: { draw: [(u) => { if (diagonal) drawDiagonal(u); drawBounds(u, lines); drawDots(u, lines); }] },
     }, aligned(lines), this.box);
     this.box.style.color = ink;
     this.keys.replaceChildren(...lines.map((line) => el("span", { class: "key" },

@@ -43,11 +43,26 @@ function againstWidth(experiment: Experiment, figure: (run: Run) => number): Lin
   return lines.filter((each) => each.x.length > 0);
 }
 
+/// The axis of widths, of those planners that have one.
+function widthAxis(experiment: Experiment): Pick<ChartOptions, "x" | "logX" | "xRange" | "xTicks"> {
+  const xTicks = [...new Set(experiment.planners.map((planner) => Number(planner.options.width)).filter(Number.isFinite))].sort((a, b) => a - b);
+  return { x: "beam width k", logX: true, xRange: [xTicks[0] / 1.25, xTicks.at(-1)! * 1.25], xTicks };
+}
+
+/// Share of all runs that were solved with a valid path against the option `width`.
+export function shareChart(experiment: Experiment): Chart {
+  const planners = experiment.planners.filter((planner) => Number.isFinite(Number(planner.options.width)))
+    .sort((a, b) => Number(a.options.width) - Number(b.options.width));
+  const line: Line = { name: "solved and valid", color: 0, dots: true, x: planners.map((planner) => Number(planner.options.width)),
+                       y: planners.map((planner) => 100 * planner.valid / planner.total),
+                       bounds: planners.map((planner) => [100 * planner.valid_share_95[0], 100 * planner.valid_share_95[1]]) };
+  return new Chart({ ...widthAxis(experiment), title: "Share solved against beam width", y: "runs, %", yRange: [0, 104], lines: [line], legend: false,
+                     note: `Of ${planners[0].total} runs each; bars are Wilson's intervals at 95 % confidence.` });
+}
+
 export function widthCharts(experiment: Experiment): Chart[] {
   const costs = againstWidth(experiment, (run) => run.cost), times = againstWidth(experiment, (run) => Math.max(run.time, 1e-6));
-  const xTicks = [...new Set(experiment.planners.map((planner) => Number(planner.options.width)).filter(Number.isFinite))].sort((a, b) => a - b);
-  const xRange: [number, number] = [xTicks[0] / 1.25, xTicks.at(-1)! * 1.25];
-  const common = { x: "beam width k", logX: true, xRange, xTicks };
+  const common = widthAxis(experiment);
   return [new Chart({ ...common, title: "Path cost against beam width", y: "path cost, J", lines: costs }),
           new Chart({ ...common, title: "Planning time against beam width", y: "planning time, s", logY: true, lines: times })];
 }
