@@ -35,7 +35,8 @@ class Chromium {
       throw std::runtime_error("no socket for chromium");
     const std::string command =
         "exec chromium --headless --no-sandbox --disable-background-networking --no-first-run "
-        "--disable-component-update --disable-sync --hide-scrollbars --remote-debugging-pipe "
+        "--disable-component-update --disable-sync --disable-features=BackForwardCache --hide-scrollbars "
+        "--remote-debugging-pipe "
         "--user-data-dir='" +
         profile_.path().string() + "' --window-size=1280,800 " + gpu + " about:blank >/dev/null 2>&1";
     process_ = fork();
@@ -57,30 +58,28 @@ class Chromium {
   }
 
   /// The document at `address` after four seconds of a clock that does not wait where there is nothing to do.
-  /// Nothing is shared with another page: each has a window and a profile of its own.
+  /// The page takes the place of the one before; of a file: no page keeps anything in the browser.
   std::string document(const std::string& address) {
-    const Json context = call("Target.createBrowserContext", {{"disposeOnDetach", true}})["browserContextId"];
-    const Json target = call("Target.createTarget", {{"url", "about:blank"},
-                                                     {"browserContextId", context},
-                                                     {"newWindow", true},
-                                                     {"width", 1280},
-                                                     {"height", 800}})["targetId"];
-    session_ = call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}})["sessionId"];
-    call("Page.enable");
+    if (session_.empty()) open_window();
+    events_.clear();
     call("Page.navigate", {{"url", address}});
-    wait_for("Page.frameNavigated");  // a budget before would be spent on the empty page
+    wait_for("Page.frameNavigated");  // a budget before would be spent on the page before
     call("Emulation.setVirtualTimePolicy", {{"policy", "pauseIfNetworkFetchesPending"},
                                             {"budget", 4000},
                                             {"maxVirtualTimeTaskStarvationCount", 9999}});
     wait_for("Emulation.virtualTimeBudgetExpired");
-    const Json answer = call("Runtime.evaluate", {{"expression", "document.documentElement.outerHTML"}});
-    session_ = "";
-    events_.clear();
-    call("Target.disposeBrowserContext", {{"browserContextId", context}});
-    return answer["result"]["value"];
+    return call("Runtime.evaluate",
+                {{"expression", "document.documentElement.outerHTML"}})["result"]["value"];
   }
 
  private:
+  void open_window() {
+    const Json parameters = {{"url", "about:blank"}, {"newWindow", true}, {"width", 1280}, {"height", 800}};
+    const Json target = call("Target.createTarget", parameters)["targetId"];
+    session_ = call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}})["sessionId"];
+    call("Page.enable");
+  }
+
   /// What the browser answers.
   Json call(const std::string& method, const Json& parameters = Json::object()) {
     Json message = {{"id", ++last_id_}, {"method", method}, {"params", parameters}};
@@ -138,10 +137,10 @@ class PageInChromium : public testing::Test {
  protected:
   /// The document after the page's script has run; `after` follows the file's name in the address.
   std::string open(const std::string& html, const std::string& after = "", const char* gpu = kSoftwareWebGl) {
-    folder_.write("page.html", html);
+    const std::string file = folder_.write("page" + std::to_string(++pages_) + ".html", html);
     std::unique_ptr<Chromium>& browser = browsers_[gpu];
     if (!browser) browser = std::make_unique<Chromium>(gpu);
-    return browser->document("file://" + (folder_ / "page.html").string() + after);
+    return browser->document("file://" + file + after);
   }
 
   static void TearDownTestSuite() { browsers_.clear(); }
@@ -163,6 +162,7 @@ class PageInChromium : public testing::Test {
   TemporaryFolder folder_;
 
  private:
+  int pages_ = 0;  ///< each has a name of its own: going elsewhere in a page does not run its script again
   inline static std::map<std::string, std::unique_ptr<Chromium>> browsers_;  ///< by their flags
 };
 
