@@ -21,20 +21,28 @@ std::array<Eigen::Vector2d, 34> spread_points() {
 
 }  // namespace
 
-ImageRenderer::ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isometry3d& map_from_camera,
-                             std::vector<Surface> still, double background)
-    : camera_(camera), map_from_camera_(map_from_camera), still_(std::move(still)), background_(background) {
-  const int columns = camera.width + 1;
-  corner_rays_.resize(static_cast<size_t>(columns) * static_cast<size_t>(camera.height + 1));
+CornerRays::CornerRays(const CameraIntrinsics& camera) : camera_(camera) {
+  const auto columns = static_cast<size_t>(camera.width + 1);
+  std::vector<Eigen::Vector2d> rays(columns * static_cast<size_t>(camera.height + 1));
   parallel_for(static_cast<size_t>(camera.height) + 1, [&](size_t row) {
-    for (int column = 0; column < columns; ++column)
-      corner_rays_[row * static_cast<size_t>(columns) + static_cast<size_t>(column)] =
-          pixel_ray(camera, {column - 0.5, static_cast<double>(row) - 0.5}).head<2>();
+    for (size_t column = 0; column < columns; ++column)
+      rays[row * columns + column] =
+          pixel_ray(camera, {static_cast<double>(column) - 0.5, static_cast<double>(row) - 0.5}).head<2>();
   });
+  rays_ = std::make_shared<const std::vector<Eigen::Vector2d>>(std::move(rays));
+}
+
+ImageRenderer::ImageRenderer(const CornerRays& lens, const Eigen::Isometry3d& map_from_camera,
+                             std::vector<Surface> still, double background)
+    : lens_(lens),
+      camera_(lens.camera()),
+      map_from_camera_(map_from_camera),
+      still_(std::move(still)),
+      background_(background) {
   make_tiles();
-  still_sights_.resize(static_cast<size_t>(camera.width + 2) * static_cast<size_t>(camera.height + 2));
-  empty_ = {camera.width, camera.height,
-            std::vector<float>(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height))};
+  still_sights_.resize(static_cast<size_t>(camera_.width + 2) * static_cast<size_t>(camera_.height + 2));
+  empty_ = {camera_.width, camera_.height,
+            std::vector<float>(static_cast<size_t>(camera_.width) * static_cast<size_t>(camera_.height))};
   parallel_for(tiles_.size(), [&](size_t i) {
     const Tile& tile = tiles_[i];
     // Tiles at the rim of the image look at the pixels just outside as well.
@@ -79,9 +87,7 @@ Eigen::Vector3d ImageRenderer::ray(double column, double row) const {
   const double x = column + 0.5, y = row + 0.5;  // in units of corners
   const int i = std::clamp(static_cast<int>(std::floor(x)), 0, camera_.width - 1);
   const int j = std::clamp(static_cast<int>(std::floor(y)), 0, camera_.height - 1);
-  const auto* corner =
-      &corner_rays_[static_cast<size_t>(j) * static_cast<size_t>(camera_.width + 1) + static_cast<size_t>(i)];
-  const auto* below = corner + camera_.width + 1;
+  const Eigen::Vector2d *corner = lens_.row(j) + i, *below = lens_.row(j + 1) + i;
   const double u = x - i, v = y - j;
   const Eigen::Vector2d at =
       (1 - v) * ((1 - u) * corner[0] + u * corner[1]) + v * ((1 - u) * below[0] + u * below[1]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,14 +15,30 @@ struct Radiance {
   std::vector<float> values;
 };
 
+/// A camera and the exact rays of its pixels' corners, which do not depend on where it stands. Copies share
+/// them.
+class CornerRays {
+ public:
+  CornerRays(const CameraIntrinsics& camera);  // NOLINT: a camera stands for its rays
+  const CameraIntrinsics& camera() const { return camera_; }
+  /// Row by row, one more of both than there are pixels: (x, y) where z is 1.
+  const Eigen::Vector2d* row(int row) const {
+    return rays_->data() + static_cast<size_t>(row) * static_cast<size_t>(camera_.width + 1);
+  }
+
+ private:
+  CameraIntrinsics camera_;
+  std::shared_ptr<const std::vector<Eigen::Vector2d>> rays_;
+};
+
 /// Draws what a still camera sees by casting rays through its lens. Pixels at edges (another surface, face or
 /// tag cell within one pixel) take the mean of 34 rays spread evenly over the pixel, the others one ray. What
 /// never moves is drawn once; a picture then redraws only the 16 x 16 tiles that moving surfaces may touch.
 /// Shading: half ambient, half by the angle to a light above the scene; no shadows.
 class ImageRenderer {
  public:
-  ImageRenderer(const CameraIntrinsics& camera, const Eigen::Isometry3d& map_from_camera,
-                std::vector<Surface> still, double background);
+  ImageRenderer(const CornerRays& lens, const Eigen::Isometry3d& map_from_camera, std::vector<Surface> still,
+                double background);
   ImageRenderer(const ImageRenderer&) = delete;  // the tiles point at the surfaces
   ImageRenderer& operator=(const ImageRenderer&) = delete;
 
@@ -56,11 +73,11 @@ class ImageRenderer {
                         Radiance& picture) const;
   float& value(Radiance& picture, int column, int row) const;
 
+  CornerRays lens_;  ///< within a pixel interpolated
   CameraIntrinsics camera_;
   Eigen::Isometry3d map_from_camera_;
   std::vector<Surface> still_;
   double background_;
-  std::vector<Eigen::Vector2d> corner_rays_;  ///< exact rays of the pixels' corners, interpolated within
   std::vector<Tile> tiles_;
   std::vector<Sight> still_sights_;  ///< with a rim of one pixel around the image
   Radiance empty_;                   ///< the picture without moving surfaces

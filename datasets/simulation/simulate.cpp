@@ -65,8 +65,8 @@ class Simulation {
                      std::span<const Surface> still);
   GrayImage photograph(const ImageRenderer& renderer, const ProbeMotion& motion,
                        const TakenPicture& picture) const;
-  GrayImage photograph_walking(const std::vector<Surface>& still, const ProbeMotion& motion,
-                               const TakenPicture& picture) const;
+  GrayImage photograph_walking(const CornerRays& lens, const std::vector<Surface>& still,
+                               const ProbeMotion& motion, const TakenPicture& picture) const;
   template <class Draw>
   GrayImage exposed(const TakenPicture& picture, const Draw& draw) const;
   void tell(double share) const {
@@ -169,7 +169,8 @@ void Simulation::record_images() {
   const SceneCamera& camera = *scene_.camera;
   const bool stands = camera.path.empty() && camera.sway.shift == 0.0 && camera.sway.turn == 0.0;
   std::optional<ImageRenderer> renderer;
-  if (stands) renderer.emplace(*scene_.setup.camera, camera.map_from_camera, still, scene_.background);
+  const CornerRays lens(*scene_.setup.camera);
+  if (stands) renderer.emplace(lens, camera.map_from_camera, still, scene_.background);
   result_.duration = motion.duration();
   result_.stroke_length = motion.length();
   const std::vector<TakenPicture> pictures = take_pictures(scene_);
@@ -178,7 +179,7 @@ void Simulation::record_images() {
     std::vector<GrayImage> images(std::min(batch, pictures.size() - begin));
     parallel_for(images.size(), [&](size_t i) {
       images[i] = renderer ? photograph(*renderer, motion, pictures[begin + i])
-                           : photograph_walking(still, motion, pictures[begin + i]);
+                           : photograph_walking(lens, still, motion, pictures[begin + i]);
     });
     for (size_t i = 0; i < images.size(); ++i) {
       write_depth_beside(pictures[begin + i].stamp, motion, still);
@@ -217,10 +218,10 @@ GrayImage Simulation::photograph(const ImageRenderer& renderer, const ProbeMotio
 }
 
 /// The same by a camera that moves: what stands still is drawn anew, too.
-GrayImage Simulation::photograph_walking(const std::vector<Surface>& still, const ProbeMotion& motion,
-                                         const TakenPicture& picture) const {
+GrayImage Simulation::photograph_walking(const CornerRays& lens, const std::vector<Surface>& still,
+                                         const ProbeMotion& motion, const TakenPicture& picture) const {
   return exposed(picture, [&](double instant) {
-    const ImageRenderer renderer(*scene_.setup.camera, camera_at(scene_, instant), still, scene_.background);
+    const ImageRenderer renderer(lens, camera_at(scene_, instant), still, scene_.background);
     return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)));
   });
 }
