@@ -7,6 +7,7 @@
 #include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/puma_branches.hpp"
+#include "planning/robot/reach.hpp"
 
 namespace clearway {
 namespace {
@@ -75,9 +76,11 @@ double arm_size(const Robot& robot) {
   return size > 0.0 ? size / 2 : 1.0;
 }
 
-/// `near` first, then seeded random starts within the limits.
+/// `near` first, then seeded random starts within the limits; nothing where all links in a row are too short.
 std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& wanted,
                                                         const Configuration& near, const IkOptions& options) {
+  const double away = (wanted.translation() - robot.map_from_base.translation()).norm();
+  if (away > tip_reach(robot) + options.position_tolerance) return std::nullopt;
   const double size = arm_size(robot);
   std::mt19937_64 random(options.seed);
   for (int start = 0; start <= options.restarts; ++start) {

@@ -136,6 +136,19 @@ double lever(const Robot& robot, int link, const Body& body) {
   return radius;
 }
 
+double tip_reach(const Robot& robot) {
+  double reach = robot.link_from_tip.translation().norm();
+  for (const int index : chain_to(robot, robot.tip_link)) {
+    const Link& link = link_at(robot, index);
+    reach += link.parent_from_link.translation().norm();
+    if (slides(robot, link)) {
+      const auto [low, high] = travel(robot, link);
+      reach += std::max(std::abs(low), std::abs(high)) * joint_of(robot, link).axis.norm();
+    }
+  }
+  return (1.0 + 1e-9) * reach;
+}
+
 bool is_moved(const Robot& robot, int link) {
   for (int i = link; i >= 0; i = link_at(robot, i).parent) {
     if (link_at(robot, i).joint >= 0) return true;

@@ -18,6 +18,9 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body);
 /// must lie on the body's chain; metres per radian of that joint. For a prismatic joint 1.
 double lever(const Robot& robot, int link, const Body& body);
 
+/// Largest distance of the tip from the base's origin.
+double tip_reach(const Robot& robot);
+
 /// True when some joint moves the link against the map.
 bool is_moved(const Robot& robot, int link);
 

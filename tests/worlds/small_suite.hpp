@@ -16,7 +16,7 @@ worlds:
     solids:
       - {name: wall, box: [0.06, 2.4, 0.3], pose: [1.02, -0.7, 0, 0, 0, 0]}
     sensors: [[0, 0, 0.02], [2.5, -0.5, 0.02]]
-    sensor_range: 4
+    sensor_range: 2.2
 experiments:
   - name: round
     title: Round a wall

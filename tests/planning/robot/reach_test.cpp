@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -56,6 +57,37 @@ TEST(Reach, ASlideWithoutLimitsReachesEverythingInAMap) {
   EXPECT_TRUE(space.is_free(Eigen::Vector2d(0.0, 0.0)));
   EXPECT_FALSE(space.is_free(Eigen::Vector2d(2.0, 0.0)));
   EXPECT_FALSE(space.is_edge_free(Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(3.0, 0.0)));
+}
+
+TEST(Reach, TheTipIsNeverFartherThanItsReachAndNearlySoFarWhereTheArmIsStraight) {
+  for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"}) {
+    Robot robot = load_robot(name);
+    Random random(2);
+    for (Joint& joint : robot.joints) {  // what Random samples
+      joint.lower = std::max(joint.lower, -2 * std::numbers::pi);
+      joint.upper = std::min(joint.upper, 2 * std::numbers::pi);
+    }
+    robot.map_from_base = random.pose(1.0);
+    double farthest = 0.0;
+    for (int i = 0; i < 3'000; ++i) {
+      const Eigen::Isometry3d tip = tip_pose(robot, random.configuration(robot));
+      farthest = std::max(farthest, (tip.translation() - robot.map_from_base.translation()).norm());
+    }
+    EXPECT_LE(farthest, tip_reach(robot)) << name;
+    EXPECT_LT(tip_reach(robot), 2.1 * farthest) << name;
+  }
+  const Robot arm = load_robot("planar2");
+  EXPECT_NEAR(tip_pose(arm, Eigen::Vector2d(0.3, 0.0)).translation().norm(), tip_reach(arm), 1e-8);
+}
+
+/// The bound turns away nothing that the straight arm can just touch.
+TEST(Reach, AStraightArmsOwnTipIsFoundAgain) {
+  const Robot arm = load_robot("planar2");
+  const Eigen::Vector2d straight(0.3, 0.0);
+  EXPECT_TRUE(inverse_kinematics(arm, tip_pose(arm, straight), straight));
+  Eigen::Isometry3d beyond = tip_pose(arm, straight);
+  beyond.translation() *= 1.001;
+  EXPECT_FALSE(inverse_kinematics(arm, beyond, straight));
 }
 
 TEST(Reach, ALeverIsAsLongAsTheFarthestPointSeenFromTheJointAxis) {
