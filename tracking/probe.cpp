@@ -150,9 +150,11 @@ Probe::Verdict Probe::judge_poses(PaintingSample& sample) {
   UncertainPose camera_from_base = sample.base->camera_from_body;
   bool base_moved = false, is_mean = false;
   if (acceptance_.fixed_camera && base.refusal == Refusal::none) {
+    const bool is_known = board_.has_mean();
     const auto mean = board_.add(camera_from_base);
     base_moved = !mean;
     is_mean = mean.has_value();
+    sample.base_agrees = is_mean && is_known;
     if (mean) camera_from_base = *mean;
   }
   if (!sample.probe) return {Refusal::probe_not_seen, "probe '" + probe_.body.name + "' is not seen"};
@@ -181,16 +183,17 @@ Probe::Verdict Probe::judge_center(const PaintingSample& sample) const {
   return {};
 }
 
-// Two tags of a body contradict each other when one is found in the wrong place. For a single one, the image
-// before must do it.
+// Two tags of a body contradict each other when one is found in the wrong place. For a single one, earlier
+// images must do it.
 Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
-  if (std::min(sample.base->tags.size(), sample.probe->tags.size()) > 1 || std::isinf(acceptance_.max_pause))
-    return {};
-  if (!measured_before_)
-    return {Refusal::unconfirmed, "by one tag alone, and the image before did not measure the ball"};
+  const bool probe_alone = sample.probe->tags.size() == 1;
+  const bool base_alone = sample.base->tags.size() == 1 && !sample.base_agrees;
+  if (!(probe_alone || base_alone) || std::isinf(acceptance_.max_pause)) return {};
+  const std::string who = "'" + (probe_alone ? probe_.body.name : base_.name) + "' shows one tag alone, and ";
+  if (!measured_before_) return {Refusal::unconfirmed, who + "the image before did not measure the ball"};
   if (const double pause = sample.time - last_measured_->time; pause > acceptance_.max_pause)
-    return {Refusal::unconfirmed, sentence("by one tag alone, and the image before is ", pause,
-                                           " s older, at most ", acceptance_.max_pause)};
+    return {Refusal::unconfirmed, sentence(who, "the image before was taken ", pause, " s earlier, at most ",
+                                           acceptance_.max_pause)};
   return {};
 }
 

@@ -48,8 +48,9 @@ struct AcceptanceOptions {
   double max_speed = 0.5;        ///< of the ball's centre, metres per second
   double max_turn_speed = 6.0;   ///< of the probe, radians per second: a flipped pose turns at once
   /// Seconds. Where base or probe show one tag only, that it is found in the wrong place is told by nothing
-  /// but the jump from one image to the next: an image is not accepted when the one before it did not measure
-  /// the ball, or was taken longer ago than this, but confirms the next. Infinity: each image stands alone.
+  /// but the jump from one image to the next, where that exceeds max_speed: an image is not accepted when the
+  /// one before it did not measure the ball, or was taken longer ago than this, but confirms the next. A base
+  /// that agrees with its mean over earlier images needs no second tag. Infinity: each image stands alone.
   double max_pause = 1.0;
   /// The corners' noise is taken from the residuals of earlier images where these are below the noise that
   /// is stated, but never below this, pixels. A value of the stated noise or more switches it off.
@@ -69,6 +70,7 @@ struct PaintingSample {
   CenterBound bound;              ///< how far the centre may be from the truth, metres
   double speed = 0.0;             ///< of the centre since the last trusted image, m/s; 0 without one
   UncertainPose base_from_probe;  ///< Chong 2008, eq. 1
+  bool base_agrees = false;       ///< fixed camera: with its mean over earlier images
   std::optional<BodyPose> base;   ///< as seen in this image
   std::optional<BodyPose> probe;  ///< as seen in this image
 };

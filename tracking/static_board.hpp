@@ -24,6 +24,8 @@ class StaticBoard {
   /// `reset_after` such images in a row the mean starts again from the latest.
   std::optional<UncertainPose> add(const UncertainPose& camera_from_board);
 
+  bool has_mean() const { return mean_.has_value(); }
+
  private:
   StaticBoardOptions options_;
   std::optional<UncertainPose> mean_;

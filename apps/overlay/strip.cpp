@@ -68,7 +68,7 @@ std::string cure_of(std::string_view refusal) {
       {"ambiguous_pose", "Come nearer, or show a second tag of the probe."},
       {"base_moved", "Put camera and fixed board back, or begin anew."},
       {"uncertain_center", "Come nearer, or show more tags of the probe."},
-      {"unconfirmed", "Keep the probe in view a moment longer."},
+      {"unconfirmed", "Show two tags of probe and fixed board, or keep them in view a moment longer."},
       {"too_fast", "Move more slowly."},
       {"image_refused", "Use the camera that the setup describes."},
   }};

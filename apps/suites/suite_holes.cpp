@@ -14,6 +14,7 @@ namespace clearway {
 namespace {
 
 constexpr int most_hole_draws = 20000;
+constexpr int most_hole_maps = 500;  ///< of these that are painted, which takes far longer
 
 /// Radii of pockets, in radii of the hand's sphere.
 std::pair<double, double> pocket_radii(const SuiteGenerator& generator) {
@@ -83,9 +84,10 @@ class HoleDrawer {
 Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                const Policies& policies, double padding) {
   HoleDrawer drawer(generator, index, robot);
-  for (int draw = 0; draw < most_hole_draws; ++draw) {
+  for (int draw = 0, maps = 0; draw < most_hole_draws && maps < most_hole_maps; ++draw) {
     const auto ends = drawer.ends();
     if (!ends) continue;
+    ++maps;
     const auto& [start, goal] = *ends;
     Hole hole{.world = {}, .map = {}, .start = start, .goal = goal};
     hole.world.name = "hole " + std::to_string(index + 1);
@@ -102,7 +104,8 @@ Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& 
     if (space.is_free(start) && space.is_free(goal) && !space.is_edge_free(start, goal)) return hole;
   }
   throw std::runtime_error(generator.kind + ": no volume found for robot '" + robot.name + "' in " +
-                           std::to_string(most_hole_draws) + " draws");
+                           std::to_string(most_hole_draws) + " draws of ends and " +
+                           std::to_string(most_hole_maps) + " of paint");
 }
 
 }  // namespace clearway

@@ -62,8 +62,10 @@ class Chromium {
   std::string document(const std::string& address) {
     if (session_.empty()) open_window();
     events_.clear();
-    call("Page.navigate", {{"url", address}});
-    wait_for("Page.frameNavigated");  // a budget before would be spent on the page before
+    const Json begun = call("Page.navigate", {{"url", address}});
+    if (begun.contains("errorText")) throw std::runtime_error(address + ": " + begun["errorText"].dump());
+    while (loaded_ != begun.value("loaderId", ""))
+      read_message();  // a budget before would be the last page's
     call("Emulation.setVirtualTimePolicy", {{"policy", "pauseIfNetworkFetchesPending"},
                                             {"budget", 4000},
                                             {"maxVirtualTimeTaskStarvationCount", 9999}});
@@ -119,15 +121,20 @@ class Chromium {
     }
     const Json message = Json::parse(unread_.substr(0, zero));
     unread_.erase(0, zero + 1);
-    if (!session_.empty() && message.value("sessionId", "") == session_)
-      events_.insert(message.value("method", ""));
+    if (!session_.empty() && message.value("sessionId", "") == session_) note_event(message);
     return message;
+  }
+
+  void note_event(const Json& message) {
+    events_.insert(message.value("method", ""));
+    if (message.value("method", "") == "Page.frameNavigated")
+      loaded_ = message["params"]["frame"].value("loaderId", "");
   }
 
   TemporaryFolder profile_;
   pid_t process_ = -1;
   int socket_ = -1, last_id_ = 0;
-  std::string session_, unread_;
+  std::string session_, unread_, loaded_;
   std::set<std::string> events_;
 };
 
@@ -139,8 +146,13 @@ class PageInChromium : public testing::Test {
   std::string open(const std::string& html, const std::string& after = "", const char* gpu = kSoftwareWebGl) {
     const std::string file = folder_.write("page" + std::to_string(++pages_) + ".html", html);
     std::unique_ptr<Chromium>& browser = browsers_[gpu];
-    if (!browser) browser = std::make_unique<Chromium>(gpu);
-    return browser->document("file://" + file + after);
+    try {
+      if (!browser) browser = std::make_unique<Chromium>(gpu);
+      return browser->document("file://" + file + after);
+    } catch (const std::exception&) {
+      browser.reset();  // the next page gets a browser that answers
+      throw;
+    }
   }
 
   static void TearDownTestSuite() { browsers_.clear(); }

@@ -25,7 +25,8 @@ struct PeopleEvidence {
 
 /// Session number `seed`: a kitchen, a person's tremor, strokes, mistakes and choices are drawn, rendered
 /// with hands that hide tags and a depth camera that sees them, taught by the program itself, and done again
-/// from its record. Who is refused does what the sentence says, in the same session, up to three times. Held:
+/// from its record. Who is refused does what the sentence says, in the same session, once, and three
+/// persons of ten up to three times. Held:
 /// it ends in an approved plan or in a sentence; the record gives the same map, paint and plans byte for
 /// byte; no approved plan leads the tool more than 3 mm into a true obstacle.
 PeopleEvidence teach_session(std::uint64_t seed);

@@ -296,6 +296,22 @@ TEST(Probe, TwoTagsOfEachConfirmEachOther) {
   EXPECT_TRUE(was_seen);
 }
 
+TEST(Probe, ABaseThatStaysWhereItWasNeedsNoSecondTag) {
+  Stage stage;
+  stage.acceptance.max_pause = 0.5;
+  stage.probe.ball_radius = 0.08;
+  stage.camera_from_probe = tag_before_camera(0.45, 0.8, 0.8, 0.3, 0.08, -0.04);
+  for (const bool is_fixed : {true, false}) {
+    stage.acceptance.fixed_camera = is_fixed;
+    Probe probe = stage.made();
+    expect_refused(probe.sample(without(stage.seen(), 1, 5), 0.0), Refusal::unconfirmed);
+    const PaintingSample later = probe.sample(without(stage.seen(), 1, 5), 2.0);  // long after
+    ASSERT_TRUE(later.probe);
+    ASSERT_GE(later.probe->tags.size(), 2U);
+    EXPECT_EQ(later.accepted, is_fixed) << later.reason;
+  }
+}
+
 // A tag alone on its body, found 30 pixels off: its residuals tell nothing.
 TEST(Probe, AWrongFirstImagePaintsNothing) {
   Stage stage;

@@ -20,7 +20,7 @@ export interface Options {
 }
 
 function parseCuts(text: string | null): Cut[] {
-  const matches = (text ?? "").split(",").map((part) => /^(-?)([xyz]):(-?[\d.]+)$/.exec(part));
+  const matches = (text ?? "").split(",").map((part) => /^(-?)([xyz]):(-?[\d.]+(?:e-?\d+)?)$/.exec(part));
   return matches.filter((match) => match !== null)
     .map((match) => ({ axis: "xyz".indexOf(match[2]) as 0 | 1 | 2, at: Number(match[3]), flipped: match[1] === "-" }));
 }

@@ -128,11 +128,11 @@ TEST(IsolatedRuns, AHangEndsWithTheTimeLimitAndWhatIsGranted) {
     company.suite.experiments[0].runs = 1;
     company.prepared.setup = company.suite.experiments[0];
     company.prepared.time_limit = 0.5;
-    company.grace = 2.0;
+    company.grace = 4.0;
     const CompareExperiment found = run_experiment(company.suite, company.prepared, company.choice());
     ASSERT_EQ(found.problems.at(0).runs.size(), 4U);
     EXPECT_EQ(found.problems[0].runs[1].ended, "hung");
-    EXPECT_NE(found.problems[0].runs[1].explanation.find("2.5 s"), std::string::npos)
+    EXPECT_NE(found.problems[0].runs[1].explanation.find("4.5 s"), std::string::npos)
         << found.problems[0].runs[1].explanation;
     for (const std::size_t other : {0U, 2U, 3U}) EXPECT_TRUE(found.problems[0].runs[other].is_solved());
   }

@@ -49,15 +49,16 @@ function widthAxis(experiment: Experiment): Pick<ChartOptions, "x" | "logX" | "x
   return { x: "beam width k", logX: true, xRange: [xTicks[0] / 1.25, xTicks.at(-1)! * 1.25], xTicks };
 }
 
-/// Share of all runs that were solved with a valid path against the option `width`.
-export function shareChart(experiment: Experiment): Chart {
+/// Share of all runs that were solved with a valid path against the option `width`. None where no planner has it.
+export function shareCharts(experiment: Experiment): Chart[] {
   const planners = experiment.planners.filter((planner) => Number.isFinite(Number(planner.options.width)))
     .sort((a, b) => Number(a.options.width) - Number(b.options.width));
+  if (planners.length === 0) return [];
   const line: Line = { name: "solved and valid", color: 0, dots: true, x: planners.map((planner) => Number(planner.options.width)),
                        y: planners.map((planner) => 100 * planner.valid / planner.total),
                        bounds: planners.map((planner) => [100 * planner.valid_share_95[0], 100 * planner.valid_share_95[1]]) };
-  return new Chart({ ...widthAxis(experiment), title: "Share solved against beam width", y: "runs, %", yRange: [0, 104], lines: [line], legend: false,
-                     note: `Of ${planners[0].total} runs each; bars are Wilson's intervals at 95 % confidence.` });
+  return [new Chart({ ...widthAxis(experiment), title: "Share solved against beam width", y: "runs, %", yRange: [0, 104], lines: [line], legend: false,
+                     note: `Of ${planners[0].total} runs each; bars are Wilson's intervals at 95 % confidence.` })];
 }
 
 export function widthCharts(experiment: Experiment): Chart[] {

@@ -4,7 +4,7 @@ import { el } from "../dom";
 import { colorOf, plain, type Chart } from "./chart";
 import { isValid, type Experiment, type Figure, type Planner, type Run } from "./data";
 import { sortable } from "./sortable";
-import { costScatter, profileCharts, shareChart, timeChart, widthCharts } from "./plots";
+import { costScatter, profileCharts, shareCharts, timeChart, widthCharts } from "./plots";
 
 const statusWords: Record<string, string> = {
   start_invalid: "start invalid", goal_invalid: "goal invalid", no_path: "no path", timed_out: "timed out", out_of_memory: "out of memory",
@@ -134,7 +134,7 @@ function animations(experiment: Experiment): HTMLElement | null {
 export function section(experiment: Experiment, number: number): { element: HTMLElement; charts: Chart[] } {
   const charts: Chart[] = [], times = timeChart(experiment);
   if (times) charts.push(times);
-  if (experiment.plots.includes("share_against_width")) charts.push(shareChart(experiment));
+  if (experiment.plots.includes("share_against_width")) charts.push(...shareCharts(experiment));
   if (experiment.plots.includes("cost_against_width")) charts.push(...widthCharts(experiment));
   if (experiment.plots.includes("profiles")) charts.push(...profileCharts(experiment));
   const figures = charts.map((chart) => chart.figure), scatter = costScatter(experiment);
