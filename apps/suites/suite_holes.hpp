@@ -22,7 +22,7 @@ struct Hole {
 /// A draw is kept when start and goal are free, and the straight edge is free without the pocket and blocked
 /// with it: no planner is asked. Whether there is a way round the hole is not known.
 /// Each index is drawn by itself. @param padding metres
-/// @throws std::runtime_error when 20,000 draws hold none
+/// @throws std::runtime_error when 20,000 draws of ends, or 500 of paint, hold none
 Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                const Policies& policies, double padding);
 

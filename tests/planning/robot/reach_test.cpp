@@ -11,14 +11,20 @@
 namespace clearway {
 namespace reach_test {
 
+/// With limits that Random samples.
+Robot shipped_robot(const char* name) {
+  Robot robot = load_robot(name);
+  for (Joint& joint : robot.joints) {
+    joint.lower = std::max(joint.lower, -2 * std::numbers::pi);
+    joint.upper = std::min(joint.upper, 2 * std::numbers::pi);
+  }
+  return robot;
+}
+
 TEST(Reach, TheBoxHoldsTheBodyInEveryConfigurationAndIsNotFarTooLarge) {
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"}) {
-    Robot robot = load_robot(name);
+    Robot robot = shipped_robot(name);
     Random random(1);
-    for (Joint& joint : robot.joints) {  // what Random samples
-      joint.lower = std::max(joint.lower, -2 * std::numbers::pi);
-      joint.upper = std::min(joint.upper, 2 * std::numbers::pi);
-    }
     for (int placement = 0; placement < 2; ++placement) {
       for (const Body& body : robot.bodies) {
         const Eigen::AlignedBox3d box = reach_box(robot, body);
@@ -61,12 +67,8 @@ TEST(Reach, ASlideWithoutLimitsReachesEverythingInAMap) {
 
 TEST(Reach, TheTipIsNeverFartherThanItsReachAndNearlySoFarWhereTheArmIsStraight) {
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"}) {
-    Robot robot = load_robot(name);
+    Robot robot = shipped_robot(name);
     Random random(2);
-    for (Joint& joint : robot.joints) {  // what Random samples
-      joint.lower = std::max(joint.lower, -2 * std::numbers::pi);
-      joint.upper = std::min(joint.upper, 2 * std::numbers::pi);
-    }
     robot.map_from_base = random.pose(1.0);
     double farthest = 0.0;
     for (int i = 0; i < 3'000; ++i) {
