@@ -41,5 +41,18 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
   }
 }
 
+TEST_F(ComparePageInChromium, DrawsNothingAgainstAWidthThatNoPlannerHas) {
+  TemporaryFolder folder;
+  ASSERT_EQ(run_command({"compare", folder.write("small.yaml", small_suite), "--planners", "rrtconnect",
+                         "--out", folder.file("out"), "--quiet"})
+                .status,
+            0);
+  const std::string dom = open(read_file(folder.file("out/report.html")), "", kNoWebGl);
+  EXPECT_EQ(attribute(dom, "ready"), "1");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_NE(dom.find("rrtconnect"), std::string::npos);
+  EXPECT_EQ(dom.find("against beam width"), std::string::npos);
+}
+
 }  // namespace compare_page_chromium_test
 }  // namespace clearway

@@ -2,7 +2,7 @@
 
 import { el } from "../dom";
 import { Chart, type ChartOptions, type Line } from "./chart";
-import { isValid, type Experiment, type Run } from "./data";
+import { isValid, type Experiment, type Planner, type Run } from "./data";
 
 const kDegrees = 180 / Math.PI;
 
@@ -43,16 +43,21 @@ function againstWidth(experiment: Experiment, figure: (run: Run) => number): Lin
   return lines.filter((each) => each.x.length > 0);
 }
 
-/// The axis of widths, of those planners that have one.
+/// The planners that have a width, narrowest first.
+function byWidth(experiment: Experiment): Planner[] {
+  return experiment.planners.filter((planner) => Number.isFinite(Number(planner.options.width)))
+    .sort((a, b) => Number(a.options.width) - Number(b.options.width));
+}
+
+/// The axis of widths.
 function widthAxis(experiment: Experiment): Pick<ChartOptions, "x" | "logX" | "xRange" | "xTicks"> {
-  const xTicks = [...new Set(experiment.planners.map((planner) => Number(planner.options.width)).filter(Number.isFinite))].sort((a, b) => a - b);
+  const xTicks = [...new Set(byWidth(experiment).map((planner) => Number(planner.options.width)))];
   return { x: "beam width k", logX: true, xRange: [xTicks[0] / 1.25, xTicks.at(-1)! * 1.25], xTicks };
 }
 
 /// Share of all runs that were solved with a valid path against the option `width`. None where no planner has it.
 export function shareCharts(experiment: Experiment): Chart[] {
-  const planners = experiment.planners.filter((planner) => Number.isFinite(Number(planner.options.width)))
-    .sort((a, b) => Number(a.options.width) - Number(b.options.width));
+  const planners = byWidth(experiment);
   if (planners.length === 0) return [];
   const line: Line = { name: "solved and valid", color: 0, dots: true, x: planners.map((planner) => Number(planner.options.width)),
                        y: planners.map((planner) => 100 * planner.valid / planner.total),
@@ -61,7 +66,9 @@ export function shareCharts(experiment: Experiment): Chart[] {
                      note: `Of ${planners[0].total} runs each; bars are Wilson's intervals at 95 % confidence.` })];
 }
 
+/// Cost and time against the option `width`. None where no planner has it.
 export function widthCharts(experiment: Experiment): Chart[] {
+  if (byWidth(experiment).length === 0) return [];
   const costs = againstWidth(experiment, (run) => run.cost), times = againstWidth(experiment, (run) => Math.max(run.time, 1e-6));
   const common = widthAxis(experiment);
   return [new Chart({ ...common, title: "Path cost against beam width", y: "path cost, J", lines: costs }),
