@@ -26,7 +26,8 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
     EXPECT_EQ(attribute(dom, "experiments"), "2");
     // times, three against the width, four profiles, costs; none of a single run
     EXPECT_EQ(attribute(dom, "charts"), "9");
-    EXPECT_NE(dom.find("Share solved against beam width"), std::string::npos);
+    EXPECT_NE(dom.find(">Share solved against beam width<"), std::string::npos);
+    EXPECT_NE(dom.find(">Path cost against beam width<"), std::string::npos);
     EXPECT_NE(dom.find("Of 6 runs each; bars are Wilson's intervals at 95 % confidence."), std::string::npos);
     EXPECT_NE(dom.find("4 / 0 / 6"), std::string::npos);
     EXPECT_NE(dom.find("not certified"), std::string::npos);
@@ -51,7 +52,7 @@ TEST_F(ComparePageInChromium, DrawsNothingAgainstAWidthThatNoPlannerHas) {
   EXPECT_EQ(attribute(dom, "ready"), "1");
   EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
   EXPECT_NE(dom.find("rrtconnect"), std::string::npos);
-  EXPECT_EQ(dom.find("against beam width"), std::string::npos);
+  EXPECT_EQ(dom.find("against beam width<"), std::string::npos);
 }
 
 }  // namespace compare_page_chromium_test
