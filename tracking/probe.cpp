@@ -183,17 +183,17 @@ Probe::Verdict Probe::judge_center(const PaintingSample& sample) const {
   return {};
 }
 
-// Two tags of a body contradict each other when one is found in the wrong place. For a single one, earlier
-// images must do it.
+// Two tags of a body contradict each other when one is misdetected. A single one needs earlier images.
 Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
   const bool probe_alone = sample.probe->tags.size() == 1;
   const bool base_alone = sample.base->tags.size() == 1 && !sample.base_agrees;
   if (!(probe_alone || base_alone) || std::isinf(acceptance_.max_pause)) return {};
-  const std::string who = "'" + (probe_alone ? probe_.body.name : base_.name) + "' shows one tag alone, and ";
-  if (!measured_before_) return {Refusal::unconfirmed, who + "the image before did not measure the ball"};
+  const std::string who = "only one tag of '" + (probe_alone ? probe_.body.name : base_.name) +
+                          "' is visible, and the previous image ";
+  if (!measured_before_) return {Refusal::unconfirmed, who + "did not measure the ball"};
   if (const double pause = sample.time - last_measured_->time; pause > acceptance_.max_pause)
-    return {Refusal::unconfirmed, sentence(who, "the image before was taken ", pause, " s earlier, at most ",
-                                           acceptance_.max_pause)};
+    return {Refusal::unconfirmed,
+            sentence(who, "was taken ", pause, " s earlier, at most ", acceptance_.max_pause)};
   return {};
 }
 

@@ -29,7 +29,7 @@ enum class Refusal {
   ambiguous_pose,      ///< another pose explains the corners nearly as well
   base_moved,          ///< fixed camera only: the base board is not where it was
   uncertain_center,    ///< the ball's centre may be off by more than Chong 2008, eq. 3, can pay
-  unconfirmed,         ///< base or probe by one tag alone, and the image before did not measure the ball
+  unconfirmed,         ///< only one tag of base or probe visible, the ball not measured in the previous image
   too_fast             ///< the ball moved or the probe turned too fast: blur, or a jump
 };
 constexpr int kRefusals = 12;
@@ -47,10 +47,10 @@ struct AcceptanceOptions {
   double min_separation = 36.0;  ///< see BodyPose::separation; 36 leaves room for 1.4 times the noise stated
   double max_speed = 0.5;        ///< of the ball's centre, metres per second
   double max_turn_speed = 6.0;   ///< of the probe, radians per second: a flipped pose turns at once
-  /// Seconds. Where base or probe show one tag only, that it is found in the wrong place is told by nothing
-  /// but the jump from one image to the next, where that exceeds max_speed: an image is not accepted when the
-  /// one before it did not measure the ball, or was taken longer ago than this, but confirms the next. A base
-  /// that agrees with its mean over earlier images needs no second tag. Infinity: each image stands alone.
+  /// Seconds. If only one tag of the base or the probe is visible, its misdetection shows only as a jump
+  /// faster than max_speed: an image is not accepted unless the previous one measured the ball, too, at most
+  /// this long ago; it then confirms the next. A base that agrees with its mean over earlier images needs no
+  /// second tag. Infinity: each image stands alone.
   double max_pause = 1.0;
   /// The corners' noise is taken from the residuals of earlier images where these are below the noise that
   /// is stated, but never below this, pixels. A value of the stated noise or more switches it off.

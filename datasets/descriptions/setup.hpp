@@ -144,7 +144,7 @@ struct AcceptanceSetup {
   std::optional<double> max_noise;       ///< how many times the stated noise the residuals may show
   std::optional<double> max_speed;       ///< m/s of the ball
   std::optional<double> max_turn_speed;  ///< rad/s of the probe
-  std::optional<double> max_pause;       ///< s to the image before, where one tag is seen alone
+  std::optional<double> max_pause;       ///< s to the previous image, if only one tag is visible
   std::optional<double> pixel_noise;     ///< standard deviation of a tag corner, px
   bool fixed_camera = false;             ///< camera and base board stand still: the board's pose is averaged
 };
