@@ -44,8 +44,15 @@ Eigen::Vector3d PixelRays::at(double column, double row) const {
   return at.homogeneous();
 }
 
+Patch PixelRays::patch(int column, int row) const {
+  Patch patch;
+  for (const double x : {column - 0.5, column + 0.5})
+    for (const double y : {row - 0.5, row + 0.5}) patch.add(at(x, y).head<2>());
+  return patch;
+}
+
 ImageRenderer::ImageRenderer(std::shared_ptr<const PixelRays> rays, const Eigen::Isometry3d& map_from_camera,
-                             std::vector<Surface> still, double background)
+                             std::vector<Surface> still, double background, EdgeRays edge_rays)
     : rays_(std::move(rays)),
       width_(rays_->width()),
       height_(rays_->height()),
@@ -66,40 +73,52 @@ ImageRenderer::ImageRenderer(std::shared_ptr<const PixelRays> rays, const Eigen:
       for (int column = left; column < right + (right == width_); ++column)
         still_sight(column, row) = look(tile.still, still_views_.data(), column, row);
   });
-  parallel_for(tiles_.size(), [&](size_t i) { draw_still_tile(tiles_[i]); });
+  parallel_for(tiles_.size(), [&](size_t i) { draw_still_tile(tiles_[i], edge_rays); });
 }
 
 void ImageRenderer::make_tiles() {
+  const Candidates still = candidates_of(still_views_);
   for (int row = 0; row < height_; row += tile_size) {
     for (int column = 0; column < width_; column += tile_size) {
-      Tile tile{column, row, {}, 0, {}};
-      // One pixel more on every side: neighbours decide where edges are.
-      const double left = column - 1.5, top = row - 1.5, side = tile_size + 2;
-      tile.axis = ray(left + side / 2, top + side / 2).normalized();
-      for (int i = 0; i <= 4; ++i)
-        for (const Eigen::Vector2d& at : {Eigen::Vector2d(i, 0), {i, 4}, {0, i}, {4, i}}) {
-          const auto edge = ray(left + at.x() * side / 4, top + at.y() * side / 4).normalized();
-          tile.half_angle = std::max(tile.half_angle, 1.01 * std::acos(std::min(1.0, edge.dot(tile.axis))));
-        }
-      for (const SurfaceView& view : still_views_)
-        if (touches(tile, view.surface())) tile.still.push_back(&view);
+      Tile tile{column, row, {}, {}};
+      for (int i = -1; i <= tile_size + 1; ++i)  // neighbours decide where edges are
+        for (int j = -1; j <= tile_size + 1; ++j)
+          tile.patch.add(rays_->at(column + i - 0.5, row + j - 0.5).head<2>());
+      for (const Candidate& candidate : still)
+        if (candidate.patch.meets(tile.patch)) tile.still.push_back(candidate);
       tiles_.push_back(std::move(tile));
     }
   }
 }
 
-bool ImageRenderer::touches(const Tile& tile, const Surface& surface) const {
-  const Eigen::Vector3d to_center = surface.center() - map_from_camera_.translation();
-  const double distance = to_center.norm();
-  if (distance <= surface.reach()) return true;
-  const double angle = std::acos(std::clamp(to_center.dot(tile.axis) / distance, -1.0, 1.0));
-  return angle <= tile.half_angle + std::asin(surface.reach() / distance);
+ImageRenderer::Candidates ImageRenderer::candidates_of(std::span<const SurfaceView> views) const {
+  Candidates candidates;
+  for (const SurfaceView& view : views) candidates.push_back({&view, patch_of(view.surface())});
+  return candidates;
 }
 
-double ImageRenderer::shade(const CastResult& result) const {
-  if (result.index < 0) return background_;
+Patch ImageRenderer::patch_of(const Surface& surface) const {
+  constexpr double shallow = 1e-3, rounding = 1e-9;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Eigen::Matrix<double, 3, 8> corners = map_from_camera_.inverse() * surface.corners();
+  if (!(corners.row(2).minCoeff() > shallow))
+    return {Eigen::Array2d::Constant(-infinity), Eigen::Array2d::Constant(infinity)};
+  Patch patch;
+  for (int i = 0; i < 8; ++i) patch.add(corners.col(i).hnormalized().array());
+  return {patch.low - rounding, patch.high + rounding};
+}
+
+ImageRenderer::Meeting ImageRenderer::cast(const Candidates& candidates, const Eigen::Vector3d& ray) {
+  Meeting meeting;
+  for (const Candidate& candidate : candidates)
+    if (candidate.view->meet(ray, meeting.hit)) meeting.view = candidate.view;
+  return meeting;
+}
+
+double ImageRenderer::shade(const Meeting& meeting) const {
+  if (!meeting.view) return background_;
   static const Eigen::Vector3d light = Eigen::Vector3d(0.5, -0.25, 0.83).normalized();
-  return result.hit.grey * (0.55 + 0.45 * std::max(0.0, result.hit.normal.dot(light)));
+  return meeting.hit.grey * (0.55 + 0.45 * std::max(0.0, meeting.hit.normal.dot(light)));
 }
 
 ImageRenderer::Sight& ImageRenderer::still_sight(int column, int row) {
@@ -117,34 +136,40 @@ float& ImageRenderer::value(Radiance& picture, int column, int row) const {
 
 ImageRenderer::Sight ImageRenderer::look(const Candidates& candidates, const SurfaceView* first, int column,
                                          int row) const {
-  const auto result = cast_ray(candidates, ray(column, row));
-  if (result.index < 0) return {-1, result.hit.along, shade(result)};
-  const auto surface = candidates[static_cast<size_t>(result.index)] - first;
-  return {8 * static_cast<int>(surface) + result.hit.part, result.hit.along, shade(result)};
+  const Meeting meeting = cast(candidates, ray(column, row));
+  const int part = meeting.view ? 8 * static_cast<int>(meeting.view - first) + meeting.hit.part : -1;
+  return {part, meeting.hit.along, shade(meeting)};
 }
 
-double ImageRenderer::average(const Candidates& candidates, int column, int row) const {
+double ImageRenderer::average(const Candidates& candidates, EdgeRays edge_rays, int column, int row) const {
   static const auto spread = spread_points();
+  const Patch pixel = rays_->patch(column, row);
+  Candidates near;
+  for (const Candidate& candidate : candidates)
+    if (candidate.patch.meets(pixel)) near.push_back(candidate);
   double sum = 0;
-  for (const auto& at : spread)
-    sum += shade(cast_ray(candidates, ray(column - 0.5 + at.x(), row - 0.5 + at.y())));
-  return sum / static_cast<double>(spread.size());
+  int count = 0;
+  for (auto i = static_cast<size_t>(edge_rays.first); i < spread.size();
+       i += static_cast<size_t>(edge_rays.step), ++count)
+    sum += shade(cast(near, ray(column - 0.5 + spread[i].x(), row - 0.5 + spread[i].y())));
+  return sum / count;
 }
 
-void ImageRenderer::draw_still_tile(const Tile& tile) {
+void ImageRenderer::draw_still_tile(const Tile& tile, EdgeRays edge_rays) {
   for (int row = tile.row; row < std::min(tile.row + tile_size, height_); ++row) {
     for (int column = tile.column; column < std::min(tile.column + tile_size, width_); ++column) {
       const Sight& here = still_sight(column, row);
       bool edge = false;
       for (int i = -1; i <= 1; ++i)
         for (int j = -1; j <= 1; ++j) edge = edge || still_sight(column + i, row + j).part != here.part;
-      value(empty_, column, row) = static_cast<float>(edge ? average(tile.still, column, row) : here.level);
+      value(empty_, column, row) =
+          static_cast<float>(edge ? average(tile.still, edge_rays, column, row) : here.level);
     }
   }
 }
 
 void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving, const SurfaceView* first,
-                                     Radiance& picture) const {
+                                     EdgeRays edge_rays, Radiance& picture) const {
   constexpr int side = tile_size + 2;
   std::array<Sight, side * side> sights;
   std::array<bool, side * side> moves{};
@@ -171,20 +196,21 @@ void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving,
           edge = edge || sights[index(i + di, j + dj)].part != sights[index(i, j)].part;
         }
       if (!touched) continue;
-      value(picture, tile.column + i, tile.row + j) =
-          static_cast<float>(edge ? average(all, tile.column + i, tile.row + j) : sights[index(i, j)].level);
+      value(picture, tile.column + i, tile.row + j) = static_cast<float>(
+          edge ? average(all, edge_rays, tile.column + i, tile.row + j) : sights[index(i, j)].level);
     }
   }
 }
 
-Radiance ImageRenderer::draw(std::span<const Surface> moving) const {
+Radiance ImageRenderer::draw(std::span<const Surface> moving, EdgeRays edge_rays) const {
   Radiance picture = empty_;
   const std::vector<SurfaceView> seen = views_from(map_from_camera_.translation(), moving);
+  const Candidates all = candidates_of(seen);
   for (const auto& tile : tiles_) {
     Candidates candidates;
-    for (const SurfaceView& view : seen)
-      if (touches(tile, view.surface())) candidates.push_back(&view);
-    if (!candidates.empty()) draw_moving_tile(tile, candidates, seen.data(), picture);
+    for (const Candidate& candidate : all)
+      if (candidate.patch.meets(tile.patch)) candidates.push_back(candidate);
+    if (!candidates.empty()) draw_moving_tile(tile, candidates, seen.data(), edge_rays, picture);
   }
   return picture;
 }

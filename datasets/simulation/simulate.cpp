@@ -199,7 +199,8 @@ GrayImage Simulation::exposed(const TakenPicture& picture, const Draw& draw) con
   const int steps = camera.exposure > 0 ? exposure_steps : 1;
   Radiance sum;
   for (int step = 0; step < steps; ++step) {
-    Radiance drawn = draw(picture.taken + camera.exposure * ((step + 0.5) / steps - 0.5));
+    Radiance drawn =
+        draw(picture.taken + camera.exposure * ((step + 0.5) / steps - 0.5), EdgeRays{step, steps});
     if (step == 0) {
       sum = std::move(drawn);
     } else {
@@ -214,8 +215,8 @@ GrayImage Simulation::exposed(const TakenPicture& picture, const Draw& draw) con
 
 GrayImage Simulation::photograph(const ImageRenderer& renderer, const ProbeMotion& motion,
                                  const TakenPicture& picture) const {
-  return exposed(picture, [&](double instant) {
-    return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)));
+  return exposed(picture, [&](double instant, EdgeRays edge_rays) {
+    return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)), edge_rays);
   });
 }
 
@@ -223,9 +224,9 @@ GrayImage Simulation::photograph(const ImageRenderer& renderer, const ProbeMotio
 GrayImage Simulation::photograph_walking(const std::shared_ptr<const PixelRays>& rays,
                                          const std::vector<Surface>& still, const ProbeMotion& motion,
                                          const TakenPicture& picture) const {
-  return exposed(picture, [&](double instant) {
-    const ImageRenderer renderer(rays, camera_at(scene_, instant), still, scene_.background);
-    return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)));
+  return exposed(picture, [&](double instant, EdgeRays edge_rays) {
+    const ImageRenderer renderer(rays, camera_at(scene_, instant), still, scene_.background, edge_rays);
+    return renderer.draw(surfaces_of(scene_, moving_things(scene_, motion, instant)), edge_rays);
   });
 }
 

@@ -117,10 +117,10 @@ Eigen::Vector3d turned(const Turn& turn, const Eigen::Vector3d& v) {
   return turn.col(0) * v.x() + turn.col(1) * v.y() + turn.col(2) * v.z();
 }
 
-double reach_of(const BoxShape& box) { return box.size.norm() / 2; }
-double reach_of(const CylinderShape& cylinder) { return std::hypot(cylinder.radius, cylinder.length / 2); }
-double reach_of(const SphereShape& sphere) { return sphere.radius; }
-double reach_of(const TagShape& tag) { return tag.size * 10 / 8 / std::sqrt(2); }
+Eigen::Vector3d half_of(const BoxShape& box) { return box.size / 2; }
+Eigen::Vector3d half_of(const CylinderShape& c) { return {c.radius, c.radius, c.length / 2}; }
+Eigen::Vector3d half_of(const SphereShape& sphere) { return Eigen::Vector3d::Constant(sphere.radius); }
+Eigen::Vector3d half_of(const TagShape& tag) { return {tag.size * 5 / 8, tag.size * 5 / 8, 0}; }
 
 }  // namespace
 
@@ -131,7 +131,7 @@ Surface::Surface(const SceneShape& shape)
   std::visit(
       [this](const auto& geometry) {
         geometry_ = geometry;
-        reach_ = reach_of(geometry);
+        half_ = half_of(geometry);
       },
       shape.geometry);
 }
@@ -141,7 +141,16 @@ Surface::Surface(const TagShape& tag, const Eigen::Isometry3d& map_from_tag)
       map_from_surface_(map_from_tag),
       surface_from_map_(map_from_tag.inverse()),
       grey_(0),
-      reach_(reach_of(tag)) {}
+      half_(half_of(tag)) {}
+
+Eigen::Matrix<double, 3, 8> Surface::corners() const {
+  Eigen::Matrix<double, 3, 8> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.col(i) =
+        map_from_surface_ * Eigen::Vector3d((i & 1 ? 1 : -1) * half_.x(), (i & 2 ? 1 : -1) * half_.y(),
+                                            (i & 4 ? 1 : -1) * half_.z());
+  return corners;
+}
 
 bool Surface::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const {
   return SurfaceView(*this, origin).meet(direction, nearest);
@@ -149,10 +158,10 @@ bool Surface::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
 
 SurfaceView::SurfaceView(const Surface& surface, const Eigen::Vector3d& origin)
     : surface_(&surface),
-      to_center_(surface.center() - origin),
+      to_center_(surface.map_from_surface_.translation() - origin),
       origin_in_surface_(surface.surface_from_map_ * origin),
       surface_from_map_(surface.surface_from_map_.linear()),
-      outside_(to_center_.squaredNorm() - 1.000001 * surface.reach_ * surface.reach_) {
+      outside_(to_center_.squaredNorm() - 1.000001 * surface.half_.squaredNorm()) {
   if (const auto* box = std::get_if<BoxShape>(&surface.geometry_)) {
     low_ = -0.5 * box->size - origin_in_surface_;
     high_ = 0.5 * box->size - origin_in_surface_;
@@ -187,13 +196,6 @@ std::vector<SurfaceView> views_from(const Eigen::Vector3d& origin, std::span<con
   std::vector<SurfaceView> views;
   for (const Surface& surface : surfaces) views.emplace_back(surface, origin);
   return views;
-}
-
-CastResult cast_ray(std::span<const SurfaceView* const> surfaces, const Eigen::Vector3d& direction) {
-  CastResult result;
-  for (size_t i = 0; i < surfaces.size(); ++i)
-    if (surfaces[i]->meet(direction, result.hit)) result.index = static_cast<int>(i);
-  return result;
 }
 
 CastResult cast_ray(std::span<const SurfaceView> surfaces, const Eigen::Vector3d& direction) {

@@ -34,15 +34,15 @@ class Surface {
   /// Puts the first meeting in front of `nearest.along` into `nearest` and returns true, or leaves it alone.
   bool meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Hit& nearest) const;
 
-  /// Sphere around all of it.
-  Eigen::Vector3d center() const { return map_from_surface_.translation(); }
-  double reach() const { return reach_; }
+  /// Corners of a box around all of it, in the map frame.
+  Eigen::Matrix<double, 3, 8> corners() const;
 
  private:
   friend class SurfaceView;
   std::variant<BoxShape, CylinderShape, SphereShape, TagShape> geometry_;
   Eigen::Isometry3d map_from_surface_, surface_from_map_;
-  double grey_, reach_;
+  double grey_;
+  Eigen::Vector3d half_;  ///< sides of the box around it, halved, in its own frame
 };
 
 /// A surface from one place: what all rays that begin there share is computed once. It refers to the surface.
@@ -72,7 +72,6 @@ struct CastResult {
 CastResult cast_ray(std::span<const Surface* const> surfaces, const Eigen::Vector3d& origin,
                     const Eigen::Vector3d& direction);
 /// The same of surfaces that are seen from one place.
-CastResult cast_ray(std::span<const SurfaceView* const> surfaces, const Eigen::Vector3d& direction);
 CastResult cast_ray(std::span<const SurfaceView> surfaces, const Eigen::Vector3d& direction);
 
 }  // namespace clearway
