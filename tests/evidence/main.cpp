@@ -241,7 +241,7 @@ int main(int argc, char** argv) {
   if (what == "motions") return run_motions(count, seed, jobs, suite);
   if (what == "people") return run_people(count, seed, jobs);
   if (what == "poses") return run_poses(count, seed, severity, jobs);
-  const std::uint64_t chunk = what == "problems" ? 24 : 25;
+  const std::uint64_t chunk = what == "problems" ? clearway::evidence::problems_of_a_world : 25;
   const Evidence evidence = in_parts<Evidence>((count + chunk - 1) / chunk, jobs, [&](std::uint64_t i) {
     if (what == "problems")
       return clearway::evidence::plan_problems(seed, i * chunk, std::min(count, (i + 1) * chunk));

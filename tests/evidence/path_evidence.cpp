@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 #include <functional>
+#include <map>
+#include <memory>
 
 #include "mapping/continued_map.hpp"
 #include "planning/check/path_check.hpp"
@@ -14,8 +16,6 @@
 
 namespace clearway::evidence {
 namespace {
-
-constexpr std::uint64_t problems_of_a_world = 24;
 
 /// The slow twin and what improves its path until time is out look less long.
 PlannerOptions brief(std::string_view planner) {
@@ -56,10 +56,14 @@ void Evidence::add(const Evidence& other) {
 Evidence plan_problems(std::uint64_t seed, std::uint64_t begin, std::uint64_t end) {
   Evidence evidence;
   DrawnWorld world;
+  std::map<std::string_view, std::unique_ptr<Planner>> planners;  // of this world: some read its map once
   std::uint64_t of_world = ~std::uint64_t{0};
   for (std::uint64_t i = begin; i < end; ++i) {
     const std::uint64_t number = seed * 1000003 + i / problems_of_a_world;
-    if (of_world != number) world = draw_world(of_world = number);
+    if (of_world != number) {
+      planners.clear();
+      world = draw_world(of_world = number);
+    }
     const PlannerEntry& planner = planner_table()[i % planner_table().size()];
     Random random(seed * 0x2545f4914f6cdd1dULL + i);
     const auto ends = draw_ends(*world.space, random);
@@ -67,9 +71,10 @@ Evidence plan_problems(std::uint64_t seed, std::uint64_t begin, std::uint64_t en
     ++tally.asked;
     if (!ends) continue;
     const PathCost cost(world.space->robot());
+    std::unique_ptr<Planner>& made = planners[planner.name];
+    if (!made) made = planner.make(brief(planner.name));
     const PlanResult result =
-        planner.make(brief(planner.name))
-            ->plan({*world.space, cost, ends->first, ends->second, i + 1, deadline(1.0)});
+        made->plan({*world.space, cost, ends->first, ends->second, i + 1, deadline(1.0)});
     if (result.status != PlanStatus::solved) continue;
     const PathVerdict verdict = verdict_of(*world.space, result.waypoints);
     count(tally, verdict);

@@ -31,7 +31,9 @@ struct Evidence {
   void add(const Evidence& other);
 };
 
-/// Problems `begin` to `end` - 1 of a seed, each with the planner whose turn it is, 24 to a drawn world:
+constexpr std::uint64_t problems_of_a_world = 60;  ///< three a planner
+
+/// Problems `begin` to `end` - 1 of a seed, each with the planner whose turn it is, sixty to a drawn world:
 /// every path that a planner with certified edges returns is put to the independent check, which must accept
 /// it. What certifies nothing is counted and breaks no promise.
 Evidence plan_problems(std::uint64_t seed, std::uint64_t begin, std::uint64_t end);
