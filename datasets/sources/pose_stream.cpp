@@ -3,6 +3,7 @@
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/poses/CPose3DInterpolator.h>
 
+#include <array>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -99,13 +100,12 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     std::string first, rest;
     if (!(words >> first)) continue;
     words.seekg(0);
-    double v[8];
-    int read = 0;
-    while (read < 8 && words >> v[read]) ++read;
+    std::array<double, 8> v{};
+    for (double& value : v) words >> value;
     const Eigen::Quaterniond turn(v[7], v[4], v[5], v[6]);
-    const bool whole = read == 8 && !(words >> rest);
-    if (!whole || !(std::abs(turn.norm() - 1.0) < 1e-2) || !Eigen::Vector3d(v[1], v[2], v[3]).allFinite() ||
-        !std::isfinite(v[0])) {
+    const bool is_whole = words && !(words >> rest);
+    if (!is_whole || !(std::abs(turn.norm() - 1.0) < 1e-2) ||
+        !Eigen::Vector3d(v[1], v[2], v[3]).allFinite() || !std::isfinite(v[0])) {
       throw std::invalid_argument(name + ", line " + std::to_string(number) +
                                   ": expected 'time x y z qx qy qz qw' with a unit quaternion");
     }
