@@ -1,11 +1,15 @@
 #include "planning/planned_motion.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/thread_time.hpp"
-#include "planning/check/motion_torques.hpp"
+#include "planning/leg_motions.hpp"
 #include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
@@ -22,6 +26,29 @@ std::vector<TrajectoryEvent> events_after(const Plan& plan, int leg) {
         {will_ride ? TrajectoryEvent::Kind::attach : TrajectoryEvent::Kind::detach, load.load.name});
   }
   return events;
+}
+
+/// The least number of periods in which the time is.
+std::size_t periods_of(double time, double period) {
+  return static_cast<std::size_t>(std::ceil(time / period - 1e-9));
+}
+
+/// The motion with what happens to loads on it.
+Trajectory with_events(const Plan& plan) {
+  const PlannedMotion& planned = *plan.motion;
+  Trajectory trajectory = trajectory_of(planned.motion);
+  const double period = planned.motion.period;
+  for (std::size_t leg = 0; leg + 1 < planned.leg_ends.size(); ++leg) {
+    std::size_t knot = planned.leg_ends[leg];
+    for (TrajectoryEvent& event : events_after(plan, static_cast<int>(leg))) {
+      const std::size_t periods = periods_of(planned.grip_time, period);
+      event.time = period * static_cast<double>(knot);
+      event.rest = period * static_cast<double>(periods);
+      knot += periods;
+      trajectory.events.push_back(std::move(event));
+    }
+  }
+  return trajectory;
 }
 
 /// At rest where it is for so many periods.
@@ -46,7 +73,7 @@ Trajectory timed_legs(const Robot& robot, const Plan& plan, double grip_time) {
     if (leg + 1 == plan.legs.size()) break;
     for (TrajectoryEvent& event : events_after(plan, static_cast<int>(leg))) {
       event.time = joined.points.back().time;
-      const auto periods = static_cast<std::size_t>(std::ceil(grip_time / joined.sampling_period - 1e-9));
+      const std::size_t periods = periods_of(grip_time, joined.sampling_period);
       event.rest = static_cast<double>(periods) * joined.sampling_period;
       rest(joined, periods);
       joined.events.push_back(std::move(event));
@@ -55,39 +82,71 @@ Trajectory timed_legs(const Robot& robot, const Plan& plan, double grip_time) {
   return joined;
 }
 
-/// By the check of paths, then of torques.
-MotionVerdict verdict_on(const ConfigurationSpace& space, const std::vector<Configuration>& stops,
-                         const PlannedMotion& planned, const TorqueTerms& torques) {
-  MotionVerdict verdict = check_motion(
-      space.robot(), space.map(), space.policies(), space.options().padding, planned.motion, planned.leg_ends,
-      stops, rate_limits(space.robot(), planned.scales), space.options().seen_within);
-  if (!verdict.valid) return verdict;
-  verdict.fault = torque_fault(space.robot(), planned.motion, torques,
-                               greatest_torques(space.robot(), planned.motion, torques));
-  verdict.valid = verdict.fault.empty();
-  return verdict;
+constexpr std::array<double, 3> shares_of_reach = {1.0, 0.125, 0.0};
+
+SmoothMotionOptions with_share(SmoothMotionOptions options, std::size_t level) {
+  options.reach *= shares_of_reach[level];
+  if (shares_of_reach[level] == 0.0) options.straighten = 0.0;
+  return options;
 }
 
-}  // namespace
+MotionTerms terms_of(const ConfigurationSpace& space, const Plan& plan,
+                     const std::map<std::string, Policy>& policies) {
+  return {space.robot(),
+          space.map(),
+          policies,
+          space.options().padding,
+          space.options().seen_within,
+          load_of(plan, space.robot())};
+}
 
-PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
-                          const SmoothMotionOptions& options) {
-  if (!plan.is_proved())
-    throw std::invalid_argument("motion: the plan is not proved, expected one that is solved and valid");
-  if (!plan.loads.empty() || plan.pick)
-    throw std::invalid_argument(
-        "motion: the plan carries loads, expected one without: edges alone are proved with them");
+/// What the check takes to ride on the robot: of a pick what it states, where the plan has it.
+std::vector<LegLoad> riding_on(const Plan& plan) {
+  if (!plan.pick) return plan.loads;
+  LegLoad picked{plan.pick->object, {2, 3, 4}};
+  for (const LegLoad& load : plan.loads)
+    if (load.load.name == picked.load.name) picked.load.link_from_load = load.load.link_from_load;
+  return {picked};
+}
+
+/// By KDL, each leg with the loads that ride on it.
+void judge_torques(const MotionTerms& terms, const MotionToCheck& motion, const std::vector<LegLoad>& loads,
+                   MotionJudgement& judged) {
+  judged.torques.emplace();
+  const std::vector<std::size_t> grips = grips_between(loads, motion.rests.size());
+  const std::vector<KnotRange> knots = knots_of_legs(motion, grips);
+  for (std::size_t leg = 0; leg < knots.size();) {
+    std::size_t last = leg;
+    while (last < grips.size() && grips[last] == 0) ++last;
+    const Robot robot = robot_of_leg(terms.robot, loads, static_cast<int>(leg));
+    const TorqueTerms torques = torque_terms(robot, terms.load);
+    TorqueFinding found =
+        greatest_torques(robot, stretch_of(motion.motion, knots[leg].first, knots[last].last), torques);
+    found.place += static_cast<double>(knots[leg].first);
+    const std::string fault = torque_fault(robot, motion.motion, torques, found);
+    if (judged.verdict.fault.empty()) judged.verdict.fault = fault;
+    std::set<std::string> overloaded(judged.torques->overloaded.begin(), judged.torques->overloaded.end());
+    overloaded.insert(found.overloaded.begin(), found.overloaded.end());
+    if (std::isnan(found.share) || found.share > judged.torques->share) *judged.torques = found;
+    judged.torques->overloaded.assign(overloaded.begin(), overloaded.end());
+    leg = last + 1;
+  }
+  judged.verdict.valid = judged.verdict.fault.empty();
+}
+
+/// Of a robot that carries nothing.
+PlannedMotion plan_bare_motion(const ConfigurationSpace& space, const Plan& plan,
+                               const SmoothMotionOptions& options) {
   std::vector<std::vector<Configuration>> legs;
   for (const PlanResult& leg : plan.legs) legs.push_back(leg.waypoints);
-  PlannedMotion planned;
-  planned.scales = options.scales;
   const auto torques =
       std::make_shared<const TorqueTerms>(torque_terms(space.robot(), load_of(plan, space.robot())));
-  for (const double share : {1.0, 0.125, 0.0}) {
-    SmoothMotionOptions tried = options;
+  Plan moved = plan;
+  PlannedMotion& planned = moved.motion.emplace();
+  planned.scales = options.scales;
+  for (std::size_t level = 0; level < shares_of_reach.size(); ++level) {
+    SmoothMotionOptions tried = with_share(options, level);
     tried.torques = torques;
-    tried.reach *= share;
-    if (share == 0.0) tried.straighten = 0.0;
     const double begin = thread_cpu_seconds();
     SmoothMotion made = smooth_motion(space, legs, tried);
     planned.cpu_s += thread_cpu_seconds() - begin;
@@ -95,23 +154,107 @@ PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
     planned.leg_ends = std::move(made.leg_ends);
     planned.blended = made.blended;
     planned.stops = made.stops;
-    planned.validation = verdict_on(space, plan.stops(), planned, *torques);
+    planned.validation = check_planned_motion(space, moved, space.policies());
     if (planned.validation.valid) break;
   }
   return planned;
 }
 
-void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotionOptions& options) {
+/// Of legs on which the robot is not the same: one after the other, resting where loads are taken or left.
+class LoadedMotion {
+ public:
+  LoadedMotion(const ConfigurationSpace& space, const Plan& plan, const SmoothMotionOptions& options,
+               double grip_time)
+      : space_(space),
+        plan_(plan),
+        options_(options),
+        made_(plan.legs.size()),
+        level_(plan.legs.size(), 0),
+        is_made_(plan.legs.size(), false) {
+    plan_.motion.emplace();
+    plan_.motion->scales = options.scales;
+    plan_.motion->grip_time = grip_time;
+  }
+
+  PlannedMotion run() {
+    PlannedMotion& planned = *plan_.motion;
+    const double begin = thread_cpu_seconds();
+    const LegMotions legs(space_, plan_);
+    planned.cpu_s += thread_cpu_seconds() - begin;
+    do {
+      const double made = thread_cpu_seconds();
+      for (std::size_t leg = 0; leg < made_.size(); ++leg) {
+        if (is_made_[leg]) continue;
+        made_[leg] = legs.make(leg, with_share(options_, level_[leg]));
+        is_made_[leg] = true;
+      }
+      join();
+      planned.cpu_s += thread_cpu_seconds() - made;
+      planned.validation = check_planned_motion(space_, plan_, plan_.policies);
+    } while (!planned.validation.valid && shorten(planned.validation.leg));
+    return planned;
+  }
+
+ private:
+  void join() {
+    PlannedMotion& planned = *plan_.motion;
+    planned.motion = {};
+    planned.leg_ends.clear();
+    planned.unblended.clear();
+    planned.blended = planned.stops = 0;
+    const std::vector<std::size_t> grips = grips_between(plan_.loads, made_.size());
+    for (std::size_t leg = 0; leg < made_.size(); ++leg) {
+      append(planned.motion, made_[leg].motion);
+      planned.leg_ends.push_back(planned.motion.positions.size() - 1);
+      if (leg < grips.size())
+        append_rest(planned.motion, grips[leg] * periods_of(planned.grip_time, planned.motion.period));
+      planned.blended += made_[leg].blended;
+      planned.stops += made_[leg].stops;
+      if (shares_of_reach[level_[leg]] == 0.0) planned.unblended.push_back(leg);
+    }
+  }
+
+  /// Blends of the leg that the check refuses, or of all, become shorter. False where none can.
+  bool shorten(int refused) {
+    bool is_shorter = false;
+    for (std::size_t leg = 0; leg < level_.size(); ++leg) {
+      if (refused >= 0 && leg != static_cast<std::size_t>(refused)) continue;
+      if (level_[leg] + 1 == shares_of_reach.size()) continue;
+      ++level_[leg];
+      is_made_[leg] = false;
+      is_shorter = true;
+    }
+    return is_shorter;
+  }
+
+  const ConfigurationSpace& space_;
+  Plan plan_;
+  const SmoothMotionOptions& options_;
+  std::vector<SmoothMotion> made_;  ///< of each leg
+  std::vector<std::size_t> level_;  ///< of shares_of_reach, of each leg
+  std::vector<bool> is_made_;
+};
+
+}  // namespace
+
+PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
+                          const SmoothMotionOptions& options, double grip_time) {
+  if (!plan.is_proved())
+    throw std::invalid_argument("motion: the plan is not proved, expected one that is solved and valid");
+  if (!(grip_time >= 0.0 && grip_time <= most_grip_time))
+    throw std::invalid_argument("motion: grip_time is " + short_text(grip_time) +
+                                ", expected seconds from 0 to 60");
+  if (plan.loads.empty() && !plan.pick) return plan_bare_motion(space, plan, options);
+  return LoadedMotion(space, plan, options, grip_time).run();
+}
+
+void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotionOptions& options,
+                 double grip_time) {
   plan.motion.reset();
   plan.motion_caveat.clear();
   if (!plan.is_proved()) return;
-  if (!plan.loads.empty() || plan.pick) {
-    plan.motion_caveat =
-        "with loads the robot goes edge by edge and rests where legs end: blends are proved without";
-    return;
-  }
   try {
-    plan.motion = plan_motion(space, plan, options);
+    plan.motion = plan_motion(space, plan, options, grip_time);
     if (plan.motion->validation.valid) return;
     plan.motion_caveat = "the check refuses it: " + plan.motion->validation.fault;
     plan.motion.reset();
@@ -120,13 +263,21 @@ void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotion
   }
 }
 
-MotionVerdict check_planned_motion(const ConfigurationSpace& space, const Plan& plan) {
-  if (plan.loads.empty() && !plan.pick)
-    return verdict_on(space, plan.stops(), *plan.motion,
-                      torque_terms(space.robot(), load_of(plan, space.robot())));
-  MotionVerdict verdict;
-  verdict.fault = "motions of robots that carry loads are not checked, expected a plan without `motion`";
-  return verdict;
+MotionJudgement judge_motion(const MotionTerms& terms, const Plan& plan) {
+  const std::vector<LegLoad> loads = riding_on(plan);
+  const MotionToCheck motion = motion_to_check(plan, terms.robot);
+  MotionJudgement judged;
+  judged.verdict = plan.pick ? check_pick_motion(pick_of(plan, *plan.pick, terms.robot, terms.map), motion,
+                                                 terms.policies, terms.padding, terms.seen_within)
+                             : check_motion(terms.robot, terms.map, terms.policies, terms.padding, motion,
+                                            loads, terms.seen_within);
+  if (judged.verdict.valid) judge_torques(terms, motion, loads, judged);
+  return judged;
+}
+
+MotionVerdict check_planned_motion(const ConfigurationSpace& space, const Plan& plan,
+                                   const std::map<std::string, Policy>& policies) {
+  return judge_motion(terms_of(space, plan, policies), plan).verdict;
 }
 
 JointLoad load_of(const Plan& plan, const Robot& robot) {
@@ -142,9 +293,24 @@ Trajectory trajectory_of(const Motion& motion) {
 }
 
 Trajectory trajectory_of(const Robot& robot, const Plan& plan, double grip_time) {
-  if (plan.motion) return trajectory_of(plan.motion->motion);
+  if (plan.motion) return with_events(plan);
   return plan.loads.empty() && !plan.pick ? time_parameterize(robot, plan.waypoints())
                                           : timed_legs(robot, plan, grip_time);
+}
+
+std::vector<Trajectory> leg_trajectories(const Robot& robot, const Plan& plan) {
+  std::vector<Trajectory> legs;
+  std::size_t first = 0;
+  for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
+    if (!plan.motion) {
+      legs.push_back(time_parameterize(robot, plan.legs[leg].waypoints));
+      continue;
+    }
+    const std::size_t last = plan.motion->leg_ends.at(leg);
+    legs.push_back(trajectory_of(stretch_of(plan.motion->motion, first, last)));
+    first = last;
+  }
+  return legs;
 }
 
 }  // namespace clearway

@@ -9,8 +9,8 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "planning/files/plan_file.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
 
@@ -23,14 +23,20 @@ Eigen::Isometry3d pose_of_load(const Plan& plan, const std::string& name) {
   return Eigen::Isometry3d::Identity();
 }
 
-/// The plan's legs with the loads of the contract.
-std::vector<LegsToCheck> legs_under(const Contract& contract, const Robot& robot, const Snapshot& map,
-                                    Plan plan) {
+/// The plan with the loads and the pick of the contract.
+Plan plan_under(const Contract& contract, Plan plan) {
   std::vector<LegLoad> loads = carried_under(contract);
   for (LegLoad& load : loads)
     if (contract.pick.value) load.load.link_from_load = pose_of_load(plan, load.load.name);
   plan.loads = std::move(loads);
-  return legs_of(plan, robot_of(contract, robot), map);
+  plan.pick = contract.pick.value;
+  return plan;
+}
+
+/// The plan's legs with the loads of the contract.
+std::vector<LegsToCheck> legs_under(const Contract& contract, const Robot& robot, const Snapshot& map,
+                                    const Plan& plan) {
+  return legs_of(plan_under(contract, plan), robot_of(contract, robot), map);
 }
 
 /// The path itself, under the contract's terms.
@@ -56,20 +62,11 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
   const Contract& contract = report.contract;
   const Robot placed = robot_of(contract, robot);
   report.motion_duration = plan.motion->motion.duration();
-  if (!carried_under(contract).empty() || contract.pick.value) {
-    report.motion.emplace();
-    report.motion->fault =
-        "motions of robots that carry loads are not checked, expected a plan without `motion`";
-    return;
-  }
-  report.motion = check_motion(placed, map, policies_of(contract), contract.padding.value,
-                               plan.motion->motion, plan.motion->leg_ends, plan.stops(),
-                               rate_limits(placed, plan.motion->scales), contract.seen_within.value);
-  const TorqueTerms terms = torque_terms(placed, joint_load_of(contract));
-  if (!report.motion->valid) return;
-  report.torques = greatest_torques(placed, plan.motion->motion, terms);
-  report.motion->fault = torque_fault(placed, plan.motion->motion, terms, *report.torques);
-  report.motion->valid = report.motion->fault.empty();
+  const MotionJudgement judged = judge_motion({placed, map, policies_of(contract), contract.padding.value,
+                                               contract.seen_within.value, joint_load_of(contract)},
+                                              plan_under(contract, plan));
+  report.motion = judged.verdict;
+  report.torques = judged.torques;
 }
 
 }  // namespace

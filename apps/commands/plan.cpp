@@ -34,16 +34,11 @@ bool wants_motion(const PlanOptions& options) {
   return !options.trajectories.empty() || !options.view.empty() || options.motion;
 }
 
-/// Blends are proved for the robot alone.
-bool has_loads(const Plan& plan) { return !plan.loads.empty() || plan.pick; }
-
 /// Nothing but a proved path is given time: a controller would follow it.
 void add_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan, Console& console) {
   if (!wants_motion(options)) return;
-  give_motion(space, plan, {.scales = options.scales});
-  if (plan.is_proved() && has_loads(plan)) {
-    if (!options.trajectories.empty() || options.motion) console.warn("note: " + plan.motion_caveat);
-  } else if (plan.is_proved()) {
+  give_motion(space, plan, {.scales = options.scales}, options.grip_time);
+  if (plan.is_proved()) {
     if (!plan.motion) console.warn("clearway: no trajectory was written: " + plan.motion_caveat);
   } else if (!options.trajectories.empty() || options.motion) {
     console.warn("clearway: no trajectory was written, because the plan is " +
@@ -59,17 +54,14 @@ Plan plan_to_file(const PlanOptions& options, Plan plan) {
   return plan;
 }
 
-/// Of plans with loads, edge by edge.
-bool has_trajectory(const Plan& plan) { return plan.motion || (plan.is_proved() && has_loads(plan)); }
-
 /// A file that was there before stays: who asked for a new one has to learn that it was not written.
 bool lacks_trajectory(const PlanOptions& options, const Plan& plan) {
-  return (!options.trajectories.empty() || options.motion) && !has_trajectory(plan);
+  return (!options.trajectories.empty() || options.motion) && !plan.motion;
 }
 
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
-  if (!has_trajectory(plan)) return;
-  const Trajectory trajectory = trajectory_of(robot, plan, options.grip_time);
+  if (!plan.motion) return;
+  const Trajectory trajectory = trajectory_of(robot, plan);
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
   }
@@ -229,7 +221,7 @@ int run_plan(const PlanOptions& options, Console& console) {
     if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
     if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
     for (const auto& [format, file] : options.trajectories) {
-      if (has_trajectory(plan)) console.out() << "  trajectory: " << file << '\n';
+      if (plan.motion) console.out() << "  trajectory: " << file << '\n';
     }
   }
   return plan.is_proved() && !lacks_trajectory(options, plan) ? exit_done : exit_no;

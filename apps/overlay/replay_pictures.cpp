@@ -134,8 +134,9 @@ void add_timed(const Trajectory& trajectory, DrawnMotion& motion) {
 
 /// Leg by leg where loads change from one to the next.
 void add_timed_legs(const Robot& robot, const Plan& plan, DrawnMotion& motion) {
-  for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
-    add_timed(time_parameterize(robot, plan.legs[leg].waypoints), motion);
+  const std::vector<Trajectory> legs = leg_trajectories(robot, plan);
+  for (std::size_t leg = 0; leg < legs.size(); ++leg) {
+    add_timed(legs[leg], motion);
     motion.legs.resize(motion.positions.size(), leg);
   }
 }

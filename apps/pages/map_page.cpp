@@ -60,9 +60,17 @@ std::vector<Configuration> subdivided(const std::vector<Configuration>& path, co
   return dense;
 }
 
-/// Of each leg the waypoint of the page at which it ends: the one nearest to the plan's.
-std::vector<std::size_t> ends_of_legs(const Plan& plan, const std::vector<Configuration>& waypoints) {
+/// Of each leg the waypoint of the page at which it ends: of a motion the first that is shown from its knot
+/// on, else the one nearest to the plan's.
+std::vector<std::size_t> ends_of_legs(const Plan& plan, const std::vector<Configuration>& waypoints,
+                                      const std::vector<std::size_t>& shown) {
   std::vector<std::size_t> ends;
+  if (plan.motion && !shown.empty()) {
+    for (const std::size_t knot : plan.motion->leg_ends)
+      ends.push_back(
+          static_cast<std::size_t>(std::lower_bound(shown.begin(), shown.end(), knot) - shown.begin()));
+    return ends;
+  }
   std::size_t from = 0;
   for (const PlanResult& leg : plan.legs) {
     if (leg.waypoints.empty()) break;
@@ -77,8 +85,9 @@ std::vector<std::size_t> ends_of_legs(const Plan& plan, const std::vector<Config
 }
 
 /// A load that rides on some legs rests before and after them where it is taken and put down.
-void rest_loads(const Plan& plan, std::size_t first_link, PagePlan& page) {
-  const std::vector<std::size_t> ends = ends_of_legs(plan, page.waypoints);
+void rest_loads(const Plan& plan, std::size_t first_link, const std::vector<std::size_t>& shown,
+                PagePlan& page) {
+  const std::vector<std::size_t> ends = ends_of_legs(plan, page.waypoints, shown);
   if (ends.empty()) return;
   for (std::size_t i = 0; i < plan.loads.size(); ++i) {
     const std::vector<int>& legs = plan.loads[i].legs;
@@ -240,10 +249,10 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   }
   const std::vector<Configuration> whole = path;
   const bool has_loads = !plan.loads.empty() || plan.pick;
-  const auto shown = plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion, load_of(plan, robot))
-                     : has_loads && plan.is_proved()
-                         ? show_trajectory(shown_plan, robot, trajectory_of(robot, plan))
-                         : show_motion(shown_plan, robot, path);
+  const auto shown =
+      plan.motion ? show_smooth_motion(shown_plan, robot, *plan.motion, load_of(plan, robot), plan.loads)
+      : has_loads && plan.is_proved() ? show_trajectory(shown_plan, robot, trajectory_of(robot, plan))
+                                      : show_motion(shown_plan, robot, path);
   if (shown.empty()) shown_plan.waypoints = subdivided(thinned(std::move(path)), robot);
   for (const PlanResult& leg : plan.legs)
     if (const auto kept = leg.statistics.find("security_distance_m"); kept != leg.statistics.end())
@@ -262,7 +271,7 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   for (const PaintHint& hint : plan.paint) shown_plan.to_paint.push_back(hint.sphere);
   shown_plan.start_poses = forward_kinematics(loaded, start);
   if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(loaded, plan.goals.back());
-  rest_loads(plan, robot.links.size(), shown_plan);
+  rest_loads(plan, robot.links.size(), shown, shown_plan);
   return shown_plan;
 }
 

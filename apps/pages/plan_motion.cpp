@@ -49,18 +49,36 @@ Eigen::VectorXd greatest_of(const std::vector<Eigen::VectorXd>& values, std::siz
 
 std::string percent(double share) { return significant(100.0 * share, 3) + " % of limit"; }
 
-void show_torques(PagePlan& plan, const Robot& robot, const Motion& motion,
-                  const std::vector<std::size_t>& shown, const JointLoad& load) {
-  const TorqueTerms terms = torque_terms(robot, load);
+/// The torques at each knot, with the loads that ride on the leg that ends there or later.
+std::vector<Eigen::VectorXd> torques_of(const Robot& robot, const PlannedMotion& planned,
+                                        const JointLoad& load, const std::vector<LegLoad>& loads) {
+  const Motion& motion = planned.motion;
+  std::vector<Eigen::VectorXd> torques;
+  std::size_t k = 0;
+  const auto add = [&](std::size_t end, const Robot& loaded) {
+    const TorqueTerms terms = torque_terms(loaded, load);
+    for (; k < end; ++k)
+      torques.push_back(
+          joint_torques(loaded, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms));
+  };
+  for (std::size_t leg = 0; !loads.empty() && leg < planned.leg_ends.size(); ++leg)
+    add(planned.leg_ends[leg] + 1, robot_of_leg(robot, loads, static_cast<int>(leg)));
+  add(motion.positions.size(), robot);
+  return torques;
+}
+
+void show_torques(PagePlan& plan, const Robot& robot, const PlannedMotion& planned,
+                  const std::vector<std::size_t>& shown, const JointLoad& load,
+                  const std::vector<LegLoad>& loads) {
+  Robot loaded = robot;
+  for (const LegLoad& one : loads) loaded = with_load(loaded, one.load);
+  const TorqueTerms terms = torque_terms(loaded, load);
   if (terms.limits.size() == 0 || !std::isfinite(terms.limits.minCoeff())) return;
   plan.max_torque.assign(terms.limits.begin(), terms.limits.end());
-  std::vector<Eigen::VectorXd> torques;
+  const std::vector<Eigen::VectorXd> torques = torques_of(robot, planned, load, loads);
   double greatest = 0.0;
-  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
-    torques.push_back(
-        joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms));
-    greatest = std::max(greatest, torques.back().cwiseAbs().cwiseQuotient(terms.limits).maxCoeff());
-  }
+  for (const Eigen::VectorXd& at_knot : torques)
+    greatest = std::max(greatest, at_knot.cwiseAbs().cwiseQuotient(terms.limits).maxCoeff());
   std::size_t next = 0;
   for (const std::size_t k : shown) {
     plan.torques.push_back(greatest_of(torques, next, k));
@@ -100,7 +118,7 @@ std::vector<std::size_t> show_motion(PagePlan& plan, const Robot& robot,
 }
 
 std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned,
-                                            const JointLoad& load) {
+                                            const JointLoad& load, const std::vector<LegLoad>& loads) {
   const Motion& motion = planned.motion;
   if (motion.positions.size() < 2 || motion.duration() > longest_motion) return {};
   const RateLimits limits = rate_limits(robot);
@@ -122,7 +140,7 @@ std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, 
   plan.figures.emplace_back("top joint speed", percent(shares.velocity));
   plan.figures.emplace_back("top acceleration", percent(shares.acceleration));
   plan.figures.emplace_back("top jerk", percent(shares.jerk));
-  show_torques(plan, robot, motion, shown, load);
+  show_torques(plan, robot, planned, shown, load, loads);
   return shown;
 }
 

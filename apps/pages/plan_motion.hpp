@@ -31,9 +31,9 @@ std::vector<std::size_t> show_trajectory(PagePlan& plan, const Robot& robot, con
 
 /// The same of the motion that a plan is given with it, at its knots: limits are the robot's own. Torques
 /// (joint_torques) are shown where some joint has a limit of them, see torque_terms.
-/// @param load that torques are reckoned with, at the robot's scale
+/// @param load that torques are reckoned with, at the robot's scale @param loads that ride on legs besides
 /// @throws std::invalid_argument as torque_terms
 std::vector<std::size_t> show_smooth_motion(PagePlan& plan, const Robot& robot, const PlannedMotion& planned,
-                                            const JointLoad& load);
+                                            const JointLoad& load, const std::vector<LegLoad>& loads = {});
 
 }  // namespace clearway

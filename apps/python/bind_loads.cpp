@@ -83,17 +83,17 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& plan,
     Plan carried = plan;
     if (stated) carried.loads = *stated;
     carried.pick = pick;
+    const std::map<std::string, Policy> policies =
+        policies_with(*space, pick ? std::vector<LegLoad>{{pick->object, {}}} : carried.loads, of_loads);
     PathVerdict verdict;
     if (pick) {
       require_sound(*pick, space->map().resolution(), padding);
-      verdict = check_pick(pick_of(plan, *pick, robot, space->map()),
-                           policies_with(*space, {{pick->object, {}}}, of_loads), padding, seen_within);
+      verdict = check_pick(pick_of(plan, *pick, robot, space->map()), policies, padding, seen_within);
     } else {
-      verdict = check_legs(legs_of(carried, robot, space->map()),
-                           policies_with(*space, carried.loads, of_loads), padding, 0.0, seen_within);
+      verdict = check_legs(legs_of(carried, robot, space->map()), policies, padding, 0.0, seen_within);
     }
     if (!verdict.valid || !plan.motion) return verdict;
-    if (const MotionVerdict motion = check_planned_motion(*space, carried); !motion.valid) {
+    if (const MotionVerdict motion = check_planned_motion(*space, carried, policies); !motion.valid) {
       verdict.valid = false;
       verdict.first_contact = "the motion: " + motion.fault;
     }

@@ -121,7 +121,9 @@ void bind_motion(py::module_& module) {
       .field("motion", &PlannedMotion::motion, "The motion itself.")
       .field("leg_ends", &PlannedMotion::leg_ends)
       .field("blended", &PlannedMotion::blended)
+      .field("grip_time", &PlannedMotion::grip_time)
       .field("stops", &PlannedMotion::stops)
+      .field("unblended", &PlannedMotion::unblended)
       .field("validation", &PlannedMotion::validation);
   Record<Trajectory>(module, "Trajectory")
       .field("sampling_period", &Trajectory::sampling_period)
@@ -162,7 +164,7 @@ void bind_making(py::module_& module) {
   module.def(
       "plan_motion",
       [](const NamedSpace& space, const Plan& plan, double speed, double acceleration, double jerk,
-         double period, double straighten, double reach) {
+         double period, double straighten, double reach, double grip_time) {
         SmoothMotionOptions options;
         options.scales.speed = speed;
         options.scales.acceleration = acceleration;
@@ -170,16 +172,16 @@ void bind_making(py::module_& module) {
         options.period = period;
         options.straighten = straighten;
         options.reach = reach;
-        return without_lock([&] { return plan_motion(*space, plan, options); });
+        return without_lock([&] { return plan_motion(*space, plan, options, grip_time); });
       },
       py::arg("space"), py::arg("plan"), py::kw_only(), py::arg("speed") = usual.speed,
       py::arg("acceleration") = usual.acceleration, py::arg("jerk") = usual.jerk,
       py::arg("period") = smooth.period, py::arg("straighten") = smooth.straighten,
-      py::arg("reach") = smooth.reach,
+      py::arg("reach") = smooth.reach, py::arg("grip_time") = usual_grip_time,
       doc("plan_motion",
           "speed, acceleration, jerk: scales of the limits, above 0 up to 1.\n\nperiod: between knots, "
           "seconds.\n\n"
-          "straighten, reach: see SmoothMotionOptions."));
+          "straighten, reach: see SmoothMotionOptions.\n\ngrip_time: seconds, 0 to 60."));
   const TrajectoryOptions timed;
   module.def(
       "time_parameterize",

@@ -200,6 +200,12 @@ void tell_motion(const PlannedMotion& planned, std::vector<std::pair<std::string
                                   significant(1000.0 * planned.motion.period) + " ms");
   rows.emplace_back("corners", std::to_string(planned.blended) + " blended, " +
                                    std::to_string(planned.stops) + " with a stop");
+  if (!planned.unblended.empty()) {
+    std::string legs;
+    for (const std::size_t leg : planned.unblended)
+      legs += (legs.empty() ? "" : ", ") + std::to_string(leg + 1);
+    rows.emplace_back("legs without blends", legs);
+  }
   const std::string clear = significant(planned.validation.min_clearance * 1000.0, 3) + " mm clear";
   rows.emplace_back("motion check",
                     planned.validation.valid ? "valid, " + clear : "REFUSED: " + planned.validation.fault);

@@ -49,9 +49,9 @@ TaughtPlan answered(TaughtPlan taught, PlanQuery query, const std::optional<Pick
     return taught;
   }
   const std::vector<PlanResult>& legs = taught.plan.legs;
+  const std::vector<Trajectory> timed = leg_trajectories(space.robot(), taught.plan);
   for (std::size_t leg = 0; leg < legs.size(); ++leg)
-    add_tip_path(space_of_leg(taught, static_cast<int>(leg)),
-                 time_parameterize(space.robot(), legs[leg].waypoints).points,
+    add_tip_path(space_of_leg(taught, static_cast<int>(leg)), timed[leg].points,
                  std::max<std::size_t>(1, shown / legs.size()), taught);
   return taught;
 }
@@ -73,14 +73,14 @@ std::string without_motion(const Plan& plan) {
 PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
   const Plan& plan = taught.plan;
   const Robot& robot = taught.space->robot();
-  if (plan.pick)
-    return check_pick(pick_of(plan, *plan.pick, robot, map), plan.policies, plan.padding, plan.seen_within);
   PathVerdict verdict =
-      check_legs(legs_of(plan, robot, map), plan.policies, plan.padding, 0.0, plan.seen_within);
+      plan.pick
+          ? check_pick(pick_of(plan, *plan.pick, robot, map), plan.policies, plan.padding, plan.seen_within)
+          : check_legs(legs_of(plan, robot, map), plan.policies, plan.padding, 0.0, plan.seen_within);
   if (!verdict.valid || !plan.motion) return verdict;
   const MotionVerdict motion =
-      check_motion(robot, map, plan.policies, plan.padding, plan.motion->motion, plan.motion->leg_ends,
-                   plan.stops(), rate_limits(robot, plan.motion->scales), plan.seen_within);
+      judge_motion({robot, map, plan.policies, plan.padding, plan.seen_within, load_of(plan, robot)}, plan)
+          .verdict;
   verdict.valid = motion.valid;
   verdict.undecided = motion.undecided;
   verdict.first_contact = motion.fault;
@@ -111,9 +111,11 @@ void TeachSession::play(std::string& remark) {
   motion_.clear();
   carried_.clear();
   const std::size_t legs = taught.plan.loads.empty() ? 0 : taught.plan.legs.size();
+  const std::vector<Trajectory> timed =
+      legs == 0 ? std::vector<Trajectory>{} : leg_trajectories(robot, taught.plan);
   for (std::size_t leg = 0; leg < legs; ++leg) {
     carried_.push_back(robot_of_leg(robot, taught.plan.loads, static_cast<int>(leg)).loads);
-    add(time_parameterize(robot, taught.plan.legs[leg].waypoints));
+    add(timed[leg]);
   }
   if (legs == 0) {
     carried_.emplace_back();

@@ -1,6 +1,7 @@
 #include "planning/check/check_pick.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -20,9 +21,12 @@ constexpr double skin = 1e-6;        ///< m that the object reaches into a voxel
 constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m
 constexpr double finest_advance = 1e-9;                      ///< of an edge
 
+constexpr int no_leg = -1;
+
 /// A reason to refuse, with the leg that it is of.
 struct Refusal {
   std::string sentence;
+  int leg = no_leg;
 };
 
 double lowest(const Shape& shape, const Eigen::Isometry3d& pose) {
@@ -77,13 +81,45 @@ class PickCheck {
     return verdict_;
   }
 
+  MotionVerdict run(const MotionToCheck& motion) {
+    MotionVerdict verdict;
+    try {
+      require_legs();
+      require_grasp();
+      verdict = check_rates(plan_.robot, motion, grips());
+      if (!verdict.valid) return verdict;
+      if (motion.rests.size() != plan_.legs.size())
+        refuse("its motion has " + std::to_string(motion.rests.size()) + " legs, its path " +
+               std::to_string(plan_.legs.size()));
+      check_motion_legs(motion, verdict);
+    } catch (const Refusal& refusal) {
+      verdict.valid = false;
+      verdict.fault = "motion: " + refusal.sentence;
+      verdict.leg = refusal.leg;
+    }
+    if (!verdict.valid) verdict.min_clearance = 0.0;
+    return verdict;
+  }
+
  private:
   enum Leg : std::size_t { approach, reach, lift, carry, lower, retreat, leave };
 
   const std::vector<Configuration>& leg(std::size_t index) const { return plan_.legs[index]; }
 
+  /// The object is taken after `reach` and left after `lower`, whatever the plan says.
+  std::vector<std::size_t> grips() const {
+    std::vector<std::size_t> grips(plan_.legs.size() - 1, 0);
+    grips[reach] = grips[lower] = 1;
+    return grips;
+  }
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw Refusal{"pick '" + pick_.object.name + "': " + what};
+  }
+
+  [[noreturn]] void refuse_on(Leg index, const std::string& what) const {
+    throw Refusal{"pick '" + pick_.object.name + "': " + names_of_legs(true)[index] + what,
+                  static_cast<int>(index)};
   }
 
   std::string lengths(const std::pair<double, double>& off) const {
@@ -168,19 +204,24 @@ class PickCheck {
     return -(after.linear() * before.linear().transpose() * pick_.approach);
   }
 
+  /// The straight legs and their ways.
+  std::array<std::pair<Leg, Eigen::Vector3d>, 4> ways() const {
+    const Eigen::Vector3d up = pick_.lift * Eigen::Vector3d::UnitZ();
+    return {{{reach, pick_.approach}, {lift, up}, {lower, -up}, {retreat, back()}}};
+  }
+
   void require_ways() const {
-    require_straight(reach, pick_.approach);
-    require_straight(lift, pick_.lift * Eigen::Vector3d::UnitZ());
-    require_straight(lower, -pick_.lift * Eigen::Vector3d::UnitZ());
-    require_straight(retreat, back());
-    require_no_bow(reach, pick_.approach);
-    require_no_bow(lift, pick_.lift * Eigen::Vector3d::UnitZ());
-    require_no_bow(lower, -pick_.lift * Eigen::Vector3d::UnitZ());
-    require_no_bow(retreat, back());
+    for (const auto& [index, way] : ways()) require_straight(index, way);
+    for (const auto& [index, way] : ways()) require_no_bow(index, way, {leg(index), {}});
+  }
+
+  /// How far the body may be from where it is on a chord.
+  static double aside(const check::KdlArm& arm, std::size_t body, const MotionTubes& curve, std::size_t i) {
+    return curve.deviations.empty() ? 0.0 : arm.motion(body, curve.deviations[i]) * (1.0 + 1e-9);
   }
 
   /// Between waypoints, too: conservative advancement over points of the load as it is held.
-  void require_no_bow(std::size_t index, const Eigen::Vector3d& way) const {
+  void require_no_bow(Leg index, const Eigen::Vector3d& way, const MotionTubes& curve) const {
     const Robot carrying = loaded();
     const check::KdlArm arm(carrying);
     const std::size_t body = carrying.bodies.size() - 1;
@@ -190,7 +231,7 @@ class PickCheck {
     for (int axis = 0; axis < 3; ++axis)
       for (const double sign : {1.0, -1.0})
         points.push_back(shape_.support(sign * Eigen::Vector3d::Unit(axis)));
-    const std::vector<Configuration>& path = leg(index);
+    const std::vector<Configuration>& path = curve.chords;
     const Eigen::Isometry3d begin = arm.place(path.front(), body);
     const auto off = [&](const Eigen::Isometry3d& pose) {
       double farthest = 0.0;
@@ -205,12 +246,11 @@ class PickCheck {
       const Eigen::VectorXd step = path[i + 1] - path[i];
       const double rate = arm.motion(body, step.cwiseAbs()) * (1.0 + 1e-9);
       for (double t = 0.0;;) {
-        const double room = most - off(arm.place(path[i] + t * step, body));
-        if (!(room > 0.0)) refuse(names_of_legs(true)[index] + " leaves its straight way between waypoints");
+        const double room = most - off(arm.place(path[i] + t * step, body)) - aside(arm, body, curve, i);
+        if (!(room > 0.0)) refuse_on(index, " leaves its straight way between waypoints");
         const double ahead = rate > 0.0 ? 0.9 * room / rate : 1.0;
         if (!(t + ahead < 1.0)) break;
-        if (!(ahead > finest_advance))
-          refuse(names_of_legs(true)[index] + ": cannot prove that its way is straight");
+        if (!(ahead > finest_advance)) refuse_on(index, ": cannot prove that its way is straight");
         t += ahead;
       }
     }
@@ -295,7 +335,7 @@ class PickCheck {
     verdict_.min_clearance = HUGE_VAL;
     const Snapshot freed = without_object();
     const Robot carrying = loaded();
-    const std::size_t up = waypoint_at_contact(leg(lift)), down = waypoint_at_contact_from_end();
+    const std::size_t up = first_past_contact(leg(lift)), down = last_before_contact(leg(lower));
     add(standing(pick_.map_from_object, false), plan_.map, approach, leg(approach));
     add(standing(pick_.map_from_object, true), freed, reach, leg(reach));
     const auto first = leg(lift).begin();
@@ -313,22 +353,27 @@ class PickCheck {
 
   double height_at(const Configuration& q) const { return lowest(shape_, object_at(q)); }
 
-  /// The first waypoint of the lift that is `contact` above the plane.
-  std::size_t waypoint_at_contact(const std::vector<Configuration>& path) const {
+  /// The first place of the lift that is `contact` above the plane.
+  std::size_t first_past_contact(const std::vector<Configuration>& path) const {
     const double contact = contact_length(pick_, plan_.map.resolution(), padding_);
     const double plane = lowest(shape_, pick_.map_from_object);
     for (std::size_t i = 0; i < path.size(); ++i)
       if (height_at(path[i]) >= plane + contact - same_place) return i;
-    refuse("no waypoint of the lift is past its contact");
+    refuse_on(lift, ": no waypoint is past its contact");
   }
 
-  /// The last waypoint of lowering that is.
-  std::size_t waypoint_at_contact_from_end() const {
+  /// The last place of lowering that is.
+  std::size_t last_before_contact(const std::vector<Configuration>& path) const {
     const double contact = contact_length(pick_, plan_.map.resolution(), padding_);
     const double plane = lowest(shape_, pick_.map_from_place);
-    for (std::size_t i = leg(lower).size(); i-- > 0;)
-      if (height_at(leg(lower)[i]) >= plane + contact - same_place) return i;
-    refuse("no waypoint of lowering is before its contact");
+    for (std::size_t i = path.size(); i-- > 0;)
+      if (height_at(path[i]) >= plane + contact - same_place) return i;
+    refuse_on(lower, ": no waypoint is before its contact");
+  }
+
+  bool is_beyond_contact(const Eigen::Isometry3d& map_from_object, const Configuration& q) const {
+    const double contact = contact_length(pick_, plan_.map.resolution(), padding_);
+    return height_at(q) > lowest(shape_, map_from_object) + contact + same_place;
   }
 
   /// The first or last metres of a leg, on which the load may touch the layer and nothing else may.
@@ -336,14 +381,22 @@ class PickCheck {
                      Leg index, const std::vector<Configuration>& path, std::size_t offset) {
     add(plan_.robot, freed, index, path, offset);
     add(carrying, without_layer(freed, map_from_object), index, path, offset);
-    if (!verdict_.valid) return;
+    if (verdict_.valid) require_heights(carrying, map_from_object, index, {path, {}});
+  }
+
+  /// How low and high the load comes where it may touch what it stands on.
+  void require_heights(const Robot& carrying, const Eigen::Isometry3d& map_from_object, Leg index,
+                       const MotionTubes& curve) const {
     const double plane = lowest(shape_, map_from_object);
     const double contact = contact_length(pick_, plan_.map.resolution(), padding_);
     const double sinking = std::clamp(padding_, least_sinking, most_sinking);
     const check::KdlArm arm(carrying);
-    for (std::size_t i = 0; i + 1 < path.size(); ++i)
-      require_height(arm, carrying.bodies.size() - 1, path[i], path[i + 1], plane - sinking,
-                     plane + contact + sinking, index);
+    const std::size_t body = carrying.bodies.size() - 1;
+    for (std::size_t i = 0; i + 1 < curve.chords.size(); ++i) {
+      const double off = aside(arm, body, curve, i);
+      require_height(arm, body, curve.chords[i], curve.chords[i + 1], plane - sinking + off,
+                     plane + contact + sinking - off, index);
+    }
   }
 
   /// Conservative advancement: on by less than the room there is above `low` and below `high`.
@@ -355,14 +408,56 @@ class PickCheck {
       const double height = lowest(shape_, arm.place(from + t * step, body));
       const double room = std::min(height - low, high - height);
       if (!(room > 0.0))
-        refuse(names_of_legs(true)[index] +
-               ": the load leaves the height at which it may touch what it stands on");
+        refuse_on(index, ": the load leaves the height at which it may touch what it stands on");
       const double ahead = rate > 0.0 ? 0.9 * room / rate : 1.0;
       if (!(t + ahead < 1.0)) return;
       if (!(ahead > finest_advance))
-        refuse(names_of_legs(true)[index] + ": cannot prove that the load stays above what it stands on");
+        refuse_on(index, ": cannot prove that the load stays above what it stands on");
       t += ahead;
     }
+  }
+
+  /// The curve of each leg, as check_all has the path.
+  void check_motion_legs(const MotionToCheck& motion, MotionVerdict& verdict) const {
+    const std::vector<KnotRange> knots = knots_of_legs(motion, grips());
+    const Snapshot freed = without_object();
+    const Robot carrying = loaded();
+    const auto prove = [&](const Robot& robot, const Snapshot& map, Leg index, KnotRange range) {
+      if (!verdict.valid) return;
+      prove_tubes(robot, map, policies_, padding_, seen_within_, motion.motion, range, verdict);
+      if (verdict.valid) return;
+      verdict.leg = index;
+      verdict.fault = "motion: leg " + names_of_legs(true)[index] + ", " +
+                      verdict.fault.substr(std::string("motion: ").size());
+    };
+    const auto prove_contact = [&](const Eigen::Isometry3d& map_from_object, Leg index, KnotRange range) {
+      prove(plan_.robot, freed, index, range);
+      prove(carrying, without_layer(freed, map_from_object), index, range);
+      if (verdict.valid) require_heights(carrying, map_from_object, index, tubes_of(motion.motion, range, 1));
+    };
+    const auto positions = [&](Leg index) {
+      const auto first = motion.motion.positions.begin();
+      return std::vector<Configuration>(first + static_cast<std::ptrdiff_t>(knots[index].first),
+                                        first + static_cast<std::ptrdiff_t>(knots[index].last) + 1);
+    };
+    // Between two knots the curve may pass the end of the contact: that piece is proved with the layer.
+    const std::vector<Configuration> lifted = positions(lift), lowered = positions(lower);
+    std::size_t up = first_past_contact(lifted), down = last_before_contact(lowered);
+    if (up > 0 && is_beyond_contact(pick_.map_from_object, lifted[up])) --up;
+    if (down + 1 < lowered.size() && is_beyond_contact(pick_.map_from_place, lowered[down])) ++down;
+    up += knots[lift].first;
+    down += knots[lower].first;
+    for (const auto& [index, way] : ways())
+      require_no_bow(index, way, tubes_of(motion.motion, knots[index], 1));
+    prove(standing(pick_.map_from_object, false), plan_.map, approach, knots[approach]);
+    prove(standing(pick_.map_from_object, true), freed, reach, knots[reach]);
+    prove_contact(pick_.map_from_object, lift, {knots[lift].first, up});
+    prove(carrying, freed, lift, {up, knots[lift].last});
+    prove(carrying, freed, carry, knots[carry]);
+    prove(carrying, freed, lower, {knots[lower].first, down});
+    prove_contact(pick_.map_from_place, lower, {down, knots[lower].last});
+    prove(standing(pick_.map_from_place, true), freed, retreat, knots[retreat]);
+    if (plan_.legs.size() > leave) prove(standing(pick_.map_from_place, false), freed, leave, knots[leave]);
   }
 
   /// The check of a part of a leg; what follows the first refusal is not looked at.
@@ -430,6 +525,19 @@ PathVerdict check_pick(const PickToCheck& plan, const std::map<std::string, Poli
   } catch (const check::FileDisagrees& error) {
     PathVerdict verdict;
     verdict.first_contact = error.what();
+    return verdict;
+  }
+}
+
+MotionVerdict check_pick_motion(const PickToCheck& plan, const MotionToCheck& motion,
+                                const std::map<std::string, Policy>& policies, double padding,
+                                double seen_within) {
+  require_sound(plan.pick, plan.map.resolution(), padding);
+  try {
+    return PickCheck(plan, stated_policies(plan, policies), padding, seen_within).run(motion);
+  } catch (const check::FileDisagrees& error) {
+    MotionVerdict verdict;
+    verdict.fault = "motion: " + std::string(error.what());
     return verdict;
   }
 }

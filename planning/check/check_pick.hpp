@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "planning/check/motion_check.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/problem/pick.hpp"
 
@@ -25,5 +26,13 @@ struct PickToCheck {
 /// @throws std::invalid_argument as check_path, or for a pick that is not sound.
 PathVerdict check_pick(const PickToCheck& plan, const std::map<std::string, Policy>& policies, double padding,
                        double seen_within = 0.0);
+
+/// Checks a motion along the path of a pick as check_motion does, with what Pick states for each leg about
+/// the curve itself: bodies, voxels, the straight ways, and how low the load comes while it may touch what it
+/// stands on. The robot rests where it takes the object and where it lets go.
+/// @pre check_pick found the path valid @throws as check_pick and check_rates
+MotionVerdict check_pick_motion(const PickToCheck& plan, const MotionToCheck& motion,
+                                const std::map<std::string, Policy>& policies, double padding,
+                                double seen_within = 0.0);
 
 }  // namespace clearway

@@ -52,6 +52,30 @@ class Cubic {
   const Eigen::VectorXd &v0_, &v1_;
 };
 
+/// How far the cubics between two knots leave the chord.
+Eigen::VectorXd tube_about(const Motion& motion, std::size_t begin, std::size_t end) {
+  const Configuration &from = motion.positions[begin], &to = motion.positions[end];
+  const Eigen::VectorXd step = to - from;
+  const double length = step.squaredNorm();
+  Eigen::VectorXd widest = Eigen::VectorXd::Zero(step.size());
+  const auto widen = [&](const Configuration& q) {
+    const double share = length > 0.0 ? std::clamp(step.dot(q - from) / length, 0.0, 1.0) : 0.0;
+    widest = widest.cwiseMax((q - from - share * step).cwiseAbs());
+  };
+  for (std::size_t k = begin; k < end; ++k) {
+    const Cubic cubic(motion, k);
+    widen(motion.positions[k]);
+    widen(cubic.first_handle());
+    widen(cubic.second_handle());
+  }
+  return (widest.array() * (1.0 + 1e-9)).matrix();
+}
+
+/// In how many periods so many loads are taken or left.
+std::size_t grip_knots(const Motion& motion, std::size_t count, double grip_time) {
+  return count * static_cast<std::size_t>(std::ceil(grip_time / motion.period - 1e-9));
+}
+
 class MotionChecker {
  public:
   MotionChecker(const Robot& robot, const Motion& motion, const RateLimits& limits)
@@ -74,10 +98,13 @@ class MotionChecker {
       refuse("it lasts more than " + std::to_string(static_cast<int>(longest)) + " s");
   }
 
-  void require_rests(const std::vector<std::size_t>& rests, const std::vector<Configuration>& stops) {
+  void require_rests(const std::vector<std::size_t>& rests, const std::vector<Configuration>& stops,
+                     const std::vector<std::size_t>& grips, double grip_time) {
     if (stops.size() != rests.size() + 1 || rests.empty())
       return refuse("it has " + std::to_string(rests.size()) + " legs, the path " +
                     std::to_string(stops.empty() ? 0 : stops.size() - 1));
+    if (!(std::isfinite(grip_time) && grip_time >= 0.0 && grip_time <= longest))
+      return refuse("the time in which a load is taken or left is none");
     std::size_t knot = 0;
     require_rest(0, stops.front());
     for (std::size_t i = 0; i < rests.size() && !is_refused(); ++i) {
@@ -85,6 +112,7 @@ class MotionChecker {
         return refuse("its legs do not end one after the other");
       knot = rests[i];
       require_rest(knot, stops[i + 1]);
+      if (i < grips.size() && grips[i] > 0) knot = require_grip(knot, grips[i], grip_time, i);
     }
     if (!is_refused() && knot + 1 != motion_.positions.size()) refuse("it goes on after its last leg");
   }
@@ -104,32 +132,37 @@ class MotionChecker {
     }
   }
 
-  /// Chords, and how far the cubics leave them. At least one chord for each `most` knots.
-  void cut(std::size_t most, std::vector<Configuration>& chords, std::vector<Eigen::VectorXd>& tubes) const {
-    const std::size_t last = motion_.positions.size() - 1;
-    chords = {motion_.positions.front()};
-    tubes.clear();
-    for (std::size_t begin = 0; begin < last;) {
-      std::size_t end = begin + 1;
-      Eigen::VectorXd tube = tube_about(begin, end);
-      for (std::size_t length = 2; length <= most && begin + length <= last; length *= 2) {
-        const Eigen::VectorXd wider = tube_about(begin, begin + length);
-        if (wider.maxCoeff() > widest_tube) break;
-        end = begin + length;
-        tube = wider;
-      }
-      chords.push_back(motion_.positions[end]);
-      tubes.push_back(tube);
-      begin = end;
-    }
-    if (tubes.empty()) tubes.push_back(Eigen::VectorXd::Zero(chords.front().size()));
-  }
-
   void refuse(const std::string& fault) {
     if (verdict_.fault.empty()) verdict_.fault = "motion: " + fault;
   }
 
  private:
+  /// Stands where it stopped while loads are taken or left. Returns the knot at which it may go on.
+  std::size_t require_grip(std::size_t knot, std::size_t count, double grip_time, std::size_t leg) {
+    const std::size_t end = knot + grip_knots(motion_, count, grip_time);
+    for (std::size_t k = knot; k <= end && !is_refused(); ++k)
+      if (k >= motion_.positions.size() || !stands(k, motion_.positions[knot])) {
+        std::ostringstream text;
+        text.imbue(std::locale::classic());
+        text << "after leg " << leg + 1 << " it does not rest for " << grip_time << " s for each of " << count
+             << (count == 1 ? " load that begins" : " loads that begin") << " or ends to ride there";
+        refuse(text.str());
+      }
+    return end;
+  }
+
+  bool stands(std::size_t knot, const Configuration& place) const {
+    return (motion_.positions[knot] - place).cwiseAbs().maxCoeff() <= rounded_away && is_at_rest(knot);
+  }
+
+  bool is_at_rest(std::size_t knot) const {
+    for (Eigen::Index j = 0; j < limits_.velocity.size(); ++j)
+      if (!(std::abs(motion_.velocities[knot][j]) <= excess * limits_.velocity[j]) ||
+          !(std::abs(motion_.accelerations[knot][j]) <= excess * limits_.acceleration[j]))
+        return false;
+    return true;
+  }
+
   void refuse_joint(std::size_t k, Eigen::Index j, const char* what, double value, double limit) {
     std::ostringstream text;
     text.imbue(std::locale::classic());
@@ -143,10 +176,7 @@ class MotionChecker {
     if (place.size() != motion_.positions[knot].size() ||
         !((motion_.positions[knot] - place).cwiseAbs().maxCoeff() <= contract_tolerance))
       return refuse(where + " it is not where the path's leg begins or ends");
-    for (Eigen::Index j = 0; j < place.size(); ++j)
-      if (!(std::abs(motion_.velocities[knot][j]) <= excess * limits_.velocity[j]) ||
-          !(std::abs(motion_.accelerations[knot][j]) <= excess * limits_.acceleration[j]))
-        return refuse(where + " it does not rest");
+    if (!is_at_rest(knot)) refuse(where + " it does not rest");
   }
 
   void raise(std::size_t k, const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration,
@@ -190,24 +220,6 @@ class MotionChecker {
     }
   }
 
-  Eigen::VectorXd tube_about(std::size_t begin, std::size_t end) const {
-    const Configuration &from = motion_.positions[begin], &to = motion_.positions[end];
-    const Eigen::VectorXd step = to - from;
-    const double length = step.squaredNorm();
-    Eigen::VectorXd widest = Eigen::VectorXd::Zero(step.size());
-    const auto widen = [&](const Configuration& q) {
-      const double share = length > 0.0 ? std::clamp(step.dot(q - from) / length, 0.0, 1.0) : 0.0;
-      widest = widest.cwiseMax((q - from - share * step).cwiseAbs());
-    };
-    for (std::size_t k = begin; k < end; ++k) {
-      const Cubic cubic(motion_, k);
-      widen(motion_.positions[k]);
-      widen(cubic.first_handle());
-      widen(cubic.second_handle());
-    }
-    return (widest.array() * (1.0 + 1e-9)).matrix();
-  }
-
   const Robot& robot_;
   const Motion& motion_;
   const RateLimits& limits_;
@@ -223,30 +235,100 @@ void require_limits_above_zero(const Robot& robot, const RateLimits& limits) {
 
 }  // namespace
 
+MotionVerdict check_rates(const Robot& robot, const MotionToCheck& motion,
+                          const std::vector<std::size_t>& grips) {
+  require_limits_above_zero(robot, motion.limits);
+  MotionChecker checker(robot, motion.motion, motion.limits);
+  checker.require_form();
+  if (!checker.is_refused()) checker.require_rests(motion.rests, motion.stops, grips, motion.grip_time);
+  if (!checker.is_refused()) checker.require_limits();
+  checker.verdict().valid = !checker.is_refused();
+  return checker.verdict();
+}
+
+std::vector<std::size_t> grips_between(const std::vector<LegLoad>& loads, std::size_t legs) {
+  std::vector<std::size_t> grips(legs == 0 ? 0 : legs - 1, 0);
+  for (std::size_t leg = 0; leg < grips.size(); ++leg)
+    for (const LegLoad& load : loads)
+      grips[leg] += load.rides_on(static_cast<int>(leg)) != load.rides_on(static_cast<int>(leg) + 1);
+  return grips;
+}
+
+std::vector<KnotRange> knots_of_legs(const MotionToCheck& motion, const std::vector<std::size_t>& grips) {
+  std::vector<KnotRange> knots;
+  for (std::size_t leg = 0; leg < motion.rests.size(); ++leg) {
+    const std::size_t rest = leg < grips.size() ? grip_knots(motion.motion, grips[leg], motion.grip_time) : 0;
+    knots.push_back({leg == 0 ? 0 : motion.rests[leg - 1], motion.rests[leg] + rest});
+  }
+  return knots;
+}
+
+MotionTubes tubes_of(const Motion& motion, KnotRange knots, std::size_t most) {
+  MotionTubes tubes{{motion.positions[knots.first]}, {}};
+  for (std::size_t begin = knots.first; begin < knots.last;) {
+    std::size_t end = begin + 1;
+    Eigen::VectorXd tube = tube_about(motion, begin, end);
+    for (std::size_t length = 2; length <= most && begin + length <= knots.last; length *= 2) {
+      const Eigen::VectorXd wider = tube_about(motion, begin, begin + length);
+      if (wider.maxCoeff() > widest_tube) break;
+      end = begin + length;
+      tube = wider;
+    }
+    tubes.chords.push_back(motion.positions[end]);
+    tubes.deviations.push_back(tube);
+    begin = end;
+  }
+  if (tubes.deviations.empty())
+    tubes.deviations.push_back(Eigen::VectorXd::Zero(tubes.chords.front().size()));
+  return tubes;
+}
+
+void prove_tubes(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
+                 double padding, double seen_within, const Motion& motion, KnotRange knots,
+                 MotionVerdict& verdict) {
+  for (const std::size_t most : {std::size_t{4096}, std::size_t{1}}) {
+    const MotionTubes tubes = tubes_of(motion, knots, most);
+    const PathVerdict path =
+        check_tubes(robot, map, policies, padding, tubes.chords, tubes.deviations, 0.0, seen_within);
+    verdict.undecided = path.undecided;
+    if (path.valid) {
+      const bool is_first = verdict.edges == 0;
+      verdict.edges += tubes.deviations.size();
+      verdict.min_clearance =
+          is_first ? path.min_clearance : std::min(verdict.min_clearance, path.min_clearance);
+      return;
+    }
+    if (most > 1) continue;
+    verdict.valid = false;
+    verdict.min_clearance = 0.0;
+    verdict.edges += tubes.deviations.size();
+    verdict.fault = "motion: " + path.first_contact;
+  }
+}
+
 MotionVerdict check_motion(const Robot& robot, const Snapshot& map,
                            const std::map<std::string, Policy>& policies, double padding,
                            const Motion& motion, const std::vector<std::size_t>& rests,
                            const std::vector<Configuration>& stops, const RateLimits& limits,
                            double seen_within) {
-  require_limits_above_zero(robot, limits);
-  MotionChecker checker(robot, motion, limits);
-  MotionVerdict& verdict = checker.verdict();
-  checker.require_form();
-  if (!checker.is_refused()) checker.require_rests(rests, stops);
-  if (!checker.is_refused()) checker.require_limits();
-  // Tubes about few long chords first; where these are too wide, one about each cubic.
-  for (const std::size_t most : {std::size_t{4096}, std::size_t{1}}) {
-    if (checker.is_refused()) break;
-    std::vector<Configuration> chords;
-    std::vector<Eigen::VectorXd> tubes;
-    checker.cut(most, chords, tubes);
-    const PathVerdict path = check_tubes(robot, map, policies, padding, chords, tubes, 0.0, seen_within);
-    verdict.edges = tubes.size();
-    verdict.valid = path.valid;
-    verdict.undecided = path.undecided;
-    verdict.min_clearance = path.min_clearance;
-    if (path.valid) break;
-    if (most == 1) checker.refuse(path.first_contact);
+  return check_motion(robot, map, policies, padding, {motion, rests, stops, limits}, std::vector<LegLoad>{},
+                      seen_within);
+}
+
+MotionVerdict check_motion(const Robot& robot, const Snapshot& map,
+                           const std::map<std::string, Policy>& policies, double padding,
+                           const MotionToCheck& motion, const std::vector<LegLoad>& loads,
+                           double seen_within) {
+  const std::vector<std::size_t> grips = grips_between(loads, motion.rests.size());
+  MotionVerdict verdict = check_rates(robot, motion, grips);
+  if (!verdict.valid) return verdict;
+  const std::vector<KnotRange> knots = knots_of_legs(motion, grips);
+  for (std::size_t leg = 0; leg < knots.size() && verdict.valid;) {
+    std::size_t last = leg;  // that the same loads ride on
+    while (last < grips.size() && grips[last] == 0) ++last;
+    prove_tubes(robot_of_leg(robot, loads, static_cast<int>(leg)), map, policies, padding, seen_within,
+                motion.motion, {knots[leg].first, knots[last].last}, verdict);
+    leg = last + 1;
   }
   return verdict;
 }

@@ -103,17 +103,19 @@ Json paint_json(const std::vector<PaintHint>& hints) {
   return json;
 }
 
-Json motion_json(const PlannedMotion& planned) {
-  return {{"period_s", planned.motion.period},
-          {"duration_s", planned.motion.duration()},
-          {"speed", planned.scales.speed},
-          {"acceleration", planned.scales.acceleration},
-          {"jerk", planned.scales.jerk},
-          {"verdict", planned.validation.valid ? "valid" : "refused"},
-          {"min_clearance_m", planned.validation.min_clearance},
-          {"leg_ends", planned.leg_ends},
-          {"positions", json_of(planned.motion.positions)},
-          {"velocities", json_of(planned.motion.velocities)}};
+Json motion_json(const PlannedMotion& planned, bool has_loads) {
+  Json json = {{"period_s", planned.motion.period},
+               {"duration_s", planned.motion.duration()},
+               {"speed", planned.scales.speed},
+               {"acceleration", planned.scales.acceleration},
+               {"jerk", planned.scales.jerk},
+               {"verdict", planned.validation.valid ? "valid" : "refused"},
+               {"min_clearance_m", planned.validation.min_clearance},
+               {"leg_ends", planned.leg_ends},
+               {"positions", json_of(planned.motion.positions)},
+               {"velocities", json_of(planned.motion.velocities)}};
+  if (has_loads) json["grip_time_s"] = planned.grip_time;
+  return json;
 }
 
 template <typename Value>
@@ -200,6 +202,12 @@ PickToCheck pick_of(const Plan& plan, const Pick& pick, const Robot& robot, cons
   return check;
 }
 
+MotionToCheck motion_to_check(const Plan& plan, const Robot& robot) {
+  const PlannedMotion& planned = *plan.motion;
+  return {planned.motion, planned.leg_ends, plan.stops(), rate_limits(robot, planned.scales),
+          planned.grip_time};
+}
+
 std::vector<Configuration> Plan::stops() const {
   std::vector<Configuration> stops;
   for (const PlanResult& leg : legs) {
@@ -240,7 +248,7 @@ std::string to_json(const Plan& plan) {
       {"allow_outside", plan.allow_outside},
       {"payload_kg", plan.payload},
       {"gravity", json_of(Eigen::VectorXd(plan.gravity))}};
-  if (plan.motion) json["motion"] = motion_json(*plan.motion);
+  if (plan.motion) json["motion"] = motion_json(*plan.motion, !plan.loads.empty());
   if (!plan.cost_caveat.empty()) json["cost_caveat"] = plan.cost_caveat;
   if (!plan.loads.empty()) json["loads"] = json_of(plan.loads);
   if (plan.pick) json["pick"] = json_of(*plan.pick);

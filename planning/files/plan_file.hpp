@@ -21,9 +21,11 @@ struct PlannedMotion {
   MotionScales scales{};  ///< of the robot's limits, that it keeps
   Motion motion{};
   std::vector<std::size_t> leg_ends{};  ///< the knot at which each leg ends, at rest
-  std::size_t blended = 0, stops = 0;   ///< waypoints passed without and with a stop; in no file
-  double cpu_s = 0.0;                   ///< of making it; in no file
-  MotionVerdict validation{};           ///< of the independent check
+  double grip_time = 0.0;  ///< seconds that it rests for each load that begins or ends to ride between legs
+  std::size_t blended = 0, stops = 0;    ///< waypoints passed without and with a stop; in no file
+  std::vector<std::size_t> unblended{};  ///< legs with loads or a pick that stop at each waypoint; in no file
+  double cpu_s = 0.0;                    ///< of making it; in no file
+  MotionVerdict validation{};            ///< of the independent check
 };
 
 /// One plan of one or several legs, as plan.json stores it (keys fixed by the design page).
@@ -81,6 +83,9 @@ std::vector<LegsToCheck> legs_of(const Plan& plan, const Robot& robot, const Sna
 /// A plan that picks, for check_pick. @pre plan.pick @param pick as it is stated; outlives the result, as
 /// robot and map
 PickToCheck pick_of(const Plan& plan, const Pick& pick, const Robot& robot, const Snapshot& map);
+
+/// A plan's motion for the check. @pre plan.motion @param robot at the plan's place and scale
+MotionToCheck motion_to_check(const Plan& plan, const Robot& robot);
 
 /// plan.json text, keys in fixed order, numbers with full precision.
 std::string to_json(const Plan& plan);

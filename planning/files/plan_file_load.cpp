@@ -7,6 +7,7 @@
 #include "planning/files/json_text.hpp"
 #include "planning/files/load_json.hpp"
 #include "planning/files/plan_file.hpp"
+#include "planning/path/trajectory.hpp"
 
 namespace clearway {
 namespace {
@@ -126,6 +127,9 @@ PlannedMotion planned_motion(const JsonField& field, std::size_t dof) {
   if (motion.velocities.size() != motion.positions.size())
     field.at("velocities").refuse("as many as there are positions");
   for (const JsonField& knot : field.at("leg_ends").items()) planned.leg_ends.push_back(knot.count());
+  if (field.has("grip_time_s")) planned.grip_time = field.at("grip_time_s").number();
+  if (!(planned.grip_time >= 0.0 && planned.grip_time <= most_grip_time))
+    field.at("grip_time_s").refuse("seconds from 0 to 60");
   motion.accelerations = hermite_accelerations(motion);
   const JsonField verdict = field.at("verdict");
   planned.validation.valid = verdict.text() == "valid";

@@ -97,6 +97,21 @@ void append(Motion& motion, const Motion& next) {
                               next.accelerations.end());
 }
 
+void append_rest(Motion& motion, std::size_t periods) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(motion.positions.back().size());
+  motion.positions.resize(motion.positions.size() + periods, motion.positions.back());
+  motion.velocities.resize(motion.positions.size(), none);
+  motion.accelerations.resize(motion.positions.size(), none);
+}
+
+Motion stretch_of(const Motion& motion, std::size_t first, std::size_t last) {
+  const auto part = [&](const std::vector<Eigen::VectorXd>& values) {
+    return std::vector<Eigen::VectorXd>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                        values.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  };
+  return {motion.period, part(motion.positions), part(motion.velocities), part(motion.accelerations)};
+}
+
 RateLimits greatest_rates(const Motion& motion) {
   const Eigen::Index n = motion.positions.front().size();
   RateLimits rates{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};

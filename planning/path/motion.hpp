@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "planning/robot/kinematics.hpp"
@@ -61,6 +62,12 @@ std::vector<Eigen::VectorXd> hermite_accelerations(const Motion& motion);
 
 /// The motion, then the next, which begins at rest where this one ends at rest.
 void append(Motion& motion, const Motion& next);
+
+/// At rest where it ends for so many periods. @pre it ends at rest
+void append_rest(Motion& motion, std::size_t periods);
+
+/// The motion between two of its knots, as one of its own. @pre first <= last < positions.size()
+Motion stretch_of(const Motion& motion, std::size_t first, std::size_t last);
 
 /// The greatest of each joint at any time, exact but for rounding.
 RateLimits greatest_rates(const Motion& motion);

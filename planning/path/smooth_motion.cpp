@@ -325,7 +325,8 @@ void time_section(Section& section, const Robot& robot, RateLimits limits,
 /// Proves the motion of a section between knots.
 class SplineProof {
  public:
-  SplineProof(const ConfigurationSpace& space, const Section& section) : space_(space), section_(section) {}
+  SplineProof(const ConfigurationSpace& space, const SmoothMotionOptions& options, const Section& section)
+      : space_(space), options_(options), section_(section) {}
 
   /// The first stretches between two knots that are not proved, at most one of each run of stretches that
   /// leave the edges.
@@ -350,11 +351,16 @@ class SplineProof {
     const Configuration &from = section_.motion.positions[begin], &to = section_.motion.positions[end];
     const Eigen::VectorXd aside = deviation(begin, end);
     const bool is_slim = space_.motion_bound(aside) <= space_.map().resolution();
-    if ((is_slim || end == begin + 1) && space_.is_edge_free(from, to, aside)) return end;
+    if ((is_slim || end == begin + 1) && is_free(from, to, aside)) return end;
     if (end == begin + 1) return begin;
     const std::size_t middle = begin + (end - begin) / 2;
     const std::size_t first = first_unproved(begin, middle);
     return first < middle ? first : first_unproved(middle, end);
+  }
+
+  bool is_free(const Configuration& from, const Configuration& to, const Eigen::VectorXd& aside) const {
+    return options_.is_tube_free ? options_.is_tube_free(from, to, aside)
+                                 : space_.is_edge_free(from, to, aside);
   }
 
   /// How far joints are from the chord at most: by the control points of the cubics (Bezier).
@@ -374,6 +380,7 @@ class SplineProof {
   }
 
   const ConfigurationSpace& space_;
+  const SmoothMotionOptions& options_;
   const Section& section_;
 };
 
@@ -413,7 +420,8 @@ class LegMotion {
     for (;;) {
       time_section(section, space_.robot(), limits_, options_);
       std::set<std::size_t> blamed;
-      for (const std::size_t i : SplineProof(space_, section).unproved()) blamed.merge(blends_at(section, i));
+      for (const std::size_t i : SplineProof(space_, options_, section).unproved())
+        blamed.merge(blends_at(section, i));
       if (blamed.empty()) break;
       for (const std::size_t corner : blamed) {
         section.reach[corner] =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct SmoothMotionOptions {
             ///< first and last edge of a leg; 0: the motion follows
             ///< the edges and stops at each waypoint
   int halvings = 6;  ///< of a blend that is not proved, before the motion stops at its waypoint
+  /// Whether all places are free from which no joint is farther than `aside` from one of the edge; null:
+  /// ConfigurationSpace::is_edge_free.
+  std::function<bool(const Configuration& from, const Configuration& to, const Eigen::VectorXd& aside)>
+      is_tube_free = nullptr;
 };
 
 /// A motion, and how the waypoints of its path are passed.

@@ -35,6 +35,7 @@ std::string_view to_string(TrajectoryEvent::Kind kind);
 
 /// Seconds that a hand is given to grasp or to let go.
 constexpr double usual_grip_time = 1.0;
+constexpr double most_grip_time = 60.0;
 
 /// A path with time. Point k is at k * sampling_period.
 struct Trajectory {

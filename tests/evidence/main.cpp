@@ -190,7 +190,7 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   return evidence.broken.empty() && some_approve ? 0 : 1;
 }
 
-/// Exit status 1 when the check refuses a plan; how many are planned in time is told.
+/// Exit status 1 when the check refuses a plan or its motion; how many are planned in time is told.
 int run_picks(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   using clearway::evidence::PickEvidence;
   PickEvidence evidence = in_parts<PickEvidence>(
@@ -214,6 +214,17 @@ int run_picks(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   json["planned"] = planned;
   json["planned_within_1_s_of_cpu"] = in_time;
   json["failures"] = evidence.failures;
+  auto& motions = evidence.motions;
+  json["motions"] = {
+      {"made", motions.made},
+      {"refused_by_the_check", motions.refused},
+      {"waypoints_with_a_stop", motions.stops},
+      {"legs_without_blends", motions.unblended},
+      {"time_over_edge_trajectories",
+       {{"p10", quantile(motions.ratio, 0.1)},
+        {"median", quantile(motions.ratio, 0.5)},
+        {"p90", quantile(motions.ratio, 0.9)}}},
+      {"cpu_ms", {{"median", 1e3 * quantile(motions.cpu, 0.5)}, {"p90", 1e3 * quantile(motions.cpu, 0.9)}}}};
   json["broken"] = evidence.broken;
   std::cout << json.dump(2) << std::endl;
   return evidence.broken.empty() && planned > 0 ? 0 : 1;

@@ -8,6 +8,7 @@
 #include "apps/suites/suite_draws.hpp"
 #include "planning/picks/pick_scene.hpp"
 #include "planning/plan_pick.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/robot/follow_tip.hpp"
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -174,6 +175,21 @@ std::optional<Configuration> draw_start(const ConfigurationSpace& space, const P
   return std::nullopt;
 }
 
+void judge_motion_of(const ConfigurationSpace& space, Plan plan, const std::string& name,
+                     PickEvidence& evidence) {
+  PickMotions& motions = evidence.motions;
+  const double timed = trajectory_of(space.robot(), plan, 0.0).points.back().time;
+  const PlannedMotion planned = plan_motion(space, plan, {}, 0.0);
+  ++motions.made;
+  motions.stops += planned.stops;
+  for (const std::size_t leg : planned.unblended) ++motions.unblended[names_of_legs(true)[leg]];
+  motions.ratio.push_back(planned.motion.duration() / timed);
+  motions.cpu.push_back(planned.cpu_s);
+  if (planned.validation.valid) return;
+  ++motions.refused;
+  evidence.broken.push_back(name + planned.validation.fault);
+}
+
 }  // namespace
 
 void PickEvidence::add(const PickEvidence& other) {
@@ -186,6 +202,12 @@ void PickEvidence::add(const PickEvidence& other) {
   }
   for (const auto& [why, count] : other.failures) failures[why] += count;
   broken.insert(broken.end(), other.broken.begin(), other.broken.end());
+  motions.made += other.motions.made;
+  motions.refused += other.motions.refused;
+  motions.stops += other.motions.stops;
+  for (const auto& [leg, count] : other.motions.unblended) motions.unblended[leg] += count;
+  motions.ratio.insert(motions.ratio.end(), other.motions.ratio.begin(), other.motions.ratio.end());
+  motions.cpu.insert(motions.cpu.end(), other.motions.cpu.begin(), other.motions.cpu.end());
 }
 
 PickEvidence pick_and_place(std::uint64_t seed, std::uint64_t index) {
@@ -221,6 +243,7 @@ PickEvidence pick_and_place(std::uint64_t seed, std::uint64_t index) {
     } else {
       ++tally.planned;
       tally.seconds.push_back(plan.cpu_s);
+      judge_motion_of(space, plan, name, evidence);
     }
     return evidence;
   }

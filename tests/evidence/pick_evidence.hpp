@@ -13,9 +13,19 @@ struct PickTally {
   std::vector<double> seconds;                        ///< of CPU that planning took, of those planned
 };
 
+/// Their smooth motions, each made and checked. Durations are without the time in which the hand grasps.
+struct PickMotions {
+  std::uint64_t made = 0, refused = 0;             ///< of all plans; refused: by the check
+  std::uint64_t stops = 0;                         ///< waypoints with a stop
+  std::map<std::string, std::uint64_t> unblended;  ///< legs that stop at each waypoint, by name
+  std::vector<double> ratio;                       ///< duration over that of the path edge by edge
+  std::vector<double> cpu;                         ///< s, to make each
+};
+
 /// What drawn picks and places came to.
 struct PickEvidence {
   std::map<std::string, PickTally> tallies;
+  PickMotions motions;
   std::map<std::string, std::uint64_t> failures;  ///< by the first words of the explanation
   std::vector<std::string> broken;
   void add(const PickEvidence& other);

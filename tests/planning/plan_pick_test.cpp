@@ -10,45 +10,13 @@
 #include "mapping/maps/map_difference.hpp"
 #include "planning/check/check_pick.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/worlds/voxel_scene.hpp"
+#include "tests/worlds/can_on_table.hpp"
 
 namespace clearway {
 namespace plan_pick_test {
 
-constexpr double edge = 0.02;
-constexpr double top = 0.1;  ///< of the table, m
-
-/// A table before the arm, a can on it as voxels, and a wall between the can and its place.
-VoxelScene table() {
-  return {edge,
-          {box_of(0.24, -0.46, 0.04, 0.7, 0.46, top - 0.001),  // table
-           box_of(0.375, 0.125, top, 0.465, 0.195, 0.239),     // can and a little more
-           box_of(0.26, -0.02, top, 0.7, 0.02, 0.26)},         // wall
-          {},
-          {}};
-}
-
-Pick can() {
-  Pick pick;
-  pick.object.name = "can";
-  pick.object.link = "hand";
-  pick.object.shape = Shape::cylinder(0.03, 0.12);
-  pick.object.mass = 0.3;
-  pick.map_from_object.translation() << 0.42, 0.16, top + 0.06;
-  pick.map_from_place.translation() << 0.42, -0.2, top + 0.06;
-  pick.object_from_tip =
-      Eigen::Translation3d(0.0, 0.0, 0.04) * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());
-  pick.margin = 0.02;  // the can's voxels are those of a box about it
-  return pick;
-}
-
-Policies anywhere() {
-  Policies policies;
-  policies.critical_by_default = false;
-  return policies;
-}
-
-const Configuration home = (Configuration(6) << 0.0, -1.9, 1.7, -1.4, -1.57, 0.0).finished();
+using can_on_table::anywhere, can_on_table::can, can_on_table::edge, can_on_table::home, can_on_table::table,
+    can_on_table::top;
 
 class PlanPick : public ::testing::Test {
  protected:

@@ -3,9 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "planning/plan_and_check.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 #include "tests/worlds/beam_world.hpp"
 
 namespace clearway {
@@ -49,14 +54,14 @@ TEST(PlannedMotion, ReadsBackFromAPlanFileBitForBitAndAgreesWithTheCheckAgain) {
       check_motion(space.robot(), space.map(), space.policies(), 0.01, again.motion->motion,
                    again.motion->leg_ends, again.stops(), rate_limits(space.robot(), again.motion->scales));
   EXPECT_TRUE(verdict.valid) << verdict.fault;
-  EXPECT_TRUE(check_planned_motion(space, again).valid);
+  EXPECT_TRUE(check_planned_motion(space, again, space.policies()).valid);
 }
 
 TEST(PlannedMotion, IsCheckedAgainWhateverItsPlanSaysOfIt) {
   const ConfigurationSpace space = walled_space();
   Plan plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(2, 0)}});
   plan.motion = plan_motion(space, plan);
-  ASSERT_TRUE(check_planned_motion(space, plan).valid);
+  ASSERT_TRUE(check_planned_motion(space, plan, space.policies()).valid);
   Plan through = plan;  // the wall, slowly and smoothly
   Motion& motion = through.motion->motion;
   const std::size_t last = motion.positions.size() - 1;
@@ -66,12 +71,9 @@ TEST(PlannedMotion, IsCheckedAgainWhateverItsPlanSaysOfIt) {
   }
   motion.accelerations = hermite_accelerations(motion);
   EXPECT_TRUE(through.motion->validation.valid);
-  const MotionVerdict verdict = check_planned_motion(space, through);
+  const MotionVerdict verdict = check_planned_motion(space, through, space.policies());
   EXPECT_FALSE(verdict.valid);
   EXPECT_NE(verdict.fault, "");
-  Plan loaded = plan;
-  loaded.loads.emplace_back();
-  EXPECT_FALSE(check_planned_motion(space, loaded).valid);
 }
 
 TEST(PlannedMotion, IsGivenToPlansThatCanHaveOneAndTheOthersGoEdgeByEdge) {
@@ -90,38 +92,111 @@ TEST(PlannedMotion, IsGivenToPlansThatCanHaveOneAndTheOthersGoEdgeByEdge) {
   plan.motion.reset();
   EXPECT_EQ(positions(trajectory_of(space.robot(), plan)),
             positions(time_parameterize(space.robot(), plan.waypoints())));
-  // A motion that would be too long, and one of a robot that carries something.
+  // A motion that would be too long.
   give_motion(space, plan, {.scales = {.jerk = 1e-9}});
   EXPECT_FALSE(plan.motion);
   EXPECT_NE(plan.motion_caveat.find("jerk"), std::string::npos) << plan.motion_caveat;
+}
+
+/// Beside the robot, so that it comes to the wall first.
+LegLoad ball_on(std::vector<int> legs, double radius = 0.2) {
   LegLoad ball;
   ball.load.name = "ball";
   ball.load.link = "base";
-  ball.load.shape = Shape::sphere(0.05);
-  query.loads = {ball};
-  Plan loaded = plan_and_check(query);
-  ASSERT_TRUE(loaded.is_proved());
-  give_motion(space, loaded);
-  EXPECT_FALSE(loaded.motion);
-  EXPECT_NE(loaded.motion_caveat.find("edge by edge"), std::string::npos);
-  const auto stopping = trajectory_of(space.robot(), loaded).points;
-  const auto at_goal = std::find_if(stopping.begin(), stopping.end(),
-                                    [](const TrajectoryPoint& point) { return point.position == at(2, 0); });
-  ASSERT_NE(at_goal, stopping.end());
-  EXPECT_LT(at_goal->velocity.norm(), 1e-9);
-  EXPECT_TRUE(trajectory_of(space.robot(), loaded).events.empty());  // it rides from the beginning on
+  ball.load.link_from_load.translation() << 0.0, -0.1, 0.0;
+  ball.load.shape = Shape::sphere(radius);
+  ball.load.mass = 0.5;
+  ball.legs = std::move(legs);
+  return ball;
+}
+
+PlanQuery out_and_back(const ConfigurationSpace& space, std::vector<LegLoad> loads) {
+  return {.space = space,
+          .start = at(0, 0),
+          .goals = {at(2, 0), at(0, 0.5), at(0, 0)},
+          .loads = std::move(loads)};
+}
+
+/// How far the ball is from the wall at least, every millisecond of a leg of a motion: by its place alone.
+double least_gap(const PlannedMotion& planned, std::size_t leg, double radius) {
+  const double begin =
+                   leg == 0 ? 0.0 : planned.motion.period * static_cast<double>(planned.leg_ends[leg - 1]),
+               end = planned.motion.period * static_cast<double>(planned.leg_ends[leg]);
+  double least = HUGE_VAL;
+  for (double time = begin; time <= end; time += 1e-3) {
+    const Eigen::Vector2d ball = planned.motion.at(time).position + Eigen::Vector2d(0.0, -0.1);
+    const Eigen::Vector2d off =
+        (Eigen::Vector2d(0.9, -0.5) - ball).cwiseMax(ball - Eigen::Vector2d(1.1, 0.5)).cwiseMax(0.0);
+    least = std::min(least, off.norm() - radius);
+  }
+  return least;
+}
+
+TEST(PlannedMotion, WithALoadIsSmoothKeepsTheLoadClearAndRestsWhereItIsTakenAndLeft) {
+  const ConfigurationSpace space = walled_space();
+  Plan plan = plan_and_check(out_and_back(space, {ball_on({1})}));
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  give_motion(space, plan, {}, 0.5);
+  ASSERT_TRUE(plan.motion) << plan.motion_caveat;
+  EXPECT_TRUE(check_planned_motion(space, plan, plan.policies).valid);
+  EXPECT_GT(plan.motion->blended, 0U);
+  EXPECT_GE(least_gap(*plan.motion, 1, 0.2), 0.01);
+  EXPECT_LT(least_gap(*plan.motion, 0, 0.2), 0.01);  // the empty hand goes nearer
+  const Trajectory motion = trajectory_of(space.robot(), plan);
+  ASSERT_EQ(motion.events.size(), 2U);
+  EXPECT_EQ(motion.events[0].kind, TrajectoryEvent::Kind::attach);
+  EXPECT_EQ(motion.events[1].kind, TrajectoryEvent::Kind::detach);
+  for (const TrajectoryEvent& event : motion.events) {
+    EXPECT_NEAR(event.rest, 0.5, 0.008);
+    for (double time = event.time; time <= event.time + event.rest; time += 1e-3)
+      EXPECT_EQ(plan.motion->motion.at(time).position,
+                event.kind == TrajectoryEvent::Kind::attach ? at(2, 0) : at(0, 0.5));
+  }
+  const Plan again = parse_plan(to_json(plan), "plan");
+  EXPECT_EQ(again.motion->grip_time, 0.5);
+  EXPECT_TRUE(check_planned_motion(space, again, plan.policies).valid);
+  Plan timed = plan;
+  timed.motion.reset();
+  EXPECT_LT(plan.motion->motion.duration(), trajectory_of(space.robot(), timed, 0.5).points.back().time);
+}
+
+/// What a motion may not do with a load, one by one.
+TEST(PlannedMotion, WithALoadIsRefusedForWhatItsRobotCarriesAndNotForWhatItsPlanSays) {
+  const ConfigurationSpace space = walled_space();
+  Plan plan = plan_and_check(out_and_back(space, {ball_on({1})}));
+  plan.motion = plan_motion(space, plan, {}, 0.5);
+  const std::map<std::string, Policy> policies = plan.policies;
+  ASSERT_TRUE(check_planned_motion(space, plan, policies).valid);
+  const auto fault = [&](const Plan& changed) {
+    return check_planned_motion(space, changed, policies).fault;
+  };
+  Plan bare = plan_and_check(out_and_back(space, {}));
+  bare.motion = plan_motion(space, bare);
+  bare.loads = plan.loads;
+  bare.motion->grip_time = 0.0;
+  EXPECT_NE(fault(bare).find("ball"), std::string::npos) << fault(bare);  // planned without
+  Plan larger = plan;
+  larger.loads = {ball_on({1}, 0.25)};
+  EXPECT_NE(fault(larger).find("ball"), std::string::npos) << fault(larger);
+  Plan earlier = plan;
+  earlier.loads = {ball_on({0, 1})};
+  EXPECT_FALSE(check_planned_motion(space, earlier, policies).valid);
+  Plan longer = plan;
+  longer.motion->grip_time = 0.6;
+  EXPECT_NE(fault(longer).find("after leg 1 it does not rest for 0.6 s"), std::string::npos) << fault(longer);
+  Plan moving = plan;  // while the load is taken
+  Motion& motion = moving.motion->motion;
+  const std::size_t knot = plan.motion->leg_ends[0] + 30;
+  for (const int off : {-1, 0, 1})
+    motion.positions[knot + static_cast<std::size_t>(off + 1)] += at(0.0, off == 0 ? 4e-8 : 1e-8);
+  motion.accelerations = hermite_accelerations(motion);
+  EXPECT_NE(fault(moving).find("does not rest"), std::string::npos) << fault(moving);
 }
 
 /// Whole periods at rest where a load begins or ends to ride, and nothing else differs.
 TEST(PlannedMotion, RestsWhereLoadsAreTakenAndLeft) {
   const ConfigurationSpace space = walled_space();
-  PlanQuery query{.space = space, .start = at(0, 0), .goals = {at(2, 0), at(0, 0.5), at(0, 0)}};
-  LegLoad ball;
-  ball.load.name = "ball";
-  ball.load.link = "base";
-  ball.load.shape = Shape::sphere(0.05);
-  ball.legs = {1};
-  query.loads = {ball};
+  const PlanQuery query = out_and_back(space, {ball_on({1}, 0.05)});
   const Plan plan = plan_and_check(query);
   ASSERT_TRUE(plan.is_proved());
   const Trajectory at_once = trajectory_of(space.robot(), plan, 0.0);
@@ -174,10 +249,64 @@ TEST(PlannedMotion, ThatTorquesForbidIsNoneAndSaysSo) {
   EXPECT_EQ(refused.motion_caveat, "");
 }
 
+/// A load's mass counts while it rides: in the motion as made, and in the judgement of another.
+TEST(PlannedMotion, BearsTheWeightOfItsLoadsWhereTheyRide) {
+  const Robot robot = load_robot("panda");
+  const VoxelScene scene{0.05, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)}, {}, {}};
+  const ConfigurationSpace space(robot, scene.snapshot(), anywhere_but_occupied());
+  Configuration from(7), to(7);
+  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
+  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  LegLoad brick;
+  brick.load.name = "brick";
+  brick.load.link = robot.links[static_cast<std::size_t>(robot.tip_link)].name;
+  brick.load.link_from_load.translation() << 0.0, 0.0, 0.16;
+  brick.load.shape = Shape::box({0.04, 0.04, 0.04});
+  brick.load.mass = 3.0;
+  brick.load.touches = {"panda_leftfinger", "panda_rightfinger", "panda_hand"};
+  std::erase_if(brick.load.touches, [&](const std::string& name) {
+    return std::none_of(robot.links.begin(), robot.links.end(),
+                        [&](const Link& link) { return link.name == name; });
+  });
+  brick.legs = {1};
+  Plan plan = plan_and_check(
+      {.space = space, .start = from, .goals = {to, from}, .loads = {brick}, .survey = std::nullopt});
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  give_motion(space, plan, {}, 0.2);
+  ASSERT_TRUE(plan.motion) << plan.motion_caveat;
+  const MotionTerms terms{robot, space.map(), plan.policies, plan.padding, 0.0, {}};
+  const auto share = [&](double mass) {
+    Plan stated = plan;
+    stated.loads.front().load.mass = mass;
+    const MotionJudgement judged = judge_motion(terms, stated);
+    EXPECT_EQ(judged.verdict.valid, judged.torques->share <= 1.0 + 1e-6) << judged.verdict.fault;
+    return *judged.torques;
+  };
+  EXPECT_LT(share(0.0).share, share(3.0).share);
+  const TorqueFinding crushed = share(60.0);
+  EXPECT_GT(crushed.share, 1.0);
+  EXPECT_GE(crushed.place, static_cast<double>(plan.motion->leg_ends[0]));  // not before it is taken
+  // By joint_torques, which the check does not use.
+  const Robot loaded = robot_of_leg(robot, plan.loads, 1);
+  const TorqueTerms torques = torque_terms(loaded);
+  const Motion& motion = plan.motion->motion;
+  double greatest = 0.0;
+  for (std::size_t k = plan.motion->leg_ends[0]; k < motion.positions.size(); ++k)
+    greatest = std::max(greatest, joint_torques(loaded, motion.positions[k], motion.velocities[k],
+                                                motion.accelerations[k], torques)
+                                      .cwiseAbs()
+                                      .cwiseQuotient(torques.limits)
+                                      .maxCoeff());
+  EXPECT_NEAR(share(3.0).share, greatest, 1e-6);
+}
+
 TEST(PlannedMotion, OfAPlanThatIsNotProvedIsRefused) {
   const ConfigurationSpace space = walled_space();
   Plan plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(1, 0)}});
   EXPECT_THROW(plan_motion(space, plan), std::invalid_argument);
+  plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(0, 0.5)}});
+  for (const double seconds : {-0.1, 60.1, std::nan("")})
+    EXPECT_THROW(plan_motion(space, plan, {}, seconds), std::invalid_argument) << seconds;
 }
 
 }  // namespace planned_motion_test

@@ -107,6 +107,49 @@ TEST_F(Attach, check_refuses_a_plan_that_drops_or_shrinks_its_load) {
   expect_words(small.out, {"says another shape", "rod comes too near to a voxel"});
 }
 
+/// Smooth and blended, at rest where the rod is taken; check proves it with the rod, whatever the plan says.
+TEST_F(Attach, a_motion_with_a_load_is_written_and_checked_with_it) {
+  const std::string rod =
+      folder_.write("back.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, mass: 2, legs: [2]}");
+  const std::string file = folder_.file("motion.json"), slower = folder_.file("slower.json");
+  const std::vector<std::string> goals{"--attach", rod, "--goal=2,0", "--goal=0,0"};
+  ASSERT_EQ(plan({"--attach", rod, "--trajectory", "json", slower, "--grip-time", "0"}).status, exit_done);
+  const CommandRun run = plan({"--attach", rod, "--trajectory", "json", file, "--grip-time", "0.4"});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  expect_words(run.out, {"motion", "blended", "trajectory: " + file});
+  const Json motion = Json::parse(read_file(file)), plan_with = written();
+  EXPECT_EQ(motion["events"].size(), 1U);
+  EXPECT_EQ(plan_with["motion"]["grip_time_s"], 0.4);
+  EXPECT_EQ(motion["positions"].size(), plan_with["motion"]["positions"].size());
+  EXPECT_EQ(motion["positions"].size(), Json::parse(read_file(slower))["positions"].size() + 50);
+  const CommandRun checked = check(plan_with, goals);
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  expect_words(checked.out, {"motion", "valid: ", "jerk limits"});
+
+  const auto refused = [&](const Json& changed, const std::string& why) {
+    const CommandRun found = check(changed, goals);
+    EXPECT_EQ(found.status, exit_no) << why;
+    expect_words(found.out, {"refused", why});
+  };
+  Json longer = plan_with;
+  longer["motion"]["grip_time_s"] = 0.5;
+  refused(longer, "after leg 1 it does not rest for 0.5 s");
+  ASSERT_EQ(plan({"--motion"}).status, exit_done);  // without the rod, straight through
+  Json through = plan_with;
+  through["motion"] = written()["motion"];
+  EXPECT_FALSE(through["motion"].contains("grip_time_s"));
+  refused(through, "motion: ");
+  Json dropped = written();
+  EXPECT_EQ(check(dropped, goals).status, exit_no);
+  for (const Json& time : {Json(-1.0), Json(61.0), Json("long")}) {
+    Json wrong = plan_with;
+    wrong["motion"]["grip_time_s"] = time;
+    const CommandRun told = check(wrong, goals);
+    EXPECT_EQ(told.status, exit_bad_input) << time;
+    expect_words(told.log, {"grip_time_s"});
+  }
+}
+
 TEST_F(Attach, a_load_on_a_leg_that_the_plan_does_not_have_is_missed) {
   const std::string back =
       folder_.write("back.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, legs: [2]}");
@@ -247,6 +290,30 @@ TEST_F(PickCommand, check_never_takes_the_pick_from_the_plan) {
                                                  folder_->file("pick.yaml"), "--place", "0.42,-0.21,0.16"});
   EXPECT_EQ(elsewhere.status, exit_no);
   expect_words(elsewhere.out, {"the plan says another shape, pose, grasp, place or way", "from its place"});
+}
+
+TEST_F(PickCommand, moves_smoothly_and_check_proves_the_motion_with_the_pick_that_is_stated) {
+  const std::string pick = folder_->file("pick.yaml"), file = folder_->file("moving.json");
+  const CommandRun run =
+      run_command({"plan", "--map", folder_->file("map"), "--robot", "arm6", "--policy", "not_occupied",
+                   "--start=0,-1.9,1.7,-1.4,-1.57,0", "--pick", pick, "--out", file, "--grip-time", "0.4",
+                   "--trajectory", "urscript", folder_->file("moving.script")});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  expect_words(run.out, {"corners", "motion check", "valid"});
+  expect_words(read_file(folder_->file("moving.script")), {"attach(\"can\")", "detach(\"can\")"});
+  const Json plan = Json::parse(read_file(file));
+  const CommandRun checked = check(plan, {"--policy", "not_occupied", "--pick", pick});
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  expect_words(checked.out, {"valid: "});
+  EXPECT_EQ(check(plan, {"--policy", "not_occupied"}).status, exit_no);
+  const CommandRun lower =
+      check(plan, {"--policy", "not_occupied", "--pick", pick, "--place", "0.42,-0.2,0.161"});
+  EXPECT_EQ(lower.status, exit_no);
+  Json hasty = plan;
+  hasty["motion"]["grip_time_s"] = 0.8;
+  const CommandRun refused = check(hasty, {"--policy", "not_occupied", "--pick", pick});
+  EXPECT_EQ(refused.status, exit_no);
+  expect_words(refused.out, {"after leg 2 it does not rest for 0.8 s"});
 }
 
 TEST_F(PickCommand, nothing_rides_beside_what_is_picked) {

@@ -6,6 +6,7 @@
 
 #include "mapping/free_space_map.hpp"
 #include "planning/plan_and_check.hpp"
+#include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/voxel_scene.hpp"
@@ -70,6 +71,31 @@ TEST(MapPage, TellsOfTheWholeMotionHowThePlannerGotThere) {
   EXPECT_GT(away, 5);
   EXPECT_GT(free, 5);
   EXPECT_EQ(page.search_steps.back(), plan.legs.front().search_steps);
+}
+
+/// A load of the second leg lies where it is taken, and then rides, to the knot.
+TEST(MapPage, ShowsALoadWhereItIsAllAlongASmoothMotion) {
+  const VoxelScene scene{0.05, {box_of(1, -0.6, -0.05, 1.1, 0.9, 0.05)}, {}, {}};
+  const ConfigurationSpace space(load_robot("point"), scene.snapshot(),
+                                 {.parts = {}, .critical_by_default = false});
+  const Configuration start = Eigen::Vector2d(0.0, 0.0), goal = Eigen::Vector2d(2.5, 0.05);
+  LegLoad ball;
+  ball.load.name = "ball";
+  ball.load.link = "base";
+  ball.load.shape = Shape::sphere(0.1);
+  ball.legs = {1};
+  Plan plan = plan_and_check({.space = space, .start = start, .goals = {goal, start, goal}, .loads = {ball}});
+  give_motion(space, plan, {}, 0.4);
+  ASSERT_TRUE(plan.motion) << plan.motion_caveat;
+  const PagePlan page = page_of_plan(plan, space, start, "there and back");
+  ASSERT_EQ(page.link_poses.size(), plan.motion->motion.positions.size());
+  for (std::size_t k = 0; k < page.link_poses.size(); ++k) {
+    const Eigen::Vector2d ball_at = page.link_poses[k].back().translation().head<2>();
+    const Configuration expected = k < plan.motion->leg_ends[0]   ? goal
+                                   : k > plan.motion->leg_ends[1] ? start
+                                                                  : plan.motion->motion.positions[k];
+    ASSERT_LT((ball_at - expected).norm(), 1e-9) << k;
+  }
 }
 
 }  // namespace map_page_test

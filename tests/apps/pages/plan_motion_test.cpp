@@ -88,6 +88,31 @@ TEST(PlanMotion, ShowsTheTorquesOfASmoothMotionUnderItsLoad) {
       << plan.figures.back().second;
 }
 
+/// On the second of two legs the hand holds 3 kg more.
+TEST(PlanMotion, ShowsTheTorquesOfALoadWhereItRides) {
+  const Robot robot = load_robot("panda");
+  Eigen::VectorXd from(7);
+  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
+  PlannedMotion planned;
+  planned.motion = spline_motion(std::vector<Configuration>(9, from), 0.02);
+  planned.leg_ends = {3, 6};
+  LegLoad brick;
+  brick.load.name = "brick";
+  brick.load.link = robot.links.back().name;
+  brick.load.mass = 3.0;
+  brick.load.shape = Shape::sphere(0.02);
+  brick.legs = {1};
+  PagePlan plan;
+  show_smooth_motion(plan, robot, planned, {}, {brick});
+  ASSERT_EQ(plan.torques.size(), 7U);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(7);
+  const Robot loaded = with_load(robot, brick.load);
+  for (std::size_t k = 0; k < 7; ++k) {
+    const Robot& held = k > 3 ? loaded : robot;
+    EXPECT_TRUE(plan.torques[k].isApprox(kdl_torques(held, from, rest, rest, torque_terms(held)), 1e-6)) << k;
+  }
+}
+
 TEST(PlanMotion, ShowsNoTorquesWhereNoneHasALimit) {
   Robot robot = disc();
   for (Link& link : robot.links) link.mass = 0.0;

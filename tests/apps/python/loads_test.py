@@ -85,11 +85,15 @@ class Loads(unittest.TestCase):
         free = self.planned(loads=[self.rod])
         self.assertFalse(cw.check_plan(space, free, load_policies={"rod": "known_free"}).valid)
 
-    def test_a_plan_with_loads_has_no_smooth_motion_and_goes_edge_by_edge(self):
+    def test_a_plan_with_loads_has_the_smooth_motion_of_the_program(self):
         plan = self.planned(loads=[self.rod])
-        with self.assertRaisesRegex(ValueError, "loads"):
-            cw.plan_motion(self.space, plan)
-        trajectory = cw.plan_trajectory(self.robot, plan)
+        planned = cw.plan_motion(self.space, plan)
+        self.assertTrue(planned.validation.valid, planned.validation.fault)
+        self.assertGreater(planned.blended, 0)
+        with self.assertRaisesRegex(ValueError, "grip_time"):
+            cw.plan_motion(self.space, plan, grip_time=-1.0)
+        trajectory = cw.trajectory_of(planned.motion)
+        self.assertLess(trajectory.times[-1], cw.plan_trajectory(self.robot, plan).times[-1])
         csv = pathlib.Path(self.folder.name) / "way.csv"
         rod = self.file("rod.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, pose: [0, 0, 0.01, 0, 0, 0], mass: 2}")
         self.told("--attach", rod, "--trajectory", "csv", csv)
@@ -97,6 +101,18 @@ class Loads(unittest.TestCase):
         np.testing.assert_array_equal(table[:, 0], trajectory.times)
         np.testing.assert_array_equal(table[:, 1:3], trajectory.positions)
         self.assertIsNone(plan.motion)
+
+    def test_a_motion_is_checked_with_the_loads_that_are_stated(self):
+        file = self.file("rod.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, pose: [0, 0, 0.01, 0, 0, 0], mass: 2}")
+        told = self.told("--attach", file, "--motion")
+        plan = cw.parse_plan(json.dumps(told))
+        self.assertEqual(plan.motion.grip_time, 1.0)
+        self.assertTrue(cw.check_plan(self.space, plan).valid)
+        bare = self.told("--motion")
+        told["motion"] = {**bare["motion"], "grip_time_s": 1.0}
+        verdict = cw.check_plan(self.space, cw.parse_plan(json.dumps(told)))
+        self.assertFalse(verdict.valid)
+        self.assertIn("motion", verdict.first_contact)
 
     def test_shapes_are_as_given(self):
         for given, kind in (({"sphere": 0.1}, "sphere"), ({"cylinder": [0.1, 0.3]}, "cylinder"),
