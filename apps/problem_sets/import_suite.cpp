@@ -84,8 +84,9 @@ class SuiteWriter {
       }
     }
     if (outcome_.problems == 0 && !set_.problems.empty())
-      throw std::invalid_argument("import: no problem is for robot " + quote(whole_.name) +
-                                  (refusal.empty() ? "" : ": " + refusal));
+      throw std::invalid_argument(
+          refusal.empty() ? "import: no request has a goal of joint values, expected at least one"
+                          : "import: no problem is for robot " + quote(whole_.name) + ": " + refusal);
     fs::create_directories(import_.out / "maps");
     write_maps();
     if (!experiments_.empty()) write_files();

@@ -284,6 +284,15 @@ TEST_F(Import, ARequestForAnotherRobotIsRefusedWithTheJointThatItNames) {
       << run.log;
 }
 
+TEST_F(Import, RequestsOfPosesAloneAreNotSaidToBeForAnotherRobot) {
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const std::string request =
+      folder_.write("b.yaml", "goal_constraints: [{position_constraints: [{link_name: lower}]}]");
+  const CommandRun run = import("mbm", {scene, request});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_EQ(run.log, "clearway: import: no request has a goal of joint values, expected at least one\n");
+}
+
 TEST_F(Import, WhatIsWrongIsToldInOneSentence) {
   const auto told = [&](const std::string& kind, const std::string& name, const std::string& text,
                         const std::string& expected) {

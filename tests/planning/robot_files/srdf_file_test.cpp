@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/check/path_check.hpp"
+#include "planning/robot/held_joints.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
@@ -174,6 +175,35 @@ TEST_F(SrdfFile, ALinkOffByDefaultMeetsOnlyWhatIsEnabledAgain) {
   expected.insert("l1 r2");
   EXPECT_EQ(exempt(off + l1_again + "<disable_collisions link1='l1' link2='r2'/>"), expected);
   EXPECT_EQ(exempt("<disable_default_collisions link='a_camera'/>" + l1_again), adjacent);
+}
+
+/// As MoveIt's assistant writes what stands at a limit of pi.
+TEST_F(SrdfFile, AStateThatFourDigitsRoundBeyondALimitIsAtTheLimit) {
+  std::string text = two_arms();
+  const std::string limit = urdf_limit(-2, 2), pi = urdf_limit(-3.14159, 3.14159);
+  for (std::size_t at; (at = text.find(limit)) != std::string::npos;) text.replace(at, limit.size(), pi);
+  folder_.write("two.urdf", text);
+  const auto at = [&](const std::string& value) {
+    folder_.write("two.srdf",
+                  "<robot name='two'><group name='right'><joint name='rj1'/></group><group_state name='up' "
+                  "group='right'>"
+                  "<joint name='rj1' value='" +
+                      value +
+                      "'/></group_state><group_state name='default' group='left'><joint name='lj1' value='" +
+                      value + "'/></group_state></robot>");
+    return *named_configuration(robot("right"), "up");
+  };
+  EXPECT_EQ(at("3.1416")[0], 3.14159);
+  EXPECT_EQ(at("-3.1416")[0], -3.14159);
+  EXPECT_EQ(at("3.1415")[0], 3.1415);
+  const Robot right = robot("right");
+  const auto lj1 = std::find_if(right.held.begin(), right.held.end(),
+                                [](const HeldJoint& joint) { return joint.name == "lj1"; });
+  ASSERT_NE(lj1, right.held.end());
+  EXPECT_EQ(lj1->value, 3.1415);
+  at("3.1416");
+  EXPECT_EQ(robot("right").held[1].value, 3.14159);
+  EXPECT_THROW(at("3.1418"), std::invalid_argument);
 }
 
 /// Two balls at one place, three links apart: a SRDF that says nothing of pairs leaves them exempt.
