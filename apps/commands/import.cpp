@@ -12,6 +12,9 @@
 #include "apps/query/query.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/reach.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 namespace {
@@ -32,19 +35,36 @@ ForeignSet read_json_sets(const ImportOptions& options) {
   return all;
 }
 
+/// Where the robot's links stand that no joint moves, and what its SRDF calls the world.
+SceneContext scene_context(const RobotRequest& request) {
+  const Robot robot = load_robot(RobotRequest{request.robot, request.srdf, "", {}, request.packages});
+  SceneContext context{{}, request.packages};
+  if (!robot.srdf.empty())
+    for (const std::string& frame : read_srdf(robot.srdf).outer_frames)
+      context.frames[frame] = Eigen::Isometry3d::Identity();
+  Configuration q(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  const LinkPoses poses = forward_kinematics(robot, q);
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (!is_moved(robot, static_cast<int>(i))) context.frames[robot.links[i].name] = poses[i];
+  return context;
+}
+
 /// Scenes, as YAML or as MoveIt's text, and requests.
 ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request) {
-  const Robot robot = load_robot(RobotRequest{request.robot, {}, "", {}, request.packages});
-  const SceneContext context{{robot.links.front().name}, request.packages};
+  const SceneContext context = scene_context(request);
   ForeignSet set;
   for (const std::filesystem::path& file : options.files) {
     const std::string text = read_input(file, "scene or request", largest_scene);
+    const bool is_request = file.extension() != ".scene" && is_request_text(text, file);
     if (file.extension() == ".scene")
       set.worlds.push_back(read_scene_text(text, file, set.left_out));
-    else if (is_request_text(text, file))
+    else if (is_request)
       set.problems.push_back(read_motion_request(text, file, set.left_out));
     else
       set.worlds.push_back(read_planning_scene(text, file, context, set.left_out));
+    (is_request ? set.problems.back().folder : set.worlds.back().folder) = file.parent_path();
   }
   if (set.worlds.empty()) throw std::invalid_argument("import: no file is a scene, expected at least one");
   pair_requests(set);

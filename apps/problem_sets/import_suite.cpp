@@ -84,8 +84,9 @@ class SuiteWriter {
       }
     }
     if (outcome_.problems == 0 && !set_.problems.empty())
-      throw std::invalid_argument("import: no problem is for robot " + quote(whole_.name) +
-                                  (refusal.empty() ? "" : ": " + refusal));
+      throw std::invalid_argument(
+          refusal.empty() ? "import: no request has a goal of joint values, expected at least one"
+                          : "import: no problem is for robot " + quote(whole_.name) + ": " + refusal);
     fs::create_directories(import_.out / "maps");
     write_maps();
     if (!experiments_.empty()) write_files();
@@ -176,7 +177,7 @@ class SuiteWriter {
         throw std::invalid_argument("problem " + quote(problem.name) + ", " + what +
                                     ": expected a value of joint " + quote(joint.name) + " of robot " +
                                     quote(robot.name));
-      result.push_back(value->second);
+      result.push_back(near_limits(joint, value->second));
     }
     return result;
   }
@@ -327,16 +328,20 @@ std::string digits_of(const std::string& name) {
 
 void pair_requests(ForeignSet& set) {
   for (ForeignProblem& problem : set.problems) {
-    if (set.worlds.size() == 1) continue;
-    std::vector<std::size_t> found;
+    std::vector<std::size_t> found, beside;  // sets of several folders count from 1 in each
     for (std::size_t i = 0; i < set.worlds.size(); ++i) {
       const std::string digits = digits_of(problem.name);
-      if (!digits.empty() && digits_of(set.worlds[i].name) == digits) found.push_back(i);
+      if (set.worlds.size() > 1 && (digits.empty() || digits_of(set.worlds[i].name) != digits)) continue;
+      found.push_back(i);
+      if (set.worlds[i].folder == problem.folder) beside.push_back(i);
     }
+    if (beside.size() == 1) found = beside;
     if (found.size() != 1)
       throw std::invalid_argument("request " + quote(problem.name) + ": " + std::to_string(found.size()) +
                                   " scenes have names that end in its number, expected one");
     problem.world = found.front();
+    const auto& stands = set.worlds[problem.world].joints;
+    problem.start.by_joint.insert(stands.begin(), stands.end());  // of what the request does not say
   }
 }
 

@@ -55,6 +55,20 @@ void require_base_at_origin(const YamlFields& state) {
       pose.fail("translation", "expected the robot's base at the map's origin, as the robot stands there");
 }
 
+/// Joint values of a state of a robot, as MoveIt has it.
+std::map<std::string, double> joints_of(const YamlFields& state) {
+  std::map<std::string, double> values;
+  if (!state.has("joint_state")) return values;
+  const YamlFields joints = state.map("joint_state");
+  const auto names = joints.texts("name");
+  const auto positions = joints.numbers("position", within_reach);
+  if (names.size() != positions.size())
+    joints.fail("position", "expected " + std::to_string(names.size()) + " numbers, one for each name, got " +
+                                std::to_string(positions.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = positions[i];
+  return values;
+}
+
 class SceneReader {
  public:
   SceneReader(const std::string& text, const std::filesystem::path& file, const SceneContext& context,
@@ -69,7 +83,10 @@ class SceneReader {
     const auto objects = world.list_of_maps("collision_objects");
     if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
     for (const YamlFields& object : objects) add_object(object);
-    if (scene_.has("robot_state")) leave_attached(scene_.map("robot_state"));
+    if (scene_.has("robot_state")) {
+      leave_attached(scene_.map("robot_state"));
+      world_.joints = joints_of(scene_.map("robot_state"));
+    }
     return std::move(world_);
   }
 
@@ -78,18 +95,23 @@ class SceneReader {
 
   void read_frames() {
     frames_[""] = frames_["world"] = Eigen::Isometry3d::Identity();
-    for (const std::string& frame : context_.frames) frames_[frame] = Eigen::Isometry3d::Identity();
-    for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms")) {
-      const auto parent = frames_.find(frame_of(entry));
-      if (parent == frames_.end() || !entry.has("transform")) continue;
-      std::string child = entry.text("child_frame_id", "");
-      if (child.starts_with('/')) child.erase(0, 1);
-      const Eigen::Isometry3d pose =
-          parent->second * pose_of(entry.map("transform"), "translation", "rotation");
-      const auto [known, is_new] = frames_.emplace(child, pose);
-      if (!is_new && !known->second.isApprox(pose, 1e-9))
-        entry.fail("transform", "expected none for frame " + quote(child) + ", which is the map's own");
-    }
+    for (const auto& [frame, pose] : context_.frames) frames_[frame] = pose;
+    for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms"))
+      if (entry.has("transform")) read_frame(entry);
+  }
+
+  /// MoveIt calls the frame that it places `header`, and the known one that it is placed in `child`; where
+  /// only the other one is known, the names mean what tf means by them.
+  void read_frame(const YamlFields& entry) {
+    std::string placed = frame_of(entry), in = entry.text("child_frame_id", "");
+    if (in.starts_with('/')) in.erase(0, 1);
+    if (!frames_.contains(in)) std::swap(placed, in);
+    const auto known = frames_.find(in);
+    if (known == frames_.end()) return;
+    const Eigen::Isometry3d pose = known->second * pose_of(entry.map("transform"), "translation", "rotation");
+    const auto [frame, is_new] = frames_.emplace(placed, pose);
+    if (!is_new && !frame->second.isApprox(pose, 1e-9))
+      entry.fail("transform", "expected none for frame " + quote(placed) + ", which is the map's own");
   }
 
   void leave_octomap(const YamlFields& octomap) {
@@ -235,14 +257,7 @@ void read_start(const YamlFields& request, ForeignState& start, std::vector<std:
     left.push_back("attached body " +
                    quote(attached.has("object") ? attached.map("object").text("id", "") : std::string()));
   require_base_at_origin(state);
-  if (!state.has("joint_state")) return;
-  const YamlFields joints = state.map("joint_state");
-  const auto names = joints.texts("name");
-  const auto values = joints.numbers("position", within_reach);
-  if (names.size() != values.size())
-    joints.fail("position", "expected " + std::to_string(names.size()) + " numbers, one for each name, got " +
-                                std::to_string(values.size()));
-  for (std::size_t i = 0; i < names.size(); ++i) start.by_joint[names[i]] = values[i];
+  start.by_joint = joints_of(state);
 }
 
 }  // namespace

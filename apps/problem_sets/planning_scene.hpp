@@ -1,7 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <set>
+#include <map>
 #include <string>
 
 #include "apps/problem_sets/problem_set.hpp"
@@ -11,8 +11,8 @@ namespace clearway {
 
 /// What scene files are read with.
 struct SceneContext {
-  std::set<std::string> frames;  ///< that are the map's; "" and "world" always are
-  PackageFolders packages;       ///< of meshes
+  std::map<std::string, Eigen::Isometry3d> frames;  ///< where they stand in the map; "" and "world" at 0
+  PackageFolders packages;                          ///< of meshes
 };
 
 /// A file of YAML: a scene has `world`, a motion request has `goal_constraints` or `start_state`.

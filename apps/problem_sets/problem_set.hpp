@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct ForeignSolid {
 struct ForeignWorld {
   std::string name;
   std::vector<ForeignSolid> solids;
+  std::map<std::string, double> joints = {};  ///< where the robot stands, unless a problem says otherwise
+  std::filesystem::path folder = {};          ///< of its file
 };
 
 /// A configuration as a problem set states it: by the joints' names, or in the robot's own order.
@@ -34,6 +37,7 @@ struct ForeignProblem {
   std::size_t world = 0;  ///< of the set
   std::string group;      ///< planning group; may be empty
   ForeignState start, goal;
+  std::filesystem::path folder = {};  ///< of its file
 };
 
 /// What a foreign file holds, and one sentence for each thing that stays behind.

@@ -45,6 +45,9 @@ std::string bare_text(const Robot& robot) {
   for (auto* element = root->FirstChildElement(); element;) {
     auto* const next = element->NextSiblingElement();
     const std::string name = element->Name();
+    const char* const type = element->Attribute("type");
+    if (name == "joint" && type && (type == std::string("floating") || type == std::string("planar")))
+      element->SetAttribute("type", "fixed");  // of the base, which stands where the robot has it
     const bool is_fixed = element->Attribute("type", "fixed") != nullptr;
     joints += name == "joint";
     if (name != "joint" && name != "link") root->DeleteChild(element);
@@ -141,8 +144,26 @@ class FileReader {
     disagree(robot_, "link '" + link + "' is none of the robot's");
   }
 
+  /// value of a joint = multiplier * value of `name` + offset, over all that mimic in between.
+  struct Followed {
+    std::string name;
+    double multiplier = 1.0, offset = 0.0;
+  };
+
+  Followed followed(const urdf::Joint& joint) const {
+    if (!joint.mimic) return {joint.name};
+    Followed end{joint.mimic->joint_name, joint.mimic->multiplier, joint.mimic->offset};
+    for (std::size_t i = 0; i < most_joints; ++i) {
+      const urdf::JointConstSharedPtr next = model_->getJoint(end.name);
+      if (!next || !next->mimic) return end;
+      end = {next->mimic->joint_name, end.multiplier * next->mimic->multiplier,
+             end.multiplier * next->mimic->offset + end.offset};
+    }
+    disagree(robot_, "joint '" + joint.name + "' mimics itself");
+  }
+
   void add_joint(const urdf::Joint& joint) {
-    const std::string master = joint.mimic ? joint.mimic->joint_name : joint.name;
+    const auto [master, multiplier, offset] = followed(joint);
     const auto known = std::find_if(robot_.joints.begin(), robot_.joints.end(),
                                     [&](const Joint& other) { return other.name == master; });
     const auto held = std::find_if(robot_.held.begin(), robot_.held.end(),
@@ -151,8 +172,8 @@ class FileReader {
     if ((known == robot_.joints.end() && !is_held) || !model_->getJoint(master))
       disagree(robot_, "joint '" + master + "' is none of the robot's");
     if (joint.mimic) {
-      links_.multiplier.back() = joint.mimic->multiplier;
-      links_.offset.back() = joint.mimic->offset;
+      links_.multiplier.back() = multiplier;
+      links_.offset.back() = offset;
       links_.is_turned.back() = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
     }
     if (is_held) return hold(joint, *held);

@@ -33,15 +33,24 @@ void require_within_limits(const Joint& joint, double value, const std::filesyst
   throw std::invalid_argument(text.str());
 }
 
+/// MoveIt's assistant writes states with four digits: what one of them rounds beyond a limit is the limit.
+double within_rounded_limits(const Joint& joint, double value) {
+  constexpr double half_digit = 5.0001e-5;
+  const double nearest = std::clamp(value, joint.lower, joint.upper);
+  return std::abs(value - nearest) <= half_digit ? nearest : value;
+}
+
 }  // namespace
 
 Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
                        const std::filesystem::path& file) {
   Robot result = robot;
   std::vector<std::optional<double>> value(robot.dof());
-  for (const HeldJoint& joint : held) {
+  for (HeldJoint joint : held) {
     const std::filesystem::path where = joint.source == HoldSource::asked ? "--fix" : file;
     const std::size_t index = joint_index(robot, joint.name, where);
+    if (joint.source == HoldSource::default_state)
+      joint.value = within_rounded_limits(robot.joints[index], joint.value);
     require_within_limits(robot.joints[index], joint.value, where);
     value[index] = joint.value;
     result.held.push_back(joint);
@@ -85,8 +94,8 @@ std::optional<Configuration> named_configuration(const Robot& robot, const std::
     if (value == found->values.end())
       throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() +
                                   " says nothing of joint " + quote(joint.name));
-    q[static_cast<Eigen::Index>(j)] =
-        value->second * (joint.kind == JointKind::prismatic ? robot.scale : 1.0);
+    const double stated = value->second * (joint.kind == JointKind::prismatic ? robot.scale : 1.0);
+    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, stated);
   }
   if (const std::string why = limit_violation(robot, q); !why.empty())
     throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() + ": " + why);

@@ -18,7 +18,8 @@ namespace clearway {
 Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
                        const std::filesystem::path& file);
 
-/// The configuration of a named state, at the robot's scale; empty when there is no state of that name.
+/// The configuration of a named state, at the robot's scale; empty when there is no state of that name. A
+/// value that four digits round beyond a limit is that limit.
 /// @throws std::invalid_argument when the state leaves out a joint, or a value is out of limits.
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state);
 

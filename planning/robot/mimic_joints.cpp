@@ -16,26 +16,45 @@ namespace {
                               quote(mimic.master) + why);
 }
 
-/// Index of the joint that `mimic` follows.
-std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic,
-                      const std::vector<MimicJoint>& mimics, const Robot& robot) {
+const MimicJoint* mimic_called(const std::string& name, const std::vector<MimicJoint>& mimics) {
+  const auto found =
+      std::find_if(mimics.begin(), mimics.end(), [&](const MimicJoint& m) { return m.joint.name == name; });
+  return found == mimics.end() ? nullptr : &*found;
+}
+
+/// The joint that moves `mimic`, over those between that follow it too. Makes the link's multiplier and
+/// offset those of that joint.
+std::string first_master(const std::filesystem::path& file, const MimicJoint& mimic,
+                         const std::vector<MimicJoint>& mimics, const std::vector<Link>& as_written,
+                         Link& link) {
   if (mimic.master == mimic.joint.name) refuse(file, mimic, ", itself: expected another joint");
-  const bool follows = std::any_of(mimics.begin(), mimics.end(),
-                                   [&](const MimicJoint& m) { return m.joint.name == mimic.master; });
-  if (follows) refuse(file, mimic, ", which mimics another joint: expected one that mimics none");
+  std::string master = mimic.master;
+  for (std::size_t steps = 0; const MimicJoint* next = mimic_called(master, mimics); ++steps) {
+    if (steps > mimics.size()) refuse(file, mimic, ", which in turn follows it: expected one that moves");
+    const Link& between = as_written[static_cast<std::size_t>(next->link)];
+    link.offset += link.multiplier * between.offset;
+    link.multiplier *= between.multiplier;
+    master = next->master;
+  }
+  return master;
+}
+
+/// Index of the joint that `mimic` follows.
+std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic, const std::string& master,
+                      const Robot& robot) {
   std::vector<std::string> names;
   for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  const auto found = std::find(names.begin(), names.end(), mimic.master);
+  const auto found = std::find(names.begin(), names.end(), master);
   if (found == names.end()) {
-    const std::string nearest = nearest_name(mimic.master.substr(0, 100), names);
+    const std::string nearest = nearest_name(master.substr(0, 100), names);
     refuse(file, mimic,
            ", which is no joint that moves" +
                (nearest.empty() ? std::string() : ", did you mean " + quote(nearest) + "?"));
   }
-  const auto master = static_cast<std::size_t>(found - names.begin());
-  if (robot.joints[master].kind != mimic.joint.kind)
+  const auto index = static_cast<std::size_t>(found - names.begin());
+  if (robot.joints[index].kind != mimic.joint.kind)
     refuse(file, mimic, ", expected a joint of the same kind: one of them turns and the other slides");
-  return master;
+  return index;
 }
 
 /// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own, and its speed the
@@ -79,9 +98,11 @@ void turn_link_frame(int index, const Eigen::Vector3d& master_axis, const Eigen:
 }  // namespace
 
 void resolve_mimics(const std::filesystem::path& file, const std::vector<MimicJoint>& mimics, Robot& robot) {
+  const std::vector<Link> as_written = robot.links;
   for (const MimicJoint& mimic : mimics) {
-    const std::size_t master = master_of(file, mimic, mimics, robot);
     Link& link = robot.links[static_cast<std::size_t>(mimic.link)];
+    const std::string moving = first_master(file, mimic, mimics, as_written, link);
+    const std::size_t master = master_of(file, mimic, moving, robot);
     link.joint = static_cast<int>(master);
     keep_mimic_limits(file, mimic, link, robot.joints[master]);
     turn_link_frame(mimic.link, robot.joints[master].axis, mimic.joint.axis, robot);

@@ -15,10 +15,11 @@ struct MimicJoint {
   std::string master;  ///< the joint that it names
 };
 
-/// Lets the links of mimic joints follow their masters. A master's limits are narrowed so that its followers
-/// keep their own; where the axes differ, the follower's link frame is turned so that they agree.
+/// Lets the links of mimic joints follow their masters; a follower of a mimic joint follows that one's
+/// master. A master's limits are narrowed so that its followers keep their own; where the axes differ, the
+/// follower's link frame is turned so that they agree.
 /// @throws std::invalid_argument in one sentence naming `file` and joint, when a master is missing, fixed, of
-///         another kind or a mimic joint itself, or no value of it keeps its follower's limits.
+///         another kind or follows its follower, or no value of it keeps its follower's limits.
 void resolve_mimics(const std::filesystem::path& file, const std::vector<MimicJoint>& mimics, Robot& robot);
 
 }  // namespace clearway

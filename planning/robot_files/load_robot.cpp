@@ -33,18 +33,6 @@ fs::path find_robot(const std::string& name_or_path) {
                               ", or the path of a .urdf, .xacro or .yaml file");
 }
 
-/// The SRDF's pairs of links that the robot has; of others, as of a hand that is not mounted, nothing hangs.
-std::vector<std::pair<std::string, std::string>> known_pairs(const Robot& robot, const Srdf& srdf) {
-  const auto is_known = [&](const std::string& name) {
-    return std::any_of(robot.links.begin(), robot.links.end(),
-                       [&](const Link& link) { return link.name == name; });
-  };
-  std::vector<std::pair<std::string, std::string>> pairs;
-  for (const auto& pair : srdf.disabled)
-    if (is_known(pair.first) && is_known(pair.second)) pairs.push_back(pair);
-  return pairs;
-}
-
 std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSettings& settings,
                                               const fs::path& settings_file,
                                               const std::optional<Srdf>& srdf) {
@@ -52,9 +40,14 @@ std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSet
   const auto append = [&](const std::vector<std::pair<int, int>>& more) {
     pairs.insert(pairs.end(), more.begin(), more.end());
   };
-  if (srdf) append(bodies_of_parts(robot, known_pairs(robot, *srdf), robot.srdf));
+  std::vector<std::string> links;
+  for (const Link& link : robot.links) links.push_back(link.name);
+  const auto untested =
+      srdf ? untested_pairs(*srdf, links) : std::vector<std::pair<std::string, std::string>>{};
+  append(bodies_of_parts(robot, untested, robot.srdf));
   if (settings.exempt) append(bodies_of_parts(robot, *settings.exempt, settings_file));
-  if (!srdf && !settings.exempt) append(always_colliding_bodies(robot));
+  const bool says_pairs = srdf && !(srdf->disabled.empty() && srdf->disabled_links.empty());
+  if (!says_pairs && !settings.exempt) append(always_colliding_bodies(robot));
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -96,11 +98,26 @@ std::vector<fs::path> listed_folders(const char* variable) {
   return folders;
 }
 
-/// NAME/rest, or rest in a folder that is called NAME; empty when neither is a file.
+/// Whether a folder is the package NAME by its package.xml, whatever the folder is called.
+bool is_package(const fs::path& folder, const std::string& name) {
+  std::ifstream stream(folder / "package.xml");
+  std::string text(std::size_t{1} << 16U, '\0');
+  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && stream.gcount() == 0)
+    return false;
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::size_t begin = text.find("<name>"), end = text.find("</name>");
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return false;
+  std::istringstream words(text.substr(begin + 6, end - begin - 6));
+  std::string word;
+  return words >> word && word == name;
+}
+
+/// NAME/rest, or rest in a folder that is called NAME or is that package; empty when none is a file.
 fs::path in_folder(const fs::path& folder, const fs::path& name, const fs::path& rest) {
   std::error_code error;
   if (fs::is_regular_file(folder / name / rest, error)) return folder / name / rest;
-  if (folder.filename() == name && fs::is_regular_file(folder / rest, error)) return folder / rest;
+  if (fs::is_regular_file(folder / rest, error) && (folder.filename() == name || is_package(folder, name)))
+    return folder / rest;
   return {};
 }
 
@@ -195,7 +212,7 @@ MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,
                                 const PackageFolders& packages) {
   const std::string file = "file://";
-  if (name.starts_with(file)) return name.substr(file.size());
+  if (name.starts_with(file)) return folder / name.substr(file.size());
   const std::array<std::string, 2> searched{"package://", "model://"};
   const auto scheme = std::find_if(searched.begin(), searched.end(),
                                    [&](const std::string& start) { return name.starts_with(start); });

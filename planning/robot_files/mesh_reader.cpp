@@ -77,8 +77,9 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
                                             const PointsOf& points_of) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error("it cannot be opened for reading");
-  const std::string content{std::istreambuf_iterator<char>(stream), {}};
+  std::string content{std::istreambuf_iterator<char>(stream), {}};
   check_mesh_is_whole(content, kind);
+  if (kind == "stl") content.resize(whole_stl(content));
 
   Assimp::Importer importer;
   const std::string name = "mesh." + kind;

@@ -38,15 +38,16 @@ class SrdfReader {
     });
     each(robot, "passive_joint",
          [&](const XmlElement& e) { srdf_.passive_joints.insert(attribute(e, "name")); });
-    each(robot, "virtual_joint",
-         [&](const XmlElement& e) { srdf_.virtual_joints[attribute(e, "name")] = optional(e, "type"); });
-    each(robot, "disable_collisions", [&](const XmlElement& e) {
-      if (!e.Attribute("link1") || !e.Attribute("link2"))
-        refuse_srdf(file_, "<disable_collisions> needs link1 and link2");
-      srdf_.disabled.emplace_back(e.Attribute("link1"), e.Attribute("link2"));
-      if (srdf_.disabled.size() > most_srdf_pairs)
-        refuse_srdf(file_, "has more than 100,000 <disable_collisions>");
+    each(robot, "virtual_joint", [&](const XmlElement& e) {
+      srdf_.virtual_joints[attribute(e, "name")] = optional(e, "type");
+      srdf_.outer_frames.insert(optional(e, "parent_frame"));
     });
+    each(robot, "disable_collisions", [&](const XmlElement& e) { srdf_.disabled.push_back(pair_of(e)); });
+    each(robot, "enable_collisions", [&](const XmlElement& e) { srdf_.enabled.push_back(pair_of(e)); });
+    each(robot, "disable_default_collisions",
+         [&](const XmlElement& e) { srdf_.disabled_links.push_back(attribute(e, "link")); });
+    if (srdf_.disabled.size() > most_srdf_pairs || srdf_.enabled.size() > most_srdf_pairs)
+      refuse_srdf(file_, "has more than 100,000 <disable_collisions>");
     return std::move(srdf_);
   }
 
@@ -58,8 +59,14 @@ class SrdfReader {
   }
 
   void check_names(const XmlElement& robot) const {
-    const std::vector<std::string> known{"disable_collisions", "group",         "group_state",
-                                         "end_effector",       "passive_joint", "virtual_joint"};
+    const std::vector<std::string> known{"disable_collisions",
+                                         "enable_collisions",
+                                         "disable_default_collisions",
+                                         "group",
+                                         "group_state",
+                                         "end_effector",
+                                         "passive_joint",
+                                         "virtual_joint"};
     for (const auto* entry = robot.FirstChildElement(); entry; entry = entry->NextSiblingElement()) {
       const std::string meant = misspelt_name(entry->Name(), known);
       if (!meant.empty())
@@ -77,6 +84,12 @@ class SrdfReader {
   static std::string optional(const XmlElement& element, const char* name) {
     const char* value = element.Attribute(name);
     return value ? value : "";
+  }
+
+  std::pair<std::string, std::string> pair_of(const XmlElement& element) const {
+    if (!element.Attribute("link1") || !element.Attribute("link2"))
+      refuse_srdf(file_, std::string("<") + element.Name() + "> needs link1 and link2");
+    return {element.Attribute("link1"), element.Attribute("link2")};
   }
 
   void count_entry() {
@@ -227,6 +240,21 @@ Srdf read_srdf(const std::filesystem::path& file) {
   const XmlElement* robot = parsed ? xml.FirstChildElement("robot") : nullptr;
   if (!robot) refuse_srdf(file, "is not a SRDF, expected XML with a <robot> element");
   return SrdfReader(file).read(*robot);
+}
+
+std::vector<std::pair<std::string, std::string>> untested_pairs(const Srdf& srdf,
+                                                                const std::vector<std::string>& links) {
+  const std::set<std::string> known(links.begin(), links.end());
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const std::string& link : srdf.disabled_links) {
+    if (!known.contains(link)) continue;
+    for (const std::string& other : known)
+      if (other != link) pairs.insert(std::minmax(link, other));
+  }
+  for (const auto& [first, second] : srdf.enabled) pairs.erase(std::minmax(first, second));
+  for (const auto& [first, second] : srdf.disabled)
+    if (known.contains(first) && known.contains(second)) pairs.insert(std::minmax(first, second));
+  return {pairs.begin(), pairs.end()};
 }
 
 std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, const std::string& group,

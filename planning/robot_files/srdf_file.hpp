@@ -32,11 +32,19 @@ struct Srdf {
   std::vector<EndEffector> end_effectors;
   std::set<std::string> passive_joints;
   std::map<std::string, std::string> virtual_joints;          ///< type by name
+  std::set<std::string> outer_frames;                         ///< in which virtual joints place the robot
   std::vector<std::pair<std::string, std::string>> disabled;  ///< pairs of links
+  std::vector<std::string> disabled_links;                    ///< against all others, but for `enabled`
+  std::vector<std::pair<std::string, std::string>> enabled;   ///< pairs of links, unless `disabled`
 };
 
 /// Reads a SRDF. @throws std::invalid_argument in one sentence naming file, element and what was expected.
 Srdf read_srdf(const std::filesystem::path& file);
+
+/// The pairs of links, of these, that need no test against each other. Names that are none of `links`, as of
+/// a hand that is not mounted, add nothing.
+std::vector<std::pair<std::string, std::string>> untested_pairs(const Srdf& srdf,
+                                                                const std::vector<std::string>& links);
 
 /// Names of the robot's joints that a group moves: those of its chains (between base and tip), joints, the
 /// joints above its links, and those of its subgroups; fixed, mimic and passive joints are left out.

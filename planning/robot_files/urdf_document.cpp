@@ -2,6 +2,7 @@
 
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <set>
 #include <string_view>
 
@@ -91,8 +92,20 @@ std::set<std::string> check_links(const Place& place, Element& robot, UrdfDocume
   return links;
 }
 
+/// The links on which joints hang, known before the joints are looked at one by one.
+std::set<std::string> links_below_joints(const Element& robot) {
+  std::set<std::string> links;
+  for (const Element* joint = robot.FirstChildElement("joint"); joint;
+       joint = joint->NextSiblingElement("joint")) {
+    const Element* child = joint->FirstChildElement("child");
+    if (child && child->Attribute("link")) links.insert(child->Attribute("link"));
+  }
+  return links;
+}
+
 void check_joints(const Place& place, Element& robot, const std::set<std::string>& links,
                   UrdfDocument& document) {
+  const std::set<std::string> below_joints = links_below_joints(robot);
   std::map<std::string, std::string> parent_of;
   std::set<std::string> joints;
   for (Element* joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
@@ -100,8 +113,8 @@ void check_joints(const Place& place, Element& robot, const std::set<std::string
     if (!joints.insert(name).second) place.refuse("joint " + quote(name) + " is defined twice");
     const Place here{place.file, "joint " + quote(name)};
     check_urdf_element(here, *joint);
-    check_urdf_joint(here, *joint);
     const std::string parent = child_attribute(here, *joint, "parent", "link");
+    check_urdf_joint(here, *joint, !below_joints.contains(parent));
     const std::string child = child_attribute(here, *joint, "child", "link");
     for (const std::string& end : {parent, child}) {
       if (!links.contains(end)) here.refuse("there is no link " + quote(end));
@@ -114,11 +127,27 @@ void check_joints(const Place& place, Element& robot, const std::set<std::string
   check_tree(place, links, parent_of);
 }
 
+/// xacro of 2012 wrote its notice first and <?xml …?> below it, where XML does not have it.
+void blank_late_declaration(std::string& text) {
+  constexpr const char* blanks = " \t\r\n";
+  std::size_t at = text.find_first_not_of(blanks);
+  while (at != std::string::npos && text.compare(at, 4, "<!--") == 0) {
+    const std::size_t end = text.find("-->", at + 4);
+    at = end == std::string::npos ? end : text.find_first_not_of(blanks, end + 3);
+  }
+  if (at == std::string::npos || text.compare(at, 6, "<?xml ") != 0) return;
+  const std::size_t end = std::min(text.find("?>", at), text.size() - 2) + 2;
+  for (; at < end; ++at)
+    if (text[at] != '\n') text[at] = ' ';
+}
+
 }  // namespace
 
 std::string read_text(const std::filesystem::path& file) {
-  const std::string text = read_input(file, "robot file", most_bytes_of_robot);
-  return file.extension() == ".xacro" ? expanded_xacro(file, most_bytes_of_robot) : text;
+  std::string text = read_input(file, "robot file", most_bytes_of_robot);
+  if (file.extension() == ".xacro") text = expanded_xacro(file, most_bytes_of_robot);
+  blank_late_declaration(text);
+  return text;
 }
 
 UrdfDocument read_urdf_document(const std::filesystem::path& file) {

@@ -15,6 +15,7 @@ namespace {
 using Element = tinyxml2::XMLElement;
 using Place = UrdfPlace;
 
+constexpr double no_limit = -1.0;                     ///< of a speed, as Gazebo and its converters write it
 constexpr double least_axis = 1e-3, most_axis = 1e3;  ///< length, before it is made 1
 
 void check_sizes(const Place& place, const Element& shape, const char* attribute, std::size_t count,
@@ -65,7 +66,8 @@ void check_limit(const Place& place, const Element& joint, const std::string& ty
     place.refuse("a " + type + " joint needs <limit lower=… upper=…>");
   if (!limit) return;
   urdf_numbers(place, *limit, "effort", 1, urdf_any);
-  urdf_numbers(place, *limit, "velocity", 1, urdf_speed);
+  const bool is_unknown = urdf_numbers(place, *limit, "velocity", 1, urdf_any)[0] == no_limit;
+  if (!is_unknown) urdf_numbers(place, *limit, "velocity", 1, urdf_speed);
   const UrdfRange range = type == "prismatic" ? urdf_metres : is_limited ? urdf_turns : urdf_any;
   const auto bound = [&](const char* name) {  // URDF: 0 where only the other one is given
     return limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, range)[0] : 0.0;
@@ -136,8 +138,12 @@ void check_urdf_inertial(const Place& place, const Element& inertial) {
   }
 }
 
-void check_urdf_joint(const Place& place, Element& joint) {
+void check_urdf_joint(const Place& place, Element& joint, bool is_at_root) {
   std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
+  if (is_at_root && (type == "floating" || type == "planar")) {
+    type = "fixed";
+    joint.SetAttribute("type", type.c_str());
+  }
   if (type != "fixed" && type != "revolute" && type != "continuous" && type != "prismatic") {
     place.refuse("type " + quote(type) +
                  " is not supported, expected revolute, continuous, prismatic or fixed");

@@ -95,7 +95,7 @@ class Reader {
       joint.lower = source.limits->lower;
       joint.upper = source.limits->upper;
     }
-    if (source.limits) joint.max_velocity = source.limits->velocity;
+    if (source.limits) joint.max_velocity = std::max(source.limits->velocity, 0.0);  // -1: none
     if (source.mimic) {
       mimics_.push_back({static_cast<int>(robot_.links.size()), joint, source.mimic->joint_name});
       link.multiplier = source.mimic->multiplier;

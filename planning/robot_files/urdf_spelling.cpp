@@ -51,6 +51,7 @@ bool are_equal(const tinyxml2::XMLElement& a, const tinyxml2::XMLElement& b) {
   return std::string_view(print_a.CStr()) == print_b.CStr();
 }
 
+/// An attribute near one that is there as well is no slip of it: <limit velocity=… k_velocity=…>.
 void check_names(const UrdfPlace& place, const tinyxml2::XMLElement& element, const Vocabulary& known) {
   const auto& [elements, attributes] = known;
   for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
@@ -61,7 +62,7 @@ void check_names(const UrdfPlace& place, const tinyxml2::XMLElement& element, co
   }
   for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next()) {
     const std::string meant = misspelt_name(attribute->Name(), attributes);
-    if (meant.empty()) continue;
+    if (meant.empty() || element.Attribute(meant.c_str())) continue;
     place.refuse(std::string("<") + element.Name() + "> has an unknown attribute " +
                  quote(attribute->Name()) + ", did you mean '" + meant + "'?");
   }

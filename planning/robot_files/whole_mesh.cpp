@@ -139,13 +139,18 @@ void check_ply(const std::string& content) {
   check_binary_ply(header, data);
 }
 
-void check_stl(const std::string& content) {
+/// Bytes that the facets of a binary .stl take as its header counts them, or 0 where they are not there.
+std::size_t binary_stl_bytes(const std::string& content) {
   constexpr std::size_t head = 84, facet = 50;
-  if (content.size() >= head) {
-    std::uint32_t facets = 0;
-    std::memcpy(&facets, content.data() + head - sizeof(facets), sizeof(facets));
-    if (content.size() == head + std::uint64_t{facets} * facet) return;
-  }
+  if (content.size() < head) return 0;
+  std::uint32_t facets = 0;
+  std::memcpy(&facets, content.data() + head - sizeof(facets), sizeof(facets));
+  const std::uint64_t bytes = head + std::uint64_t{facets} * facet;
+  return facets > 0 && bytes <= content.size() ? bytes : 0;
+}
+
+void check_stl(const std::string& content) {
+  if (binary_stl_bytes(content) > 0) return;
   const std::size_t last = content.rfind("endfacet");
   if (last != std::string::npos && content.find("endsolid", last) == std::string::npos)
     throw std::runtime_error("it has no 'endsolid': its end is missing");
@@ -157,6 +162,11 @@ void check_mesh_is_whole(const std::string& content, const std::string& kind) {
   if (content.empty()) throw std::runtime_error("it is empty");
   if (kind == "ply") check_ply(content);
   if (kind == "stl") check_stl(content);
+}
+
+std::size_t whole_stl(const std::string& content) {
+  const std::size_t binary = binary_stl_bytes(content);
+  return binary > 0 ? binary : content.size();
 }
 
 }  // namespace clearway

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace clearway {
@@ -8,5 +9,8 @@ namespace clearway {
 /// a .ply holds as many elements as its header says, and that the text of a .stl has its end; the other
 /// kinds (`dae`, `obj`) say nothing of their length. @throws std::runtime_error with the reason.
 void check_mesh_is_whole(const std::string& content, const std::string& kind);
+
+/// Bytes of a .stl without what some programs append to its facets, which assimp takes for a text.
+std::size_t whole_stl(const std::string& content);
 
 }  // namespace clearway

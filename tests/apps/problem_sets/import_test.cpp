@@ -122,6 +122,78 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
   for (const Json& planner : planners) EXPECT_EQ(planner["valid"], 1) << planner;
 }
 
+/// Objects stand in the frames that MoveIt knows: of links that stand still, of the SRDF's virtual joint, and
+/// those that fixed_frame_transforms places in another one (moveit_core's Transforms: `header` in `child`).
+TEST_F(Import, ObjectsStandInTheFramesOfLinksThatStandStillAndInMoveItsTransforms) {
+  using namespace worlds;
+  robot_ = folder_.write(
+      "arm.urdf",
+      "<robot name='arm'><link name='world'/>" + urdf_link("pedestal", "0 0 0", "<sphere radius='0.01'/>") +
+          urdf_link("upper", "0.2 0 0", "<sphere radius='0.05'/>") +
+          urdf_joint("mount", "fixed", "world", "pedestal", "0 0 2", "0 0 1", "") +
+          urdf_joint("shoulder", "revolute", "pedestal", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
+          "</robot>");
+  folder_.write("arm.srdf",
+                "<robot name='arm'><virtual_joint name='v' type='fixed' parent_frame='odom' "
+                "child_link='world'/></robot>");
+  const auto object = [](const std::string& name, const std::string& frame) {
+    return "    - {id: " + name + ", header: {frame_id: " + frame +
+           "}, primitives: [{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: [0.05, 0.05, "
+           "0.05]}]}\n";
+  };
+  const std::string scene = folder_.write("s.yaml",
+                                          "fixed_frame_transforms:\n"
+                                          "  - {header: {frame_id: camera/lens}, child_frame_id: pedestal, "
+                                          "transform: {translation: [1, 0, 0], rotation: [0, 0, "
+                                          "0, 1]}}\n"
+                                          "world:\n  collision_objects:\n" +
+                                              object("a", "pedestal") + object("b", "odom") +
+                                              object("c", "camera/lens") + object("d", "upper"));
+  const CommandRun run = import("mbm", {scene});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE(run.out.find("'d' in frame 'upper', which is not the map's"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("frame 'pedestal'"), std::string::npos) << run.out;
+  const Snapshot world = map("s");
+  EXPECT_EQ(world.counts().occupied, 3U);
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.05, 0.05, 2.05), Eigen::Vector3d(0.05, 0.05, 0.05),
+                                    Eigen::Vector3d(1.05, 0.05, 2.05)})
+    EXPECT_EQ(world.state(at), VoxelState::occupied) << at.transpose();
+}
+
+/// The folders of a set count their scenes from 1 in each. What a request does not say of the robot its scene
+/// does, and what a file rounds beyond a limit is the limit.
+TEST_F(Import, RequestsGoWithTheScenesOfTheirFolderAndStartWhereTheseLeaveTheRobot) {
+  Arguments files;
+  for (const char* folder : {"shelf", "table"}) {
+    std::filesystem::create_directories(folder_.path() / folder);
+    const std::string at = std::string(folder) == "shelf" ? "3" : "5";
+    files.push_back(
+        folder_.write(std::string(folder) + "/scene0001.yaml",
+                      "robot_state: {joint_state: {name: [grip, shoulder], position: [0.05, 1]}}\n"
+                      "world: {collision_objects: [{id: a, primitives: [{type: sphere, dimensions: [0.01]}], "
+                      "primitive_poses: [{position: [0, 0, " +
+                          at + "]}]}]}\n"));
+    files.push_back(
+        folder_.write(std::string(folder) + "/request0001.yaml",
+                      "start_state: {joint_state: {name: [shoulder, elbow], position: [0.25, -2.0000004]}}\n"
+                      "goal_constraints: [{joint_constraints: [{joint_name: shoulder, position: 0.5}, "
+                      "{joint_name: elbow, position: 0}]}]\n"));
+  }
+  const CommandRun run = import("mbm", files);
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  ASSERT_EQ(suite.experiments.size(), 1U);
+  EXPECT_EQ(suite.experiments[0].fixed, (std::map<std::string, double>{{"grip", 0.05}}));
+  ASSERT_EQ(suite.experiments[0].problems.size(), 2U);
+  const Json record = Json::parse(read_file(folder_.file("out/import.json")));
+  ASSERT_EQ(record["worlds"].size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(suite.experiments[0].problems[i].start, (std::vector<double>{0.25, -2.0}));
+    const std::string world = suite.experiments[0].problems[i].world;
+    EXPECT_EQ(map(world).state({0.05, 0.05, i == 0 ? 3.05 : 5.05}), VoxelState::occupied) << world;
+  }
+}
+
 TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
   const std::string old_form = folder_.write(
       "old.scene", "(noname)\n* the box\n1\nbox\n0.18 0.18 0.18\n1.1 0.1 0.1\n0 0 0 1\n0 0 0 0\n.\n");
@@ -210,6 +282,15 @@ TEST_F(Import, ARequestForAnotherRobotIsRefusedWithTheJointThatItNames) {
       run.log.find("names joint 'shoulder_1', which robot 'arm' does not have, did you mean 'shoulder'?"),
       std::string::npos)
       << run.log;
+}
+
+TEST_F(Import, RequestsOfPosesAloneAreNotSaidToBeForAnotherRobot) {
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const std::string request =
+      folder_.write("b.yaml", "goal_constraints: [{position_constraints: [{link_name: lower}]}]");
+  const CommandRun run = import("mbm", {scene, request});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_EQ(run.log, "clearway: import: no request has a goal of joint values, expected at least one\n");
 }
 
 TEST_F(Import, WhatIsWrongIsToldInOneSentence) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/check/path_check.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -33,9 +34,8 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
             "r.urdf: joint 'finger' mimics 'thunb', which is no joint that moves, did you mean 'thumb'?");
   EXPECT_EQ(with("", mimic("stiff")),
             "r.urdf: joint 'finger' mimics 'stiff', which is no joint that moves, did you mean 'thumb'?");
-  EXPECT_EQ(
-      with(mimic("finger"), mimic("thumb")),
-      "r.urdf: joint 'thumb' mimics 'finger', which mimics another joint: expected one that mimics none");
+  EXPECT_EQ(with(mimic("finger"), mimic("thumb")),
+            "r.urdf: joint 'thumb' mimics 'finger', which in turn follows it: expected one that moves");
   EXPECT_EQ(
       with("", mimic("thumb"), "prismatic"),
       "r.urdf: joint 'finger' mimics 'thumb', expected a joint of the same kind: one of them turns and the "
@@ -53,6 +53,42 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
       with("", mimic("thumb", "multiplyer='2'")),
       "r.urdf: joint 'finger': <mimic> has an unknown attribute 'multiplyer', did you mean 'multiplier'?");
   EXPECT_EQ(with("", "<mimic/>"), "r.urdf: joint 'finger': <mimic joint=…> is missing");
+}
+
+/// A finger of three bones, as robot hands have them: the tip follows the middle, which follows the root.
+TEST(MimicJoints, AFollowerOfAFollowerFollowsTheOneThatMoves) {
+  const std::string ball = "<sphere radius='0.01'/>", wide = worlds::urdf_limit(-3, 3);
+  const auto bone = [&](const char* parent, const char* child, const std::string& axis,
+                        const std::string& mimic) {
+    return worlds::urdf_link(child, "0.1 0 0", ball) +
+           worlds::urdf_joint(child, "revolute", parent, child, "0.2 0 0", axis, wide + mimic);
+  };
+  const worlds::UrdfRobot finger(
+      "finger", worlds::urdf_link("palm", "0 0 0", ball) +
+                    bone("middle", "tip", "0 0 1", "<mimic joint='middle' multiplier='0.5' offset='-0.2'/>") +
+                    bone("palm", "root", "0 0 1", "") +
+                    bone("root", "middle", "0 0 -1", "<mimic joint='root' multiplier='2' offset='0.1'/>"));
+  const Robot& robot = finger.robot();
+  ASSERT_EQ(robot.dof(), 1U);
+  EXPECT_DOUBLE_EQ(robot.joints[0].upper, 1.45);  // 2 q + 0.1 <= 3
+  const double q = 0.3, middle = 2 * q + 0.1, tip = 0.5 * middle - 0.2;
+  Eigen::Rotation2Dd turn(q);
+  Eigen::Vector2d expected(0.2, 0);
+  expected += turn * Eigen::Vector2d(0.2, 0);
+  turn = turn * Eigen::Rotation2Dd(-middle);
+  expected += turn * Eigen::Vector2d(0.2, 0);
+  turn = turn * Eigen::Rotation2Dd(tip);
+  expected += turn * Eigen::Vector2d(0.1, 0);
+  const LinkPoses poses = forward_kinematics(robot, Configuration::Constant(1, q));
+  for (const Body& body : robot.bodies) {
+    if (body.part != "tip") continue;
+    const Eigen::Vector3d at =
+        poses[static_cast<std::size_t>(body.link)] * body.link_from_shape.translation();
+    EXPECT_LT((at - Eigen::Vector3d(expected.x(), expected.y(), 0)).norm(), 1e-12);
+  }
+  const std::string said =
+      check_path(robot, Snapshot(), {}, 0.0, {Configuration::Zero(1), Configuration::Ones(1)}).first_contact;
+  EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
 }
 
 TEST(MimicJoints, ItsOwnSpeedIsKept) {

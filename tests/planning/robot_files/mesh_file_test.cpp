@@ -51,6 +51,7 @@ TEST_F(MeshFile, EveryKindOfFileGivesTheSameHullTimesItsScaleInOneGo) {
   for (const auto& [name, content] : all_mesh_files(sample_))
     meshes.push_back({folder_.write(name, content), scale});
   meshes.push_back({folder_.write("UPPER.STL", as_stl(sample_)), scale});
+  meshes.push_back({folder_.write("appended.stl", as_stl(sample_) + "made by a CAD program"), scale});
   const std::vector<MeshHull> hulls = read_mesh_hulls(meshes);
   ASSERT_EQ(hulls.size(), meshes.size());
   for (std::size_t i = 0; i < hulls.size(); ++i) {
@@ -249,6 +250,22 @@ TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
   EXPECT_THROW(find_mesh("package://", from), std::invalid_argument);
   EXPECT_THROW(find_mesh("package://arm", from), std::invalid_argument);
   EXPECT_THROW(find_mesh("package://arm/" + std::string(100'000, 'x'), from), std::invalid_argument);
+}
+
+/// A repository that was unpacked under another name is the package that its package.xml says it is.
+TEST(FindMesh, APackageIsKnownByItsPackageXmlToo) {
+  const RobotFolder folder;
+  fs::create_directories(folder.path() / "arm-main/meshes");
+  fs::create_directories(folder.path() / "arm-main/urdf");
+  folder.write("arm-main/meshes/a.stl", "x");
+  const fs::path from = folder.path() / "arm-main/urdf";
+  EXPECT_THROW(find_mesh("package://arm/meshes/a.stl", from), std::invalid_argument);
+  folder.write("arm-main/package.xml", "<package><name>armoury</name></package>");
+  EXPECT_THROW(find_mesh("package://arm/meshes/a.stl", from), std::invalid_argument);
+  folder.write("arm-main/package.xml",
+               "<?xml version='1.0'?>\n<package format='2'>\n  <name> arm </name>\n</package>");
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from), folder.path() / "arm-main/meshes/a.stl");
+  EXPECT_EQ(find_mesh("file://meshes/a.stl", from), from / "meshes/a.stl");
 }
 
 TEST(FindMesh, PackagesAreFoundWhereTheUserSaysAndWhereRosKeepsThem) {

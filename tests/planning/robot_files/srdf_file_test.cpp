@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/check/path_check.hpp"
+#include "planning/robot/held_joints.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
@@ -147,6 +148,79 @@ TEST_F(SrdfFile, StatesTipsAndPairsAreRead) {
   };
   const std::pair<int, int> pair = std::minmax({body("l1"), body("r1")});
   EXPECT_EQ(std::count(left.exempt.begin(), left.exempt.end(), pair), 1);
+}
+
+TEST_F(SrdfFile, ALinkOffByDefaultMeetsOnlyWhatIsEnabledAgain) {
+  const auto exempt = [&](const std::string& text) {
+    const std::string srdf = folder_.write("pairs.srdf", "<robot name='two'>" + text + "</robot>");
+    const Robot robot = load_robot(RobotRequest{urdf_, srdf});
+    std::set<std::string> pairs;
+    for (const auto& [a, b] : robot.exempt) {
+      const auto part = [&](int body) { return robot.bodies[static_cast<std::size_t>(body)].part; };
+      const auto [first, second] = std::minmax({part(a), part(b)});
+      pairs.insert(first + " " + second);
+    }
+    return pairs;
+  };
+  const std::set<std::string> adjacent = exempt("<disable_collisions link1='a_camera' link2='l1'/>");
+  const std::string off = "<disable_default_collisions link='r2'/>";
+  const std::string l1_again = "<enable_collisions link1='r2' link2='l1' reason='needed'/>";
+  std::set<std::string> expected = adjacent;
+  for (const char* other : {"f1", "f2", "l1", "l2", "palm"}) expected.insert(std::string(other) + " r2");
+  expected.insert("r2 torso");
+  EXPECT_EQ(exempt(off), expected);
+  expected.erase("l1 r2");
+  EXPECT_EQ(exempt(off + l1_again), expected);
+  EXPECT_EQ(exempt(l1_again + off), expected);
+  expected.insert("l1 r2");
+  EXPECT_EQ(exempt(off + l1_again + "<disable_collisions link1='l1' link2='r2'/>"), expected);
+  EXPECT_EQ(exempt("<disable_default_collisions link='a_camera'/>" + l1_again), adjacent);
+}
+
+/// As MoveIt's assistant writes what stands at a limit of pi.
+TEST_F(SrdfFile, AStateThatFourDigitsRoundBeyondALimitIsAtTheLimit) {
+  std::string text = two_arms();
+  const std::string limit = urdf_limit(-2, 2), pi = urdf_limit(-3.14159, 3.14159);
+  for (std::size_t at; (at = text.find(limit)) != std::string::npos;) text.replace(at, limit.size(), pi);
+  folder_.write("two.urdf", text);
+  const auto at = [&](const std::string& value) {
+    folder_.write("two.srdf",
+                  "<robot name='two'><group name='right'><joint name='rj1'/></group><group_state name='up' "
+                  "group='right'>"
+                  "<joint name='rj1' value='" +
+                      value +
+                      "'/></group_state><group_state name='default' group='left'><joint name='lj1' value='" +
+                      value + "'/></group_state></robot>");
+    return *named_configuration(robot("right"), "up");
+  };
+  EXPECT_EQ(at("3.1416")[0], 3.14159);
+  EXPECT_EQ(at("-3.1416")[0], -3.14159);
+  EXPECT_EQ(at("3.1415")[0], 3.1415);
+  const Robot right = robot("right");
+  const auto lj1 = std::find_if(right.held.begin(), right.held.end(),
+                                [](const HeldJoint& joint) { return joint.name == "lj1"; });
+  ASSERT_NE(lj1, right.held.end());
+  EXPECT_EQ(lj1->value, 3.1415);
+  at("3.1416");
+  EXPECT_EQ(robot("right").held[1].value, 3.14159);
+  EXPECT_THROW(at("3.1418"), std::invalid_argument);
+}
+
+/// Two balls at one place, three links apart: a SRDF that says nothing of pairs leaves them exempt.
+TEST_F(SrdfFile, WithoutPairsWhatAlwaysTouchesIsFoundAsWithoutSrdf) {
+  std::string text = "<robot name='coil'>";
+  for (const char* link : {"a", "b", "c", "d"}) text += urdf_link(link, "0 0 0", "<sphere radius='0.05'/>");
+  for (const auto& [parent, child] : {std::pair("a", "b"), std::pair("b", "c"), std::pair("c", "d")})
+    text += urdf_joint(child, "revolute", parent, child, "0 0 0.01", "0 0 1", urdf_limit(-1, 1));
+  const std::string urdf = folder_.write("coil.urdf", text + "</robot>");
+  const auto pairs = [&](const std::string& inside) {
+    const std::string srdf = folder_.write("c.srdf", "<robot name='coil'>" + inside + "</robot>");
+    return load_robot(RobotRequest{urdf, srdf}).exempt.size();
+  };
+  const std::string group = "<group name='g'><chain base_link='a' tip_link='d'/></group>";
+  EXPECT_EQ(load_robot(urdf).exempt.size(), 6U);
+  EXPECT_EQ(pairs(group), 6U);
+  EXPECT_EQ(pairs(group + "<disable_collisions link1='a' link2='c'/>"), 4U);
 }
 
 TEST_F(SrdfFile, ANumberOfPairsIsTheMost) {

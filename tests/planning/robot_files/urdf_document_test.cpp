@@ -10,6 +10,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/mesh_samples.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace urdf_document_test {
@@ -55,8 +56,8 @@ TEST_F(UrdfDocumentFile, NumbersThatNoRobotHasAreRefusedWithTheirRange) {
             start + "<limit> has lower '-1e7', expected radians in [-1000, 1000]");
   EXPECT_EQ(with_joint("prismatic", "<limit lower='-1' upper='2000' effort='1' velocity='1'/>"),
             start + "<limit> has upper '2000', expected metres in [-1000, 1000]");
-  EXPECT_EQ(with_joint("revolute", "<limit lower='-1' upper='1' effort='1' velocity='-1'/>"),
-            start + "<limit> has velocity '-1', expected rad/s or m/s in [0, 1e+06]");
+  EXPECT_EQ(with_joint("revolute", "<limit lower='-1' upper='1' effort='1' velocity='-2'/>"),
+            start + "<limit> has velocity '-2', expected rad/s or m/s in [0, 1e+06]");
   EXPECT_EQ(with_joint("revolute", "<limit lower='-1' upper='1' velocity='1'/>"),
             start + "<limit> needs effort with 1 finite number");
   EXPECT_EQ(with_joint("revolute", "<limit effort='1' velocity='1'/>"),
@@ -233,6 +234,52 @@ TEST_F(UrdfDocumentFile, RobotsOfTheFieldLoad) {
   };
   EXPECT_NEAR((moved("left") + moved("right")).norm(), 0.0, 1e-12);
   EXPECT_NEAR(moved("left").norm(), 0.04, 1e-12);
+}
+
+/// The base of a humanoid or of a mobile robot hangs on a joint that no arm plans: it stands.
+TEST_F(UrdfDocumentFile, ABaseThatFloatsOrDrivesStandsAndNothingElseMayFloat) {
+  using namespace worlds;
+  const auto text = [](const std::string& base, const std::string& wrist) {
+    const std::string ball = "<sphere radius='0.1'/>";
+    return "<robot name='r'><link name='map'/>" + urdf_link("torso", "0 0 0", ball) +
+           urdf_link("upper", "0.3 0 0", ball) + urdf_link("hand", "0 0 0", ball) +
+           urdf_joint("wrist", wrist, "upper", "hand", "0.6 0 0", "0 0 1", "") +
+           urdf_joint("shoulder", "revolute", "torso", "upper", "0 0 0", "0 0 1", urdf_limit(-1, 1)) +
+           urdf_joint("base", base, "map", "torso", "0 0 0.7", "0 0 1", "") + "</robot>";
+  };
+  for (const char* base : {"floating", "planar"}) {
+    const Robot robot = load_robot(folder_.write("r.urdf", text(base, "fixed")));
+    ASSERT_EQ(robot.dof(), 1U);
+    EXPECT_EQ(robot.joints[0].name, "shoulder");
+    EXPECT_EQ(forward_kinematics(robot, Configuration::Zero(1))[1].translation(), Eigen::Vector3d(0, 0, 0.7));
+    EXPECT_EQ(check::links_of_file(robot).segments.size(), robot.links.size());  // the check's own reader
+    EXPECT_EQ(folder_.refusal(text("fixed", base)),
+              "r.urdf: joint 'wrist': type '" + std::string(base) +
+                  "' is not supported, expected revolute, continuous, prismatic or fixed");
+  }
+}
+
+/// As the URDF of the PR2 has it, which ROS ships in its tests.
+TEST_F(UrdfDocumentFile, WhatOldAndConvertedFilesHoldIsRead) {
+  using namespace worlds;
+  const auto text = [](const std::string& limit) {
+    return "<robot name='r'><link name='base'/>" + urdf_link("arm", "0.3 0 0", "<sphere radius='0.1'/>") +
+           urdf_joint("j", "revolute", "base", "arm", "0 0 0", "0 0 1", limit) + "</robot>";
+  };
+  const std::string plain = "<limit lower='-1' upper='1' effort='9' velocity='2'/>";
+  const auto speed = [&](const std::string& before, const std::string& limit) {
+    const Robot robot = load_robot(folder_.write("r.urdf", before + text(limit)));
+    EXPECT_EQ(check::links_of_file(robot).segments.size(), robot.links.size());  // the check's own reader
+    return robot.joints[0].max_velocity;
+  };
+  EXPECT_EQ(speed("<!-- | made by xacro | -->\n<!-- by hand: <robot> -->\n<?xml version=\"1.0\" ?>\n", plain),
+            2.0);
+  EXPECT_EQ(speed("", "<limit lower='-1' upper='1' effort='9' velocity='2' k_velocity='5'/>"), 2.0);
+  EXPECT_EQ(speed("", "<limit lower='-1' upper='1' effort='-1' velocity='-1'/>"), 0.0);  // Gazebo: none
+  EXPECT_EQ(folder_.refusal(text("<limit lower='-1' upper='1' effort='9' k_velocity='5'/>")),
+            "r.urdf: joint 'j': <limit> has an unknown attribute 'k_velocity', did you mean 'velocity'?");
+  EXPECT_EQ(folder_.refusal(text(plain) + "<?xml version=\"1.0\" ?>"),
+            "r.urdf: is not well-formed XML, line 1");
 }
 
 }  // namespace urdf_document_test
