@@ -174,7 +174,6 @@ int run_plan(const PlanOptions& options, Console& console) {
   for (const std::string& goal : options.goals) {
     goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
   }
-  tell_degrees(options, robot, start, goals, console);
   const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
   const std::optional<Pick> pick = pick_of(options, robot);
   const std::vector<LegLoad> riding = pick ? std::vector<LegLoad>{{pick->object, {}}} : loads;
@@ -183,7 +182,8 @@ int run_plan(const PlanOptions& options, Console& console) {
       parted_policies(choose_policies(options.robot.policies, loaded), riding);
   require_parts(options.survey.allow_outside, loaded, "--allow-outside");
   require_files(options);
-  const Snapshot map = load_map(options.map);
+  const Snapshot map = load_map(options.map);  // what is said before may be said again by the whole program
+  tell_degrees(options, robot, start, goals, console);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);

@@ -139,14 +139,16 @@ void check_ply(const std::string& content) {
   check_binary_ply(header, data);
 }
 
-/// Bytes that the facets of a binary .stl take as its header counts them, or 0 where they are not there.
+/// Bytes that the facets of a binary .stl take as its header counts them, or 0 where they are not there. What
+/// is appended must not be whole facets: then the count is wrong.
 std::size_t binary_stl_bytes(const std::string& content) {
   constexpr std::size_t head = 84, facet = 50;
   if (content.size() < head) return 0;
   std::uint32_t facets = 0;
   std::memcpy(&facets, content.data() + head - sizeof(facets), sizeof(facets));
   const std::uint64_t bytes = head + std::uint64_t{facets} * facet;
-  return facets > 0 && bytes <= content.size() ? bytes : 0;
+  if (facets == 0 || bytes > content.size()) return 0;
+  return bytes == content.size() || (content.size() - bytes) % facet != 0 ? bytes : 0;
 }
 
 void check_stl(const std::string& content) {
