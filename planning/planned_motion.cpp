@@ -33,8 +33,17 @@ std::size_t periods_of(double time, double period) {
   return static_cast<std::size_t>(std::ceil(time / period - 1e-9));
 }
 
+/// A file may tell of fewer legs in its motion than its path has.
+void require_ends_of_legs(const Plan& plan) {
+  if (plan.motion->leg_ends.size() != plan.legs.size())
+    throw std::invalid_argument("motion: it tells where " + std::to_string(plan.motion->leg_ends.size()) +
+                                " legs end, expected as many as the path has, " +
+                                std::to_string(plan.legs.size()));
+}
+
 /// The motion with what happens to loads on it.
 Trajectory with_events(const Plan& plan) {
+  require_ends_of_legs(plan);
   const PlannedMotion& planned = *plan.motion;
   Trajectory trajectory = trajectory_of(planned.motion);
   const double period = planned.motion.period;
@@ -299,6 +308,7 @@ Trajectory trajectory_of(const Robot& robot, const Plan& plan, double grip_time)
 }
 
 std::vector<Trajectory> leg_trajectories(const Robot& robot, const Plan& plan) {
+  if (plan.motion) require_ends_of_legs(plan);
   std::vector<Trajectory> legs;
   std::size_t first = 0;
   for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
@@ -306,7 +316,7 @@ std::vector<Trajectory> leg_trajectories(const Robot& robot, const Plan& plan) {
       legs.push_back(time_parameterize(robot, plan.legs[leg].waypoints));
       continue;
     }
-    const std::size_t last = plan.motion->leg_ends.at(leg);
+    const std::size_t last = plan.motion->leg_ends[leg];
     legs.push_back(trajectory_of(stretch_of(plan.motion->motion, first, last)));
     first = last;
   }

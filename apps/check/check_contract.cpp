@@ -128,6 +128,12 @@ class Statement {
     return {plan_.gravity, TermSource::plan};
   }
 
+  Term<std::optional<double>> grip_time() const {
+    if (!plan_.motion) return {std::nullopt, TermSource::plan};
+    if (options_.grip_time) return {options_.grip_time, TermSource::flag};
+    return {plan_.motion->grip_time, TermSource::plan};
+  }
+
   /// At the contract's scale, metres: bit for bit as a robot of that scale has it.
   double position_accuracy() const { return robot_.position_accuracy * (scale().value / robot_.scale); }
 
@@ -314,6 +320,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.policies = statement.policies(loads, contract.notes);
   contract.payload = statement.payload();
   contract.gravity = statement.gravity();
+  contract.grip_time = statement.grip_time();
   if (plan.motion && contract.gravity.source == TermSource::plan &&
       !contract.gravity.value.isApprox(Plan().gravity, contract_tolerance))
     contract.notes.push_back("the gravity is the plan's, " + to_text(Configuration(contract.gravity.value)) +

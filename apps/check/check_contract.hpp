@@ -39,10 +39,12 @@ struct Contract {
   Term<std::optional<Pick>> pick;                ///< what is taken; its load is not in `loads`
   Term<double> payload;                          ///< kg at the tip, full size
   Term<Eigen::Vector3d> gravity;                 ///< m/s^2, map frame
-  Term<double> padding;                          ///< metres
-  Term<double> seen_within;                      ///< of parts under known_free, seconds; 0: ever
-  double position_accuracy = 0.0;                ///< of the robot at the contract's scale, metres
-  SurveyDemands demands;                         ///< of the flags; parts outside also of the map's query
+  /// Seconds that the motion rests where a load begins or ends to ride; none of a plan without a motion.
+  Term<std::optional<double>> grip_time;
+  Term<double> padding;            ///< metres
+  Term<double> seen_within;        ///< of parts under known_free, seconds; 0: ever
+  double position_accuracy = 0.0;  ///< of the robot at the contract's scale, metres
+  SurveyDemands demands;           ///< of the flags; parts outside also of the map's query
   Term<std::string> map_sha256;
   Term<Configuration> start;
   Term<std::vector<Configuration>> goals;

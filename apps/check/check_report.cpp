@@ -71,6 +71,8 @@ Json contract_json(const Contract& contract) {
     json["pick"]["value"] = json_of(*contract.pick.value);
     json["pick"]["source"] = to_string(contract.pick.source);
   }
+  if (contract.grip_time.value && !carried_under(contract).empty())
+    json["grip_time_s"] = term_json(*contract.grip_time.value, contract.grip_time.source);
   json["payload_kg"] = term_json(contract.payload.value, contract.payload.source);
   json["gravity"] = term_json(numbers(contract.gravity.value), contract.gravity.source);
   json["map_sha256"] = term_json(contract.map_sha256.value, contract.map_sha256.source);
@@ -116,6 +118,9 @@ void append_contract(const Contract& contract, Rows& rows) {
   rows.emplace_back("payload", significant(contract.payload.value) + " kg" + from(contract.payload.source));
   rows.emplace_back(
       "gravity", to_text(Configuration(contract.gravity.value)) + " m/s^2" + from(contract.gravity.source));
+  if (contract.grip_time.value && !carried_under(contract).empty())
+    rows.emplace_back("grip time", significant(*contract.grip_time.value) + " s of a motion" +
+                                       from(contract.grip_time.source));
   rows.emplace_back("policy", policy_text(contract));
   if (contract.seen_within.value > 0.0)
     rows.emplace_back("seen within", significant(contract.seen_within.value) +

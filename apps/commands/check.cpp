@@ -30,6 +30,7 @@ Plan plan_under(const Contract& contract, Plan plan) {
     if (contract.pick.value) load.load.link_from_load = pose_of_load(plan, load.load.name);
   plan.loads = std::move(loads);
   plan.pick = contract.pick.value;
+  if (plan.motion) plan.motion->grip_time = contract.grip_time.value.value_or(0.0);
   return plan;
 }
 

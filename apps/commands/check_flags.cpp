@@ -32,6 +32,13 @@ Command add_check(CLI::App& app, Console& console) {
   add_pull(*command, options->pull, otherwise + "the plan's", otherwise + "the plan's");
   command
       ->add_option(
+          "--grip-time", options->grip_time,
+          "seconds that a motion has to rest where the hand grasps or lets go of a load; default: the "
+          "plan's")
+      ->check(number("seconds from 0 to 60", 0.0, 60.0))
+      ->type_name("S");
+  command
+      ->add_option(
           "--start", options->start,
           "comma-separated joint values, rad or m, or a state of the SRDF" + otherwise + "the plan's")
       ->type_name("Q");

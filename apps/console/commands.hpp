@@ -143,6 +143,7 @@ struct CheckOptions {
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: the map's
   std::string place = {};                          ///< where it goes; empty: the file's
   PullChoice pull;
+  std::optional<double> grip_time = {};  ///< seconds at rest where loads are taken or left; none: the plan's
   bool degrees = false;
   std::set<AcceptedTerm> accepted;
   SurveyDemands survey;

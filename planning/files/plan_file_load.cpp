@@ -126,7 +126,12 @@ PlannedMotion planned_motion(const JsonField& field, std::size_t dof) {
   if (motion.positions.empty()) field.at("positions").refuse("at least one knot");
   if (motion.velocities.size() != motion.positions.size())
     field.at("velocities").refuse("as many as there are positions");
-  for (const JsonField& knot : field.at("leg_ends").items()) planned.leg_ends.push_back(knot.count());
+  for (const JsonField& knot : field.at("leg_ends").items()) {
+    const std::size_t end = knot.count();
+    if (end >= motion.positions.size() || (!planned.leg_ends.empty() && end < planned.leg_ends.back()))
+      knot.refuse("a knot of the motion, not before the leg ahead of it");
+    planned.leg_ends.push_back(end);
+  }
   if (field.has("grip_time_s")) planned.grip_time = field.at("grip_time_s").number();
   if (!(planned.grip_time >= 0.0 && planned.grip_time <= most_grip_time))
     field.at("grip_time_s").refuse("seconds from 0 to 60");

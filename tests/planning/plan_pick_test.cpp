@@ -173,6 +173,15 @@ TEST_F(PlanPick, IsRefusedWhereAStraightWayBowsBetweenItsWaypoints) {
   EXPECT_TRUE(verdict([](Plan&) {}).valid);
 }
 
+TEST_F(PlanPick, IsRefusedWhereALegBeginsElsewhere) {
+  const PathVerdict apart = verdict([](Plan& plan) {
+    std::vector<Configuration>& carry = plan.legs[3].waypoints;
+    carry.front()[0] += 1e-6;
+  });
+  EXPECT_FALSE(apart.valid);
+  EXPECT_NE(apart.first_contact.find("leg 4 starts elsewhere"), std::string::npos) << apart.first_contact;
+}
+
 TEST_F(PlanPick, IsRefusedInAnotherWorld) {
   const auto nothing = [](Plan&) {};
   const PathVerdict wide =

@@ -57,6 +57,27 @@ TEST(PlannedMotion, ReadsBackFromAPlanFileBitForBitAndAgreesWithTheCheckAgain) {
   EXPECT_TRUE(check_planned_motion(space, again, space.policies()).valid);
 }
 
+TEST(PlannedMotion, EndsOfLegsInAFileAreKnotsInOrderAndAsManyAsLegs) {
+  const ConfigurationSpace space = walled_space();
+  Plan plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(2, 0), at(0, 0.5)}});
+  plan.motion = plan_motion(space, plan);
+  const std::size_t knots = plan.motion->motion.positions.size();
+  for (const std::vector<std::size_t>& ends :
+       {std::vector<std::size_t>{3, knots}, std::vector<std::size_t>{knots - 1, 3}}) {
+    plan.motion->leg_ends = ends;
+    try {
+      parse_plan(to_json(plan), "plan");
+      FAIL() << ends[0] << " " << ends[1];
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("leg_ends[1]"), std::string::npos) << error.what();
+    }
+  }
+  plan.motion->leg_ends = {knots - 1};
+  const Plan shorter = parse_plan(to_json(plan), "plan");
+  EXPECT_THROW(trajectory_of(space.robot(), shorter), std::invalid_argument);
+  EXPECT_THROW(leg_trajectories(space.robot(), shorter), std::invalid_argument);
+}
+
 TEST(PlannedMotion, IsCheckedAgainWhateverItsPlanSaysOfIt) {
   const ConfigurationSpace space = walled_space();
   Plan plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(2, 0)}});

@@ -314,6 +314,17 @@ TEST_F(PickCommand, moves_smoothly_and_check_proves_the_motion_with_the_pick_tha
   const CommandRun refused = check(hasty, {"--policy", "not_occupied", "--pick", pick});
   EXPECT_EQ(refused.status, exit_no);
   expect_words(refused.out, {"after leg 2 it does not rest for 0.8 s"});
+  const auto with_grip = [&](const Json& of, const std::string& seconds) {
+    return check(of, {"--policy", "not_occupied", "--pick", pick, "--grip-time", seconds});
+  };
+  const CommandRun longer = with_grip(plan, "0.5"), shorter = with_grip(plan, "0.3");
+  EXPECT_EQ(longer.status, exit_no);
+  expect_words(longer.out, {"0.5 s of a motion (flag)", "after leg 2 it does not rest for 0.5 s"});
+  EXPECT_EQ(shorter.status, exit_done) << shorter.out;
+  Json hurried = plan;
+  hurried["motion"]["grip_time_s"] = 0.1;
+  EXPECT_EQ(with_grip(hurried, "0.5").status, exit_no);
+  expect_words(checked.out, {"0.4 s of a motion (plan)"});
 }
 
 TEST_F(PickCommand, nothing_rides_beside_what_is_picked) {
