@@ -32,6 +32,21 @@ bool is_read_of_joint(const std::string& element, bool is_fixed) {
   return !is_fixed && (element == "axis" || element == "limit" || element == "mimic");
 }
 
+const char* link_of(const tinyxml2::XMLElement& joint, const char* end) {
+  const tinyxml2::XMLElement* const element = joint.FirstChildElement(end);
+  const char* const link = element ? element->Attribute("link") : nullptr;
+  return link ? link : "";
+}
+
+/// Whether a joint lets the base float or drive: it stands where the robot has it.
+bool is_of_base(const tinyxml2::XMLElement& joint) {
+  if (!joint.Attribute("type", "floating") && !joint.Attribute("type", "planar")) return false;
+  const std::string parent = link_of(joint, "parent");
+  const tinyxml2::XMLElement* other = joint.Parent()->FirstChildElement("joint");
+  while (other && parent != link_of(*other, "child")) other = other->NextSiblingElement("joint");
+  return other == nullptr;
+}
+
 /// The file's joints and links alone. A body's shape becomes a sphere, because urdfdom knows no capsules and
 /// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
 std::string bare_text(const Robot& robot) {
@@ -45,9 +60,7 @@ std::string bare_text(const Robot& robot) {
   for (auto* element = root->FirstChildElement(); element;) {
     auto* const next = element->NextSiblingElement();
     const std::string name = element->Name();
-    const char* const type = element->Attribute("type");
-    if (name == "joint" && type && (type == std::string("floating") || type == std::string("planar")))
-      element->SetAttribute("type", "fixed");  // of the base, which stands where the robot has it
+    if (name == "joint" && is_of_base(*element)) element->SetAttribute("type", "fixed");
     const bool is_fixed = element->Attribute("type", "fixed") != nullptr;
     joints += name == "joint";
     if (name != "joint" && name != "link") root->DeleteChild(element);

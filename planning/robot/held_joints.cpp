@@ -34,8 +34,9 @@ void require_within_limits(const Joint& joint, double value, const std::filesyst
 }
 
 /// MoveIt's assistant writes states with four digits: what one of them rounds beyond a limit is the limit.
-double within_rounded_limits(const Joint& joint, double value) {
-  constexpr double half_digit = 5.0001e-5;
+/// @param unit 1, or the robot's scale for what was a length
+double within_rounded_limits(const Joint& joint, double value, double unit = 1.0) {
+  const double half_digit = 5.0001e-5 * unit;
   const double nearest = std::clamp(value, joint.lower, joint.upper);
   return std::abs(value - nearest) <= half_digit ? nearest : value;
 }
@@ -94,8 +95,8 @@ std::optional<Configuration> named_configuration(const Robot& robot, const std::
     if (value == found->values.end())
       throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() +
                                   " says nothing of joint " + quote(joint.name));
-    const double stated = value->second * (joint.kind == JointKind::prismatic ? robot.scale : 1.0);
-    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, stated);
+    const double unit = joint.kind == JointKind::prismatic ? robot.scale : 1.0;
+    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, value->second * unit, unit);
   }
   if (const std::string why = limit_violation(robot, q); !why.empty())
     throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() + ": " + why);

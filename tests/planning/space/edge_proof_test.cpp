@@ -159,6 +159,16 @@ TEST(EdgeProof, BodiesThatStandStillOnTheEdgeKeepTheirPadding) {
   EXPECT_TRUE(is_free(0.049));
   EXPECT_FALSE(is_free(0.051));
   EXPECT_FALSE(is_free(0.09));
+  // In a tube padding adds to how far the upper arm may be from where it stands, half a metre from the
+  // shoulder.
+  const auto is_tube_free = [&](double padding, double aside) {
+    const ConfigurationSpace space(arm, map_of(cubes), not_occupied(), {.padding = padding});
+    return space.is_edge_free(from, to, Eigen::Vector2d(aside, 0.0));
+  };
+  EXPECT_TRUE(is_tube_free(0.01, 0.01));
+  EXPECT_TRUE(is_tube_free(0.0, 0.04));
+  EXPECT_TRUE(is_tube_free(0.04, 0.0));
+  EXPECT_FALSE(is_tube_free(0.04, 0.04));
 }
 
 TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOfJoint) {
