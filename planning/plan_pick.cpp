@@ -386,7 +386,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
     const ThreadStopwatch cpu(plan.cpu_s);
     PickPlanner legs(query, pick, planner);
     plan.legs = legs.run();
-    plan.loads = {{legs.load(), {2, 3, 4}}};
+    plan.loads = {{legs.load(), legs_that_carry()}};
     plan.policies = legs.policies();
   }
   plan.pick = pick;

@@ -112,7 +112,7 @@ MotionTerms terms_of(const ConfigurationSpace& space, const Plan& plan,
 /// What the check takes to ride on the robot: of a pick what it states, where the plan has it.
 std::vector<LegLoad> riding_on(const Plan& plan) {
   if (!plan.pick) return plan.loads;
-  LegLoad picked{plan.pick->object, {2, 3, 4}};
+  LegLoad picked{plan.pick->object, legs_that_carry()};
   for (const LegLoad& load : plan.loads)
     if (load.load.name == picked.load.name) picked.load.link_from_load = load.load.link_from_load;
   return {picked};
@@ -174,12 +174,7 @@ class LoadedMotion {
  public:
   LoadedMotion(const ConfigurationSpace& space, const Plan& plan, const SmoothMotionOptions& options,
                double grip_time)
-      : space_(space),
-        plan_(plan),
-        options_(options),
-        made_(plan.legs.size()),
-        level_(plan.legs.size(), 0),
-        is_made_(plan.legs.size(), false) {
+      : space_(space), plan_(plan), options_(options), made_(plan.legs.size()), level_(plan.legs.size(), 0) {
     plan_.motion.emplace();
     plan_.motion->scales = options.scales;
     plan_.motion->grip_time = grip_time;
@@ -193,9 +188,7 @@ class LoadedMotion {
     do {
       const double made = thread_cpu_seconds();
       for (std::size_t leg = 0; leg < made_.size(); ++leg) {
-        if (is_made_[leg]) continue;
-        made_[leg] = legs.make(leg, with_share(options_, level_[leg]));
-        is_made_[leg] = true;
+        if (!made_[leg]) made_[leg] = legs.make(leg, with_share(options_, level_[leg]));
       }
       join();
       planned.cpu_s += thread_cpu_seconds() - made;
@@ -213,12 +206,12 @@ class LoadedMotion {
     planned.blended = planned.stops = 0;
     const std::vector<std::size_t> grips = grips_between(plan_.loads, made_.size());
     for (std::size_t leg = 0; leg < made_.size(); ++leg) {
-      append(planned.motion, made_[leg].motion);
+      append(planned.motion, made_[leg]->motion);
       planned.leg_ends.push_back(planned.motion.positions.size() - 1);
       if (leg < grips.size())
         append_rest(planned.motion, grips[leg] * periods_of(planned.grip_time, planned.motion.period));
-      planned.blended += made_[leg].blended;
-      planned.stops += made_[leg].stops;
+      planned.blended += made_[leg]->blended;
+      planned.stops += made_[leg]->stops;
       if (shares_of_reach[level_[leg]] == 0.0) planned.unblended.push_back(leg);
     }
   }
@@ -230,7 +223,7 @@ class LoadedMotion {
       if (refused >= 0 && leg != static_cast<std::size_t>(refused)) continue;
       if (level_[leg] + 1 == shares_of_reach.size()) continue;
       ++level_[leg];
-      is_made_[leg] = false;
+      made_[leg].reset();
       is_shorter = true;
     }
     return is_shorter;
@@ -239,9 +232,8 @@ class LoadedMotion {
   const ConfigurationSpace& space_;
   Plan plan_;
   const SmoothMotionOptions& options_;
-  std::vector<SmoothMotion> made_;  ///< of each leg
-  std::vector<std::size_t> level_;  ///< of shares_of_reach, of each leg
-  std::vector<bool> is_made_;
+  std::vector<std::optional<SmoothMotion>> made_;  ///< of each leg, unless its blends just became shorter
+  std::vector<std::size_t> level_;                 ///< of shares_of_reach, of each leg
 };
 
 }  // namespace

@@ -349,7 +349,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
 
 std::vector<LegLoad> carried_under(const Contract& contract) {
   if (!contract.pick.value) return contract.loads.value;
-  return {{contract.pick.value->object, {2, 3, 4}}};
+  return {{contract.pick.value->object, legs_that_carry()}};
 }
 
 Robot robot_of(const Contract& contract, const Robot& robot) {

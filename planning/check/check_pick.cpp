@@ -436,9 +436,7 @@ class PickCheck {
       if (verdict.valid) require_heights(carrying, map_from_object, index, tubes_of(motion.motion, range, 1));
     };
     const auto positions = [&](Leg index) {
-      const auto first = motion.motion.positions.begin();
-      return std::vector<Configuration>(first + static_cast<std::ptrdiff_t>(knots[index].first),
-                                        first + static_cast<std::ptrdiff_t>(knots[index].last) + 1);
+      return stretch_of(motion.motion, knots[index].first, knots[index].last).positions;
     };
     // Between two knots the curve may pass the end of the contact: that piece is proved with the layer.
     const std::vector<Configuration> lifted = positions(lift), lowered = positions(lower);

@@ -30,6 +30,8 @@ std::vector<std::string> names_of_legs(bool has_goal) {
   return names;
 }
 
+std::vector<int> legs_that_carry() { return {2, 3, 4}; }
+
 double contact_length(const Pick& pick, double resolution, double padding) {
   return pick.contact == 0.0 ? 2.0 * (resolution + padding) : pick.contact;
 }

@@ -43,6 +43,9 @@ struct Pick {
 /// Names of the legs in order; with a goal `leave` is one more.
 std::vector<std::string> names_of_legs(bool has_goal);
 
+/// Legs on which the object rides, from 0: lift, carry and lower.
+std::vector<int> legs_that_carry();
+
 /// `contact`, chosen where it is 0. @param resolution of the map, metres
 double contact_length(const Pick& pick, double resolution, double padding);
 

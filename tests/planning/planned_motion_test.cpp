@@ -250,13 +250,18 @@ TEST(PlannedMotion, RestsWhereLoadsAreTakenAndLeft) {
   EXPECT_GT(rested, 0.99);
 }
 
+/// A panda with nothing near it, and two configurations.
+struct FreePanda {
+  Robot robot = load_robot("panda");
+  ConfigurationSpace space{robot, VoxelScene{0.05, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)}, {}, {}}.snapshot(),
+                           anywhere_but_occupied()};
+  Configuration from = (Configuration(7) << 0, -0.5, 0, -2.0, 0, 1.6, 0).finished();
+  Configuration to = (Configuration(7) << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5).finished();
+};
+
 TEST(PlannedMotion, ThatTorquesForbidIsNoneAndSaysSo) {
-  const Robot robot = load_robot("panda");
-  const VoxelScene scene{0.05, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)}, {}, {}};
-  const ConfigurationSpace space(robot, scene.snapshot(), anywhere_but_occupied());
-  Configuration from(7), to(7);
-  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
-  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  const FreePanda free;
+  const auto& [robot, space, from, to] = free;
   Plan plan = plan_and_check(
       {.space = space, .start = from, .goals = {to}, .payload = 500.0, .survey = std::nullopt});
   ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
@@ -272,12 +277,8 @@ TEST(PlannedMotion, ThatTorquesForbidIsNoneAndSaysSo) {
 
 /// A load's mass counts while it rides: in the motion as made, and in the judgement of another.
 TEST(PlannedMotion, BearsTheWeightOfItsLoadsWhereTheyRide) {
-  const Robot robot = load_robot("panda");
-  const VoxelScene scene{0.05, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)}, {}, {}};
-  const ConfigurationSpace space(robot, scene.snapshot(), anywhere_but_occupied());
-  Configuration from(7), to(7);
-  from << 0, -0.5, 0, -2.0, 0, 1.6, 0;
-  to << 1.2, 0.2, 0.3, -1.2, 0.4, 2.2, 0.5;
+  const FreePanda free;
+  const auto& [robot, space, from, to] = free;
   LegLoad brick;
   brick.load.name = "brick";
   brick.load.link = robot.links[static_cast<std::size_t>(robot.tip_link)].name;
