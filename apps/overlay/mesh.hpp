@@ -18,9 +18,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
 };
 
-/// The surface of an exact body, in the shape's frame. Round shapes have 24 sides, with corners on the
-/// surface; edges sharper than 40 degrees stay sharp in the normals. Empty for a convex body that spans no
-/// volume.
+/// The surface of an exact body, in the shape's frame. Edges sharper than 40 degrees stay sharp in the
+/// normals. Empty for a convex body that spans no volume.
 Mesh mesh_of(const Shape& shape);
 
 /// Faces of voxels, map frame. @param size edge of the finest voxel, metres

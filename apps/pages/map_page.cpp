@@ -11,7 +11,6 @@
 #include "apps/pages/plan_motion.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
-#include "planning/geometry/convex_hull.hpp"
 #include "planning/path/path_origins.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/robot/self_collision.hpp"
@@ -128,7 +127,7 @@ std::string words_of(const WaypointOrigin& origin) {
   return "not known";
 }
 
-/// How the planner got to each waypoint of the page, told by those of the path that lie ahead.
+/// How the planner got to each waypoint of the page, by those of the path that lie ahead.
 void show_origins(PagePlan& page, const std::vector<Configuration>& path,
                   const std::vector<WaypointOrigin>& origins) {
   const bool is_known = std::any_of(origins.begin(), origins.end(), [](const WaypointOrigin& origin) {
@@ -148,29 +147,15 @@ void show_origins(PagePlan& page, const std::vector<Configuration>& path,
 
 PageShape page_shape(const Shape& s) {
   PageShape shape;
-  switch (s.kind()) {
-    case Shape::Kind::sphere:
-      shape.kind = PageShape::Kind::sphere;
-      shape.size.x() = s.radius();
-      break;
-    case Shape::Kind::capsule:
-      shape.kind = PageShape::Kind::capsule;
-      shape.size = {s.radius(), s.length(), 0.0};
-      break;
-    case Shape::Kind::cylinder:
-      shape.kind = PageShape::Kind::cylinder;
-      shape.size = {s.radius(), s.length(), 0.0};
-      break;
-    case Shape::Kind::box:
-      shape.kind = PageShape::Kind::box;
-      shape.size = s.edges();
-      break;
-    case Shape::Kind::convex: {
-      shape.kind = PageShape::Kind::mesh;
-      shape.vertices = s.vertices();
-      shape.triangles = hull_triangles(s.vertices());
-      break;
-    }
+  const std::vector<double> sizes = s.sizes();
+  std::copy(sizes.begin(), sizes.end(), shape.size.begin());
+  if (!sizes.empty()) {
+    shape.kind = s.name();
+  } else {
+    Surface surface = s.surface();
+    shape.kind = PageShape::mesh;
+    shape.vertices = std::move(surface.corners);
+    shape.triangles = std::move(surface.triangles);
   }
   return shape;
 }

@@ -113,24 +113,8 @@ json spheres_json(PageArrays& arrays, const ReportPage& page) {
   return place(arrays.add(std::span<const float>(values)));
 }
 
-const char* kind_name(PageShape::Kind kind) {
-  switch (kind) {
-    case PageShape::Kind::sphere:
-      return "sphere";
-    case PageShape::Kind::capsule:
-      return "capsule";
-    case PageShape::Kind::cylinder:
-      return "cylinder";
-    case PageShape::Kind::box:
-      return "box";
-    case PageShape::Kind::mesh:
-      return "mesh";
-  }
-  return "";
-}
-
 json shape_json(PageArrays& arrays, const PageShape& shape) {
-  json out{{"kind", kind_name(shape.kind)},
+  json out{{"kind", shape.kind},
            {"size", vector3(shape.size)},
            {"link", shape.link},
            {"part", shape.part},
@@ -138,7 +122,7 @@ json shape_json(PageArrays& arrays, const PageShape& shape) {
            {"group", shape.group},
            {"pose", place_poses(arrays, {shape.link_from_shape})}};
   if (shape.link < 0) refuse("robot.link", "must not be negative");
-  if (shape.kind != PageShape::Kind::mesh) return out;
+  if (shape.kind != PageShape::mesh) return out;
   std::vector<std::uint32_t> corners;
   for (const auto& triangle : shape.triangles)
     for (const int corner : triangle) {

@@ -21,7 +21,8 @@ using PageFigure = std::pair<std::string, std::string>;
 
 /// One rigid piece of the robot.
 struct PageShape {
-  enum class Kind { sphere, capsule, cylinder, box, mesh } kind = Kind::sphere;
+  static constexpr std::string_view mesh = "mesh";
+  std::string_view kind = "sphere";  ///< or capsule, cylinder, box: the name of a Shape of sizes; or mesh
   /// Metres. sphere: radius; capsule and cylinder: radius, length along z (a capsule's between the centres of
   /// its caps); box: the three full edges; mesh: unused.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();

@@ -101,11 +101,6 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& plan,
   });
 }
 
-std::string_view load_kind(const Shape& shape) {
-  constexpr std::string_view names[] = {"sphere", "capsule", "cylinder", "box", "convex"};
-  return names[static_cast<std::size_t>(shape.kind())];
-}
-
 void bind_load(py::module_& module) {
   Record<LegLoad>(
       module, "Load",
@@ -121,7 +116,7 @@ void bind_load(py::module_& module) {
           "link_from_load", [](const LegLoad& self) { return to_array(self.load.link_from_load); },
           doc("Load::link_from_load", "4x4."))
       .computed(
-          "kind", [](const LegLoad& self) { return std::string(load_kind(self.load.shape)); },
+          "kind", [](const LegLoad& self) { return std::string(self.load.shape.name()); },
           "'sphere', 'capsule', 'cylinder', 'box' or 'convex'.")
       .computed(
           "radius", [](const LegLoad& self) { return self.load.shape.radius(); },

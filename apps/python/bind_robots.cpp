@@ -138,11 +138,6 @@ double cost_of_path(const NamedRobot& self, const py::object& waypoints, double 
   return without_lock([&] { return PathCost(self.robot, {in_base, payload})(path); });
 }
 
-std::string_view kind_of(const Shape& shape) {
-  constexpr std::string_view names[] = {"sphere", "capsule", "cylinder", "box", "convex"};
-  return names[static_cast<std::size_t>(shape.kind())];
-}
-
 void bind_parts(py::module_& module) {
   Record<Joint>(module, "Joint")
       .field("name", &Joint::name, "Its name in the robot's file.")
@@ -170,7 +165,7 @@ void bind_parts(py::module_& module) {
       .field("link", &Body::link, "Index of the link that carries it.")
       .field("link_from_shape", &Body::link_from_shape, "Where it is on the link, 4x4.")
       .computed(
-          "kind", [](const Body& self) { return std::string(kind_of(self.shape)); },
+          "kind", [](const Body& self) { return std::string(self.shape.name()); },
           "'sphere', 'capsule', 'cylinder', 'box' or 'convex'.")
       .computed(
           "radius", [](const Body& self) { return self.shape.radius(); }, doc("Shape::radius", "Metres."))

@@ -34,7 +34,7 @@ bool meets_cube(const Shape& body, const Eigen::Isometry3d& map_from_body, const
   const Eigen::Vector3d in_body = map_from_body.inverse() * center;
   const double apart = body.signed_distance(in_body);  // of a hull: from the box around it
   if (apart > 0.5 * std::sqrt(3.0) * edge * (1.0 + 1e-9)) return false;
-  if (body.kind() != Shape::Kind::convex && apart <= 0.5 * edge) return true;
+  if (body.has_exact_distance() && apart <= 0.5 * edge) return true;
   return distance_to_cube(body, map_from_body, center, edge).lower <= 0.0;
 }
 

@@ -413,7 +413,7 @@ class Maker {
 }  // namespace
 
 std::vector<Sphere> lane_cover(const Body& body, double resolution) {
-  if (body.shape.kind() != Shape::Kind::box) return body.cover;
+  if (!body.shape.fills_its_box()) return body.cover;
   Eigen::Vector3i counts = Eigen::Vector3i::Ones();
   while (counts.prod() < static_cast<int>(body.cover.size())) {
     const Eigen::Vector3d cell = body.shape.edges().cwiseQuotient(counts.cast<double>());

@@ -197,7 +197,7 @@ class Checker {
 };
 
 /// The advance came to rest before a contact, or so near to one that nothing more can be proved: whether
-/// something does touch within a short way tells which.
+/// something does touch within a short way decides which.
 void Checker::stall(const Item& item, int edge, double t, double length, Nearest near) {
   const double keep = item.other ? 0.0 : padding_;
   const Eigen::VectorXd dq = step(edge);

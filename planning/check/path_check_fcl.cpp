@@ -15,18 +15,20 @@ namespace {
 /// A body as FCL has it, with the box around it.
 struct Geometry {
   Shape shape;
+  ShapeReading reading;
   std::shared_ptr<fcl::CollisionGeometryd> fcl;
   Eigen::Vector3d box_half, box_center;
 
-  explicit Geometry(const Shape& given) : shape(solid(given)), fcl(fcl_geometry(shape)) {
+  explicit Geometry(const Shape& given) : shape(solid(given)), reading(shape), fcl(fcl_geometry(shape)) {
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
-      const double high = farthest(shape, Eigen::Isometry3d::Identity(), unit);
-      const double low = -farthest(shape, Eigen::Isometry3d::Identity(), -unit);
+      const double high = reading.farthest(Eigen::Isometry3d::Identity(), unit);
+      const double low = -reading.farthest(Eigen::Isometry3d::Identity(), -unit);
       box_half[axis] = (high - low) / 2;
       box_center[axis] = (low + high) / 2;
     }
   }
+  Geometry(Geometry&&) = default;  // never copied: the reading looks at the corners of its own shape
 };
 
 bool collide(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry& b,
@@ -38,8 +40,8 @@ bool collide(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry&
 /// The gap between the planes with normal `n` or `-n` that the bodies touch from either side.
 double separation(const Geometry& a, const Eigen::Isometry3d& pose_a, const Geometry& b,
                   const Eigen::Isometry3d& pose_b, const Eigen::Vector3d& n) {
-  const double forth = -farthest(b.shape, pose_b, -n) - farthest(a.shape, pose_a, n);
-  const double back = -farthest(a.shape, pose_a, -n) - farthest(b.shape, pose_b, n);
+  const double forth = -b.reading.farthest(pose_b, -n) - a.reading.farthest(pose_a, n);
+  const double back = -a.reading.farthest(pose_a, -n) - b.reading.farthest(pose_b, n);
   return std::max(forth, back);
 }
 
@@ -97,7 +99,7 @@ bool FclBodies::touches_cube(std::size_t body, const Eigen::Isometry3d& pose, co
 double FclBodies::cube_distance(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
                                 double edge, double enough) const {
   const Geometry& geometry = geometries_->bodies[body];
-  const Gap gap = cube_gap(geometry.shape, pose, cube, edge, enough);
+  const Gap gap = cube_gap(geometry.reading, pose, cube, edge, enough);
   if (gap.proves(enough)) return gap.proved;
   return by_fcl(Geometries::cube(edge), Geometries::at(cube), geometry, pose);
 }
@@ -110,28 +112,22 @@ bool FclBodies::touch(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_
 double FclBodies::distance(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
                            const Eigen::Isometry3d& pose_b, double enough) const {
   const Geometry &first = geometries_->bodies[a], &second = geometries_->bodies[b];
-  const Gap gap = body_gap(first.shape, pose_a, second.shape, pose_b, enough);
+  const Gap gap = body_gap(first.reading, pose_a, second.reading, pose_b, enough);
   if (gap.proves(enough)) return gap.proved;
   return by_fcl(first, pose_a, second, pose_b);
 }
 
 double FclBodies::point_distance(std::size_t body, const Eigen::Vector3d& point) const {
   const Geometry& geometry = geometries_->bodies[body];
-  const Shape& shape = geometry.shape;
-  const double half = shape.length() / 2, beyond = std::max(std::abs(point.z()) - half, 0.0);
-  switch (shape.kind()) {
-    case Shape::Kind::sphere:
-      return std::max(point.norm() - shape.radius(), 0.0);
-    case Shape::Kind::capsule:
-      return std::max(
-          std::sqrt(point.x() * point.x() + point.y() * point.y() + beyond * beyond) - shape.radius(), 0.0);
-    case Shape::Kind::cylinder:
-      return Eigen::Vector2d(std::max(point.head<2>().norm() - shape.radius(), 0.0), beyond).norm();
-    case Shape::Kind::box:
-    case Shape::Kind::convex:
-      break;
-  }
-  return ((point - geometry.box_center).cwiseAbs() - geometry.box_half).cwiseMax(0.0).norm();
+  const ShapeReading& shape = geometry.reading;
+  if (shape.core != ShapeReading::Core::disc)
+    return ((point - geometry.box_center).cwiseAbs() - geometry.box_half).cwiseMax(0.0).norm();
+  const double beyond = std::max(std::abs(point.z()) - shape.half_length, 0.0);
+  if (shape.round == 0.0)
+    return Eigen::Vector2d(std::max(point.head<2>().norm() - shape.disc, 0.0), beyond).norm();
+  const double across = point.x() * point.x() + point.y() * point.y();
+  const double from_core = shape.half_length > 0.0 ? std::sqrt(across + beyond * beyond) : point.norm();
+  return std::max(from_core - shape.round, 0.0);
 }
 
 const Eigen::Vector3d& FclBodies::box_half(std::size_t body) const {

@@ -21,11 +21,11 @@ struct Gap {
 };
 
 /// From a placed body to the closed cube of a voxel. Ends early once more than `enough` is proved.
-Gap cube_gap(const Shape& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube, double edge,
-             double enough);
+Gap cube_gap(const ShapeReading& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
+             double edge, double enough);
 
 /// Between two placed bodies. Ends early once more than `enough` is proved.
-Gap body_gap(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b, const Eigen::Isometry3d& pose_b,
-             double enough);
+Gap body_gap(const ShapeReading& a, const Eigen::Isometry3d& pose_a, const ShapeReading& b,
+             const Eigen::Isometry3d& pose_b, double enough);
 
 }  // namespace clearway::check

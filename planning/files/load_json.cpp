@@ -30,18 +30,21 @@ Eigen::Isometry3d place_of(const JsonField& field) {
   return pose;
 }
 
+Shape sized_shape(const ShapeSizes& kind, const JsonField& field) {
+  const JsonField sizes = field.at(kind.name);
+  const Eigen::VectorXd values = kind.count == 1
+                                     ? Eigen::VectorXd(Eigen::VectorXd::Constant(1, sizes.number()))
+                                     : sizes.numbers(static_cast<std::size_t>(kind.count));
+  lengths_of(values, field);
+  return Shape::of_sizes(kind.name, {values.data(), static_cast<std::size_t>(values.size())});
+}
+
 Shape read_shape(const JsonField& field) {
-  int kinds = 0;
-  for (const char* kind : {"sphere", "box", "capsule", "cylinder", "hull"}) kinds += field.has(kind) ? 1 : 0;
+  int kinds = field.has("hull") ? 1 : 0;
+  for (const ShapeSizes& kind : Shape::sized_kinds()) kinds += field.has(kind.name) ? 1 : 0;
   if (kinds > 1) field.refuse("one of sphere, capsule, cylinder, box and hull, found several");
-  if (field.has("sphere")) return Shape::sphere(length_of(field.at("sphere").number(), field));
-  if (field.has("box")) return Shape::box(lengths_of(field.at("box").numbers(3), field));
-  for (const bool is_capsule : {false, true}) {
-    const char* kind = is_capsule ? "capsule" : "cylinder";
-    if (!field.has(kind)) continue;
-    const Eigen::VectorXd sizes = lengths_of(field.at(kind).numbers(2), field);
-    return is_capsule ? Shape::capsule(sizes[0], sizes[1]) : Shape::cylinder(sizes[0], sizes[1]);
-  }
+  for (const ShapeSizes& kind : Shape::sized_kinds())
+    if (field.has(kind.name)) return sized_shape(kind, field);
   if (!field.has("hull")) field.refuse("sphere, capsule, cylinder, box or hull");
   std::vector<Eigen::Vector3d> corners;
   for (const Eigen::VectorXd& corner : field.at("hull").vectors(3))
@@ -69,18 +72,9 @@ LegLoad read_load(const JsonField& field) {
 }  // namespace
 
 Json json_of(const Shape& shape) {
-  switch (shape.kind()) {
-    case Shape::Kind::sphere:
-      return {{"sphere", shape.radius()}};
-    case Shape::Kind::capsule:
-      return {{"capsule", {shape.radius(), shape.length()}}};
-    case Shape::Kind::cylinder:
-      return {{"cylinder", {shape.radius(), shape.length()}}};
-    case Shape::Kind::box:
-      return {{"box", numbers_of(shape.edges())}};
-    case Shape::Kind::convex:
-      break;
-  }
+  const std::vector<double> sizes = shape.sizes();
+  if (sizes.size() == 1) return {{shape.name(), sizes.front()}};
+  if (!sizes.empty()) return {{shape.name(), sizes}};
   Json hull = Json::array();
   for (const Eigen::Vector3d& corner : shape.vertices()) hull.push_back(numbers_of(corner));
   return {{"hull", std::move(hull)}};

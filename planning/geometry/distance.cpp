@@ -42,7 +42,7 @@ struct Swept {
   }
 };
 
-/// What two cores told: nearest points, and the best separation that a plane proved.
+/// What two cores yielded: nearest points, and the best separation that a plane proved.
 struct CoreDistance {
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();
   double separation = 0.0;  ///< max over directions of (min over B - max over A); certified up to rounding
@@ -91,7 +91,8 @@ CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, doub
   return result;
 }
 
-/// Turns what the cores told into bounds for the bodies. `size`: of the coordinates, for the rounding margin.
+/// Turns the result of the cores into bounds for the bodies. `size`: of the coordinates, for the rounding
+/// margin.
 DistanceBounds bounds_of(const CoreDistance& core, double radius_a, double radius_b, double size,
                          const Eigen::Vector3d& origin) {
   DistanceBounds bounds;

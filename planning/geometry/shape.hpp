@@ -2,11 +2,25 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "mapping/voxels/sphere.hpp"
+#include "planning/geometry/surface.hpp"
 
 namespace clearway {
+
+class ShapeKind;
+
+constexpr std::size_t most_cover_spheres = 64;  ///< in the cover of one shape
+
+/// A kind of shape that numbers describe: its name in files and how many numbers.
+struct ShapeSizes {
+  const char* name = "";
+  int count = 0;
+};
 
 /// The segment in the middle of a shape along its longest direction: the rest is round or narrow.
 struct MedialSegment {
@@ -29,20 +43,33 @@ class Shape {
   static Shape box(const Eigen::Vector3d& edges);
   static Shape convex(std::vector<Eigen::Vector3d> vertices);  ///< hull of the points (at least one)
 
-  Kind kind() const { return kind_; }
+  /// The kinds that of_sizes() makes: all but `convex`, whose vertices describe it.
+  static std::vector<ShapeSizes> sized_kinds();
+
+  /// A shape as files describe it: `name` and `sizes` as name() and sizes() give them.
+  /// @throws std::invalid_argument when no kind has that name and as many sizes, or one is not a size.
+  static Shape of_sizes(std::string_view name, std::span<const double> sizes);
+
+  Kind kind() const;
+  std::string_view name() const;                           ///< of the kind: as the enumerator
+  std::vector<double> sizes() const;                       ///< what its factory takes; convex: none
   double radius() const { return radius_; }                ///< sphere, capsule, cylinder; else 0
   double length() const { return length_; }                ///< capsule, cylinder; else 0
   const Eigen::Vector3d& edges() const { return edges_; }  ///< box; convex: of the box around it
   const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }  ///< convex: hull corners
+  const Eigen::Vector3d& box_center() const { return box_center_; }  ///< convex: of the box around it
 
   /// True for a solid of revolution about the own z axis: sphere, capsule, cylinder.
-  bool is_axial() const { return kind_ == Kind::sphere || kind_ == Kind::capsule || kind_ == Kind::cylinder; }
+  bool is_axial() const;
 
   /// True for all that lies within radius() of a segment, or point, on the own z axis: sphere, capsule.
-  bool is_rounded() const { return kind_ == Kind::sphere || kind_ == Kind::capsule; }
+  bool is_rounded() const;
 
   /// True when signed_distance() and offset_to() are exact: for all but `convex`.
-  bool has_exact_distance() const { return kind_ != Kind::convex; }
+  bool has_exact_distance() const;
+
+  /// True when the shape is the box of edges() itself: `box`.
+  bool fills_its_box() const;
 
   /// Farthest point of the shape along `direction` (need not be unit), in the shape's frame.
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
@@ -76,8 +103,16 @@ class Shape {
   /// in the shape's frame; zero for a point inside.
   Eigen::Vector3d offset_to(const Eigen::Vector3d& point) const;
 
+  /// The surface as triangles, in the shape's frame. What is round has 24 sides, with corners on the surface.
+  /// No triangles for a convex body that spans no volume.
+  Surface surface() const;
+
+  const ShapeKind& kind_functions() const { return *kind_; }  ///< not part of the installed library
+
  private:
-  Kind kind_ = Kind::sphere;
+  explicit Shape(const ShapeKind& kind) : kind_(&kind) {}
+
+  const ShapeKind* kind_;
   double radius_ = 0.0, length_ = 0.0;
   Eigen::Vector3d edges_ = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> vertices_;

@@ -131,7 +131,7 @@ class DistanceKernel {
 
   /// By the plane square to the line between the nearest points of cube and axis. The squared distance of the
   /// axis' point at t, from 0 to 1, is convex, and a parabola between any two planes of the cube's faces; the
-  /// sign of its slope at each plane tells between which it is least.
+  /// sign of its slope at each plane shows between which it is least.
   void round(DistanceLanes& lanes, int first) const {
     const Numbers zero = number(0.0), one = number(1.0), radius = number(body_.radius);
     double along_axis[3], whole_axis[3];

@@ -27,15 +27,16 @@ std::vector<Eigen::Vector3d> inner_points(const Shape& shape) {
   std::vector<Eigen::Vector3d> skin;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   const double same = 1e-12 * shape.bounding_radius() * shape.bounding_radius();
+  const bool is_sphere = shape.is_rounded() && shape.length() == 0.0;  // no point twice
   for (int x = -2; x <= 2; ++x) {
     for (int y = -2; y <= 2; ++y) {
       for (int z = -2; z <= 2; ++z) {
         if (std::gcd(std::gcd(x, y), z) != 1) continue;  // twice another direction, or none
         const Eigen::Vector3d point = shape.support(Eigen::Vector3d(x, y, z));
-        const bool known = shape.kind() != Shape::Kind::sphere &&
-                           std::any_of(skin.begin(), skin.end(), [&](const Eigen::Vector3d& other) {
-                             return (other - point).squaredNorm() < same;
-                           });
+        const bool known =
+            !is_sphere && std::any_of(skin.begin(), skin.end(), [&](const Eigen::Vector3d& other) {
+              return (other - point).squaredNorm() < same;
+            });
         if (!known) skin.push_back(point);
       }
     }

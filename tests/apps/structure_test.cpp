@@ -91,6 +91,23 @@ TEST(Structure, no_folder_is_a_hall) {
   for (const auto& [folder, count] : files) EXPECT_LE(count, 36) << folder;
 }
 
+/// A new kind of shape is one file there, and the check's own reading of it.
+TEST(Structure, kinds_of_shapes_are_known_to_geometry_and_once_to_the_check) {
+  std::set<std::string> known;
+  for (const auto& [floor, may] : allowed) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(CLEARWAY_SOURCE_DIR) / floor)) {
+      const auto extension = entry.path().extension();
+      if (extension != ".hpp" && extension != ".cpp") continue;
+      std::ifstream file(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(file), {}};
+      if (text.find("Shape::Kind::") == std::string::npos) continue;
+      const std::string name = fs::relative(entry.path(), CLEARWAY_SOURCE_DIR);
+      if (!name.starts_with("planning/geometry/")) known.insert(name);
+    }
+  }
+  EXPECT_EQ(known, (std::set<std::string>{"planning/check/path_check_shape.cpp"}));
+}
+
 /// The one room of mapping that datasets may use: it must not lead it to the rest of mapping.
 TEST(Structure, system_includes_nothing_else_of_ours) {
   for_each_include("mapping/system", [&](const fs::path& file, const std::string& name, bool quoted) {

@@ -182,8 +182,7 @@ class SamplePage {
   }
 
   void add_robot() {
-    using Kind = PageShape::Kind;
-    const auto shape = [&](Kind kind, Eigen::Vector3d size, int link, Eigen::Vector3d at,
+    const auto shape = [&](std::string_view kind, Eigen::Vector3d size, int link, Eigen::Vector3d at,
                            bool critical = false) {
       PageShape s;
       s.kind = kind, s.size = size, s.link = link, s.critical = critical;
@@ -191,12 +190,12 @@ class SamplePage {
       s.link_from_shape.translation() = at;
       page_.robot.push_back(s);
     };
-    shape(Kind::cylinder, {0.08, 0.24, 0}, 0, {0, 0, 0.12});
-    shape(Kind::sphere, {0.075, 0, 0}, 1, {0, 0, 0.28});
-    shape(Kind::capsule, {0.05, 0.24, 0}, 2, {0, 0, 0.12});
-    shape(Kind::capsule, {0.042, 0.2, 0}, 3, {0, 0, 0.1});
-    shape(Kind::box, {0.05, 0.06, 0.05}, 4, {0, 0, 0.02}, true);
-    shape(Kind::mesh, {0, 0, 0}, 5, {0, 0, 0.05}, true);
+    shape("cylinder", {0.08, 0.24, 0}, 0, {0, 0, 0.12});
+    shape("sphere", {0.075, 0, 0}, 1, {0, 0, 0.28});
+    shape("capsule", {0.05, 0.24, 0}, 2, {0, 0, 0.12});
+    shape("capsule", {0.042, 0.2, 0}, 3, {0, 0, 0.1});
+    shape("box", {0.05, 0.06, 0.05}, 4, {0, 0, 0.02}, true);
+    shape("mesh", {0, 0, 0}, 5, {0, 0, 0.05}, true);
     page_.robot.back().vertices = {
         {-0.04, -0.02, 0}, {0.04, -0.02, 0}, {0.04, 0.02, 0}, {-0.04, 0.02, 0}, {0, 0, 0.11}};
     page_.robot.back().triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <set>
+
 #include "planning/geometry/convex_hull.hpp"
 #include "tests/worlds/random_world.hpp"
 
@@ -187,6 +191,52 @@ TEST(Shape, SizesThatNoBodyCanHaveAreRefusedByName) {
             }),
             "box has y edge 0, expected a finite number above 0");
   EXPECT_EQ(message([] { Shape::convex({}); }), "a convex body needs at least one vertex, got none");
+}
+
+TEST(Shape, NameAndSizesMakeItAgain) {
+  Random random(21);
+  std::set<std::string_view> names;
+  for (const Shape& shape : some_shapes(random)) {
+    const std::vector<double> sizes = shape.sizes();
+    if (sizes.empty()) {
+      EXPECT_EQ(shape.kind(), Shape::Kind::convex);
+      continue;
+    }
+    names.insert(shape.name());
+    const Shape again = Shape::of_sizes(shape.name(), sizes);
+    EXPECT_EQ(again.kind(), shape.kind());
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Vector3d direction = random.point(1.0);
+      EXPECT_EQ(again.support(direction), shape.support(direction)) << shape.name();
+    }
+    EXPECT_THROW(Shape::of_sizes(shape.name(), std::vector<double>(4, 0.1)), std::invalid_argument);
+  }
+  EXPECT_EQ(names.size(), Shape::sized_kinds().size());
+  for (const ShapeSizes& kind : Shape::sized_kinds()) EXPECT_TRUE(names.contains(kind.name)) << kind.name;
+  EXPECT_THROW(Shape::of_sizes("convex", {}), std::invalid_argument);
+}
+
+/// A triangle mesh is closed, faces outwards and holds the volume when the signed tetrahedra add up to it.
+TEST(Shape, TheSurfaceHoldsTheVolumeButForTheFacetsOfWhatIsRound) {
+  const auto volume = [](const Surface& surface) {
+    double six = 0.0;
+    for (const auto& t : surface.triangles)
+      six += surface.corners[static_cast<std::size_t>(t[0])].dot(
+          surface.corners[static_cast<std::size_t>(t[1])].cross(
+              surface.corners[static_cast<std::size_t>(t[2])]));
+    return six / 6.0;
+  };
+  const double r = 0.2, l = 0.5, pi = std::numbers::pi;
+  EXPECT_NEAR(volume(Shape::box({0.1, 0.2, 0.3}).surface()), 0.006, 1e-12);
+  EXPECT_NEAR(volume(Shape::convex({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}).surface()), 1.0 / 6.0,
+              1e-12);
+  const auto share = [&](const Shape& shape, double exact) { return volume(shape.surface()) / exact; };
+  const double ball = 4.0 / 3.0 * pi * r * r * r, rod = pi * r * r * l;
+  for (const double found : {share(Shape::sphere(r), ball), share(Shape::capsule(r, l), ball + rod),
+                             share(Shape::cylinder(r, l), rod)}) {
+    EXPECT_LT(found, 1.0) << "corners lie on the surface";
+    EXPECT_GT(found, 0.96);
+  }
 }
 
 TEST(ConvexHull, KeepsTheCornersAndTheSupportOfFlatAndSolidPoints) {
