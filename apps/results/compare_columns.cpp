@@ -93,7 +93,7 @@ std::vector<RunColumn> team_columns() {
   };
 }
 
-/// Statistics that planners and teams tell under these names, and how those of several legs are joined.
+/// Statistics that planners and teams report under these names, and how those of several legs are joined.
 struct Statistic {
   const char* name;
   enum Joined { added, least, largest } joined;
@@ -129,13 +129,12 @@ RunColumn of_statistic(const Statistic& statistic) {
           }};
 }
 
-/// What `boundary_plus` tells as a number: which of its stages joined start and goal, of several legs the
-/// last one that was needed.
-RunColumn solved_by() {
+/// Which stage of `boundary_plus` joined start and goal, of several legs the last one that was needed.
+RunColumn solving_stage() {
   return {"solved_by", "TEXT", [](const Run& run, const Who&) -> Cell {
-            const auto found = run.statistics.find("solved_by");
-            if (found == run.statistics.end()) return {};
-            return std::string(to_string(static_cast<BoundaryPlusStage>(found->second)));
+            const auto stage = solved_by(run.statistics);
+            if (!stage) return {};
+            return std::string(to_string(*stage));
           }};
 }
 
@@ -148,14 +147,14 @@ RunColumn handed_over() {
 }
 
 void join(std::map<std::string, double>& all, const Statistic& statistic, const PlanResult& leg) {
-  const auto told = leg.statistics.find(statistic.name);
-  if (told == leg.statistics.end()) return;
-  const auto [place, is_first] = all.try_emplace(statistic.name, told->second);
+  const auto reported = leg.statistics.find(statistic.name);
+  if (reported == leg.statistics.end()) return;
+  const auto [place, is_first] = all.try_emplace(statistic.name, reported->second);
   if (is_first) return;
   double& value = place->second;
-  if (statistic.joined == Statistic::added) value += told->second;
-  if (statistic.joined == Statistic::least) value = std::min(value, told->second);
-  if (statistic.joined == Statistic::largest) value = std::max(value, told->second);
+  if (statistic.joined == Statistic::added) value += reported->second;
+  if (statistic.joined == Statistic::least) value = std::min(value, reported->second);
+  if (statistic.joined == Statistic::largest) value = std::max(value, reported->second);
 }
 
 }  // namespace
@@ -166,7 +165,7 @@ const std::vector<RunColumn>& run_columns() {
     for (RunColumn& column : motion_columns()) all.push_back(std::move(column));
     for (RunColumn& column : team_columns()) all.push_back(std::move(column));
     for (const Statistic& statistic : statistics) all.push_back(of_statistic(statistic));
-    all.push_back(solved_by());
+    all.push_back(solving_stage());
     all.push_back(handed_over());
     return all;
   }();
@@ -177,7 +176,8 @@ std::map<std::string, double> column_statistics(const std::vector<PlanResult>& l
   std::map<std::string, double> all;
   for (const PlanResult& leg : legs) {
     for (const Statistic& statistic : statistics) join(all, statistic, leg);
-    join(all, {"solved_by", Statistic::largest}, leg);
+    const auto stage = solved_by(leg.statistics), before = solved_by(all);
+    if (stage && (!before || *stage > *before)) set_solved_by(*stage, all);
   }
   return all;
 }

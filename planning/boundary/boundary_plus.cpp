@@ -1,6 +1,7 @@
 #include "planning/boundary/boundary_plus.hpp"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include "planning/boundary/boundary_plus_search.hpp"
@@ -12,6 +13,10 @@
 
 namespace clearway {
 namespace {
+
+constexpr const char* stage_statistic = "solved_by";
+constexpr std::array solving_stages = {BoundaryPlusStage::straight_edge, BoundaryPlusStage::local_method,
+                                       BoundaryPlusStage::plane, BoundaryPlusStage::hand_over};
 
 /// As for `constraint`, but the automatic influence is shorter (constraints cost as many voxels as they look
 /// at) and the automatic step longer.
@@ -55,7 +60,7 @@ void refuse_contradictions(const BoundaryPlusOptions& chosen) {
   }
 }
 
-/// The figures of the local method in force, as `constraint` tells them.
+/// The parameters of the local method in force, as `constraint` reports them.
 void add_figures(const DamperOptions& damper, PlanResult& result) {
   result.statistics["max_step"] = damper.max_step;
   result.statistics["influence_distance_m"] = damper.influence_distance;
@@ -79,6 +84,18 @@ std::string_view to_string(BoundaryPlusStage stage) {
       break;
   }
   return "none";
+}
+
+std::optional<BoundaryPlusStage> solved_by(const std::map<std::string, double>& statistics) {
+  const auto found = statistics.find(stage_statistic);
+  if (found == statistics.end()) return {};
+  for (const BoundaryPlusStage stage : solving_stages)
+    if (found->second == static_cast<double>(stage)) return stage;
+  return BoundaryPlusStage::none;
+}
+
+void set_solved_by(BoundaryPlusStage stage, std::map<std::string, double>& statistics) {
+  statistics[stage_statistic] = static_cast<double>(stage);
 }
 
 BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initial) {
@@ -107,7 +124,7 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   search.add_statistics(result);
   add_figures(damper, result);
   if (stage == BoundaryPlusStage::none) return failed(problem, search, std::move(result));
-  result.statistics["solved_by"] = static_cast<double>(stage);
+  set_solved_by(stage, result.statistics);
   const std::vector<Configuration> found = search.trees().path();
   std::vector<Configuration> path =
       shortcut(problem.space, found, damper.weight, problem.seed, options_.shortcuts, problem.out_of_time);

@@ -63,11 +63,26 @@ TEST(BoundaryPlus, GoesFromWindowToWindowWhereThePublishedPlaneFails) {
     const PathVerdict verdict =
         check_path(scene.robot, scene.map, scene.space.policies(), 0.0, result.waypoints);
     EXPECT_TRUE(verdict.valid) << verdict.first_contact;
-    EXPECT_EQ(result.statistics.at("solved_by"), 3.0) << result.explanation;  // the hand-over, and it says so
+    EXPECT_EQ(solved_by(result.statistics), BoundaryPlusStage::hand_over) << result.explanation;
     EXPECT_GT(result.statistics.at("samples"), 0.0);
     EXPECT_GT(result.statistics.at("sampled_share"), 0.0);
   }
   EXPECT_EQ(failed, 3);
+}
+
+TEST(BoundaryPlus, StatisticsKeepTheStageAsTheNumberOfItsPlace) {
+  std::map<std::string, double> statistics{{"samples", 3.0}};
+  EXPECT_FALSE(solved_by(statistics));
+  const auto stages = {BoundaryPlusStage::straight_edge, BoundaryPlusStage::local_method,
+                       BoundaryPlusStage::plane, BoundaryPlusStage::hand_over};
+  double place = 0.0;
+  for (const BoundaryPlusStage stage : stages) {
+    set_solved_by(stage, statistics);
+    EXPECT_EQ(statistics.at("solved_by"), place++) << "as in files: 0 to 3";
+    EXPECT_EQ(solved_by(statistics), stage);
+  }
+  statistics["solved_by"] = 7.0;
+  EXPECT_EQ(solved_by(statistics), BoundaryPlusStage::none);
 }
 
 TEST(BoundaryPlus, NeedsNoSamplesWhereTheLocalMethodOrAPlaneIsEnough) {
@@ -84,7 +99,7 @@ TEST(BoundaryPlus, NeedsNoSamplesWhereTheLocalMethodOrAPlaneIsEnough) {
   EXPECT_EQ(make_planner("constraint", {})->plan(problem).status, PlanStatus::no_path);
   const PlanResult result = make_planner("boundary_plus", {{"max_samples", "0"}})->plan(problem);
   ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
-  EXPECT_EQ(result.statistics.at("solved_by"), 2.0) << result.explanation;
+  EXPECT_EQ(solved_by(result.statistics), BoundaryPlusStage::plane) << result.explanation;
   EXPECT_EQ(result.statistics.at("samples"), 0.0);
   EXPECT_EQ(result.statistics.at("sampled_share"), 0.0);
   EXPECT_GT(result.statistics.at("steps_boundary"), 0.0);
