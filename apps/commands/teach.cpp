@@ -2,8 +2,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <ostream>
 #include <stdexcept>
 
@@ -14,13 +12,13 @@
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
 #include "apps/inspect/map_folder.hpp"
-#include "apps/overlay/film.hpp"
 #include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/query/query.hpp"
 #include "apps/teach/session_folder.hpp"
+#include "apps/teach/shown_session.hpp"
+#include "apps/teach/taught_folder.hpp"
 #include "apps/teach/teach_keys.hpp"
-#include "apps/teach/teach_picture.hpp"
 #include "apps/teach/teach_screen.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "apps/teach/teach_window.hpp"
@@ -28,18 +26,13 @@
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
-#include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/files/query_record.hpp"
-#include "planning/files/trajectory_file.hpp"
-#include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// The events of a file as they fall due.
 TeachSession::EventSource script(std::vector<TeachEvent> events) {
@@ -48,119 +41,6 @@ TeachSession::EventSource script(std::vector<TeachEvent> events) {
     while (next < events.size() && events[next].time <= until) due.push_back(events[next++]);
     return due;
   };
-}
-
-std::string line_of(const TaughtEvent& told) {
-  std::string line = significant(told.event.time, 6) + " s  " + std::string(to_string(told.event.action));
-  if (!told.event.name.empty()) line += " " + shortened(told.event.name);
-  if (!told.refusal.empty()) return line + ": refused: " + told.refusal;
-  return line + (told.remark.empty() ? "" : ": " + told.remark) + "  [" + std::string(to_string(told.state)) +
-         "]";
-}
-
-QueryTerms terms_of(const TaughtPlan& taught) {
-  const ConfigurationSpace& space = *taught.space;
-  return {.name = taught.name,
-          .robot = taught.robot.robot,
-          .scale = space.robot().scale,
-          .map_from_base = space.robot().map_from_base,
-          .policies = taught.plan.policies,
-          .padding = space.options().padding,
-          .seen_within = space.options().seen_within,
-          .allow_outside = {},
-          .start = taught.start,
-          .goals = taught.goals,
-          .loads = taught.plan.pick ? std::vector<LegLoad>{} : taught.plan.loads,
-          .pick = taught.plan.pick,
-          .payload = taught.plan.payload,
-          .gravity = taught.plan.gravity};
-}
-
-/// What a session leaves in its folder.
-class TaughtFolder {
- public:
-  TaughtFolder(const fs::path& folder, const Snapshot& map, std::vector<TaughtPlan>& plans)
-      : folder_(folder), map_(map), digest_(map_sha256(map)), plans_(plans) {}
-
-  /// The plans, each with the map that it rests on: the last one, or one of its own under maps/.
-  std::vector<ReplayPlan> save() {
-    std::vector<ReplayPlan> report;
-    QueryRecord record{digest_, {}};
-    for (TaughtPlan& taught : plans_) {
-      const bool rests_on_last = taught.map_digest == digest_;
-      if (rests_on_last) record.queries.push_back(terms_of(taught));
-      const bool holds = rests_on_last || save_own_map(taught);
-      const fs::path file = fs::path("plans") / (taught.name + ".json");
-      save_file(folder_ / file, to_json(taught.plan));
-      report.push_back({taught.name, taught.plan, taught.start, file, taught.space.get()});
-      if (taught.is_approved && holds) export_approved(taught);
-    }
-    if (!record.queries.empty()) save_file(folder_ / "queries.json", to_json(record));
-    return report;
-  }
-
-  /// What became of approved plans that rest on an earlier map; empty when all hold.
-  const std::vector<std::string>& broken() const { return broken_; }
-
- private:
-  /// Whether the plan, if it is approved, holds on the last map, too.
-  bool save_own_map(TaughtPlan& taught) {
-    const fs::path place = fs::path("maps") / taught.name;
-    save_map(taught.space->map(), folder_ / place);
-    save_file(folder_ / place / "queries.json", to_json(QueryRecord{taught.map_digest, {terms_of(taught)}}));
-    taught.plan.map_file = place.string();
-    if (!taught.is_approved) return true;
-    const PathVerdict verdict = check_taught(taught, map_);
-    if (!verdict.valid)
-      broken_.push_back(
-          "plan '" + taught.name +
-          "' was approved, but does not hold on the last map, and is not exported: " + verdict.first_contact);
-    return verdict.valid;
-  }
-
-  void export_approved(const TaughtPlan& taught) const {
-    const Robot& robot = taught.space->robot();
-    const Trajectory motion = trajectory_of(robot, taught.plan);
-    fs::create_directories(folder_ / "approved");
-    for (const TrajectoryFormat& format : trajectory_formats()) {
-      const bool is_for_robots = format.name == "ros" || format.name == "urscript";
-      if (!is_for_robots || !format.refusal(robot).empty()) continue;
-      const std::string extension = format.name == "ros" ? ".yaml" : "." + std::string(format.name);
-      save_file(folder_ / "approved" / (taught.name + extension), format.write(robot, taught.plan, motion));
-    }
-  }
-
-  const fs::path folder_;
-  const Snapshot& map_;
-  const std::string digest_;
-  std::vector<TaughtPlan>& plans_;
-  std::vector<std::string> broken_;
-};
-
-Json events_json(const TeachSession& session) {
-  Json json = Json::array();
-  for (const TaughtEvent& told : session.events()) {
-    if (told.is_late) continue;
-    Json event = Json::parse(to_json_line(told.event));
-    event["state"] = to_string(told.state);
-    if (!told.refusal.empty()) event["refused"] = told.refusal;
-    if (!told.remark.empty()) event["remark"] = told.remark;
-    json.push_back(std::move(event));
-  }
-  return json;
-}
-
-Json teaching_json(const TeachSession& session, const std::vector<TaughtPlan>& plans,
-                   const std::string& digest) {
-  Json json{{"events", events_json(session)},
-            {"images_leading_the_robot", session.led_images()},
-            {"of_these_warned", session.warned_images()},
-            {"plans", Json::array()}};
-  for (const TaughtPlan& plan : plans)
-    json["plans"].push_back({{"name", plan.name},
-                             {"approved", plan.is_approved},
-                             {"map", plan.map_digest == digest ? "map.ot" : "maps/" + plan.name}});
-  return json;
 }
 
 /// Settings of a session that is done again, else of a new one.
@@ -213,80 +93,6 @@ std::vector<TeachEvent> events_of_keys(const std::vector<int>& keys, const std::
   return events;
 }
 
-/// A session with its pictures: in a window, and as a video.
-class ShownSession final : public FusionGuide {
- public:
-  /// @param keys more of them, for the strip
-  ShownSession(TeachSession& session, TeachScreen* screen, const fs::path& video, std::string keys)
-      : session_(session), screen_(screen), video_file_(video), keys_(std::move(keys)), film_(video) {}
-
-  void begin(const Setup& setup, FreeSpaceMap& map, const FusionCounts& counts) override {
-    session_.begin(setup, map, counts);
-    viewer_.emplace(session_, setup, map, counts);
-    screen_viewer_.emplace(session_, setup, map, counts);
-  }
-  bool before(double since_start) override { return session_.before(since_start); }
-  Brush brush() const override { return session_.brush(); }
-
-  void see(const SeenImage& image) override {
-    session_.see(image);
-    const std::string moment = new_moment();
-    const auto& frame = std::get<ImageFrame>(image.frame.content);
-    if (screen_ != nullptr) {
-      TeachView shown = screen_viewer_->view(image, frame);
-      shown.more_keys = keys_;
-      screen_->show(std::move(shown));
-    }
-    if (video_file_.empty() && moment.empty()) return;
-    const TeachView view = viewer_->view(image, frame);
-    const cv::Mat picture = painter_.draw(view);
-    if (!video_file_.empty()) film_.add(view.since_start, picture);
-    if (!moment.empty()) keep(picture, moment);
-  }
-
-  const std::vector<PagePicture>& pictures() const { return pictures_; }
-
-  void end() override { session_.end(); }
-
-  void finish_film() {
-    if (!film_.is_empty()) film_.finish();
-  }
-
- private:
-  /// What was done since the last image and is worth a picture; empty for nothing.
-  std::string new_moment() {
-    constexpr std::size_t most_pictures = 16;
-    std::string moment;
-    for (; told_ < session_.events().size(); ++told_) {
-      const TaughtEvent& told = session_.events()[told_];
-      const TeachAction action = told.event.action;
-      const bool is_worth_it = action == TeachAction::paint_off || action == TeachAction::start ||
-                               action == TeachAction::goal || action == TeachAction::play ||
-                               action == TeachAction::attach || action == TeachAction::detach ||
-                               action == TeachAction::object_off || action == TeachAction::pick ||
-                               action == TeachAction::place || action == TeachAction::approve;
-      if (is_worth_it && pictures_.size() < most_pictures) moment = line_of(told);
-    }
-    return moment;
-  }
-
-  void keep(const cv::Mat& picture, const std::string& caption) {
-    std::vector<unsigned char> bytes;
-    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
-    pictures_.push_back({caption, std::string(bytes.begin(), bytes.end())});
-  }
-
-  TeachSession& session_;
-  TeachScreen* screen_;
-  const fs::path video_file_;
-  const std::string keys_;
-  std::optional<TeachViewer> viewer_, screen_viewer_;  ///< each tells a change once: one for each who draws
-  TeachPainter painter_{thread_count()};
-  Film film_;
-  std::size_t told_ = 0;
-  std::vector<PagePicture> pictures_;
-};
-
 /// The window, where one is wanted and can be.
 std::unique_ptr<TeachScreen> open_screen(const TeachCommand& command, Console& console) {
   if (command.headless || is_session_folder(command.source)) return nullptr;
@@ -302,7 +108,7 @@ std::unique_ptr<TeachScreen> open_screen(const TeachCommand& command, Console& c
   return nullptr;
 }
 
-void tell_times(const ScreenTimes& times, Console& console) {
+void report_times(const ScreenTimes& times, Console& console) {
   if (times.latencies.empty()) return;
   console.log("window: " + grouped(times.latencies.size()) + " pictures, " + grouped(times.dropped) +
               " left out; from image to picture " + significant(1e3 * quantile(times.latencies, 0.5), 3) +
@@ -382,7 +188,7 @@ int run_teach(const TeachCommand& command, Console& console) {
                         .waits_for_plans = !file.empty(),
                         .save = [&](const std::string& name,
                                     const Snapshot& map) { save_map(map, folder.path() / "maps" / name); },
-                        .tell = [&](const TaughtEvent& told) { console.log(line_of(told)); }});
+                        .report = [&](const TaughtEvent& reported) { console.log(line_of(reported)); }});
   keyed = &session;
   ShownSession shown(session, screen.get(), command.video, words_of(own_keys));
   FusionOptions options{.setup_file = setup.source,
@@ -397,7 +203,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   if (is_live) options.frames_file = folder.path() / "session" / "source" / "frames.rawlog";
   Fusion fusion = fuse(recorded.source, options, console.bar("teaching"));
   shown.finish_film();
-  if (screen) tell_times(screen->times(), console);
+  if (screen) report_times(screen->times(), console);
   const fs::path source = recorded.source;
   if (is_live) recorded.source = options.frames_file;
   save_session(recorded, folder.path() / "session");
@@ -419,8 +225,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   TaughtFolder taught(folder.path(), report.map, plans);
   report.plans = taught.save();
   fusion.warnings.insert(fusion.warnings.end(), taught.broken().begin(), taught.broken().end());
-  report.teaching = teaching_json(session, plans, map_sha256(report.map))
-                        .dump(-1, ' ', false, Json::error_handler_t::replace);
+  report.teaching = teaching_json(session, plans, map_sha256(report.map));
   const std::string json = report_json(report);
   save_file(folder.path() / "report.json", json);
   save_file(folder.path() / "report.html", report_html(report, json));
@@ -431,7 +236,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   const auto approved =
       std::count_if(plans.begin(), plans.end(), [](const TaughtPlan& p) { return p.is_approved; });
   const auto refused = std::count_if(session.events().begin(), session.events().end(),
-                                     [](const TaughtEvent& told) { return !told.refusal.empty(); });
+                                     [](const TaughtEvent& reported) { return !reported.refusal.empty(); });
   for (const std::string& warning : fusion.warnings) console.warn("warning: " + warning);
   if (fusion.damage) console.warn("clearway: " + *fusion.damage);
   if (console.json) {
@@ -442,14 +247,14 @@ int run_teach(const TeachCommand& command, Console& console) {
                       std::to_string(session.events().size()) + ", refused " + std::to_string(refused));
     rows.emplace_back("plans", std::to_string(plans.size()) + ", approved " + std::to_string(approved));
     print_rows(console.out(), rows);
-    for (const TaughtEvent& told : session.events())
-      if (!told.refusal.empty()) console.out() << "  " << line_of(told) << '\n';
+    for (const TaughtEvent& reported : session.events())
+      if (!reported.refusal.empty()) console.out() << "  " << line_of(reported) << '\n';
     console.out() << "\n  report: " << (command.out / "report.html").string() << '\n';
   }
   if (fusion.damage) return exit_damaged;
   const bool is_wanted =
-      std::any_of(session.events().begin(), session.events().end(), [](const TaughtEvent& told) {
-        return told.event.action == TeachAction::plan || told.event.action == TeachAction::approve;
+      std::any_of(session.events().begin(), session.events().end(), [](const TaughtEvent& reported) {
+        return reported.event.action == TeachAction::plan || reported.event.action == TeachAction::approve;
       });
   return taught.broken().empty() && (approved > 0 || !is_wanted) ? exit_done : exit_no;
 }

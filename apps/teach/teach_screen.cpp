@@ -9,7 +9,7 @@
 namespace clearway {
 
 TeachScreen::TeachScreen(const std::string& title) {
-  ::setenv("QT_LOGGING_RULES", "*=false", 0);  // of what HighGUI is made of nothing is told
+  ::setenv("QT_LOGGING_RULES", "*=false", 0);  // HighGUI's parts log nothing
   worker_ = std::jthread([this, title] { run(title); });
   std::unique_lock lock(guard_);
   wake_.wait(lock, [this] { return is_open_ || !failure_.empty(); });

@@ -142,19 +142,19 @@ const Snapshot& TeachSession::present_map() {
 void TeachSession::apply(const TeachEvent& event) {
   now_ = std::max(now_, event.time);
   if (options_.waits_for_plans) take_plan(true);
-  TaughtEvent told{event, TeachState::ready, {}, {}, false};
-  told.refusal = refusal_of_state(event.action);
-  told.is_late = doing_ == Doing::planning && !told.refusal.empty();
-  if (told.refusal.empty()) {
+  TaughtEvent reported{event, TeachState::ready, {}, {}, false};
+  reported.refusal = refusal_of_state(event.action);
+  reported.is_late = doing_ == Doing::planning && !reported.refusal.empty();
+  if (reported.refusal.empty()) {
     try {
-      act(event, told.remark);
+      act(event, reported.remark);
     } catch (const std::invalid_argument& error) {
-      told.refusal = std::string(to_string(event.action)) + ": " + error.what();
+      reported.refusal = std::string(to_string(event.action)) + ": " + error.what();
     }
   }
-  told.state = state();
-  told_.push_back(std::move(told));
-  if (options_.tell) options_.tell(told_.back());
+  reported.state = state();
+  done_.push_back(std::move(reported));
+  if (options_.report) options_.report(done_.back());
 }
 
 std::string TeachSession::refusal_of_state(TeachAction action) const {

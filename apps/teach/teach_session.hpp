@@ -66,8 +66,8 @@ struct TeachOptions {
   bool waits_for_plans = true;  ///< an event that needs a plan waits for it; else it is refused as late
   /// Saves the map of that name; empty: an event `save` is refused.
   std::function<void(const std::string& name, const Snapshot& map)> save = {};
-  /// Is told each event when it is done or refused; may be empty.
-  std::function<void(const TaughtEvent&)> tell = {};
+  /// Called with each event when it is done or refused; may be empty.
+  std::function<void(const TaughtEvent&)> report = {};
 };
 
 /// A teaching session (Chong et al. 2008, sections 3 and 4) as a state machine: frames come by the fusion
@@ -128,7 +128,7 @@ class TeachSession final : public FusionGuide {
   /// The objects that strokes marked, each where it stands now, or on the leg that is played:
   /// map_from_object. What the virtual robot holds then is not among them.
   std::vector<std::pair<const Load*, Eigen::Isometry3d>> standing_objects() const;
-  const std::vector<TaughtEvent>& events() const { return told_; }
+  const std::vector<TaughtEvent>& events() const { return done_; }
   const std::deque<TaughtPlan>& plans() const { return plans_; }
   /// The plan of the present start and goals, proved or not; null when there is none.
   const TaughtPlan* last_plan() const;
@@ -227,7 +227,7 @@ class TeachSession final : public FusionGuide {
   std::optional<Job> job_;
   std::deque<TaughtPlan> plans_;  ///< which stay where they are
   std::set<std::string> saved_;   ///< maps
-  std::vector<TaughtEvent> told_;
+  std::vector<TaughtEvent> done_;
   double play_begin_ = 0.0, play_seconds_ = 0.0;
   std::vector<Played> motion_;
   std::vector<std::vector<Load>> carried_;  ///< on each leg that is played

@@ -129,7 +129,7 @@ void TeachSession::begin_object(const TeachEvent& event) {
   Load any = marked_.load;
   if (robot_) {
     if (any.link.empty()) any.link = robot_->tip_link();
-    with_load(robot_->robot(), any);  // what no robot of this kind can hold is told now
+    with_load(robot_->robot(), any);  // what no robot of this kind can hold is reported now
   }
   balls_.clear();
   remember("object");

@@ -184,8 +184,8 @@ void TeachSession::take_plan(bool wait) {
   Job job = std::move(*job_);
   job_.reset();
   doing_ = Doing::nothing;
-  const auto asked = std::find_if(told_.rbegin(), told_.rend(), [](const TaughtEvent& told) {
-    return told.event.action == TeachAction::plan;
+  const auto asked = std::find_if(done_.rbegin(), done_.rend(), [](const TaughtEvent& reported) {
+    return reported.event.action == TeachAction::plan;
   });
   try {
     plans_.push_back(job.result.get());
@@ -199,7 +199,7 @@ void TeachSession::take_plan(bool wait) {
     asked->refusal = std::string("plan: ") + error.what();
   }
   asked->state = state();
-  if (options_.tell) options_.tell(*asked);
+  if (options_.report) options_.report(*asked);
 }
 
 void TeachSession::approve(std::string& remark) {

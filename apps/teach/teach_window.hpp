@@ -5,7 +5,7 @@
 
 namespace clearway {
 
-/// Whether a window can be opened here: X11 or Wayland is told by the environment.
+/// Whether a window can be opened here: the environment names X11 or Wayland.
 bool has_display();
 
 /// A window of OpenCV's HighGUI, whose library is loaded by the first one. Used by one thread.

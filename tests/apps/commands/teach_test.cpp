@@ -1,0 +1,164 @@
+// clearway teach: what is refused before a session begins.
+
+#include <gtest/gtest.h>
+
+#include "apps/teach/teach_event.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace clearway {
+namespace teach_test {
+
+TEST(Teach, WhatIsWrongIsToldInOneSentence) {
+  const TemporaryFolder folder;
+  const std::string recording = "/usr/share/mrpt/datasets/localization_demo.rawlog";
+  const auto refusal = [&](const std::string& line) {
+    folder.write("e.jsonl", line);
+    const CommandRun run =
+        run_command({"teach", recording, "--events", folder.file("e.jsonl"), "--out", folder.file("out")});
+    EXPECT_EQ(run.status, exit_bad_input) << line;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+    return run.log;
+  };
+  const auto expect = [&](const std::string& line, const std::string& part) {
+    const std::string told = refusal(line);
+    EXPECT_NE(told.find(part), std::string::npos) << told;
+  };
+  expect("{\"time\": 0}", "e.jsonl', line 1: field 'action'");
+  expect("{\"time\": 0, \"action\": \"pant_on\"}", "an action, did you mean 'paint_on'?");
+  expect("{\"time\": -1, \"action\": \"paint_on\"}", "seconds after the first frame, 0 or more");
+  expect("{\"time\": 0, \"action\": \"paint_on\", \"lable\": \"x\"}", "no such field with action 'paint_on'");
+  expect("{\"time\": 2, \"action\": \"paint_on\"}\n{\"time\": 1, \"action\": \"paint_off\"}",
+         "line 2: field 'time': expected a time not before the last line's");
+  expect("{\"time\": 0, \"action\": \"plan\", \"name\": \"../x\"}", "letters, digits");
+  expect("{\"time\": 0, \"action\": \"plan\", \"planner\": \"bem\"}", "bem");
+  expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"arm6\", \"fixed\": {\"a=b\": 1}}",
+         "the name of a joint, without '='");
+  expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"nosuch.urdf\"}", "nosuch.urdf");
+  const auto expect_load = [&](const std::string& fields, const std::string& part) {
+    expect("\n{\"time\": 0, \"action\": \"attach\", " + fields + "}", part);
+  };
+  expect_load("\"load\": {\"name\": \"can\", \"sphere\": -1, \"link\": \"hand\"}",
+              "e.jsonl', line 2: field 'load', sphere: ");
+  expect_load("\"load\": {\"name\": \"can\", \"sphere\": 1, \"lnk\": \"hand\"}", "field 'load', link: ");
+  expect_load("\"load\": {\"name\": \"can\", \"sphere\": 1, \"link\": \"hand\", \"legs\": [1]}",
+              "no 'legs': a load rides from 'attach' to 'detach'");
+  expect_load("\"load\": [1]", "field 'load'");
+  expect_load("\"load\": {}, \"name\": \"can\"", "either 'load', a load, or 'name'");
+  expect_load("\"q\": \"1\"", "no such field with action 'attach'");
+  expect_load("\"name\": \"can\"", "at 0 s, attach: the setup has no load 'can'");
+  expect_load("\"load\": {\"name\": \"can\", \"mesh\": \"no.stl\", \"link\": \"hand\"}", "no.stl");
+  expect("{\"time\": 0, \"action\": \"object\"}", "field 'name'");
+  expect("{\"time\": 0, \"action\": \"object\", \"name\": \"a\", \"mass\": -1}", "a number from 0 to 1e6");
+  expect("{\"time\": 0, \"action\": \"pick\", \"approach\": [0, 1]}", "field 'approach'");
+  expect("nothing", "is not valid JSON at line 1");
+}
+
+TEST(Teach, KeysAreReadBeforeTheSessionAndAreForTheWindow) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& keys, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"teach",  "/usr/share/mrpt/datasets/localization_demo.rawlog",
+                                          "--keys", folder.write("k.jsonl", keys),
+                                          "--out",  folder.file("out")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    return run.log;
+  };
+  EXPECT_NE(refusal("{\"key\": \"1\", \"action\": \"robot\", \"robot\": \"no.urdf\"}", {})
+                .find("k.jsonl', key '1', robot: "),
+            std::string::npos);
+  const std::string fine = "{\"key\": \"1\", \"action\": \"robot\", \"robot\": \"arm6\"}";
+  EXPECT_NE(refusal(fine, {"--events", folder.write("e.jsonl", "")}).find("--keys: expected no --events"),
+            std::string::npos);
+  EXPECT_NE(refusal("{\"key\": 1}", {}).find("k.jsonl', line 1"), std::string::npos);
+}
+
+TEST(Teach, ARecordedSessionTakesNoOtherSettings) {
+  const TemporaryFolder folder;
+  folder.write("session.json", "{}");
+  const auto expect = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--out", folder.file("out")});
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find("is a recorded session"), std::string::npos) << run.log;
+  };
+  const std::string session = folder.file(".");
+  expect({"replay", session, "--setup", "nosuch.yaml"});
+  expect({"replay", session, "--no-plan"});
+  expect({"replay", session, "--seed", "2"});
+  expect({"teach", session, "--events", "nosuch.jsonl"});
+  expect({"teach", session, "--resolution", "0.1"});
+}
+
+TEST(Teach, NothingIsWrittenOverTheRecordingOrIntoIt) {
+  const TemporaryFolder folder;
+  folder.write("e.jsonl", "{\"time\": 0, \"action\": \"quit\"}");
+  folder.write("s.yaml", "map: {resolution: 0.1}\n");
+  folder.write("r.rawlog", "a recording");
+  std::filesystem::create_directory(folder / "pictures");
+  const auto expect = [&](const std::string& source, const std::string& out, const std::string& video,
+                          const std::string& part) {
+    const CommandRun run = run_command({"teach", folder.file(source), "--setup", folder.file("s.yaml"),
+                                        "--events", folder.file("e.jsonl"), "--headless", "--out",
+                                        folder.file(out), "--video-out", folder.file(video)});
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(part), std::string::npos) << run.log;
+  };
+  expect("pictures", "pictures/taught", "v.mp4", "lies in the recording");
+  expect("pictures", "pictures", "v.mp4", "lies in the recording");
+  expect("r.rawlog", "taught", "r.rawlog", "is the recording itself");
+  std::filesystem::create_directories(folder / "taught/session");
+  folder.write("taught/session/session.json", "{}");
+  const CommandRun run =
+      run_command({"replay", folder.file("taught/session/r.rawlog"), "--out", folder.file("taught")});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(run.log.find("holds the recording"), std::string::npos) << run.log;
+}
+
+TEST(Teach, EventsAreReadBackAsTheyWere) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "{\"time\":0.0,\"action\":\"robot\",\"robot\":\"arm6\",\"scale\":0.5,\"base\":[0.0,1.0,2.0],\"group\":"
+      "\"g\","
+      "\"fixed\":{\"j\":0.25},\"policies\":{\"default\":\"known_free\",\"tool\":\"painted\"},\"padding\":0."
+      "001,"
+      "\"near\":[0.0,1.0]}\n"
+      "{\"time\":0.5,\"action\":\"attach\",\"load\":{\"name\":\"can\",\"cylinder\":[0.03,0.1],\"link\":"
+      "\"hand\",\"pose_deg\":[0.1,0,0,10,20,30.3],\"touches\":[\"finger\"]}}\n"
+      "{\"time\":0.5,\"action\":\"attach\",\"name\":\"a cup\"}\n"
+      "{\"time\":0.6,\"action\":\"detach\",\"name\":\"a cup\"}\n"
+      "{\"time\":0.6,\"action\":\"detach\"}\n"
+      "{\"time\":0.7,\"action\":\"object\",\"link\":\"hand\",\"mass\":0.25,\"touches\":[\"finger\"],\"name\":"
+      "\"a can\"}\n"
+      "{\"time\":0.7,\"action\":\"object\",\"name\":\"\"}\n"
+      "{\"time\":0.8,\"action\":\"object_off\"}\n"
+      "{\"time\":0.9,\"action\":\"pick\",\"approach\":[0.0,0.1,-0.1],\"lift\":0.2,\"contact\":0.05,\"q\":"
+      "\"1\","
+      "\"name\":\"a can\"}\n"
+      "{\"time\":0.9,\"action\":\"place\",\"q\":\"1\"}\n"
+      "{\"time\":1.0,\"action\":\"volume\",\"label\":\"a\",\"critical_parts\":[\"tool\"]}\n"
+      "{\"time\":2.5,\"action\":\"start\",\"q\":\"0,1,2\"}\n"
+      "{\"time\":3.0,\"action\":\"plan\",\"planner\":\"beam\",\"options\":{\"width\":\"20\"},\"name\":\"p\"}"
+      "\n"
+      "{\"time\":3.0,\"action\":\"quit\"}\n";
+  folder.write("e.jsonl", text);
+  std::string again;
+  for (const TeachEvent& event : load_teach_events(folder / "e.jsonl")) again += to_json_line(event) + "\n";
+  EXPECT_EQ(again, text);
+}
+
+TEST(Teach, ALoadsNameIsATextHoweverItIsWritten) {
+  const TemporaryFolder folder;
+  folder.write("e.jsonl",
+               "{\"time\":0.5,\"action\":\"attach\",\"load\":{\"name\":5,\"box\":[0.1,0.1,0.1],"
+               "\"link\":\"hand\"}}\n");
+  const std::string line = to_json_line(load_teach_events(folder / "e.jsonl").front());
+  EXPECT_NE(line.find("\"name\":\"5\""), std::string::npos) << line;
+}
+
+}  // namespace teach_test
+}  // namespace clearway
