@@ -10,30 +10,6 @@
 namespace clearway {
 namespace {
 
-std::string_view word(Obstruction obstruction) {
-  switch (obstruction) {
-    case Obstruction::none:
-      return "none";
-    case Obstruction::not_finite:
-      return "not_finite";
-    case Obstruction::joint_limit:
-      return "joint_limit";
-    case Obstruction::self_collision:
-      return "self_collision";
-    case Obstruction::occupied:
-      return "occupied";
-    case Obstruction::conflict:
-      return "conflict";
-    case Obstruction::unknown:
-      return "unknown";
-    case Obstruction::stale:
-      return "stale";
-    case Obstruction::outside_painted:
-      return "outside_painted";
-  }
-  throw std::logic_error("an obstruction without a word");
-}
-
 /// A word for all parts, or a dictionary of words by part.
 Policies policies_from(const py::object& value, const std::optional<std::string>& other) {
   Policies policies;
@@ -130,7 +106,7 @@ void bind_verdicts(py::module_& module) {
   Record<Verdict>(module, "Verdict", "Whether a configuration is free, and why it is not.")
       .computed("is_free", &Verdict::is_free, "Whether nothing obstructs the configuration.")
       .computed(
-          "obstruction", [](const Verdict& self) { return std::string(word(self.obstruction)); },
+          "obstruction", [](const Verdict& self) { return std::string(to_string(self.obstruction)); },
           "'none', 'not_finite', 'joint_limit', 'self_collision', 'occupied', 'conflict', 'unknown', 'stale' "
           "or "
           "'outside_painted'.")

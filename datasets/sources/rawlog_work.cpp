@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
 #include <string_view>
 
@@ -15,8 +16,8 @@ namespace {
 
 /// MRPT's messages run over many lines and name source files; the first line that says something is enough.
 std::string first_line(const std::string& message) {
-  const auto told = message.find("Message:");  // below MRPT's banner
-  const auto begin = message.find_first_not_of(" \t\r\n", told == std::string::npos ? 0 : told + 8);
+  const auto reported = message.find("Message:");  // below MRPT's banner
+  const auto begin = message.find_first_not_of(" \t\r\n", reported == std::string::npos ? 0 : reported + 8);
   if (begin == std::string::npos) return "no reason given";
   std::string line = message.substr(begin, message.find_first_of("\r\n", begin) - begin);
   const auto prefix = line.rfind("] ");  // "[file.cpp:123, function] what happened"
@@ -29,18 +30,24 @@ std::string undecoded(const std::exception& error) {
   return "the object cannot be decoded (" + first_line(error.what()) + ")";
 }
 
+using Send = std::function<void(ChildMessage::Kind, std::string_view)>;
+
+void send_next(RawlogDecoder& decoder, const Send& send) {
+  decoder.decode_object([&](DecodedFrame&& frame) { send(ChildMessage::frame, frame_to_bytes(frame)); },
+                        [&](const std::string& why) { send(ChildMessage::skipped, why); });
+  send(ChildMessage::object, "");
+}
+
 /// A log whose records have no checksums of their own: damage ends it.
 void decode_stream(const ChildReport& report, int file) {
   InflatingStream stream(file);
   RawlogDecoder decoder([&stream](void* target, size_t size) { return stream.Read(target, size); });
-  const auto send = [&](ChildMessage::Kind kind, std::string_view text) {
+  const Send send = [&](ChildMessage::Kind kind, std::string_view text) {
     report.send(kind, stream.file_offset(), text);
   };
   try {
     while (!stream.at_end()) {
-      decoder.decode_object([&](DecodedFrame&& frame) { send(ChildMessage::frame, frame_to_bytes(frame)); },
-                            [&](const std::string& why) { send(ChildMessage::skipped, why); });
-      send(ChildMessage::object, "");
+      send_next(decoder, send);
     }
     send(ChildMessage::end, "");
   } catch (const std::bad_alloc&) {
@@ -60,7 +67,7 @@ void decode_sealed(const ChildReport& report, int file, uint64_t file_size) {
     left.remove_prefix(part);
     return part;
   });
-  const auto send = [&](ChildMessage::Kind kind, std::string_view text) {
+  const Send send = [&](ChildMessage::Kind kind, std::string_view text) {
     report.send(kind, records.offset(), text);
   };
   try {
@@ -70,9 +77,7 @@ void decode_sealed(const ChildReport& report, int file, uint64_t file_size) {
         continue;
       }
       left = *record->content;
-      decoder.decode_object([&](DecodedFrame&& frame) { send(ChildMessage::frame, frame_to_bytes(frame)); },
-                            [&](const std::string& why) { send(ChildMessage::skipped, why); });
-      send(ChildMessage::object, "");
+      send_next(decoder, send);
     }
     send(ChildMessage::end, "");
   } catch (const std::bad_alloc&) {

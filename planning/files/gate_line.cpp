@@ -167,20 +167,16 @@ Json piece_json(const MotionPiece& piece) {
   return {};
 }
 
-std::string_view name_of(Obstruction obstruction) {
+/// Whether what blocks is in the map, rather than in the robot.
+bool is_in_map(Obstruction obstruction) {
   switch (obstruction) {
-    case Obstruction::occupied:
-      return "occupied";
-    case Obstruction::conflict:
-      return "conflict";
-    case Obstruction::unknown:
-      return "unknown";
-    case Obstruction::stale:
-      return "stale";
-    case Obstruction::outside_painted:
-      return "outside_painted";
+    case Obstruction::none:
+    case Obstruction::not_finite:
+    case Obstruction::joint_limit:
+    case Obstruction::self_collision:
+      return false;
     default:
-      return "";
+      return true;
   }
 }
 
@@ -205,8 +201,8 @@ Json voxel_json(const GateVerdict& verdict) {
   const VoxelEvidence& evidence = *verdict.evidence;
   Json json{{"center", point_json(verdict.obstruction.point)}};
   json["state"] = to_string(evidence.voxel.state);
-  if (const std::string_view blocks = name_of(verdict.obstruction.obstruction); !blocks.empty())
-    json["blocks_as"] = blocks;
+  if (const Obstruction blocks = verdict.obstruction.obstruction; is_in_map(blocks))
+    json["blocks_as"] = to_string(blocks);
   if (evidence.voxel.observed) json["log_odds"] = evidence.voxel.log_odds;
   if (evidence.last_seen) json["last_seen_s"] = *evidence.last_seen;
   json["painted_by"] = evidence.painted_by;

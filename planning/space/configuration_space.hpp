@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mapping/snapshot.hpp"
@@ -46,6 +47,9 @@ enum class Obstruction {
   stale,  ///< seen free, but not lately enough
   outside_painted
 };
+
+/// The enumerator as a word: "joint_limit".
+std::string_view to_string(Obstruction obstruction);
 
 struct Verdict {
   Obstruction obstruction = Obstruction::none;
@@ -95,7 +99,7 @@ class ConfigurationSpace {
   /// Exact decision: limits, self-collision, every body against every blocked voxel cube of its requirement.
   bool is_free(const Configuration& q) const;
   /// The same of many, several times as fast: by spheres for sixteen at a time, by exact shapes where these
-  /// cannot tell. The same answers, whatever the machine and however they are put together.
+  /// cannot decide. The same answers, whatever the machine and however they are put together.
   std::vector<bool> is_free(std::span<const Configuration> qs) const;
   /// The same with the reason.
   Verdict check(const Configuration& q) const;
@@ -113,8 +117,8 @@ class ConfigurationSpace {
   /// The same of many edges.
   std::vector<bool> is_edge_free(std::span<const Edge> edges) const;
 
-  /// The same by spheres alone, where they tell: never true where is_edge_free() is not, but false on some of
-  /// its edges that pass close by. For those who would rather ask elsewhere than wait.
+  /// The same by spheres alone, where they decide: never true where is_edge_free() is not, but false on some
+  /// of its edges that pass close by. For those who would rather ask elsewhere than wait.
   bool is_edge_quickly_free(const Configuration& from, const Configuration& to) const;
 
   /// How much of the straight edge is certified free from its start on, 0..1: 1 where is_edge_free() holds,
@@ -124,7 +128,7 @@ class ConfigurationSpace {
 
   /// Conservative (<= true) smallest distance of any body to what blocks it, or to another body; padding
   /// subtracted, at most the fields' max_distance; <= 0 when not free.
-  /// @param at_most metres; what is larger is told as this, and takes less time.
+  /// @param at_most metres; larger ones are reported as this, and take less time.
   double clearance(const Configuration& q, double at_most = std::numeric_limits<double>::infinity()) const;
 
   /// Pairs nearer than `influence_distance`, in a fixed order: for each body (in up to four pieces along its

@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <locale>
 #include <sstream>
+#include <stdexcept>
 
 #include "planning/space/collision_model.hpp"
 
@@ -74,6 +75,30 @@ Verdict limit_verdict(const Robot& robot, const Configuration& q) {
 }
 
 }  // namespace
+
+std::string_view to_string(Obstruction obstruction) {
+  switch (obstruction) {
+    case Obstruction::none:
+      return "none";
+    case Obstruction::not_finite:
+      return "not_finite";
+    case Obstruction::joint_limit:
+      return "joint_limit";
+    case Obstruction::self_collision:
+      return "self_collision";
+    case Obstruction::occupied:
+      return "occupied";
+    case Obstruction::conflict:
+      return "conflict";
+    case Obstruction::unknown:
+      return "unknown";
+    case Obstruction::stale:
+      return "stale";
+    case Obstruction::outside_painted:
+      return "outside_painted";
+  }
+  throw std::logic_error("an obstruction without a word");
+}
 
 Verdict ConfigurationSpace::check(const Configuration& q) const {
   const CollisionModel& model = *model_;

@@ -37,6 +37,7 @@
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/ros1_bag_writer.hpp"
@@ -257,13 +258,7 @@ TEST_F(MutatedReaders, pictures_and_their_times) {
 }
 
 TEST_F(MutatedReaders, bags) {
-  SourceOptions options;
-  options.bag.images = "/camera/image";
-  options.bag.depth = "/camera/depth";
-  options.bag.camera_info = options.bag.depth_camera_info = "/camera/camera_info";
-  options.bag.clouds = {"/points"};
-  options.bag.scans = {"/scan"};
-  options.bag.fixed_frame = "map";
+  const SourceOptions options = worlds::all_topics();
   const auto read = [&](const auto& file) {
     const auto source = open_bag(file, options);
     while (source->next()) {

@@ -12,9 +12,7 @@
 namespace clearway {
 namespace snapshot_test {
 
-Eigen::AlignedBox3d box_around(double reach) {
-  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
-}
+using worlds::box_around;
 
 /// One ray along x from the origin's voxel that ends at 0.55 m, and paint around 0.35 to 0.75 m.
 FreeSpaceMap corridor() {

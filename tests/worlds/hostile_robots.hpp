@@ -15,9 +15,10 @@ class RobotFolder : public TemporaryFolder {
  public:
   /// The sentence with which loading r.urdf of this text ends, without the folder; "damaged: " before it
   /// where the program would end with 3, "accepted" when it loads.
-  std::string refusal(const std::string& urdf) const {
+  std::string refusal(const std::string& urdf) const { return refusal(RobotRequest{write("r.urdf", urdf)}); }
+  std::string refusal(const RobotRequest& request) const {
     try {
-      load_robot(write("r.urdf", urdf));
+      load_robot(request);
     } catch (const DamagedFile& error) {
       return "damaged: " + without_folder(error.what());
     } catch (const std::invalid_argument& error) {

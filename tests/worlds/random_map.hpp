@@ -36,6 +36,11 @@ inline Scan random_scan(Dice& dice, int points) {
   return scan;
 }
 
+/// The cube about the origin whose faces are `reach` from it.
+inline Eigen::AlignedBox3d box_around(double reach) {
+  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
+}
+
 inline Sphere random_sphere(Dice& dice) { return {dice.point(0.8), dice.uniform(0.03, 0.3)}; }
 
 /// Two painted volumes and some scans, interleaved.

@@ -43,6 +43,17 @@ inline std::string urdf_limit(double lower, double upper) {
          "' effort='1' velocity='1'/>";
 }
 
+/// An arm of two turning joints, "shoulder" and "elbow", with a finger that slides by "grip"; as URDF.
+inline std::string arm_with_finger() {
+  const std::string sphere = "<sphere radius='0.05'/>";
+  return "<robot name='arm'><link name='base'/>" + urdf_link("upper", "0.2 0 0", sphere) +
+         urdf_link("lower", "0.2 0 0", sphere) + urdf_link("finger", "0.1 0 0", sphere) +
+         urdf_joint("shoulder", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
+         urdf_joint("elbow", "revolute", "upper", "lower", "0.4 0 0", "0 0 1", urdf_limit(-2, 2)) +
+         urdf_joint("grip", "prismatic", "lower", "finger", "0.4 0 0", "1 0 0", urdf_limit(0, 0.1)) +
+         "</robot>";
+}
+
 /// An arm in the plane z = 0 whose second link turns four times as far as the joint that turns the first; a
 /// post stands on its base, which the second link can touch.
 inline UrdfRobot whip() {

@@ -27,18 +27,7 @@ const std::string arm_request =
 
 class Import : public ::testing::Test {
  protected:
-  void SetUp() override {
-    using namespace worlds;
-    const std::string ball = "<sphere radius='0.05'/>";
-    robot_ = folder_.write(
-        "arm.urdf",
-        "<robot name='arm'><link name='base'/>" + urdf_link("upper", "0.2 0 0", ball) +
-            urdf_link("lower", "0.2 0 0", ball) + urdf_link("finger", "0.1 0 0", ball) +
-            urdf_joint("shoulder", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
-            urdf_joint("elbow", "revolute", "upper", "lower", "0.4 0 0", "0 0 1", urdf_limit(-2, 2)) +
-            urdf_joint("grip", "prismatic", "lower", "finger", "0.4 0 0", "1 0 0", urdf_limit(0, 0.1)) +
-            "</robot>");
-  }
+  void SetUp() override { robot_ = folder_.write("arm.urdf", worlds::arm_with_finger()); }
 
   CommandRun import(const std::string& kind, const Arguments& files, const Arguments& more = {}) const {
     Arguments arguments{"import", "--out", folder_.file("out"), "--robot", robot_, "--resolution", "0.1"};

@@ -8,6 +8,7 @@
 #include "datasets/ros/bag_source.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/ros1_bag_writer.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -15,20 +16,10 @@ namespace clearway {
 namespace bag_test {
 
 namespace fs = std::filesystem;
+using worlds::all_topics;
 
 fs::path bag(const std::string& name) {
   return fs::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags" / name;
-}
-
-SourceOptions all_topics() {
-  SourceOptions options;
-  options.bag.images = "/camera/image";
-  options.bag.depth = "/camera/depth";
-  options.bag.camera_info = options.bag.depth_camera_info = "/camera/camera_info";
-  options.bag.clouds = {"/points"};
-  options.bag.scans = {"/scan"};
-  options.bag.fixed_frame = "map";
-  return options;
 }
 
 struct Reading {

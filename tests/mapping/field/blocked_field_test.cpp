@@ -15,14 +15,11 @@ namespace clearway {
 namespace blocked_field_test {
 
 using worlds::BlockedTruth;
+using worlds::box_around;
 using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted}, {Policy::painted, 2}};
-
-Eigen::AlignedBox3d box_around(double reach) {
-  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
-}
 
 TEST(BlockedField, HoldsExactlyTheVoxelsThatTheTreeForbids) {
   for (unsigned seed = 0; seed < 4; ++seed) {

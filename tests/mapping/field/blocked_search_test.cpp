@@ -13,14 +13,11 @@ namespace clearway {
 namespace blocked_search_test {
 
 using worlds::BlockedTruth;
+using worlds::box_around;
 using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted, 1}};
-
-Eigen::AlignedBox3d box_around(double reach) {
-  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
-}
 
 void expect_nearest(const BlockedSpace& space, const BlockedTruth& truth, const Eigen::Vector3d& point,
                     double limit) {

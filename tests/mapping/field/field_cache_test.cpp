@@ -11,9 +11,7 @@
 namespace clearway {
 namespace field_cache_test {
 
-Eigen::AlignedBox3d box_around(double reach) {
-  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
-}
+using worlds::box_around;
 
 TEST(FieldCache, TheOldestMakeRoomButStayUsable) {
   const std::size_t one = field_bytes(field_region(box_around(16.0), 1.0, 1.0));

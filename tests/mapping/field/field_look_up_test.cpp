@@ -16,14 +16,11 @@ namespace clearway {
 namespace field_look_up_test {
 
 using worlds::BlockedTruth;
+using worlds::box_around;
 using worlds::Dice;
 
 const std::vector<Requirement> requirements = {
     {Policy::not_occupied}, {Policy::known_free}, {Policy::painted, 1}};
-
-Eigen::AlignedBox3d box_around(double reach) {
-  return {Eigen::Vector3d::Constant(-reach), Eigen::Vector3d::Constant(reach)};
-}
 
 struct Points {
   std::vector<double> x, y, z;

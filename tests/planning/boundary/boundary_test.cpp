@@ -6,44 +6,25 @@
 #include <cmath>
 #include <random>
 
-#include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/worlds/voxel_scene.hpp"
+#include "tests/worlds/walled_robot.hpp"
 
 namespace clearway {
 namespace boundary_test {
 
 using Eigen::Vector2d;
 
+using worlds::walls;
+
 /// The point robot (a disc of 0.2 m) among walls, on the plane z = 0.
-struct Field {
-  ConfigurationSpace space;
-  PathCost cost;
-
-  static Policies policies() {
-    Policies chosen;
-    chosen.critical_by_default = false;
-    return chosen;
-  }
-  Field(const Robot& robot, const VoxelScene& scene)
-      : space(robot, scene.snapshot(), policies()), cost(robot) {}
-
-  PlanResult plan(const std::string& planner, const Configuration& start, const Configuration& goal,
-                  const PlannerOptions& options = {}) const {
-    return make_planner(planner, options)->plan({space, cost, start, goal});
-  }
-};
-
-VoxelScene walls(std::vector<Eigen::AlignedBox3d> boxes) { return {0.05, std::move(boxes), {}, {}}; }
+using Field = worlds::WalledRobot;
 
 /// Every edge certified, and the separation kept: never below d_s by more than what one step can add to the
 /// linearised damper.
 void expect_contract(const Field& field, const PlanResult& result, const Configuration& goal) {
   ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
   EXPECT_EQ(result.waypoints.back(), goal);
-  for (std::size_t i = 1; i < result.waypoints.size(); ++i) {
-    ASSERT_TRUE(field.space.is_edge_free(result.waypoints[i - 1], result.waypoints[i])) << i;
-  }
+  ASSERT_TRUE(field.is_certified(result.waypoints));
   EXPECT_NEAR(result.cost, field.cost(result.waypoints), 1e-9);
   const auto& figures = result.statistics;
   EXPECT_GE(figures.at("least_separation_m"),

@@ -8,8 +8,8 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
+#include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/random_world.hpp"
-#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace robot_test {
@@ -34,19 +34,9 @@ class RobotFile : public testing::Test {
   }
 
   /// The sentence with which loading is refused, without the folder.
-  std::string refusal(const std::string& file) const {
-    try {
-      load_robot(file);
-    } catch (const std::invalid_argument& error) {
-      std::string text = error.what();
-      const std::string prefix = folder_.path().string() + "/";
-      for (std::size_t at; (at = text.find(prefix)) != std::string::npos;) text.erase(at, prefix.size());
-      return text;
-    }
-    return "accepted";
-  }
+  std::string refusal(const std::string& file) const { return folder_.refusal(RobotRequest{file}); }
 
-  TemporaryFolder folder_;
+  RobotFolder folder_;
   const std::string sphere = "<sphere radius='0.1'/>";
   const std::string turning =
       joint("revolute", "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/>");

@@ -72,17 +72,7 @@ class SrdfFile : public ::testing::Test {
     return names;
   }
 
-  std::string refusal(const RobotRequest& request) const {
-    try {
-      load_robot(request);
-    } catch (const std::invalid_argument& error) {
-      std::string text = error.what();
-      const std::string prefix = folder_.path().string() + "/";
-      for (std::size_t at; (at = text.find(prefix)) != std::string::npos;) text.erase(at, prefix.size());
-      return text;
-    }
-    return "accepted";
-  }
+  std::string refusal(const RobotRequest& request) const { return folder_.refusal(request); }
 
   RobotFolder folder_;
   std::string urdf_, srdf_;

@@ -8,34 +8,20 @@
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/painted_tunnel.hpp"
-#include "tests/worlds/voxel_scene.hpp"
+#include "tests/worlds/walled_robot.hpp"
 
 namespace clearway {
 namespace rrtconnect_test {
 
 using Eigen::Vector2d;
 
-struct Field {
-  ConfigurationSpace space;
-  PathCost cost;
-
-  static Policies policies() {
-    Policies chosen;
-    chosen.critical_by_default = false;
-    return chosen;
-  }
+struct Field : worlds::WalledRobot {
   Field(const Robot& robot, std::vector<Eigen::AlignedBox3d> boxes)
-      : space(robot, VoxelScene{0.05, std::move(boxes), {}, {}}.snapshot(), policies()), cost(robot) {}
+      : WalledRobot(robot, worlds::walls(std::move(boxes))) {}
 
   PlanResult plan(const Configuration& start, const Configuration& goal, std::uint64_t seed,
                   const PlannerOptions& options = {}) const {
-    return make_planner("rrtconnect", options)->plan({space, cost, start, goal, seed});
-  }
-  bool is_certified(const std::vector<Configuration>& path) const {
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      if (!space.is_edge_free(path[i - 1], path[i])) return false;
-    }
-    return true;
+    return WalledRobot::plan("rrtconnect", start, goal, options, seed);
   }
 };
 
