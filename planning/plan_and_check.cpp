@@ -119,7 +119,7 @@ std::string cost_caveat(const Robot& robot, double payload) {
 
 /// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
 /// than the way nothing has to move.
-void tell_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
+void report_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
   if (leg.status != PlanStatus::solved || leg.search_steps > 0 || !in_force.contains("step")) return;
   if (leg.final_distance == 0.0) return;  // the start is the goal
   leg.explanation += " The step (option 'step' or 'step_deg') is larger than the way, " +
@@ -137,7 +137,7 @@ void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& 
     const PathCost cost = path_cost(query, space.robot());
     plan.legs.push_back(planner.plan(
         {space, cost, from, goal, query.seed, [&] { return seconds_since(leg_begin) > query.time_limit; }}));
-    tell_step_beyond_way(plan.options, plan.legs.back());
+    report_step_beyond_way(plan.options, plan.legs.back());
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();
   }

@@ -363,7 +363,7 @@ void check_legs_of(const ConfigurationSpace& space, const Pick& pick, Plan& plan
   plan.check_s = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-void tell_ends(const PlanQuery& query, Plan& plan) {
+void report_ends(const PlanQuery& query, Plan& plan) {
   plan.goals.clear();
   for (const PlanResult& leg : plan.legs)
     if (!leg.waypoints.empty()) plan.goals.push_back(leg.waypoints.back());
@@ -390,7 +390,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
     plan.policies = legs.policies();
   }
   plan.pick = pick;
-  tell_ends(query, plan);
+  report_ends(query, plan);
   plan.time_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (plan.status() == PlanStatus::solved) check_legs_of(space, pick, plan);
   if (query.survey) {

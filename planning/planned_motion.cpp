@@ -33,7 +33,7 @@ std::size_t periods_of(double time, double period) {
   return static_cast<std::size_t>(std::ceil(time / period - 1e-9));
 }
 
-/// A file may tell of fewer legs in its motion than its path has.
+/// A file may hold fewer legs in its motion than its path has.
 void require_ends_of_legs(const Plan& plan) {
   if (plan.motion->leg_ends.size() != plan.legs.size())
     throw std::invalid_argument("motion: it tells where " + std::to_string(plan.motion->leg_ends.size()) +

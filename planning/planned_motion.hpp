@@ -55,7 +55,7 @@ MotionJudgement judge_motion(const MotionTerms& terms, const Plan& plan);
 MotionVerdict check_planned_motion(const ConfigurationSpace& space, const Plan& plan,
                                    const std::map<std::string, Policy>& policies);
 
-/// What the plan was told to carry at the tip, at the robot's scale.
+/// What the plan carries at the tip, at the robot's scale.
 JointLoad load_of(const Plan& plan, const Robot& robot);
 
 /// A motion as points in time, one at each knot, with accelerations.
@@ -65,12 +65,12 @@ Trajectory trajectory_of(const Motion& motion);
 /// plan with loads leg by leg, at rest where legs end. Where a load begins or ends to ride on the robot
 /// between two legs, the arm rests, in whole sampling periods, and an event says so: for as long as the
 /// motion states, else for `grip_time` seconds.
-/// @throws std::invalid_argument as time_parameterize, and for a motion that does not tell where each leg
+/// @throws std::invalid_argument as time_parameterize, and for a motion that does not state where each leg
 /// ends
 Trajectory trajectory_of(const Robot& robot, const Plan& plan, double grip_time = usual_grip_time);
 
 /// The same leg by leg, each from 0 s on; the first points of the next leg are the rest after it.
-/// @throws std::invalid_argument as time_parameterize, and for a motion that does not tell where each leg
+/// @throws std::invalid_argument as time_parameterize, and for a motion that does not state where each leg
 /// ends
 std::vector<Trajectory> leg_trajectories(const Robot& robot, const Plan& plan);
 

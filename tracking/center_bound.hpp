@@ -10,7 +10,7 @@ namespace clearway {
 struct CenterBound {
   double total = 0.0;
   double noise = 0.0;   ///< of the corners, as large as the residuals show it
-  double tilt = 0.0;    ///< what turns that the corners hardly tell add to `noise` (see BodyPose::limits)
+  double tilt = 0.0;    ///< what barely observable turns add to `noise` (see BodyPose::limits)
   double camera = 0.0;  ///< calibration: focal length, centre, distortion
   double tags = 0.0;    ///< sizes and places of both bodies' tags
   double edges = 0.0;   ///< the detector's bias

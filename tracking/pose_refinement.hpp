@@ -26,8 +26,8 @@ struct RefinedPose {
 std::optional<RefinedPose> refine_pose(const Camera& camera, const std::vector<CornerMatch>& corners,
                                        const Eigen::Isometry3d& start, int max_steps = 50);
 
-/// How far the body may be turned before its corners tell. For the two turns that the corners tell least, to
-/// both sides: the pose at which the squared error has risen by (sigmas * noise_px)^2, all but the turn
+/// How far the body may be turned before its corners show it. For the two turns that the corners show least,
+/// to both sides: the pose at which the squared error has risen by (sigmas * noise_px)^2, all but the turn
 /// fitted anew; at least as far as the linear theory has it, at most `widest` radians farther than that. Four
 /// poses, fewer where a corner leaves the camera's sight; none when the corners do not determine a pose.
 std::vector<Eigen::Isometry3d> tilt_limits(const Camera& camera, const std::vector<CornerMatch>& corners,

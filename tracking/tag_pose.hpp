@@ -15,7 +15,7 @@ struct TagPoseSolution {
 };
 
 /// Both poses of a planar square, the better one first. A small tag seen from afar is explained almost
-/// equally well by two tilts; which one is true, one image of one tag may not tell.
+/// equally well by two tilts; which one is true, one image of one tag may not decide.
 struct TagPose {
   std::vector<TagPoseSolution> solutions;  ///< none, one or two; rms rising
 

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kMemory = 0.95;    // of each image before: 20 images, about
 constexpr double kFewest = 2.5;     // rejections, with those forgotten
-constexpr std::size_t kJudges = 3;  // tags that can tell which of them is wrong
+constexpr std::size_t kJudges = 3;  // tags that can show which of them is wrong
 
 }  // namespace
 

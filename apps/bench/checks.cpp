@@ -50,14 +50,14 @@ nlohmann::ordered_json count_errors(const Robot& robot, const Snapshot& map, int
     borderline +=
         compare(space, truth, dice, 0, borderline_a_run * runs / 3, 16);  // some 10 um from touching
   }
-  const auto told = [](const Agreement& sum) {
+  const auto reported = [](const Agreement& sum) {
     return nlohmann::ordered_json{{"checked", sum.checked},
                                   {"free", sum.free},
                                   {"wrongly_accepted", sum.wrongly_accepted},
                                   {"wrongly_refused", sum.wrongly_refused},
                                   {"widest_wrongly_refused_m", sum.widest}};
   };
-  return {{"uniform", told(uniform)}, {"borderline", told(borderline)}};
+  return {{"uniform", reported(uniform)}, {"borderline", reported(borderline)}};
 }
 
 /// Of the truly free configurations, those that spheres alone would refuse, percent.
@@ -207,10 +207,11 @@ std::vector<NamedRobot> robots(int runs) {
   return list;
 }
 
-std::vector<std::string> agreement_row(const std::string& name, const nlohmann::ordered_json& told) {
-  return {name, count_text(told["checked"].get<double>()), count_text(told["wrongly_accepted"].get<double>()),
-          count_text(told["wrongly_refused"].get<double>()),
-          figure(1e6 * told["widest_wrongly_refused_m"].get<double>())};
+std::vector<std::string> agreement_row(const std::string& name, const nlohmann::ordered_json& reported) {
+  return {name, count_text(reported["checked"].get<double>()),
+          count_text(reported["wrongly_accepted"].get<double>()),
+          count_text(reported["wrongly_refused"].get<double>()),
+          figure(1e6 * reported["widest_wrongly_refused_m"].get<double>())};
 }
 
 }  // namespace

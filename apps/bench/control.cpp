@@ -42,7 +42,7 @@ struct Times {
   std::vector<double> in_motion;  ///< of whole: without the first step of each motion, to which the arm jumps
   double constraint_count = 0.0, active = 0.0;
 
-  nlohmann::ordered_json told() const {
+  nlohmann::ordered_json reported() const {
     const double all = median(kinematics) + median(constraints) + median(program);
     return {{"median_us", median(whole)},
             {"p95_us", quantile(whole, 0.95)},
@@ -72,10 +72,10 @@ nlohmann::ordered_json told_of_all(const std::vector<Times>& runs) {
     for (const Times& run : runs) took.push_back(run.whole[step]);
     medians.push_back(median(took));
   }
-  nlohmann::ordered_json told = all.told();
-  told["p99_in_motion_us"] = quantile(all.in_motion, 0.99);
-  told["p99_of_medians_us"] = quantile(medians, 0.99);
-  return told;
+  nlohmann::ordered_json reported = all.reported();
+  reported["p99_in_motion_us"] = quantile(all.in_motion, 0.99);
+  reported["p99_of_medians_us"] = quantile(medians, 0.99);
+  return reported;
 }
 
 /// Each step is taken. `step(q, wanted, is_first)` does one and notes what it took.
@@ -188,9 +188,9 @@ std::vector<Task> jumps_near(const ConfigurationSpace& space) {
   return jumps;
 }
 
-std::vector<std::string> us_row(const std::string& name, const nlohmann::ordered_json& told) {
+std::vector<std::string> us_row(const std::string& name, const nlohmann::ordered_json& reported) {
   const auto cell = [&](const char* key) {
-    return told.contains(key) ? figure(told[key].get<double>()) : std::string("–");
+    return reported.contains(key) ? figure(reported[key].get<double>()) : std::string("–");
   };
   return {name, cell("median_us"), cell("p95_us"), cell("p99_us")};
 }
@@ -249,7 +249,7 @@ BenchResult bench_control(const BenchOptions& options) {
   nlohmann::ordered_json detail = told_of_all(runs);
   const VoxelCounts counts = map.counts();
   const std::size_t known = counts.seen_free + counts.occupied;
-  detail["from_place_to_place"] = run_ours(space, damping, jumps_near(space), 1).told();
+  detail["from_place_to_place"] = run_ours(space, damping, jumps_near(space), 1).reported();
   detail["balls"] = ControlConstraints(space, damping).spheres();
   detail["known_voxels"] = known;
   detail["blocked_voxels"] = space.blocked_space(2)->blocked_count();

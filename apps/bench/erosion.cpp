@@ -120,14 +120,14 @@ class ErosionTable {
   void add(const std::string& noise, const HeldOutSequence& sequence, const FurnishedRoom* room,
            const std::vector<ErosionCase>& cases, BenchResult& result) {
     ordered_json list = ordered_json::array();
-    const auto told = [&](double share) { return room == nullptr ? "–" : percent(share); };
+    const auto reported = [&](double share) { return room == nullptr ? "–" : percent(share); };
     for (const ErosionCase& which : cases) {
       const ErosionOutcome outcome = evaluate(sequence, room, which);
       if (table_.rows.empty()) result.ours = outcome.ours.all, result.peer = outcome.peer.all;
       table_.rows.push_back(
           {noise, length_text(which.resolution), percent(outcome.ours.all), percent(outcome.peer.all),
-           figure(outcome.peer.all / outcome.ours.all), told(outcome.ours.exact_all),
-           told(outcome.peer.exact_all),
+           figure(outcome.peer.all / outcome.ours.all), reported(outcome.ours.exact_all),
+           reported(outcome.peer.exact_all),
            room == nullptr ? "–" : percent(outcome.json["truth"]["truly_free_kept"].get<double>())});
       list.push_back(outcome.json);
     }
@@ -180,7 +180,7 @@ void judge_laws(const BenchOptions& options, const std::vector<NoiseLaw>& laws, 
   }
 }
 
-/// Sequences of many views with errors that nobody is told of.
+/// Sequences of many views with errors that the map does not know.
 Table judge_wide(const BenchOptions& options, BenchResult& result) {
   Table table{
       "Views from all sides, every other frame held out; calibration, clocks, ranges and poses are wrong in "
@@ -227,14 +227,14 @@ Table ghost_table(const ordered_json& ghosts) {
               {"voxels", "per million rays", "looks until free, median", "at most", "left at the end"},
               {}};
   for (const char* where : {"all", "in_the_open"}) {
-    const ordered_json& told = ghosts[where];
-    const ordered_json& looks = told["looks_until_free"];
+    const ordered_json& reported = ghosts[where];
+    const ordered_json& looks = reported["looks_until_free"];
     const auto look = [&](const char* key) {
       return looks.is_null() ? std::string("–") : count_text(looks[key].get<double>());
     };
     table.rows.push_back({where == std::string("all") ? "all" : "farther than two bands from solids",
-                          count_text(told["per_million_rays"].get<double>()), look("median"), look("most"),
-                          count_text(told["left_at_the_end"].get<double>())});
+                          count_text(reported["per_million_rays"].get<double>()), look("median"),
+                          look("most"), count_text(reported["left_at_the_end"].get<double>())});
   }
   return table;
 }

@@ -150,7 +150,7 @@ Table error_table(const BlockedField& ours, const DynamicEDTOctomap& theirs, nlo
   for (const Eigen::Vector3d& point : look_up_points(ours.region(), 200'000, 1)) {
     const NearestBlocked nearest = ours.nearest(point, ours.max_distance());
     const double exact = nearest.found ? nearest.distance : ours.max_distance();
-    const auto gap = [&](double told) { return (exact - told) / ours.resolution(); };
+    const auto gap = [&](double reported) { return (exact - reported) / ours.resolution(); };
     fine.add(gap(ours.clearance(point)));
     coarse.add(gap(ours.coarse_clearance(point)));
     peer.add(gap(peer_distance(theirs, point)));

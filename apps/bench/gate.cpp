@@ -80,7 +80,7 @@ Verdicts judge_chunks(Gate& gate, const std::vector<MotionChunk>& chunks, double
   return verdicts;
 }
 
-Json told(const Verdicts& verdicts) {
+Json reported(const Verdicts& verdicts) {
   return {{"passed", verdicts.passed.size()},
           {"refused", verdicts.refused.size()},
           {"maps", verdicts.maps},
@@ -145,21 +145,21 @@ Pair compare_alone(const BenchOptions& options, Gate& gate, const FclOctreeSpace
       [&] { return each_ms([&](const MotionChunk& chunk) { return is_sampled_free(fcl, chunk); }); });
 }
 
-std::vector<std::string> latency_row(const std::string& name, const Json& told) {
-  return {name, figure(told["median"].get<double>()), figure(told["p99"].get<double>()),
-          figure(told["max"].get<double>())};
+std::vector<std::string> latency_row(const std::string& name, const Json& reported) {
+  return {name, figure(reported["median"].get<double>()), figure(reported["p99"].get<double>()),
+          figure(reported["max"].get<double>())};
 }
 
 Table verdict_table(const Json& detail) {
   Table table{"Verdicts:", {"us", "median", "p99", "most"}, {}};
   for (const auto& [key, name] :
        {std::pair{"alone", "alone"}, std::pair{"beside_mapping", "beside mapping"}}) {
-    const Json& told = detail[key];
+    const Json& reported = detail[key];
     const std::string where = name;
-    table.rows.push_back(latency_row("passed, " + where + ", wall", told["passed_us"]));
-    table.rows.push_back(latency_row("passed, " + where + ", CPU", told["passed_cpu_us"]));
-    table.rows.push_back(latency_row("refused, " + where + ", wall", told["refused_us"]));
-    table.rows.push_back(latency_row("refused, " + where + ", CPU", told["refused_cpu_us"]));
+    table.rows.push_back(latency_row("passed, " + where + ", wall", reported["passed_us"]));
+    table.rows.push_back(latency_row("passed, " + where + ", CPU", reported["passed_cpu_us"]));
+    table.rows.push_back(latency_row("refused, " + where + ", wall", reported["refused_us"]));
+    table.rows.push_back(latency_row("refused, " + where + ", CPU", reported["refused_cpu_us"]));
   }
   return table;
 }
@@ -176,9 +176,9 @@ BenchResult bench_gate(const BenchOptions& options) {
   gate.publish(world.space(world.map.snapshot()));
   options.say("alone");
   Json detail{{"resolution", resolution}, {"waypoints", waypoints}, {"seconds", duration}};
-  detail["alone"] = told(judge_chunks(gate, chunks, duration));
+  detail["alone"] = reported(judge_chunks(gate, chunks, duration));
   options.say("beside mapping");
-  detail["beside_mapping"] = told(judge_beside_mapping(world, gate, chunks, duration));
+  detail["beside_mapping"] = reported(judge_beside_mapping(world, gate, chunks, duration));
   Gate still(limits_of_gate());
   still.publish(world.space(space.map()));
   BenchOptions fewer = options;

@@ -71,7 +71,7 @@ std::vector<Update> keep_updating(LiveWorld& world, LiveControl& live, double be
   return updates;
 }
 
-Json told(const std::vector<Update>& updates) {
+Json reported(const std::vector<Update>& updates) {
   const auto part = [&](double Update::*value) {
     std::vector<double> all;
     for (const Update& update : updates) all.push_back(1e3 * (update.*value));
@@ -128,7 +128,8 @@ Json run_beside(LiveWorld& world, LiveControl& live, const LoopTask& task, bool 
   const double usually = median(usual);
   for (const LoopTurn& turn : log.turns)
     if (turn.is_new) worst = std::max(worst, turn.end - turn.begin - usually);
-  return {{"loop", told(log)}, {"update", told(updates)}, {"reaction", reactions(updates, log.turns)}};
+  return {
+      {"loop", reported(log)}, {"update", reported(updates)}, {"reaction", reactions(updates, log.turns)}};
 }
 
 /// The loop makes each update itself, when its frame is there.
@@ -145,7 +146,7 @@ Json run_alternating(LiveWorld& world, LiveControl& live, const LoopTask& task, 
     held.push_back(steady_seconds() - now);
   });
   worst = quantile(held, 1.0);
-  return {{"loop", told(log)}, {"held_by_update_us", microseconds(held)}, {"update", told(updates)}};
+  return {{"loop", reported(log)}, {"held_by_update_us", microseconds(held)}, {"update", reported(updates)}};
 }
 
 /// What MoveIt's occupancy monitor does with a frame: rays into sets of keys, then updateNode for each key
@@ -177,11 +178,11 @@ Json octomap_under_lock(const LiveWorld& world, double resolution) {
 
 using Pointer = Json::json_pointer;
 
-/// A row of what `microseconds` told, times `unit`.
+/// A row of the result of `microseconds`, times `unit`.
 std::vector<std::string> told_row(const std::string& name, const Json& detail, const char* path) {
-  const Json& told = detail.at(Pointer(path));
+  const Json& reported = detail.at(Pointer(path));
   const auto cell = [&](const char* key) {
-    return told.contains(key) ? figure(told.at(key).get<double>()) : std::string("–");
+    return reported.contains(key) ? figure(reported.at(key).get<double>()) : std::string("–");
   };
   return {name, cell("median"), cell("p99"), cell("max")};
 }
@@ -232,7 +233,7 @@ Pair run_loops(const BenchOptions& options, LiveWorld& world, Json& detail) {
   const auto alone = [&](const LoopTask& task, bool real_time) {
     update(world, still, world.frames.back(), steady_seconds());
     still.fetch(world.task.one);
-    return told(run_loop(still, task, real_time));
+    return reported(run_loop(still, task, real_time));
   };
   Pair worst;
   double worst_free = 0.0;

@@ -101,7 +101,7 @@ nlohmann::ordered_json microseconds(const std::vector<double>& seconds) {
           {"max", 1e6 * quantile(seconds, 1.0)}};
 }
 
-nlohmann::ordered_json told(const LoopLog& log) {
+nlohmann::ordered_json reported(const LoopLog& log) {
   std::vector<double> wall, cpu, fetch, fetch_cpu, first, first_cpu, age;
   std::size_t braking = 0;
   for (const LoopTurn& turn : log.turns) {

@@ -51,6 +51,6 @@ LoopLog run_loop(
 nlohmann::ordered_json microseconds(const std::vector<double>& seconds);
 
 /// Times of the turns, of those that took over a map, ages and what the scheduler did.
-nlohmann::ordered_json told(const LoopLog& log);
+nlohmann::ordered_json reported(const LoopLog& log);
 
 }  // namespace clearway::bench

@@ -52,7 +52,7 @@ void write_as_stock(const Snapshot& map, const fs::path& file) {
   if (!stock.write(stream)) throw std::runtime_error("cannot write '" + file.string() + "'");
 }
 
-/// OctoMap tells stderr about each file that it reads; not while this lives.
+/// OctoMap writes to stderr about each file that it reads; not while this lives.
 class QuietErrors {
  public:
   QuietErrors() : before_(std::cerr.rdbuf(nullptr)) {}

@@ -217,7 +217,7 @@ std::vector<std::string> row_of(const std::string& name, const Times& times, con
           ours > 0.0 ? figure(median(list) / ours) : "-"};
 }
 
-nlohmann::ordered_json told(const Times& times) {
+nlohmann::ordered_json reported(const Times& times) {
   nlohmann::ordered_json json{{"median_ms", median(times.warm)},
                               {"p95_ms", quantile(times.warm, 0.95)},
                               {"solved", times.solved},
@@ -243,8 +243,8 @@ BenchResult bench_plan(const BenchOptions& options) {
       ours, median(peer.warm), "OMPL RRT-Connect, FCL on fcl::OcTree", "CPU ms a query", true, options.runs,
       {}};
   result.detail = {{"problems", tasks.size()},           {"limit_s", limit},
-                   {"rrtconnect", told(trees)},          {"auto", told(chosen)},
-                   {"peer_default", told(peer)},         {"peer_valid", told(valid_peer)},
+                   {"rrtconnect", reported(trees)},      {"auto", reported(chosen)},
+                   {"peer_default", reported(peer)},     {"peer_valid", reported(valid_peer)},
                    {"peer_valid_resolution", resolution}};
   const std::string finer = "peer at " + figure(resolution) + " of the extent";
   const std::vector<std::string> head{"CPU ms a query", "median",         "at 95 %",

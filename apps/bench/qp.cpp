@@ -178,9 +178,10 @@ BenchResult bench_qp(const BenchOptions& options) {
     auto& constraint = result.detail["rows_" + std::to_string(constraints)];
     constraint = {{"ours_us", ours}, {"dense_us", dense}, {"iterations", times.iterations}};
     if (quadprog.is_there()) constraint.update({{"quadprog_us", theirs}, {"apart", times.apart}});
-    const auto told = [&](double value) { return quadprog.is_there() ? figure(value) : "–"; };
-    table.rows.push_back({std::to_string(constraints), figure(ours), told(theirs), told(theirs / ours),
-                          figure(dense), figure(dense / ours), told(times.apart)});
+    const auto reported = [&](double value) { return quadprog.is_there() ? figure(value) : "–"; };
+    table.rows.push_back({std::to_string(constraints), figure(ours), reported(theirs),
+                          reported(theirs / ours), figure(dense), figure(dense / ours),
+                          reported(times.apart)});
     result.ours = ours;
     result.peer = quadprog.is_there() ? theirs : dense;
   }

@@ -22,7 +22,7 @@ struct SearchedImage {
 /// All images of a source.
 struct SearchedImages {
   int width = 0, height = 0;                   ///< of the first one
-  std::optional<CameraIntrinsics> intrinsics;  ///< by the source, where it tells any
+  std::optional<CameraIntrinsics> intrinsics;  ///< by the source, where it has any
   std::vector<SearchedImage> images;
   std::size_t other_size = 0;  ///< images of another size, left out
   std::optional<std::string> damage;
@@ -34,7 +34,7 @@ SearchedImages search_images(const std::filesystem::path& source, const Setup& s
                              Console& console);
 
 /// The camera of the setup, else of the source, with its errors.
-/// @throws std::invalid_argument when neither tells it, or its images are of another size
+/// @throws std::invalid_argument when neither gives it, or its images are of another size
 Camera known_camera(const Setup& setup, const SearchedImages& images);
 
 /// The board whose tags are in most images, or that of the given name.
@@ -63,7 +63,7 @@ struct ChosenViews {
   std::size_t alike = 0;   ///< of these, as another one that was chosen
 };
 
-/// Images of a board that tell something new: at most `most` of them. Of a stream (images less than 0.3 s
+/// Images of a board that add something new: at most `most` of them. Of a stream (images less than 0.3 s
 /// apart) those in which the corners moved by less than `most_motion` pixels an image, on the mean.
 ChosenViews choose_views(const SearchedImages& images, const BoardSetup& board, std::size_t most = 60,
                          double most_motion = 2.0);

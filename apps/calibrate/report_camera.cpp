@@ -15,7 +15,7 @@ std::string plus_minus(double value, double sigma, const std::string& unit) {
   return significant(value, 6) + " +- " + significant(sigma, 2) + " " + unit;
 }
 
-void tell_camera(const CameraCalibration& found, CalibrationReport& report) {
+void describe_camera(const CameraCalibration& found, CalibrationReport& report) {
   const Camera& camera = found.camera;
   const double f = std::sqrt(camera.fx * camera.fy);
   report.rows.insert(
@@ -64,7 +64,7 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
     report.refusal += "; " + grouped(chosen.moving) + " of " + grouped(chosen.seen) +
                       " images were taken while the board moved: hold it still for a moment in each place";
   if (found.covariance.size() == 0) return report;
-  if (found.camera.errors.distortion) tell_camera(found, report);
+  if (found.camera.errors.distortion) describe_camera(found, report);
   if (!report.refusal.empty()) return report;
   const Camera& camera = found.camera;
   ErrorsSetup errors = setup.errors;

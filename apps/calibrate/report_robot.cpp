@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kStill = 0.0005;  // metres that the tip may move while an image is taken
 
-/// What the images tell, and why others do not.
+/// What the images show, and why others are left out.
 struct RobotLooks {
   std::vector<RobotLook> looks;
   std::size_t without_joints = 0, moving = 0, unsure = 0;

@@ -276,8 +276,8 @@ Command add_tags(CLI::App& app, Console& console) {
 }
 
 /// CLI11's errors as one sentence of ours.
-int tell_usage_error(const CLI::App& app, const std::vector<std::string>& arguments,
-                     const CLI::ParseError& error, Console& console) {
+int report_usage_error(const CLI::App& app, const std::vector<std::string>& arguments,
+                       const CLI::ParseError& error, Console& console) {
   std::string sentence = error.what();
   std::replace(sentence.begin(), sentence.end(), '\n', ' ');
   std::vector<std::string> names;
@@ -366,7 +366,7 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
     console.out() << app.version() << '\n';
     return exit_done;
   } catch (const CLI::ParseError& error) {
-    return tell_usage_error(app, arguments, error, console);
+    return report_usage_error(app, arguments, error, console);
   }
   for (const auto& [name, command] : commands) {
     if (app.got_subcommand(name)) return run_guarded(command, console);

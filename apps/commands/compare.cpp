@@ -178,7 +178,7 @@ CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExp
   }
 }
 
-void tell_warnings(const CompareResults& results, Console& console) {
+void report_warnings(const CompareResults& results, Console& console) {
   for (const auto& sentences :
        {invalid_ends(results), runs_without_answer(results), broken_promises(results)})
     for (const std::string& sentence : sentences) console.warn("clearway: " + sentence);
@@ -199,7 +199,7 @@ int run_suite(const CompareOptions& options, Console& console) {
   const std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
   const CompareResults results =
       run_and_publish(suite, prepared, options, asked_of(suite, prepared, options), console);
-  tell_warnings(results, console);
+  report_warnings(results, console);
   if (console.json) {
     console.out() << to_json(results) << '\n';
   } else {
@@ -298,12 +298,12 @@ int merge(const CompareOptions& options, Console& console) {
   const CompareResults results =
       merge_into(folder.path(), options.out, {options.what.begin() + 1, options.what.end()});
   folder.publish();
-  tell_warnings(results, console);
+  report_warnings(results, console);
   print_results(results, console);
   return broken_promises(results).empty() ? exit_done : exit_no;
 }
 
-int tell_difference(const CompareOptions& options, Console& console) {
+int report_difference(const CompareOptions& options, Console& console) {
   if (options.what.size() != 3)
     throw std::invalid_argument("compare diff: got " + std::to_string(options.what.size() - 1) +
                                 " results: expected two, OLD and NEW");
@@ -333,7 +333,7 @@ void require_flags(const CompareOptions& options, bool merges) {
 
 int run_compare(const CompareOptions& options, Console& console) {
   const std::string kind = options.what.front().string();
-  if (kind == "diff") return tell_difference(options, console);
+  if (kind == "diff") return report_difference(options, console);
   require_flags(options, kind == "merge");
   if (kind == "merge") return merge(options, console);
   return options.rerun.empty() ? run_suite(options, console) : rerun(options, console);

@@ -71,7 +71,7 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
   return set;
 }
 
-void tell(const ImportOptions& options, const ImportOutcome& outcome, Console& console) {
+void report(const ImportOptions& options, const ImportOutcome& outcome, Console& console) {
   if (console.json) {
     const nlohmann::ordered_json json = {{"worlds", outcome.worlds},
                                          {"problems", outcome.problems},
@@ -100,7 +100,7 @@ int run_import(const ImportOptions& options, Console& console) {
                                 " holds an import already, expected a new folder");
   const RobotRequest request = robot_request(options.robot);
   const ForeignSet set = options.kind == "json" ? read_json_sets(options) : read_scenes(options, request);
-  tell(options, write_suite(set, {request, options.resolution, options.out}), console);
+  report(options, write_suite(set, {request, options.resolution, options.out}), console);
   return exit_done;
 }
 

@@ -33,7 +33,7 @@ std::vector<Eigen::Vector3d> points_of(const std::vector<std::string>& texts) {
   return points;
 }
 
-/// Whether places in the map are asked for, or another map: else one pass over its file tells all.
+/// Whether places in the map are asked for, or another map: else one pass over its file answers all.
 bool needs_memory(const InspectOptions& options) {
   const bool edits = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
   return edits || !options.at.empty() || !options.rays.empty() || options.holes ||

@@ -21,13 +21,13 @@ int main(int argc, char** argv) {
   clearway::PlainBuffer plain(std::cout);
   std::ostream out(&plain);
   clearway::Console console(out, std::cerr, is_terminal, &std::cin);
-  // What fails then is told as any other error: a file that grows too large, a reader that went away.
+  // What fails then is reported as any other error: a file that grows too large, a reader that went away.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   clearway::end_in_order_on_signals([is_terminal](int signal, const std::string& what_is_there) {
     const std::string line = std::string(is_terminal ? "\r\x1b[K" : "") + "clearway: ended by SIG" +
                              sigabbrev_np(signal) + ": " + what_is_there + "\n";
-    [[maybe_unused]] const ssize_t told = write(STDERR_FILENO, line.data(), line.size());
+    [[maybe_unused]] const ssize_t reported = write(STDERR_FILENO, line.data(), line.size());
   });
   const int status = clearway::run_command_line(std::vector<std::string>(argv + 1, argv + argc), console);
   if (out.flush()) return status;

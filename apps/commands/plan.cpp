@@ -87,8 +87,8 @@ void require_files(const PlanOptions& options) {
   }
 }
 
-void tell_degrees(const PlanOptions& options, const Robot& robot, const Configuration& start,
-                  const std::vector<Configuration>& goals, Console& console) {
+void report_degrees(const PlanOptions& options, const Robot& robot, const Configuration& start,
+                    const std::vector<Configuration>& goals, Console& console) {
   if (options.degrees) return;
   std::string hint = degrees_hint(robot, start, "--start");
   for (std::size_t i = 0; i < goals.size() && hint.empty(); ++i)
@@ -116,9 +116,10 @@ std::vector<Configuration> goals_at_poses(const PlanOptions& options, const Conf
   return goals;
 }
 
-/// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is told.
-void tell_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
-                         Console& console) {
+/// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is
+/// reported.
+void report_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
+                           Console& console) {
   const bool is_chosen = !options.robot.policies.empty() || !space.robot().critical_parts.empty();
   if (is_chosen || plan.status() == PlanStatus::solved) return;
   const bool is_known_free = std::any_of(plan.policies.begin(), plan.policies.end(),
@@ -158,7 +159,7 @@ std::string plan_page(const PlanOptions& options, const Plan& plan, const Config
 
 int run_plan(const PlanOptions& options, Console& console) {
   if (options.print_options) return print_planner_options(options, console);
-  // The cheap mistakes are told before the map is read.
+  // The cheap mistakes are reported before the map is read.
   const std::shared_ptr<const Planner> planner =
       make_planner(options.planner, choose_planner_options(options.settings));
   const Robot robot = choose_robot(options.robot);
@@ -183,7 +184,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   require_parts(options.survey.allow_outside, loaded, "--allow-outside");
   require_files(options);
   const Snapshot map = load_map(options.map);  // what is said before may be said again by the whole program
-  tell_degrees(options, robot, start, goals, console);
+  report_degrees(options, robot, start, goals, console);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
@@ -208,7 +209,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   if (!options.pull.gravity.empty()) query.gravity = Eigen::Vector3d(options.pull.gravity.data());
   Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
   add_motion(options, space, plan, console);
-  tell_default_policy(options, plan, space, console);
+  report_default_policy(options, plan, space, console);
   const std::string text = to_json(plan_to_file(options, plan));
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));

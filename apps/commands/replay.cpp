@@ -352,7 +352,7 @@ int run_replay(const ReplayOptions& options, Console& console) {
 
   begin = Clock::now();
   report.map = fusion.map.snapshot();
-  std::unique_ptr<QueryRunner> runner;  // tells mistakes of the setup before anything is written
+  std::unique_ptr<QueryRunner> runner;  // reports mistakes of the setup before anything is written
   if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty())
     runner = std::make_unique<QueryRunner>(options, folder.path(), fusion, report.map);
   save_map(report.map, folder.path());

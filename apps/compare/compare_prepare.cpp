@@ -21,7 +21,8 @@ namespace {
 
 /// Does what may throw a sentence, and puts before it where it happened.
 template <typename Work>
-auto told(const Suite& suite, const SuiteExperiment& experiment, const std::string& where, const Work& work) {
+auto reported(const Suite& suite, const SuiteExperiment& experiment, const std::string& where,
+              const Work& work) {
   try {
     return work();
   } catch (const std::invalid_argument& error) {
@@ -59,14 +60,14 @@ void require_teams(const Suite& suite, const SuiteExperiment& experiment,
   const Snapshot nothing = empty_map();
   std::set<std::string> parts = {"default"};
   for (const SuiteTeam& given : experiment.teams->teams) {
-    const Team team = told(suite, experiment, "field 'teams'", [&] {
+    const Team team = reported(suite, experiment, "field 'teams'", [&] {
       Team made = make_team(given, nothing, {});
       for (const TeamOptions& leader : leaders) check_team_inputs(made, leader);
       return made;
     });
     if (experiment.teams->sensing)
-      told(suite, experiment, "field 'sensing', team '" + given.name + "'",
-           [&] { check_sensors(*experiment.teams->sensing, team); });
+      reported(suite, experiment, "field 'sensing', team '" + given.name + "'",
+               [&] { check_sensors(*experiment.teams->sensing, team); });
     for (const TeamRobot& robot : team.robots)
       for (const Body& body : robot.space->robot().bodies) parts.insert(body.part);
   }
@@ -90,7 +91,7 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   const double usual_limit = experiment.teams ? std::numeric_limits<double>::infinity() : suite.time_limit;
   ready.time_limit = experiment.time_limit.value_or(usual_limit);
   if (!experiment.teams) {
-    ready.robot = told(suite, experiment, "field 'robot'", [&] {
+    ready.robot = reported(suite, experiment, "field 'robot'", [&] {
       Robot robot = load_robot(RobotRequest{experiment.robot, experiment.srdf, experiment.group,
                                             experiment.fixed, experiment.packages});
       return experiment.scale ? scaled(robot, *experiment.scale / robot.scale) : robot;
@@ -103,7 +104,7 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   for (const SuitePlanner& planner : experiment.planners) {
     const std::string where = "planner '" + planner.label + "'";
     auto made =
-        told(suite, experiment, where, [&] { return make_planner(planner.planner, planner.options); });
+        reported(suite, experiment, where, [&] { return make_planner(planner.planner, planner.options); });
     if (!labels.insert(planner.label).second) {
       refuse(suite, experiment, "field 'planners': the label '" + planner.label + "' is given twice");
     }
@@ -111,7 +112,7 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
     ready.planners.push_back({planner.label, planner.planner, made->options(),
                               promises_certified_paths(planner.planner, made->options())});
     if (experiment.teams) {
-      ready.leaders.push_back(told(suite, experiment, where, [&] {
+      ready.leaders.push_back(reported(suite, experiment, where, [&] {
         TeamOptions options = team_options(planner.planner, planner.options);
         options.period = experiment.teams->period;
         options.duration = experiment.teams->duration;
@@ -124,10 +125,10 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   }
   if (!experiment.teams) return ready;
   require_teams(suite, experiment, ready.leaders);
-  ready.map = told(suite, experiment, "field 'world'", [&] { return team_map(suite, experiment); });
+  ready.map = reported(suite, experiment, "field 'world'", [&] { return team_map(suite, experiment); });
   if (experiment.teams->sensing) {
-    told(suite, experiment, "field 'sensing'",
-         [&] { check_sensors(*experiment.teams->sensing, *ready.map); });
+    reported(suite, experiment, "field 'sensing'",
+             [&] { check_sensors(*experiment.teams->sensing, *ready.map); });
   }
   return ready;
 }

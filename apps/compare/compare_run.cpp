@@ -164,7 +164,8 @@ class ExperimentRunner {
     return [this, server = std::shared_ptr<ProblemServer>()](std::string_view bytes,
                                                              const WorkerProcess::Reply& reply) mutable {
       if (!server) server = make_problem_server(suite_, experiment_, choice_);
-      server->answer(request_of_bytes(bytes), [&](const ProblemReply& told) { reply(to_bytes(told)); });
+      server->answer(request_of_bytes(bytes),
+                     [&](const ProblemReply& reported) { reply(to_bytes(reported)); });
     };
   }
 

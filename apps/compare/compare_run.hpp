@@ -57,7 +57,7 @@ struct CompareChoice {
   std::optional<CompareOnly> only = {};
 };
 
-/// Is told how many runs of an experiment are done, of how many; and, with the same, that time goes by.
+/// Called with how many runs of an experiment are done, of how many; and, with the same, as time goes by.
 using CompareProgress = std::function<void(std::size_t done, std::size_t all)>;
 
 /// How many runs an experiment has for this choice, at most.

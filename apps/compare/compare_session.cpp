@@ -37,11 +37,11 @@ class TimeLeft {
  public:
   TimeLeft(std::size_t all, std::size_t had, Console& console) : all_(all), had_(had), console_(console) {}
 
-  void tell(const std::string& experiment, std::size_t done) {
+  void report(const std::string& experiment, std::size_t done) {
     constexpr double period = 10.0;
     const double now = seconds_from(begin_);
-    if (!console_.is_terminal() && now - told_ < period) return;
-    told_ = now;
+    if (!console_.is_terminal() && now - reported_ < period) return;
+    reported_ = now;
     const std::string text =
         experiment + ": " + std::to_string(done) + " of " + std::to_string(all_) + " runs" + left(done, now);
     if (!console_.is_terminal()) return console_.log("clearway: " + text);
@@ -58,7 +58,7 @@ class TimeLeft {
   std::size_t all_, had_;
   Console& console_;
   Clock::time_point begin_ = Clock::now();
-  double told_ = 0.0;
+  double reported_ = 0.0;
 };
 
 /// A killed process may have left half a line.
@@ -175,7 +175,7 @@ CompareResults CompareSession::run(const Suite& suite, const std::vector<Prepare
     run_experiment(suite, prepared[e], e, choice, records_, [&](std::size_t done, std::size_t) {
       if (done > done_here) folder_.note_progress(runs_are(records_.count()));
       done_here = done;
-      time_left.tell(prepared[e].setup.name, before + done);
+      time_left.report(prepared[e].setup.name, before + done);
     });
     before += count_runs(suite, prepared[e], e, choice);
     console.progress(prepared[e].setup.name, 1.0);

@@ -57,7 +57,7 @@ class TeamServer : public ProblemServer {
         labels_(names_as_files(experiment.planners)) {}
 
  private:
-  void open(std::size_t, const Tell& tell) override {
+  void open(std::size_t, const Send& send) override {
     ProblemReply reply{.kind = Kind::opened};
     for (std::size_t i = 0; i < count_teams(experiment_.setup); ++i) {
       CompareProblem& problem = reply.problems.emplace_back();
@@ -66,11 +66,11 @@ class TeamServer : public ProblemServer {
       problem.map_sha256 = digest_;
       problem.resolution = map_.resolution();
     }
-    tell(reply);
+    send(reply);
   }
 
   /// A planner whose run did not end well is left out of a second go.
-  void plan(const ProblemRequest& request, const Tell& tell) override {
+  void plan(const ProblemRequest& request, const Send& send) override {
     const SuiteTeam given = team_number(*request.problem);
     std::map<std::size_t, CompareRun> without_answer;
     for (;;) {
@@ -81,10 +81,10 @@ class TeamServer : public ProblemServer {
       const IsolatedEnd end = [&] {
         const Stopwatch watch(wall);
         return run_isolated(
-            [&](const SendPart& send) { run_all(given, led, send); }, choice_.isolation,
+            [&](const SendPart& send_part) { run_all(given, led, send_part); }, choice_.isolation,
             static_cast<double>(led.size()) * experiment_.time_limit + choice_.isolation.grace);
       }();
-      if (end.ended.empty()) return tell_all(end.parts, without_answer, tell);
+      if (end.ended.empty()) return send_all(end.parts, without_answer, send);
       if (end.parts.size() >= led.size())
         throw std::runtime_error("experiment '" + experiment_.setup.name + "', team '" + given.name +
                                  "': its page could not be made. " + end.explanation);
@@ -99,16 +99,16 @@ class TeamServer : public ProblemServer {
   }
 
   /// In the order of the planners; the last part is the page's.
-  static void tell_all(const std::vector<std::string>& parts, const std::map<std::size_t, CompareRun>& others,
-                       const Tell& tell) {
-    for (const auto& [planner, run] : others) tell({.kind = Kind::run, .run = run});
+  static void send_all(const std::vector<std::string>& parts, const std::map<std::size_t, CompareRun>& others,
+                       const Send& send) {
+    for (const auto& [planner, run] : others) send({.kind = Kind::run, .run = run});
     for (const std::string& part : parts) {
       const Json json = Json::parse(part);
       ProblemReply reply{.kind = json.contains("run") ? Kind::run : Kind::finished};
       json.at("files").get_to(reply.files);
       if (json.contains("run")) reply.run = run_of_record(json.at("run"));
       if (json.contains("page")) json.at("page").get_to(reply.page);
-      tell(reply);
+      send(reply);
     }
   }
 
@@ -147,7 +147,7 @@ class TeamServer : public ProblemServer {
                                     .gravity = experiment_.setup.gravity};
     for (const SuiteTeamRobot& robot : given.robots) circumstances.payloads.push_back(robot.payload);
     double time = 0.0;
-    const TeamRun run = told(given, planner, [&] {
+    const TeamRun run = reported(given, planner, [&] {
       const Deadline deadline(experiment_.time_limit);
       const Stopwatch watch(time);
       return run_team(team, options, [&] { return circumstances.is_cut_short = deadline.is_over(); });
@@ -170,7 +170,7 @@ class TeamServer : public ProblemServer {
   fs::path folder() const { return fs::path("teams") / name_as_file(experiment_.setup.name); }
 
   template <typename Work>
-  TeamRun told(const SuiteTeam& team, std::size_t planner, const Work& work) const {
+  TeamRun reported(const SuiteTeam& team, std::size_t planner, const Work& work) const {
     try {
       return work();
     } catch (const std::invalid_argument& error) {

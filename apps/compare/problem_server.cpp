@@ -140,19 +140,19 @@ ProblemReply reply_of_bytes(std::string_view bytes) {
   return reply;
 }
 
-void ProblemServer::answer(const ProblemRequest& request, const Tell& tell) {
+void ProblemServer::answer(const ProblemRequest& request, const Send& send) {
   try {
     if (request.problem) {
-      plan(request, tell);
+      plan(request, send);
     } else {
-      open(request.stage, tell);
+      open(request.stage, send);
     }
   } catch (const std::invalid_argument& error) {
-    tell({.kind = ProblemReply::Kind::bad_input, .sentence = error.what()});
+    send({.kind = ProblemReply::Kind::bad_input, .sentence = error.what()});
   } catch (const DamagedFile& error) {
-    tell({.kind = ProblemReply::Kind::damaged, .sentence = error.what()});
+    send({.kind = ProblemReply::Kind::damaged, .sentence = error.what()});
   } catch (const std::runtime_error& error) {
-    tell({.kind = ProblemReply::Kind::failed, .sentence = error.what()});
+    send({.kind = ProblemReply::Kind::failed, .sentence = error.what()});
   }
 }
 

@@ -24,7 +24,7 @@ struct ProblemRequest {
   std::set<std::size_t> unsafe = {};                      ///< planners that took a worker down
 };
 
-/// What it tells, step by step.
+/// What it reports, step by step.
 struct ProblemReply {
   enum class Kind { opened, preparing, prepared, run, finished, bad_input, damaged, failed } kind;
   std::vector<CompareProblem> problems = {};      ///< opened: of the stage, without runs
@@ -45,16 +45,16 @@ ProblemReply reply_of_bytes(std::string_view bytes);
 /// too much memory are outcomes of that run (CompareRun::ended).
 class ProblemServer {
  public:
-  using Tell = std::function<void(const ProblemReply&)>;
+  using Send = std::function<void(const ProblemReply&)>;
 
   virtual ~ProblemServer() = default;
   /// Answers with `opened`, or with `run`s and `finished`, or with an error. Before a planner derives what it
   /// keeps of a map comes `preparing`, then `prepared`: what happens between happens in this process.
-  void answer(const ProblemRequest& request, const Tell& tell);
+  void answer(const ProblemRequest& request, const Send& send);
 
  private:
-  virtual void open(std::size_t stage, const Tell& tell) = 0;
-  virtual void plan(const ProblemRequest& request, const Tell& tell) = 0;
+  virtual void open(std::size_t stage, const Send& send) = 0;
+  virtual void plan(const ProblemRequest& request, const Send& send) = 0;
 };
 
 std::unique_ptr<ProblemServer> make_problem_server(const Suite& suite, const PreparedExperiment& experiment,

@@ -147,7 +147,7 @@ class RobotServer : public ProblemServer {
         names_(names_as_files(experiment.planners)) {}
 
  private:
-  void open(std::size_t index, const Tell& tell) override {
+  void open(std::size_t index, const Send& send) override {
     const SuiteStage& stage = opened(index).stage;
     ProblemReply reply{.kind = Kind::opened};
     for (const StageProblem& problem : stage.problems)
@@ -163,10 +163,10 @@ class RobotServer : public ProblemServer {
       for (auto& [name, bytes] : files_of_map(stage.map))
         reply.files.emplace(map_folder(stage) / name, std::move(bytes));
     }
-    tell(reply);
+    send(reply);
   }
 
-  void plan(const ProblemRequest& request, const Tell& tell) override {
+  void plan(const ProblemRequest& request, const Send& send) override {
     const OpenStage& open = opened(request.stage);
     const StageProblem& problem = open.stage.problems.at(*request.problem);
     std::map<std::size_t, std::string> first_plans;  ///< of each planner's first run
@@ -175,10 +175,10 @@ class RobotServer : public ProblemServer {
         if (request.have.contains({i, number}) || request.wanted_not.contains({i, number})) continue;
         ProblemReply reply{.kind = Kind::run};
         const bool is_safe = !request.unsafe.contains(i);
-        double derive_cpu = is_safe ? derived(open, problem, i, tell) : 0.0;
+        double derive_cpu = is_safe ? derived(open, problem, i, send) : 0.0;
         reply.run = run_once(open, problem, i, number, is_safe, derive_cpu, reply.files);
         if (number == 1 && !reply.files.empty()) first_plans[i] = reply.files.begin()->second;
-        tell(reply);
+        send(reply);
       }
     }
     ProblemReply end{.kind = Kind::finished};
@@ -187,7 +187,7 @@ class RobotServer : public ProblemServer {
       end.page = page_file(problem);
       end.files[end.page] = page_of_problem(open, problem, first_plans);
     }
-    tell(end);
+    send(end);
   }
 
   const OpenStage& opened(std::size_t index) {
@@ -230,16 +230,16 @@ class RobotServer : public ProblemServer {
   /// CPU time, s, of what the planner derives from the map, which is no part of a plan's time. It stays here,
   /// for all runs to come.
   double derived(const OpenStage& open, const StageProblem& problem, std::size_t planner,
-                 const Tell& tell) const {
-    tell({.kind = Kind::preparing, .planner = planner});
+                 const Send& send) const {
+    send({.kind = Kind::preparing, .planner = planner});
     double cpu = 0.0;
     derive(query_of(open, problem, planner, 1), problem, planner, cpu);
-    tell({.kind = Kind::prepared});
+    send({.kind = Kind::prepared});
     return cpu;
   }
 
   void derive(const PlanQuery& query, const StageProblem& problem, std::size_t planner, double& cpu) const {
-    told(problem, planner, [&] {
+    reported(problem, planner, [&] {
       const ThreadStopwatch watch(cpu);
       query.planner->plan({query.space, path_cost(query), problem.start, problem.start, query.seed});
     });
@@ -250,7 +250,7 @@ class RobotServer : public ProblemServer {
     const PlanQuery query = query_of(open, problem, planner, number);
     const auto work = [&](const SendPart& send) {
       if (!is_derived) derive(query, problem, planner, derive_cpu);
-      told(problem, planner, [&] {
+      reported(problem, planner, [&] {
         const Plan plan = plan_and_check(query);
         CompareRun run = run_of(plan, query);
         run.derive_cpu = derive_cpu;
@@ -284,7 +284,7 @@ class RobotServer : public ProblemServer {
   }
 
   template <typename Work>
-  void told(const StageProblem& problem, std::size_t planner, const Work& work) const {
+  void reported(const StageProblem& problem, std::size_t planner, const Work& work) const {
     try {
       work();
     } catch (const std::invalid_argument& error) {

@@ -5,7 +5,7 @@
 
 namespace clearway {
 
-/// How a team's run went beside what the team itself tells.
+/// How a team's run went beside what the team itself reports.
 struct TeamCircumstances {
   double unseen_motion = 0.0;  ///< m: how far something that is only sensed moves from when it is seen until
                                ///< the next scan is known

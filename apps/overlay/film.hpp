@@ -9,7 +9,7 @@
 
 namespace clearway {
 
-/// A video whose rate its first pictures tell: they wait for it.
+/// A video whose rate follows from its first pictures: they wait for it.
 class Film {
  public:
   explicit Film(const std::filesystem::path& file) : file_(file) {}

@@ -8,7 +8,7 @@
 namespace clearway {
 namespace {
 
-// Okabe and Ito 2008: told apart with any kind of colour vision.
+// Okabe and Ito 2008: distinct with any kind of colour vision.
 constexpr Colour orange{230, 159, 0}, sky_blue{86, 180, 233}, bluish_green{0, 178, 130}, yellow{240, 228, 66},
     blue{0, 114, 178}, vermilion{213, 94, 0}, purple{204, 121, 167}, dark{25, 25, 25}, pale{232, 232, 228},
     conflict_red{220, 20, 30};

@@ -30,7 +30,7 @@ struct Sheet {
   /// A tag36h11 whose black square has the side `size` and its upper left corner at (x, y), upright.
   /// @throws std::invalid_argument when the family has no such id.
   void tag(int id, double x, double y, double size);
-  /// A ruler of `length` mm that begins at (x, y): it tells whether the printer kept the scale.
+  /// A ruler of `length` mm that begins at (x, y): it shows whether the printer kept the scale.
   void ruler(double x, double y, double length);
 };
 

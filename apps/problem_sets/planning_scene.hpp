@@ -21,14 +21,14 @@ bool is_request_text(const std::string& text, const std::filesystem::path& file)
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
 /// Robowflex write them: world.collision_objects of primitives and meshes. Planes, octomaps, attached bodies,
-/// objects that are not added, and objects in frames that are not the map's are left out, and told.
+/// objects that are not added, and objects in frames that are not the map's are left out, and reported.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
 
 /// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state.joint_state, the joint constraints of
 /// the first goal that has some, group_name. A goal of poses alone, path constraints and further goals are
-/// left out, and told; without a goal of joints `goal` is empty.
+/// left out, and reported; without a goal of joints `goal` is empty.
 ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
                                    std::vector<std::string>& left_out);
 

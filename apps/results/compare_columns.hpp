@@ -11,7 +11,8 @@
 
 namespace clearway {
 
-/// A value of a run; nothing where planner or team does not tell it: NULL in the database, empty in the CSV.
+/// A value of a run; nothing where planner or team does not report it: NULL in the database, empty in the
+/// CSV.
 using CompareCell = std::variant<std::monostate, std::int64_t, double, std::string>;
 
 /// What database and CSV hold of every run.

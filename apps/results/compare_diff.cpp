@@ -182,14 +182,14 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
   if (before.jobs != after.jobs)
     notes.push_back("--jobs differ (" + before.jobs + ", " + after.jobs +
                     "): planners that share a machine slow each other down.");
-  const auto tell_missing = [&](const StoredResults& from, const StoredResults& in) {
+  const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {
     for (const auto& [name, runs] : from.runs)
       if (!in.runs.contains(name))
         notes.push_back("'" + name.second + "' in experiment '" + name.first + "' is in '" +
                         from.file.string() + "' alone.");
   };
-  tell_missing(before, after);
-  tell_missing(after, before);
+  report_missing(before, after);
+  report_missing(after, before);
   return notes;
 }
 

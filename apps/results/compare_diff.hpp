@@ -28,7 +28,7 @@ struct CompareDiff {
   bool is_worse() const;
 };
 
-/// Reads two `results.sqlite` (or folders of results), and tells what changed beyond noise: a difference in
+/// Reads two `results.sqlite` (or folders of results), and reports what changed beyond noise: a difference in
 /// success, CPU time or path cost whose p value, corrected for the number of rows, is below 0.05; of CPU time
 /// only 5 % or more, as machines drift. Runs lost to no clock, where none was won, are beyond noise, too: the
 /// seeds are the same.

@@ -11,13 +11,13 @@ namespace clearway {
 /// A name as a file's: letters, digits and ._-= as they are, all else as '_'.
 std::string name_as_file(const std::string& name);
 
-/// The same for the labels of planners, told apart where they would be one.
+/// The same for the labels of planners, distinguished where they would be one.
 std::vector<std::string> names_as_files(const std::vector<ComparePlanner>& planners);
 
 /// What `--rerun` takes: EXPERIMENT/PROBLEM/LABEL, with several runs a problem -NUMBER, each part as a file.
 std::string run_id(const CompareExperiment& experiment, const CompareProblem& problem, const CompareRun& run);
 
-/// What every run told, line by line (compare_records.hpp), in a folder of results.
+/// What every run reported, line by line (compare_records.hpp), in a folder of results.
 constexpr const char* records_name = "runs.jsonl";
 
 /// Whether a file of a folder of results is ours, where an older version left no list of them.

@@ -44,14 +44,14 @@ class CompareRecords {
   using Stage = std::vector<Problem>;
   using Sink = std::function<void(const std::string& line)>;
 
-  /// @param sink is told each line, from the first on
+  /// @param sink receives each line, from the first on
   explicit CompareRecords(CompareAsked asked, Sink sink = nullptr);
-  /// From the lines that another one told. A last line without its end is left out: its process was killed.
+  /// From the lines that another one wrote. A last line without its end is left out: its process was killed.
   /// @throws std::invalid_argument naming the file and the line that is none of ours.
   static CompareRecords read(const std::filesystem::path& file);
   CompareRecords(CompareRecords&& other) noexcept;
 
-  /// Goes on with what `sink` was told: it is told of news alone.
+  /// Goes on from what `sink` received: it receives news alone.
   void go_on(Sink sink) { sink_ = std::move(sink); }
 
   const CompareAsked& asked() const { return asked_; }

@@ -13,7 +13,7 @@ namespace clearway {
 namespace {
 
 /// With OctoMap's 0.7 a voxel that was seen free for long is not occupied before its third hit: an obstacle
-/// would be known three scans late. With this, the first hit tells, and with more where other sensors may
+/// would be known three scans late. With this, the first hit decides, and with more where other sensors may
 /// pass through the same voxel and miss.
 constexpr double hit_probability = 0.9;
 
@@ -92,8 +92,8 @@ SensedSpaces::SensedSpaces(const Team& team, const std::vector<SuiteMoving>& mov
       sensing_(sensing),
       policies_(policies),
       fused_(known_before(world, map, sensing),
-             {.hit_probability =
-                  telling_hit_probability(map, hit_probability, static_cast<int>(sensing.sensors.size()) - 1),
+             {.hit_probability = informative_hit_probability(map, hit_probability,
+                                                             static_cast<int>(sensing.sensors.size()) - 1),
               .discretize = false,
               .integration = Integration::compatible}),
       before_(fused_.snapshot()),

@@ -133,7 +133,7 @@ Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& f
 
 Scan scan_voxels(const BlockedSpace& occupied, const Eigen::Vector3d& sensor, double range,
                  double resolution) {
-  // From a place on the planes between voxels rays run along edges, where nobody can tell which voxel they
+  // From a place on the planes between voxels rays run along edges, where it is undefined which voxel they
   // cross.
   const Eigen::Vector3d from = sensor + resolution * Eigen::Vector3d(1.3e-3, 0.7e-3, 1.9e-3);
   Scan scan = empty_scan(from);

@@ -24,7 +24,7 @@ std::vector<Eigen::Vector3d> surface_points(const SceneShape& solid, double spac
 Scan scan_solids(const std::vector<SceneShape>& solids, const Eigen::Vector3d& from, double range,
                  double resolution);
 
-/// What the same sensor sees of a map whose world nothing else tells: each occupied voxel of which no other
+/// What the same sensor sees of a map of an otherwise unknown world: each occupied voxel of which no other
 /// hides the middle, or that of a face, and rays all around that meet nothing within the range. Each ends
 /// in its voxel, and none crosses one that is occupied: inserted as they are (not discretized), none carves
 /// what stands there. The sensor stands in none of them; its rays begin within a five-hundredth of a voxel of

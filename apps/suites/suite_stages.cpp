@@ -184,7 +184,7 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
   if (experiment.generate) {
     generator_of(suite, experiment);
   } else {
-    // A cloud that cannot be read is told before anything runs; see also hand_over.cpp.
+    // A cloud that cannot be read is reported before anything runs; see also hand_over.cpp.
     worlds_ = world_names(experiment);
     for (const std::string& name : worlds_) {
       const SuiteWorld& world = world_of(suite, experiment, name);

@@ -56,7 +56,7 @@ class ImagePoseFinder {
   explicit ImagePoseFinder(const Setup& setup);
 
   /// @param tags sorted by id, also those of an id that is seen twice: each has a pose, and no body uses them
-  /// @throws std::invalid_argument when neither setup nor image tell the camera, or it is no camera
+  /// @throws std::invalid_argument when neither setup nor image has the camera, or it is no camera
   ImagePoses find(const Frame& frame, const ImageFrame& image, const std::vector<TagDetection>& tags);
 
  private:

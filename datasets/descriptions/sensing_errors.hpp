@@ -25,7 +25,7 @@ struct DepthNoise {
   static DepthNoise structured_light() { return {1.0, 0.5, 0.3, 0.125, 0.075, 0.15, 0.01}; }
 };
 
-/// What is wrong in a sequence of depth images and nobody is told: the same for all images, or image by
+/// What is wrong in a sequence of depth images without anybody knowing: the same for all images, or image by
 /// image. All zero: nothing.
 struct SequenceErrors {
   double depth_scale = 0.0;      ///< ranges are longer by this share
@@ -50,7 +50,7 @@ struct DrawnErrors {
   SequenceErrors errors;
 };
 
-/// What is wrong with pictures and with what the setup says of camera and boards, and nobody is told. All
+/// What is wrong with pictures and with what the setup says of camera and boards without anybody knowing. All
 /// zero: nothing.
 struct PictureErrors {
   double brightness = 0.0;        ///< rms of the slow changes of brightness, in stops (factors of 2)

@@ -316,9 +316,10 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
 
 /// A sensor on the robot is where its joints say.
 void require_joints(const YamlFields& fields, const Setup& setup) {
-  const bool is_told = setup.robot && !(setup.robot->joint_file.empty() && setup.robot->joint_topic.empty());
+  const bool has_joint_source =
+      setup.robot && !(setup.robot->joint_file.empty() && setup.robot->joint_topic.empty());
   for (const SensorSetup& sensor : setup.sensors)
-    if (!sensor.link.empty() && !is_told)
+    if (!sensor.link.empty() && !has_joint_source)
       fields.fail("sensors", "sensor '" + sensor.name +
                                  "' is on a link: expected `robot` with joint_file or " + "joint_topic");
 }

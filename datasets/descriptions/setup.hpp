@@ -85,7 +85,7 @@ struct CapsuleSetup {
 /// Where the scans of one sensor come from, when it is not where the recording says. One of four: fixed in
 /// the map (`mount` = map_from_sensor); on a body whose poses a file gives (`mount` = body_from_sensor); on a
 /// board that the camera tracks (`mount` = board_from_sensor); or on a link of the robot whose joints the
-/// setup tells (`mount` = link_from_sensor).
+/// setup gives (`mount` = link_from_sensor).
 struct SensorSetup {
   std::string name;             ///< label of the sensor in the recording, or a kind of cloud
   std::filesystem::path poses;  ///< TUM format, map_from_body; empty: no file
@@ -173,7 +173,7 @@ struct RobotSetup {
   double latency = 0.02;             ///< s, by which times of joints and of scans may differ
   double joint_error = 0.01;         ///< rad or m, of each joint's position
   double place_error = 0.005;        ///< m, of the sensor's place against the robot's
-  std::vector<std::string> paints;   ///< parts that paint where they are led, as far as the joints tell
+  std::vector<std::string> paints;   ///< parts that paint where they are led, as far as the joints are known
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.

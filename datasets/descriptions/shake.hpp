@@ -19,7 +19,7 @@ struct Shake {
 /// One drawn shaking: a function of time whose spectrum is 12 tones, one in each twelfth of the band.
 class ShakeMotion {
  public:
-  /// @param stream tells apart what shakes in one scene
+  /// @param stream distinguishes what shakes in one scene
   ShakeMotion(const Shake& shake, std::uint64_t seed, std::uint64_t stream);
 
   Eigen::Vector3d shift(double time) const;  ///< m

@@ -16,7 +16,7 @@
 namespace clearway {
 namespace {
 
-/// Whole numbers are told digit by digit, never as 1e+06.
+/// Whole numbers are printed digit by digit, never as 1e+06.
 std::string shown_number(double value) {
   std::ostringstream out;
   out.imbue(std::locale::classic());

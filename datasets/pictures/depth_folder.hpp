@@ -27,8 +27,8 @@ std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, cons
 
 /// Depth pictures (16-bit PNG: the distance along the optical axis, 0 and 65535: none) as scans of kind and
 /// sensor "depth", colour pictures as images of sensor "colour", in the order of their times. Scans for which
-/// no pose is told are left out and counted, unless the setup places the sensor.
-/// @throws std::invalid_argument when nothing tells the camera or the poses, or they cannot be read.
+/// no pose is known are left out and counted, unless the setup places the sensor.
+/// @throws std::invalid_argument when the camera or the poses are not given, or they cannot be read.
 std::unique_ptr<FrameSource> open_depth_folder(const std::filesystem::path& folder, const DepthLayout& layout,
                                                const SourceOptions& options);
 

@@ -9,8 +9,8 @@
 namespace clearway {
 
 /// PNG and JPEG pictures as the images of one camera, in the order of their times (picture_times.hpp). The
-/// camera is the setup's: a picture tells none. A picture that cannot be decoded is told and left out; the
-/// others are kept.
+/// camera is the setup's: a picture gives none. A picture that cannot be decoded is reported and left out;
+/// the others are kept.
 /// @param files of one folder, at least one
 /// @param sensor what the frames' sensor is called
 /// @throws std::invalid_argument as times_of_files does

@@ -31,10 +31,10 @@ void make_seconds(std::vector<double>& times);
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
                                                              const std::string& name);
 
-/// The first of these that tells every file a time, none of them twice: the table of times beside them; their
+/// The first of these that gives every file a time, none of them twice: the table of times beside them; their
 /// EXIF; their names, where all are numbers; their place in the order of their names, one a second. A rate
 /// goes before all of them. The table is the one .csv file in the folder, or FOLDER.csv or FOLDER.txt beside
-/// it; files that it does not name are left out and told.
+/// it; files that it does not name are left out and reported.
 /// @param files of one folder, at least one
 /// @throws std::invalid_argument for a table that cannot be read or names none of the files.
 TimedFiles times_of_files(const std::vector<std::filesystem::path>& files, std::optional<double> rate);

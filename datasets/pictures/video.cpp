@@ -88,10 +88,10 @@ void decode_video(const ChildReport& report, const std::string& file, std::optio
   std::uint64_t number = 0;
   cv::Mat picture;
   for (; capture->read(picture) && !picture.empty(); ++number) {
-    const double told = capture->get(cv::CAP_PROP_POS_MSEC) / 1000.0;
-    // Some containers tell no times: then those of a constant rate.
-    const bool is_rising = std::isfinite(told) && told > last && (number == 0 || told > 0.0);
-    last = is_rising ? told : static_cast<double>(number) / own_rate;
+    const double reported = capture->get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+    // Some containers have no times: then those of a constant rate.
+    const bool is_rising = std::isfinite(reported) && reported > last && (number == 0 || reported > 0.0);
+    last = is_rising ? reported : static_cast<double>(number) / own_rate;
     send_picture(report, rate ? static_cast<double>(number) / *rate : last, picture,
                  count > 0.0 ? std::min(1.0, static_cast<double>(number) / count) : 0.0);
   }

@@ -186,12 +186,12 @@ class McapBag final : public MessageBag {
         try {
           note(opcode, at, size);
         } catch (const std::runtime_error&) {
-          tell_damage("the record at byte " + std::to_string(at) + " is damaged");
+          report_damage("the record at byte " + std::to_string(at) + " is damaged");
         }
         at += record_head + size;
       }
     } catch (const std::runtime_error& error) {
-      tell_damage(error.what() + (", near byte " + std::to_string(at)));
+      report_damage(error.what() + (", near byte " + std::to_string(at)));
     }
     std::stable_sort(places_.begin(), places_.end(),
                      [](const Place& a, const Place& b) { return a.first_time < b.first_time; });
@@ -282,7 +282,7 @@ class McapBag final : public MessageBag {
       while (const auto inner = records.next()) take(*inner);
       if (!records.is_at_end()) throw std::runtime_error("its last record is cut off");
     } catch (const std::runtime_error& error) {
-      tell_damage(where + " is damaged: " + error.what());
+      report_damage(where + " is damaged: " + error.what());
     }
   }
 
@@ -304,7 +304,7 @@ class McapBag final : public MessageBag {
     return messages;
   }
 
-  void tell_damage(const std::string& what) {
+  void report_damage(const std::string& what) {
     if (damage_.empty()) damage_ = what;
   }
 

@@ -12,7 +12,7 @@ namespace clearway {
 /// How a ROS message is put into bytes.
 enum class RosWire {
   ros1,  ///< little-endian, packed; a header has a number of sequence; strings end without a 0
-  cdr,   ///< of ROS 2: OMG's CDR (XCDR1) behind four bytes that tell the byte order; numbers are aligned
+  cdr,   ///< of ROS 2: OMG's CDR (XCDR1) behind four bytes that give the byte order; numbers are aligned
 };
 
 /// Takes a message's fields from its bytes, one after the other. It never reads beyond them.

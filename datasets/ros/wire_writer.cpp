@@ -16,7 +16,7 @@ void WireWriter::bytes(std::span<const std::uint8_t> bytes) {
 }
 
 void WireWriter::align(std::size_t size) {
-  constexpr std::size_t begin = 4;  // behind what tells the byte order
+  constexpr std::size_t begin = 4;  // behind the byte order
   while ((message_.size() - begin) % size != 0) message_.push_back('\0');
 }
 

@@ -82,8 +82,8 @@ DepthImage photograph_depth(const SceneDepth& depth, std::size_t image, std::spa
   const bool is_wrong = errors.depth_scale != 0.0 || errors.depth_quadratic != 0.0;
   for (float& range : result.ranges) {
     if (!is_wrong) break;
-    const double told = range * (1.0 + errors.depth_scale) + errors.depth_quadratic * range * range;
-    range = told <= depth.max_range ? static_cast<float>(std::max(0.0, told)) : 0.0F;
+    const double reported = range * (1.0 + errors.depth_scale) + errors.depth_quadratic * range * range;
+    range = reported <= depth.max_range ? static_cast<float>(std::max(0.0, reported)) : 0.0F;
   }
   count_whole_steps(result);
   CameraIntrinsics& camera = result.intrinsics;

@@ -181,7 +181,7 @@ void ImageRenderer::draw_moving_tile(const Tile& tile, const Candidates& moving,
       const Sight& still = still_sight(tile.column + i, tile.row + j);
       Sight sight = look(moving, first, tile.column + i, tile.row + j);
       moves[index(i, j)] = sight.part >= 0 && sight.along < still.along;
-      sight.part += 8 * static_cast<int>(still_.size());  // told apart from the still ones
+      sight.part += 8 * static_cast<int>(still_.size());  // distinct from the still ones
       sights[index(i, j)] = moves[index(i, j)] ? sight : still;
     }
   }

@@ -52,7 +52,7 @@ class Simulation {
     truth_file.append(truth_.json());
     writer_.finish();
     truth_file.finish();
-    tell(1);
+    report_progress(1);
     return result_;
   }
 
@@ -71,7 +71,7 @@ class Simulation {
                                const TakenPicture& picture) const;
   template <class Draw>
   GrayImage exposed(const TakenPicture& picture, const Draw& draw) const;
-  void tell(double share) const {
+  void report_progress(double share) const {
     if (progress_) progress_(share);
   }
 
@@ -134,7 +134,8 @@ void Simulation::record_depth() {
   const std::vector<Surface> surfaces(scene_.shapes.begin(), scene_.shapes.end());
   for (const Delivery& delivery : deliveries_) {
     write_depth(delivery, surfaces);
-    tell(0.1 * static_cast<double>(result_.depth_images) / static_cast<double>(deliveries_.size()));
+    report_progress(0.1 * static_cast<double>(result_.depth_images) /
+                    static_cast<double>(deliveries_.size()));
   }
   time_ += static_cast<double>(scene_.depth->images()) * scene_.depth->interval;
 }
@@ -187,7 +188,8 @@ void Simulation::record_images() {
       write_depth_beside(pictures[begin + i].stamp, motion, still);
       write_picture(pictures[begin + i], std::move(images[i]), motion, still);
     }
-    tell(0.1 + 0.9 * static_cast<double>(begin + images.size()) / static_cast<double>(pictures.size()));
+    report_progress(0.1 +
+                    0.9 * static_cast<double>(begin + images.size()) / static_cast<double>(pictures.size()));
   }
   write_depth_beside(HUGE_VAL, motion, still);
 }

@@ -17,7 +17,7 @@ struct SimulationResult {
 /// Makes a recording of a scene and, beside it, `truth.json` (see datasets/FORMATS.md): the setup's text as a
 /// comment, the included frames, the depth images, then one grey image after the other of the probe's stroke.
 /// The same scene gives the same bytes, however many threads draw. Both files appear whole or not at all.
-/// `progress` is told the share that is done, 0 to 1.
+/// `progress` receives the share that is done, 0 to 1.
 /// @throws std::invalid_argument when an included recording is unreadable or damaged, std::runtime_error when
 /// the files cannot be written.
 SimulationResult simulate(const Scene& scene, const std::filesystem::path& recording,

@@ -82,7 +82,7 @@ Json to_json(const DepthNoise& noise) {
           {"dropout", noise.dropout}};
 }
 
-/// What was drawn for this sequence, and nobody is told.
+/// What was drawn for this sequence, hidden from the program.
 Json drawn_json(const Scene& scene) {
   Json json = Json::object();
   if (scene.stroke && !scene.stroke->person.empty())

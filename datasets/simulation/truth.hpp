@@ -8,7 +8,7 @@
 
 namespace clearway {
 
-/// Collects what is true of a simulated recording and tells it as JSON; the file is described in
+/// Collects what is true of a simulated recording and writes it as JSON; the file is described in
 /// datasets/FORMATS.md.
 class Truth {
  public:

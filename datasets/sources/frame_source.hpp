@@ -45,7 +45,7 @@ struct DepthOptions {
 
 /// What a setup says of the source it belongs to.
 struct SourceOptions {
-  std::optional<double> rate;  ///< pictures a second, in the order of their names: nothing else tells times
+  std::optional<double> rate;  ///< pictures a second, in the order of their names: there are no other times
   std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
   BagTopics bag = {};
   DepthOptions depth;

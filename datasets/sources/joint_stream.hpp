@@ -24,7 +24,7 @@ class JointStream {
   std::optional<std::vector<double>> at(const std::vector<std::string>& names, double time) const;
 
   /// How far each joint was from its place at `time`, at most, within `span` seconds before and after it, as
-  /// far as readings go on without a gap. @pre at(names, time) tells them
+  /// far as readings go on without a gap. @pre at(names, time) has them
   std::vector<double> deviations(const std::vector<std::string>& names, double time, double span) const;
 
   std::vector<std::string> names() const;  ///< sorted

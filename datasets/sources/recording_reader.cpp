@@ -42,7 +42,7 @@ class OpenRecording {
     try {
       size = stream.Read(head, sizeof head);
     } catch (const DamagedStream&) {
-      return true;  // begins as gz: damage is the decoder's to tell
+      return true;  // begins as gz: damage is the decoder's to report
     }
     if (size == 0) return stream.compressed();
     const size_t length = static_cast<unsigned char>(head[0]) & 0x7f;
@@ -95,10 +95,10 @@ void RecordingReader::State::warn(const std::string& what) {
 }
 
 void RecordingReader::State::lose(const std::string& what) {
-  constexpr size_t told = 5;
-  if (++counts.lost <= told)
+  constexpr size_t reported = 5;
+  if (++counts.lost <= reported)
     lost_records += (counts.lost > 1 ? ", " : "") + what + " near byte " + std::to_string(offset);
-  const size_t more = counts.lost > told ? counts.lost - told : 0;
+  const size_t more = counts.lost > reported ? counts.lost - reported : 0;
   damage = "recording " + quote_path(file.string()) +
            " is damaged; what does not pass its checksum is not used: " + lost_records +
            (more > 0 ? " and " + std::to_string(more) + " more" : "") + ".";

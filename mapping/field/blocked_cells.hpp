@@ -83,8 +83,8 @@ BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement
                            const BlockedCells& cells_before, int threads = 1);
 
 /// The same, and with requirement.seen_within the cells, too, that are free under `known_free` only because
-/// they were seen, and not since seen->newest() - seen_within. These cannot be told from what changed in the
-/// tree: voxels age while it stays as it is.
+/// they were seen, and not since seen->newest() - seen_within. These cannot be derived from what changed in
+/// the tree: voxels age while it stays as it is.
 /// @throws std::invalid_argument for a seen_within that is no time, or in a map that knows no times, or knows
 ///         them less exactly.
 BlockedCells blocked_cells(const FusedTree& tree, const SeenStamps* seen, const Requirement& requirement,

@@ -35,7 +35,7 @@ void count(std::vector<StrokeTouch>& touches, const PaintEvent& event) {
 std::vector<StrokeTouch> strokes_at(const Provenance& provenance, const Eigen::Vector3i& cell) {
   const CellCube voxel{cell, 1};
   std::vector<CoveringSphere> covering;
-  std::vector<const PaintEvent*> telling;
+  std::vector<const PaintEvent*> informative;
   for (const PaintEvent& event : provenance.events) {
     if (!event.erases) {
       if (covers(event.sphere, voxel, provenance.resolution)) covering.push_back({&event, event.sphere});
@@ -47,12 +47,12 @@ std::vector<StrokeTouch> strokes_at(const Provenance& provenance, const Eigen::V
       if (left) sphere.left = *left;
       return !left || !covers(*left, voxel, provenance.resolution);
     };
-    if (std::erase_if(covering, uncovered) > 0) telling.push_back(&event);
+    if (std::erase_if(covering, uncovered) > 0) informative.push_back(&event);
   }
-  for (const CoveringSphere& sphere : covering) telling.push_back(sphere.event);
-  std::sort(telling.begin(), telling.end());  // events lie in one array, in order
+  for (const CoveringSphere& sphere : covering) informative.push_back(sphere.event);
+  std::sort(informative.begin(), informative.end());  // events lie in one array, in order
   std::vector<StrokeTouch> touches;
-  for (const PaintEvent* event : telling) count(touches, *event);
+  for (const PaintEvent* event : informative) count(touches, *event);
   return touches;
 }
 

@@ -26,7 +26,7 @@ struct ScanRecord {
 };
 
 /// Which scans touched which voxels, exactly, within a budget of memory. When it is used up, the misses of
-/// the oldest scans go first (of old scans the surfaces tell most), then their hits; the records stay, so
+/// the oldest scans go first (of old scans the surfaces matter most), then their hits; the records stay, so
 /// that an answer says which scans it does not know of.
 class ScanLog {
  public:

@@ -30,7 +30,7 @@ class SeenStamps {
  public:
   static constexpr double latest_time = 1e12;          ///< seconds, before and after 0
   static constexpr int finest_exponent = -6;           ///< of 2: the first period, seconds
-  static constexpr std::int64_t most_periods = 65535;  ///< that stamps can tell apart
+  static constexpr std::int64_t most_periods = 65535;  ///< that stamps can distinguish
 
   SeenStamps();
   SeenStamps(const SeenStamps& other);

@@ -23,7 +23,7 @@ struct State {
   std::recursive_mutex mutex;
   std::vector<OngoingWork> unfinished;
   std::vector<std::filesystem::path> written;
-  bool is_waiting = false;  ///< a thread waits for signals: only then is anybody told what was written
+  bool is_waiting = false;  ///< a thread waits for signals: only then is what was written reported
 };
 
 /// Never destroyed: a signal may come while the process ends.

@@ -36,7 +36,7 @@ PaintedCells count_painted(const FusedTree& tree, std::uint16_t bit) {
   return cells;
 }
 
-/// Wide enough to tell necks between parts in which the largest sphere fits one and a half times.
+/// Wide enough to find necks between parts in which the largest sphere fits one and a half times.
 std::uint16_t cap_for(const std::vector<Sphere>& spheres, double resolution) {
   double half_voxels = 80.0;
   for (const Sphere& sphere : spheres) half_voxels = std::max(half_voxels, 3.0 * sphere.radius / resolution);

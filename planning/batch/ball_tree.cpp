@@ -11,42 +11,42 @@ namespace {
 constexpr std::size_t leaves_a_node = 4;
 constexpr double rounded_up = 1.0 + 2.4e-7;  ///< by a few roundings to float
 
-Eigen::Vector3d middle_of(const BallTree::Ball& ball) { return {ball.x, ball.y, ball.z}; }
+Eigen::Vector3d middle_of(const BallTree::FloatSphere& sphere) { return {sphere.x, sphere.y, sphere.z}; }
 
-BallTree::Ball sphere_around_leaves(std::span<const BallTree::Leaf> leaves) {
-  std::vector<BallTree::Ball> balls;
-  for (const BallTree::Leaf& leaf : leaves) balls.push_back(leaf.ball);
-  return sphere_around(balls);
+BallTree::FloatSphere sphere_around_leaves(std::span<const BallTree::Leaf> leaves) {
+  std::vector<BallTree::FloatSphere> spheres;
+  for (const BallTree::Leaf& leaf : leaves) spheres.push_back(leaf.sphere);
+  return sphere_around(spheres);
 }
 
-/// Two halves of the balls, cut across the longest side of the box around their middles.
-std::array<std::span<BallTree::Leaf>, 2> halves(std::span<BallTree::Leaf> balls) {
+/// Two halves of the spheres, cut across the longest side of the box around their middles.
+std::array<std::span<BallTree::Leaf>, 2> halves(std::span<BallTree::Leaf> spheres) {
   Eigen::AlignedBox3d box;
-  for (const BallTree::Leaf& leaf : balls) box.extend(middle_of(leaf.ball));
+  for (const BallTree::Leaf& leaf : spheres) box.extend(middle_of(leaf.sphere));
   int longest = 0;
   box.sizes().maxCoeff(&longest);
-  std::stable_sort(balls.begin(), balls.end(), [&](const BallTree::Leaf& a, const BallTree::Leaf& b) {
-    return middle_of(a.ball)[longest] < middle_of(b.ball)[longest];
+  std::stable_sort(spheres.begin(), spheres.end(), [&](const BallTree::Leaf& a, const BallTree::Leaf& b) {
+    return middle_of(a.sphere)[longest] < middle_of(b.sphere)[longest];
   });
-  const std::size_t half = (balls.size() + 1) / 2;
-  return {balls.first(half), balls.subspan(half)};
+  const std::size_t half = (spheres.size() + 1) / 2;
+  return {spheres.first(half), spheres.subspan(half)};
 }
 
 }  // namespace
 
-BallTree::Ball sphere_around(std::span<const BallTree::Ball> balls) {
-  BallTree::Ball bound{0, 0, 0, -1};
-  if (balls.empty()) return bound;
+BallTree::FloatSphere sphere_around(std::span<const BallTree::FloatSphere> spheres) {
+  BallTree::FloatSphere bound{0, 0, 0, -1};
+  if (spheres.empty()) return bound;
   Eigen::AlignedBox3d box;
-  for (const BallTree::Ball& ball : balls) {
-    box.extend((middle_of(ball).array() - ball.radius).matrix());
-    box.extend((middle_of(ball).array() + ball.radius).matrix());
+  for (const BallTree::FloatSphere& sphere : spheres) {
+    box.extend((middle_of(sphere).array() - sphere.radius).matrix());
+    box.extend((middle_of(sphere).array() + sphere.radius).matrix());
   }
-  const auto radius_about = [&](const Eigen::Vector3d& middle, const BallTree::Ball** farthest) {
+  const auto radius_about = [&](const Eigen::Vector3d& middle, const BallTree::FloatSphere** farthest) {
     double radius = -1.0;
-    for (const BallTree::Ball& ball : balls) {
-      const double reach = (middle_of(ball) - middle).norm() + ball.radius;
-      if (reach > radius && farthest != nullptr) *farthest = &ball;
+    for (const BallTree::FloatSphere& sphere : spheres) {
+      const double reach = (middle_of(sphere) - middle).norm() + sphere.radius;
+      if (reach > radius && farthest != nullptr) *farthest = &sphere;
       radius = std::max(radius, reach);
     }
     return radius;
@@ -54,7 +54,7 @@ BallTree::Ball sphere_around(std::span<const BallTree::Ball> balls) {
   Eigen::Vector3d best = box.center(), middle = best;
   double least = radius_about(middle, nullptr);
   for (int step = 2; step < 14; ++step) {  // draws near to the middle of the smallest (Badoiu, Clarkson 2003)
-    const BallTree::Ball* farthest = &balls.front();
+    const BallTree::FloatSphere* farthest = &spheres.front();
     const double radius = radius_about(middle, &farthest);
     if (radius < least) best = middle;
     least = std::min(least, radius);
@@ -67,22 +67,22 @@ BallTree::Ball sphere_around(std::span<const BallTree::Ball> balls) {
   return {at.x(), at.y(), at.z(), static_cast<float>(radius * rounded_up)};
 }
 
-int BallTree::add(std::vector<Leaf> balls) {
+int BallTree::add(std::vector<Leaf> spheres) {
   const int root = static_cast<int>(nodes.size());
   nodes.emplace_back();
-  fill(root, balls);
+  fill(root, spheres);
   return root;
 }
 
-void BallTree::fill(int node, std::span<Leaf> balls) {
+void BallTree::fill(int node, std::span<Leaf> spheres) {
   Node filled;
-  filled.bound = sphere_around_leaves(balls);
-  const bool is_one_body = std::all_of(balls.begin(), balls.end(),
-                                       [&](const Leaf& leaf) { return leaf.body == balls.front().body; });
-  if (is_one_body) filled.body = balls.front().body;
-  if (balls.size() <= leaves_a_node) {
+  filled.bound = sphere_around_leaves(spheres);
+  const bool is_one_body = std::all_of(spheres.begin(), spheres.end(),
+                                       [&](const Leaf& leaf) { return leaf.body == spheres.front().body; });
+  if (is_one_body) filled.body = spheres.front().body;
+  if (spheres.size() <= leaves_a_node) {
     filled.first = static_cast<int>(leaves.size());
-    leaves.insert(leaves.end(), balls.begin(), balls.end());
+    leaves.insert(leaves.end(), spheres.begin(), spheres.end());
     filled.last = static_cast<int>(leaves.size());
     filled.core = core_of(filled);
     nodes[static_cast<std::size_t>(node)] = filled;
@@ -90,10 +90,10 @@ void BallTree::fill(int node, std::span<Leaf> balls) {
   }
   filled.holds_leaves = false;
   filled.first = static_cast<int>(nodes.size());
-  const auto [low, high] = halves(balls);
+  const auto [low, high] = halves(spheres);
   std::vector<std::span<Leaf>> parts;
   for (const std::span<Leaf> half : {low, high}) {
-    if (balls.size() <= 2 * leaves_a_node) {
+    if (spheres.size() <= 2 * leaves_a_node) {
       parts.push_back(half);
       continue;
     }

@@ -7,21 +7,21 @@
 
 namespace clearway {
 
-/// Spheres at single precision in trees: bounds around bounds around balls. Plain data, metres.
+/// Spheres at single precision in trees: bounds around bounds around spheres. Plain data, metres.
 struct BallTree {
-  struct Ball {
+  struct FloatSphere {
     float x = 0, y = 0, z = 0, radius = 0;
   };
-  /// A ball of a body of a robot.
+  /// A sphere of a body of a robot.
   struct Leaf {
-    Ball ball;
+    FloatSphere sphere;
     float inner = 0;  ///< radius about its middle that lies in the body, <= 0: unknown
     int body = 0;     ///< of the robot
     int member = -1;  ///< which of the bodies that the map can block; -1: none of them
   };
   /// A sphere around other nodes, first to last - 1 of `nodes`, or around so many of `leaves`.
   struct Node {
-    Ball bound;
+    FloatSphere bound;
     int first = 0, last = 0;
     bool holds_leaves = true;
     int body = -1;  ///< of all leaves in it; -1: not the same
@@ -33,14 +33,14 @@ struct BallTree {
   std::vector<Leaf> leaves;
 
   /// Adds a tree around these; returns its root.
-  int add(std::vector<Leaf> balls);
+  int add(std::vector<Leaf> spheres);
 
  private:
-  void fill(int node, std::span<Leaf> balls);
+  void fill(int node, std::span<Leaf> spheres);
   int core_of(const Node& node) const;
 };
 
 /// A sphere around spheres; its radius is below 0 when there is none.
-BallTree::Ball sphere_around(std::span<const BallTree::Ball> balls);
+BallTree::FloatSphere sphere_around(std::span<const BallTree::FloatSphere> spheres);
 
 }  // namespace clearway

@@ -17,12 +17,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace clearway::HWY_NAMESPACE {
 
-using Ball = BallTree::Ball;
+using FloatSphere = BallTree::FloatSphere;
 
 /// Where a point of the frame is, at the packed poses from k on.
-HWY_INLINE Point placed(const PackedPoses& poses, const Ball& ball, std::size_t k) {
+HWY_INLINE Point placed(const PackedPoses& poses, const FloatSphere& sphere, std::size_t k) {
   const auto row = [&](int i) HWY_ATTR { return hn::Load(Tag(), poses.rows[i] + k); };
-  const Vector x = all(ball.x), y = all(ball.y), z = all(ball.z);
+  const Vector x = all(sphere.x), y = all(sphere.y), z = all(sphere.z);
   const auto along = [&](int i) HWY_ATTR {
     return hn::Add(hn::Add(hn::Mul(row(3 * i), x), hn::Mul(row(3 * i + 1), y)),
                    hn::Add(hn::Mul(row(3 * i + 2), z), row(9 + i)));
@@ -58,7 +58,7 @@ class BlockLook {
  private:
   const BallTree::Node& node(int i) const { return robot_.tree.nodes[static_cast<std::size_t>(i)]; }
   const BallTree::Leaf& leaf(int i) const { return robot_.tree.leaves[static_cast<std::size_t>(i)]; }
-  const Ball& bound(std::size_t branch) const { return node(robot_.branches[branch].root).bound; }
+  const FloatSphere& bound(std::size_t branch) const { return node(robot_.branches[branch].root).bound; }
 
   std::size_t rows() const { return (block_.count + lane_count - 1) / lane_count; }
   LaneFloats* pose(std::size_t row, int frame) const {
@@ -111,7 +111,7 @@ class BlockLook {
     settle_doubts();
   }
 
-  float needed(const Ball& ball) const { return ball.radius + robot_.padding + robot_.slack; }
+  float needed(const FloatSphere& sphere) const { return sphere.radius + robot_.padding + robot_.slack; }
 
   static HWY_INLINE void append(const LaneFloats* pose, std::size_t row, std::size_t lane, unsigned lanes,
                                 PackedPoses& to) {
@@ -147,22 +147,22 @@ class BlockLook {
     }
   }
 
-  void find_near(const Ball& ball, const PackedPoses& asked, PackedPoses& open) {
-    const Vector need = all(needed(ball));
+  void find_near(const FloatSphere& sphere, const PackedPoses& asked, PackedPoses& open) {
+    const Vector need = all(needed(sphere));
     open.count = 0;
     for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
-      const Sight seen = sight(*field_, clearway::HWY_NAMESPACE::placed(asked, ball, k));
+      const Sight seen = sight(*field_, clearway::HWY_NAMESPACE::placed(asked, sphere, k));
       const unsigned near = bits(hn::Not(hn::Ge(seen.lower, need))) & lanes_in_use(asked.count, k);
       if (near != 0) append(asked, k, near, open);
     }
   }
 
   void look_at_leaf(int index, const PackedPoses& asked) {
-    const Ball& ball = leaf(index).ball;
-    const Vector need = all(needed(ball));
+    const FloatSphere& sphere = leaf(index).sphere;
+    const Vector need = all(needed(sphere));
     ConfigurationBlock::Doubt& doubts = block_.doubts[0];
     for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
-      const Point point = clearway::HWY_NAMESPACE::placed(asked, ball, k);
+      const Point point = clearway::HWY_NAMESPACE::placed(asked, sphere, k);
       const Sight seen = sight(*field_, point);
       const unsigned near = bits(hn::Not(hn::Ge(seen.lower, need))) & lanes_in_use(asked.count, k);
       if (near == 0) continue;
@@ -177,7 +177,7 @@ class BlockLook {
     }
   }
 
-  /// Looks closer at the balls that their own cells do not prove clear.
+  /// Looks closer at the spheres that their own cells do not prove clear.
   void settle_doubts() {
     ConfigurationBlock::Doubt& doubts = block_.doubts[0];
     for (std::size_t k = 0; k < doubts.count; k += hn::Lanes(Tag())) {
@@ -191,7 +191,7 @@ class BlockLook {
       for (std::size_t lane = 0; lane < last; ++lane) {
         const BallTree::Leaf& of = leaf(doubts.leaf[k + lane]);
         const auto place = static_cast<std::size_t>(doubts.place[k + lane]);
-        if (lower[lane] >= needed(of.ball)) continue;
+        if (lower[lane] >= needed(of.sphere)) continue;
         if (of.inner > 0.0F && upper[lane] < of.inner + robot_.padding - robot_.slack)
           block(place);
         else
@@ -281,7 +281,9 @@ class BlockLook {
     }
   }
 
-  static HWY_INLINE Point at(const Ball& ball) { return {all(ball.x), all(ball.y), all(ball.z)}; }
+  static HWY_INLINE Point at(const FloatSphere& sphere) {
+    return {all(sphere.x), all(sphere.y), all(sphere.z)};
+  }
 
   void find_near(const BallTree::Node& a, const BallTree::Node& b, const PackedPoses& asked,
                  PackedPoses& open) {
@@ -295,8 +297,8 @@ class BlockLook {
       const Vector between = gap(at(a.bound), clearway::HWY_NAMESPACE::placed(asked, b.bound, k));
       unsigned near = bits(hn::Not(hn::Gt(between, all(radii * radii)))) & lanes_in_use(asked.count, k);
       if (near != 0 && sure > 0.0F) {
-        const Point point = clearway::HWY_NAMESPACE::placed(asked, core_b.ball, k);
-        block(bits(is_within(sure, gap(at(core_a.ball), point))) & near, asked.place + k);
+        const Point point = clearway::HWY_NAMESPACE::placed(asked, core_b.sphere, k);
+        block(bits(is_within(sure, gap(at(core_a.sphere), point))) & near, asked.place + k);
       }
       near = undecided(near, asked.place + k, member);
       if (near != 0) append(asked, k, near, open);
@@ -328,7 +330,7 @@ class BlockLook {
   void look_at_leaves(const BallTree::Node& a, const BallTree::Node& b, const PackedPoses& asked) {
     for (int second = b.first; second < b.last; ++second) {
       for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
-        const Point point = clearway::HWY_NAMESPACE::placed(asked, leaf(second).ball, k);
+        const Point point = clearway::HWY_NAMESPACE::placed(asked, leaf(second).sphere, k);
         const unsigned lanes = lanes_in_use(asked.count, k);
         for (int first = a.first; first < a.last; ++first)
           look_at_two(leaf(first), leaf(second), point, lanes, asked.place + k);
@@ -340,8 +342,8 @@ class BlockLook {
                               unsigned lanes, const std::int32_t* places) {
     const int member = robot_.member_of_pair(a.body, b.body);
     if (member < 0) return;
-    const float radii = a.ball.radius + b.ball.radius + robot_.slack;
-    const Vector between = gap(at(a.ball), point);
+    const float radii = a.sphere.radius + b.sphere.radius + robot_.slack;
+    const Vector between = gap(at(a.sphere), point);
     unsigned near = bits(hn::Not(hn::Gt(between, all(radii * radii)))) & lanes;
     if (near == 0) return;
     const float sure = inner_reach(a, b);

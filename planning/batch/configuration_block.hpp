@@ -53,7 +53,7 @@ struct ConfigurationBlock {
   std::vector<LaneFloats> value, pose,
       middle;                      ///< [row of lanes * ...]: as in PieceLanes; middle of branches
   std::vector<PackedPoses> packs;  ///< one for each level of a tree
-  struct Doubt {                   ///< balls that the field's own cell does not prove clear
+  struct Doubt {                   ///< spheres that the field's own cell does not prove clear
     static constexpr std::size_t most = 4 * PackedPoses::most;
     alignas(64) float x[most + lane_count], y[most + lane_count], z[most + lane_count];
     std::int32_t place[most + lane_count], leaf[most + lane_count];

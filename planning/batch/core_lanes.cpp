@@ -35,7 +35,7 @@ LaneBits pierced_lanes(const SphereRobot& robot, const SphereRobot::Group& group
   const SphereRobot::Field& field = robot.fields[static_cast<std::size_t>(group.field)];
   unsigned found = 0;
   for (int i = group.first_core; i < group.last_core; ++i) {
-    const SphereRobot::Ball& core = robot.cores[static_cast<std::size_t>(i)];
+    const SphereRobot::FloatSphere& core = robot.cores[static_cast<std::size_t>(i)];
     const Vector sure = all(core.radius + robot.padding - robot.slack);
     found |= in_all_lanes([&](std::size_t lane) HWY_ATTR {
       return bits(hn::Lt(sight(field, placed(pose, core, lane)).upper, sure));

@@ -22,7 +22,7 @@ auto row(LaneDoubles& lanes) {
 
 }  // namespace
 
-/// How far a ball's middle moves at most, whatever the configuration, and half of |x''| at most, over the
+/// How far a sphere's middle moves at most, whatever the configuration, and half of |x''| at most, over the
 /// whole edge: the second derivatives by two joints are turns of the way that the later one moves the point
 /// (d^2 x / dq_i dq_k = z_i x dx / dq_k for i above k), so |x''| is at most
 /// sum_i turn_i |d_i| (lever_i |d_i| + 2 sum_{k below i} lever_k |d_k|).

@@ -29,7 +29,8 @@ class EdgePieces {
   /// Both ends are within the joints' limits.
   /// `free`: all is proved free, everywhere on the edge. `blocked`: somewhere on it some body surely touches
   /// something. `open`: open_pieces() says what is not decided.
-  /// @param least_share a proved_share() below this may be told as 0: what is blocked is told sooner then
+  /// @param least_share a proved_share() below this may be reported as 0: what is blocked is then found
+  /// sooner
   Finding examine(const Configuration& from, const Configuration& to, double least_share = 0.0);
 
   /// So much of the edge, 0..1, was proved free from its start on before anything was cut further.

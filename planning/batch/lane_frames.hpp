@@ -137,8 +137,8 @@ HWY_INLINE Point placed(const LaneFloats* pose, const Point& point, std::size_t 
   };
   return {row(pose, pose[9]), row(pose + 3, pose[10]), row(pose + 6, pose[11])};
 }
-HWY_INLINE Point placed(const LaneFloats* pose, const SphereRobot::Ball& ball, std::size_t lane) {
-  return placed(pose, Point{all(ball.x), all(ball.y), all(ball.z)}, lane);
+HWY_INLINE Point placed(const LaneFloats* pose, const SphereRobot::FloatSphere& sphere, std::size_t lane) {
+  return placed(pose, Point{all(sphere.x), all(sphere.y), all(sphere.z)}, lane);
 }
 
 }  // namespace clearway::HWY_NAMESPACE

@@ -16,7 +16,7 @@ namespace clearway {
 
 /// Bodies of two links that one or two joints alone move against each other, and for each small cell of the
 /// values of these joints whether the bodies are proved apart everywhere in it. Links next but one are near
-/// each other at all times: spheres around them cannot tell what this can. Filled in as it is asked, from
+/// each other at all times: spheres around them cannot prove what this can. Filled in as it is asked, from
 /// coarse to fine; what a cell says never depends on who asked before. Safe from many threads.
 class PairTable {
  public:

@@ -23,7 +23,7 @@ namespace clearway::HWY_NAMESPACE {
 
 using Floats = LaneFloats;
 using Lanes = LaneBits;
-using Ball = SphereRobot::Ball;
+using FloatSphere = SphereRobot::FloatSphere;
 
 /// One look at pieces.
 template <bool moving>
@@ -52,8 +52,8 @@ class Look {
  private:
   static constexpr float rounded_up = 1.0F + 1e-5F;  ///< of speeds: a few roundings
 
-  HWY_INLINE Point placed(int frame, const Ball& ball, std::size_t lane) const {
-    return clearway::HWY_NAMESPACE::placed(&lanes_.pose[12 * static_cast<std::size_t>(frame)], ball, lane);
+  HWY_INLINE Point placed(int frame, const FloatSphere& sphere, std::size_t lane) const {
+    return clearway::HWY_NAMESPACE::placed(&lanes_.pose[12 * static_cast<std::size_t>(frame)], sphere, lane);
   }
 
   /// The velocity of what is at `point` and moves with the frame.
@@ -66,14 +66,14 @@ class Look {
   struct Finding {
     unsigned open = 0, blocked = 0, stuck = 0;
   };
-  /// @tparam is_close looks closer where one cell does not tell
+  /// @tparam is_close looks closer where one cell does not decide
   template <bool is_close>
-  HWY_INLINE Finding look_at_ball(int frame, const SphereRobot::Field& field, const Ball& ball, float inner,
-                                  unsigned asked, std::size_t lane, Floats* keep) const {
-    const Point point = placed(frame, ball, lane);
+  HWY_INLINE Finding look_at_sphere(int frame, const SphereRobot::Field& field, const FloatSphere& sphere,
+                                    float inner, unsigned asked, std::size_t lane, Floats* keep) const {
+    const Point point = placed(frame, sphere, lane);
     if (keep != nullptr) store_point(point, keep, lane);
     Sight seen = sight(field, point);
-    const float reach = ball.radius + robot_.padding + robot_.slack;
+    const float reach = sphere.radius + robot_.padding + robot_.slack;
     Vector need = all(reach);
     if (moving) {
       const Vector speed = hn::Sqrt(squared(velocity(frame, point, lane)));
@@ -94,13 +94,13 @@ class Look {
   }
 
   /// Of the lanes, those in which a sphere is not proved clear.
-  Lanes near(const SphereRobot::Group& group, const Ball& ball, Lanes asked) const {
+  Lanes near(const SphereRobot::Group& group, const FloatSphere& sphere, Lanes asked) const {
     const SphereRobot::Field& field = robot_.fields[static_cast<std::size_t>(group.field)];
     unsigned open = 0;
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
       const unsigned here = asked >> lane & all_bits;
       if (here == 0) continue;
-      open |= look_at_ball<false>(group.frame, field, ball, 0.0F, here, lane, nullptr).open << lane;
+      open |= look_at_sphere<false>(group.frame, field, sphere, 0.0F, here, lane, nullptr).open << lane;
     }
     return static_cast<Lanes>(open & asked);
   }
@@ -115,19 +115,20 @@ class Look {
       Lanes asked = here & lanes_.wanted[member];
       if (asked != 0 && cluster.last - cluster.first > 1) asked = near(group, cluster.bound, asked);
       if (asked == 0) continue;
-      for (int ball = cluster.first; ball < cluster.last; ++ball) look_at_ball(group, field, ball, asked);
+      for (int sphere = cluster.first; sphere < cluster.last; ++sphere)
+        look_at_sphere(group, field, sphere, asked);
     }
   }
 
-  void look_at_ball(const SphereRobot::Group& group, const SphereRobot::Field& field, int index,
-                    Lanes asked) {
+  void look_at_sphere(const SphereRobot::Group& group, const SphereRobot::Field& field, int index,
+                      Lanes asked) {
     const auto i = static_cast<std::size_t>(index);
     const auto member = static_cast<std::size_t>(robot_.member[i]);
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
       const unsigned here = asked >> lane & all_bits;
       if (here == 0) continue;
-      const Finding finding = look_at_ball<true>(group.frame, field, robot_.balls[i], robot_.inner[i], here,
-                                                 lane, &lanes_.place[3 * i]);
+      const Finding finding = look_at_sphere<true>(group.frame, field, robot_.spheres[i], robot_.inner[i],
+                                                   here, lane, &lanes_.place[3 * i]);
       lanes_.is_placed[i] |= static_cast<Lanes>(1U << (lane / hn::Lanes(Tag())));
       fail(member, finding, here, lane);
     }
@@ -150,11 +151,11 @@ class Look {
     }
   }
 
-  HWY_INLINE Point ball_at(int index, std::size_t lane) const {
+  HWY_INLINE Point sphere_at(int index, std::size_t lane) const {
     const auto i = static_cast<std::size_t>(index);
     const auto bit = static_cast<Lanes>(1U << (lane / hn::Lanes(Tag())));
     if ((lanes_.is_placed[i] & bit) == 0) {
-      store_point(placed(robot_.frame_of[i], robot_.balls[i], lane), &lanes_.place[3 * i], lane);
+      store_point(placed(robot_.frame_of[i], robot_.spheres[i], lane), &lanes_.place[3 * i], lane);
       lanes_.is_placed[i] |= bit;
     }
     return load_point(&lanes_.place[3 * i], lane);
@@ -243,7 +244,7 @@ class Look {
     if (here == 0) return;
     const SphereRobot::Range& first = robot_.bodies[static_cast<std::size_t>(pair.a)];
     const SphereRobot::Range& second = robot_.bodies[static_cast<std::size_t>(pair.b)];
-    const Ball& around = robot_.body_bounds[static_cast<std::size_t>(pair.b)];
+    const FloatSphere& around = robot_.body_bounds[static_cast<std::size_t>(pair.b)];
     const Point middle = placed(frames.b, around, lane);
     for (int i = first.first; i < first.last; ++i) {
       const SphereRobot::Cluster& cluster = robot_.clusters[static_cast<std::size_t>(i)];
@@ -252,16 +253,16 @@ class Look {
         const float radii = cluster.bound.radius + around.radius;
         if ((look_at_two(frames, at, middle, radii, 0.0F, most, bend, lane).open & here) == 0) continue;
       }
-      for (int ball = cluster.first; ball < cluster.last; ++ball)
-        look_at_ball_and_body(frames, ball, member, second, here, most, bend, lane);
+      for (int sphere = cluster.first; sphere < cluster.last; ++sphere)
+        look_at_sphere_and_body(frames, sphere, member, second, here, most, bend, lane);
     }
   }
 
-  void look_at_ball_and_body(const SphereRobot::FramePair& frames, int index, std::size_t member,
-                             const SphereRobot::Range& body, unsigned here, Vector most, Vector bend,
-                             std::size_t lane) {
-    const Point at = ball_at(index, lane);
-    const float radius = robot_.balls[static_cast<std::size_t>(index)].radius;
+  void look_at_sphere_and_body(const SphereRobot::FramePair& frames, int index, std::size_t member,
+                               const SphereRobot::Range& body, unsigned here, Vector most, Vector bend,
+                               std::size_t lane) {
+    const Point at = sphere_at(index, lane);
+    const float radius = robot_.spheres[static_cast<std::size_t>(index)].radius;
     const float inner = robot_.inner[static_cast<std::size_t>(index)];
     for (int i = body.first; i < body.last; ++i) {
       const SphereRobot::Cluster& cluster = robot_.clusters[static_cast<std::size_t>(i)];
@@ -270,11 +271,12 @@ class Look {
         const float radii = radius + cluster.bound.radius;
         if ((look_at_two(frames, at, middle, radii, 0.0F, most, bend, lane).open & here) == 0) continue;
       }
-      for (int ball = cluster.first; ball < cluster.last; ++ball) {
-        const float other = robot_.inner[static_cast<std::size_t>(ball)];
-        const float radii = radius + robot_.balls[static_cast<std::size_t>(ball)].radius;
+      for (int sphere = cluster.first; sphere < cluster.last; ++sphere) {
+        const float other = robot_.inner[static_cast<std::size_t>(sphere)];
+        const float radii = radius + robot_.spheres[static_cast<std::size_t>(sphere)].radius;
         const float sure = std::min(inner, other) > 0.0F ? inner + other : 0.0F;
-        fail(member, look_at_two(frames, at, ball_at(ball, lane), radii, sure, most, bend, lane), here, lane);
+        fail(member, look_at_two(frames, at, sphere_at(sphere, lane), radii, sure, most, bend, lane), here,
+             lane);
       }
     }
   }
@@ -309,8 +311,8 @@ PieceLanes::PieceLanes(const SphereRobot& robot)
       pose(12 * robot.frames.size(), Floats{}),
       twist(6 * robot.frames.size(), Floats{}),
       middle(3 * robot.frames.size(), Floats{}),
-      place(3 * robot.balls.size(), Floats{}),
-      is_placed(robot.balls.size(), 0) {}
+      place(3 * robot.spheres.size(), Floats{}),
+      is_placed(robot.spheres.size(), 0) {}
 
 void PieceLanes::want_all(int lanes) {
   active = static_cast<Lanes>((1U << lanes) - 1U);

@@ -23,10 +23,10 @@ struct PieceLanes {
 
   // What is asked.
   std::vector<Doubles> q, step;  ///< of each joint: in the middle, and from there to the end
-  std::vector<Floats> bend;  ///< of each frame: how far any ball's middle leaves the straight way that it is
-                             ///< on in the middle of the piece, at most, metres
+  std::vector<Floats> bend;  ///< of each frame: how far any sphere's middle leaves the straight way that it
+                             ///< is on in the middle of the piece, at most, metres
   std::vector<Floats> pair_bend;  ///< of each pair of frames, the same of both, seen from where they meet
-  std::vector<Floats> approach;   ///< of each pair of frames: how much balls of it approach at most, metres
+  std::vector<Floats> approach;   ///< of each pair of frames: how much spheres of it approach at most, metres
   Lanes active = 0;               ///< lanes in use
   std::vector<Lanes> wanted;      ///< of each member: the lanes in which it is asked for
   Lanes enough = 0;    ///< when one of these is blocked nothing else is asked: the rest may be left out then
@@ -54,9 +54,9 @@ struct PieceLanes {
   std::vector<Floats> value, motion;  ///< of each frame: of its joint
   std::vector<Floats> pose;           ///< of each frame: 9 rows of its rotation, 3 of its place
   std::vector<Floats> twist;          ///< of each frame: turn, then velocity of what is at the base
-  std::vector<Floats> middle;         ///< of each frame: of the sphere about its balls, as below
-  std::vector<Floats> place;          ///< of each ball: x, y, z about the base
-  std::vector<Lanes> is_placed;       ///< of each ball: a bit a register
+  std::vector<Floats> middle;         ///< of each frame: of the sphere about its spheres, as below
+  std::vector<Floats> place;          ///< of each sphere: x, y, z about the base
+  std::vector<Lanes> is_placed;       ///< of each sphere: a bit a register
 };
 
 /// Fills in what was found: by spheres and fields alone, so never more than is true. The same bits on every

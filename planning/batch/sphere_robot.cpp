@@ -16,11 +16,11 @@ namespace {
 
 constexpr double largest_length = 100.0;  ///< metres; there rounding takes some mm from what can be proved
 constexpr double rounding_of_float = 6e-8;
-constexpr int balls_a_cluster = 8;
+constexpr int spheres_per_cluster = 8;
 constexpr std::size_t most_cores = 12;  ///< of a body
 constexpr double most_excess = 0.25;    ///< voxels that spheres may stand out of a small box
 
-using Ball = SphereRobot::Ball;
+using FloatSphere = SphereRobot::FloatSphere;
 
 std::atomic<std::uint64_t> robots_made = 0;
 
@@ -33,7 +33,7 @@ void store(const Eigen::Matrix3d& rotation, float* rows) {
   for (int i = 0; i < 9; ++i) rows[i] = static_cast<float>(rotation(i / 3, i % 3));
 }
 
-Eigen::Vector3d center(const Ball& ball) { return {ball.x, ball.y, ball.z}; }
+Eigen::Vector3d center(const FloatSphere& sphere) { return {sphere.x, sphere.y, sphere.z}; }
 
 /// A sphere about each cell of the box, cut so often along its axes; link frame.
 std::vector<Sphere> cells_of(const Body& box, const Eigen::Vector3i& counts) {
@@ -84,7 +84,7 @@ class Maker {
 
   Spheres made() {
     place_frames();
-    place_balls();
+    place_spheres();
     bound_levers();
     if (is_small_ && is_covered_) {
       pair_up();
@@ -127,7 +127,7 @@ class Maker {
     }
   }
 
-  void place_balls() {
+  void place_spheres() {
     const std::size_t count = robot_.bodies.size();
     const std::vector<int>& members = ground_.members;
     std::vector<int> order(count);
@@ -151,7 +151,7 @@ class Maker {
       const auto first = std::lower_bound(out_.frame_of.begin(), out_.frame_of.end(), static_cast<int>(i));
       const auto last = std::upper_bound(first, out_.frame_of.end(), static_cast<int>(i));
       out_.bounds.push_back(
-          sphere_around(std::span(out_.balls)
+          sphere_around(std::span(out_.spheres)
                             .subspan(static_cast<std::size_t>(first - out_.frame_of.begin()),
                                      static_cast<std::size_t>(last - first))));
     }
@@ -163,12 +163,12 @@ class Maker {
     is_covered_ = is_covered_ && !cover.empty();
     const Eigen::Isometry3d& frame_from_link = frame_from_link_[static_cast<std::size_t>(body.link)];
     const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
-    const int first = static_cast<int>(out_.balls.size());
+    const int first = static_cast<int>(out_.spheres.size());
     std::optional<HullPlanes> planes;
     if (!body.shape.has_exact_distance()) planes.emplace(body.shape.vertices());
     for (const Sphere& sphere : cover) {
       const Eigen::Vector3f at = (frame_from_link * sphere.center).cast<float>();
-      out_.balls.push_back(
+      out_.spheres.push_back(
           {at.x(), at.y(), at.z(), static_cast<float>(sphere.radius * (1.0 + 2.0 * rounding_of_float))});
       out_.member.push_back(member);
       out_.frame_of.push_back(frame);
@@ -176,35 +176,35 @@ class Maker {
       const double inner = planes ? planes->inner_radius(point) : -body.shape.signed_distance(point);
       out_.inner.push_back(static_cast<float>(inner * (1.0 - 2.0 * rounding_of_float)));
     }
-    const int last = static_cast<int>(out_.balls.size());
-    out_.body_bounds[index] = sphere_around(balls_of({first, last}));
+    const int last = static_cast<int>(out_.spheres.size());
+    out_.body_bounds[index] = sphere_around(spheres_of({first, last}));
     out_.bodies[index].first = static_cast<int>(out_.clusters.size());
-    for (int ball = first; ball < last; ball += balls_a_cluster) {
-      const int end = std::min(ball + balls_a_cluster, last);
-      out_.clusters.push_back({ball, end, sphere_around(balls_of({ball, end}))});
+    for (int sphere = first; sphere < last; sphere += spheres_per_cluster) {
+      const int end = std::min(sphere + spheres_per_cluster, last);
+      out_.clusters.push_back({sphere, end, sphere_around(spheres_of({sphere, end}))});
     }
     out_.bodies[index].last = static_cast<int>(out_.clusters.size());
   }
 
-  std::span<const Ball> balls_of(const SphereRobot::Range& range) const {
-    return std::span(out_.balls)
+  std::span<const FloatSphere> spheres_of(const SphereRobot::Range& range) const {
+    return std::span(out_.spheres)
         .subspan(static_cast<std::size_t>(range.first), static_cast<std::size_t>(range.last - range.first));
   }
 
   void group(const std::vector<int>& field_of) {
-    const auto field = [&](int ball) {
-      const int member = out_.member[static_cast<std::size_t>(ball)];
+    const auto field = [&](int sphere) {
+      const int member = out_.member[static_cast<std::size_t>(sphere)];
       return member < 0 ? -1 : field_of[static_cast<std::size_t>(member)];
     };
-    const auto frame = [&](int ball) { return out_.frame_of[static_cast<std::size_t>(ball)]; };
-    const auto ball = [&](int cluster) { return out_.clusters[static_cast<std::size_t>(cluster)].first; };
+    const auto frame = [&](int sphere) { return out_.frame_of[static_cast<std::size_t>(sphere)]; };
+    const auto sphere = [&](int cluster) { return out_.clusters[static_cast<std::size_t>(cluster)].first; };
     const int count = static_cast<int>(out_.clusters.size());
     for (int first = 0, last = 0; first < count; first = last) {
-      const int of = ball(first);
-      while (last < count && frame(ball(last)) == frame(of) && field(ball(last)) == field(of)) ++last;
+      const int of = sphere(first);
+      while (last < count && frame(sphere(last)) == frame(of) && field(sphere(last)) == field(of)) ++last;
       if (field(of) < 0) continue;
       const int end = out_.clusters[static_cast<std::size_t>(last - 1)].last;
-      out_.groups.push_back({frame(of), field(of), first, last, sphere_around(balls_of({of, end})), 0, 0});
+      out_.groups.push_back({frame(of), field(of), first, last, sphere_around(spheres_of({of, end})), 0, 0});
     }
     std::reverse(out_.groups.begin(), out_.groups.end());
     for (SphereRobot::Group& group : out_.groups) add_cores(group);
@@ -215,22 +215,24 @@ class Maker {
     group.first_core = static_cast<int>(out_.cores.size());
     const int first = out_.clusters[static_cast<std::size_t>(group.first)].first;
     const int last = out_.clusters[static_cast<std::size_t>(group.last - 1)].last;
-    const auto member = [&](int ball) { return out_.member[static_cast<std::size_t>(ball)]; };
-    for (int ball = first, end = first; ball < last; ball = end) {
-      while (end < last && member(end) == member(ball)) ++end;
-      std::vector<int> inside(static_cast<std::size_t>(end - ball));
-      std::iota(inside.begin(), inside.end(), ball);
+    const auto member = [&](int sphere) { return out_.member[static_cast<std::size_t>(sphere)]; };
+    for (int sphere = first, end = first; sphere < last; sphere = end) {
+      while (end < last && member(end) == member(sphere)) ++end;
+      std::vector<int> inside(static_cast<std::size_t>(end - sphere));
+      std::iota(inside.begin(), inside.end(), sphere);
       const auto inner = [&](int i) { return out_.inner[static_cast<std::size_t>(i)]; };
       std::stable_sort(inside.begin(), inside.end(), [&](int a, int b) { return inner(a) > inner(b); });
       const std::size_t known = out_.cores.size();
       for (const int i : inside) {
         if (!(inner(i) > 0.0F) || out_.cores.size() == known + most_cores) break;
-        Ball core = out_.balls[static_cast<std::size_t>(i)];
+        FloatSphere core = out_.spheres[static_cast<std::size_t>(i)];
         core.radius = inner(i);
-        const bool is_told = std::any_of(
-            out_.cores.begin() + static_cast<std::ptrdiff_t>(known), out_.cores.end(),
-            [&](const Ball& other) { return (center(core) - center(other)).norm() < 0.5F * other.radius; });
-        if (!is_told) out_.cores.push_back(core);
+        const bool is_known =
+            std::any_of(out_.cores.begin() + static_cast<std::ptrdiff_t>(known), out_.cores.end(),
+                        [&](const FloatSphere& other) {
+                          return (center(core) - center(other)).norm() < 0.5F * other.radius;
+                        });
+        if (!is_known) out_.cores.push_back(core);
       }
     }
     group.last_core = static_cast<int>(out_.cores.size());
@@ -244,14 +246,14 @@ class Maker {
                     std::abs(frame.multiplier * joint.upper + frame.offset));
   }
 
-  /// Of each frame how far the middle of any ball, or of a sphere around some, is from its origin, metres.
+  /// Of each frame how far the middle of any sphere, or of a sphere around some, is from its origin, metres.
   std::vector<double> farthest_middles() const {
     std::vector<double> farthest(out_.frames.size(), 0.0);
-    const auto extend = [&](int frame, const Ball& ball) {
+    const auto extend = [&](int frame, const FloatSphere& sphere) {
       double& most = farthest[static_cast<std::size_t>(frame)];
-      most = std::max(most, center(ball).norm());
+      most = std::max(most, center(sphere).norm());
     };
-    for (std::size_t i = 0; i < out_.balls.size(); ++i) extend(out_.frame_of[i], out_.balls[i]);
+    for (std::size_t i = 0; i < out_.spheres.size(); ++i) extend(out_.frame_of[i], out_.spheres[i]);
     for (const SphereRobot::Group& group : out_.groups) extend(group.frame, group.bound);
     for (const SphereRobot::Cluster& cluster : out_.clusters)
       extend(out_.frame_of[static_cast<std::size_t>(cluster.first)], cluster.bound);
@@ -294,11 +296,11 @@ class Maker {
   }
 
   void pair_up() {
-    struct Told {
+    struct FramePair {
       SphereRobot::Pair pair;
       int a, b;
     };
-    std::vector<Told> all;
+    std::vector<FramePair> all;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       SphereRobot::Pair pair{pairs_[i].first, pairs_[i].second,
                              static_cast<int>(ground_.field_of.size() + i)};
@@ -308,19 +310,20 @@ class Maker {
       if (frame(pair.a) < frame(pair.b)) std::swap(pair.a, pair.b);
       all.push_back({pair, frame(pair.a), frame(pair.b)});
     }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Told& x, const Told& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
-    for (const Told& told : all) {
+    std::stable_sort(all.begin(), all.end(), [](const FramePair& x, const FramePair& y) {
+      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    });
+    for (const FramePair& entry : all) {
       const int index = static_cast<int>(out_.body_pairs.size());
-      if (out_.frame_pairs.empty() || out_.frame_pairs.back().a != told.a ||
-          out_.frame_pairs.back().b != told.b)
-        out_.frame_pairs.push_back({told.a, told.b, meeting(told.a, told.b), index, index, nullptr});
+      if (out_.frame_pairs.empty() || out_.frame_pairs.back().a != entry.a ||
+          out_.frame_pairs.back().b != entry.b)
+        out_.frame_pairs.push_back({entry.a, entry.b, meeting(entry.a, entry.b), index, index, nullptr});
       ++out_.frame_pairs.back().last;
-      out_.body_pairs.push_back(told.pair);
+      out_.body_pairs.push_back(entry.pair);
     }
   }
 
-  /// The balls in trees: one for each frame and field, the last frames first.
+  /// The spheres in trees: one for each frame and field, the last frames first.
   void grow_trees() {
     std::vector<int> body_of(out_.clusters.size());
     for (std::size_t body = 0; body < out_.bodies.size(); ++body) {
@@ -331,10 +334,10 @@ class Maker {
     for (std::size_t i = out_.clusters.size(); i-- > 0;) {
       const SphereRobot::Cluster& cluster = out_.clusters[i];
       for (int k = cluster.first; k < cluster.last; ++k) {
-        const auto ball = static_cast<std::size_t>(k);
-        const std::size_t branch = branch_of(ball);
+        const auto sphere = static_cast<std::size_t>(k);
+        const std::size_t branch = branch_of(sphere);
         if (branch == leaves.size()) leaves.emplace_back();
-        leaves[branch].push_back({out_.balls[ball], out_.inner[ball], body_of[i], out_.member[ball]});
+        leaves[branch].push_back({out_.spheres[sphere], out_.inner[sphere], body_of[i], out_.member[sphere]});
       }
     }
     for (std::size_t i = 0; i < leaves.size(); ++i) out_.branches[i].root = out_.tree.add(leaves[i]);
@@ -389,8 +392,8 @@ class Maker {
     }
   }
 
-  std::size_t branch_of(std::size_t ball) {
-    const int frame = out_.frame_of[ball], member = out_.member[ball];
+  std::size_t branch_of(std::size_t sphere) {
+    const int frame = out_.frame_of[sphere], member = out_.member[sphere];
     const int field = member < 0 ? -1 : ground_.field_of[static_cast<std::size_t>(member)];
     std::size_t i = 0;
     while (i < out_.branches.size() && (out_.branches[i].frame != frame || out_.branches[i].field != field))

@@ -42,24 +42,24 @@ struct SphereRobot {
     float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
     float translation[3] = {};
   };
-  using Ball = BallTree::Ball;
+  using FloatSphere = BallTree::FloatSphere;
   /// A field of blocked voxels and where its first cell's corner is, seen from the robot's base.
   struct Field {
     const ByteField* bytes = nullptr;
     float low[3] = {};
   };
-  /// Some balls of one body, first to last - 1, and a sphere around them.
+  /// Some spheres of one body, first to last - 1, and a sphere around them.
   struct Cluster {
     int first = 0, last = 0;
-    Ball bound;
+    FloatSphere bound;
   };
   /// Clusters first to last - 1 of one frame that are looked up in one field, and a sphere around them.
   struct Group {
     int frame = 0, field = 0, first = 0, last = 0;
-    Ball bound;
+    FloatSphere bound;
     int first_core = 0, last_core = 0;  ///< of `cores`: inside of these bodies
   };
-  /// The tree of all balls of one frame that are looked up in one field, -1: in none.
+  /// The tree of all spheres of one frame that are looked up in one field, -1: in none.
   struct Branch {
     int frame = 0, field = 0, root = 0;
   };
@@ -84,20 +84,20 @@ struct SphereRobot {
   std::uint64_t id = 0;                ///< no other's of this process
   std::shared_ptr<const Robot> robot;  ///< what the tables are of
   std::vector<Frame> frames;
-  std::vector<Ball> balls;    ///< by frame, then field, then body; all in their frames
+  std::vector<FloatSphere> spheres;  ///< by frame, then field, then body; all in their frames
   std::vector<int> member;    ///< of each: which of the bodies that were given; -1: one that no joint moves
   std::vector<float> inner;   ///< of each: radius about its middle that lies in the body, <= 0: unknown
   std::vector<int> frame_of;  ///< of each
   std::vector<Field> fields;
-  std::vector<Group> groups;  ///< those of the last frames first: they meet things more often
-  std::vector<Ball> cores;    ///< spheres that lie inside of bodies, a few of each; in their frames
-  std::vector<Ball> bounds;   ///< around all balls of each frame; radius < 0: none
+  std::vector<Group> groups;        ///< those of the last frames first: they meet things more often
+  std::vector<FloatSphere> cores;   ///< spheres that lie inside of bodies, a few of each; in their frames
+  std::vector<FloatSphere> bounds;  ///< around all spheres of each frame; radius < 0: none
   std::vector<Cluster> clusters;
   std::vector<Range> bodies;  ///< clusters of each body of the robot
-  std::vector<Ball> body_bounds;
+  std::vector<FloatSphere> body_bounds;
   std::vector<FramePair> frame_pairs;
   std::vector<Pair> body_pairs;
-  BallTree tree;                 ///< the balls once more
+  BallTree tree;                 ///< the spheres once more
   std::vector<Branch> branches;  ///< those of the last frames first
   std::vector<BranchPair> branch_pairs;
   std::vector<int> pair_member;  ///< [a * bodies + b] of two bodies of the robot; -1: they may touch
@@ -110,7 +110,7 @@ struct SphereRobot {
   std::size_t joints = 0;
   std::size_t members = 0;  ///< bodies and pairs
 
-  /// Whether the values of all motions are so small that angles can be told at single precision.
+  /// Whether the values of all motions are so small that single precision resolves angles.
   bool suits(const Eigen::VectorXd& q) const {
     return q.size() == 0 || steepest * q.cwiseAbs().maxCoeff() + farthest_offset < 1e6;
   }
@@ -142,7 +142,7 @@ Kept& of_this_thread(const SphereRobot& robot) {
 }
 
 /// Spheres in the link's frame that cover the body: its own, or fewer for a box that is small beside a voxel
-/// of that edge (metres), of which these would say more than a look at voxels can tell.
+/// of that edge (metres), of which these would say more than a look at voxels can.
 std::vector<Sphere> lane_cover(const Body& body, double resolution);
 
 /// Null when the robot or the map is too large or too far away for single precision to be of use. What the

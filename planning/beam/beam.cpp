@@ -14,8 +14,8 @@
 namespace clearway {
 namespace {
 
-/// Lines 4-6 of Fig. 8 with the neighbours in the order of their distance, checked until k are kept. What it
-/// keeps from step to step saves time and changes nothing.
+/// Lines 4-6 of Chong 2008, Fig. 8, with the neighbours in the order of their distance, checked until k are
+/// kept. What it keeps from step to step saves time and changes nothing.
 class NearestHeads {
  public:
   NearestHeads(const PlanProblem& problem, const Lattice& lattice, const BeamOptions& options,

@@ -19,8 +19,8 @@ bool next_perturbation(std::vector<int>& change) {
   return false;
 }
 
-/// Lines 4-6 of Fig. 8. Heads are numbered in the order in which they were kept, so that the first of two
-/// parents of equal cost stays.
+/// Lines 4-6 of Chong 2008, Fig. 8. Heads are numbered in the order in which they were kept, so that the
+/// first of two parents of equal cost stays.
 std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, const BeamOptions& options,
                             const BeamPaths& paths, BeamChecks& checks) {
   std::map<LatticeIndex, Head> found;

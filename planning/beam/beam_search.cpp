@@ -56,8 +56,8 @@ std::vector<WaypointOrigin> lattice_origins(std::size_t waypoints, bool last_seg
   return origins;
 }
 
-void tell_success(const PlanProblem& problem, const BeamOptions& options, const BeamPaths& paths,
-                  PlanResult& result) {
+void report_success(const PlanProblem& problem, const BeamOptions& options, const BeamPaths& paths,
+                    PlanResult& result) {
   result.status = PlanStatus::solved;
   result.waypoints = paths.path_to(paths.goal_head());
   result.cost = paths.head(paths.goal_head()).cost;
@@ -68,8 +68,8 @@ void tell_success(const PlanProblem& problem, const BeamOptions& options, const 
   result.origins = lattice_origins(result.waypoints.size(), result.last_segment);
 }
 
-void tell_failure(const PlanProblem& problem, const Lattice& lattice, const BeamPaths& paths,
-                  bool out_of_time, PlanResult& result) {
+void report_failure(const PlanProblem& problem, const Lattice& lattice, const BeamPaths& paths,
+                    bool out_of_time, PlanResult& result) {
   const Head& best = paths.head(paths.best_head());
   result.status = out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
   result.explored = paths.path_to(paths.best_head());
@@ -168,10 +168,10 @@ PlanResult search_beam(const PlanProblem& problem, const BeamOptions& options, c
   result.configurations_checked += checks.configurations;
   result.edges_checked += checks.edges;
   if (paths.goal_head() >= 0) {
-    tell_success(problem, options, paths, result);
+    report_success(problem, options, paths, result);
     if (out_of_time) result.explanation += " The deadline ended the search for a cheaper path.";
   } else {
-    tell_failure(problem, lattice, paths, out_of_time, result);
+    report_failure(problem, lattice, paths, out_of_time, result);
   }
   result.statistics = {{"steps_searched", paths.steps()},
                        {"first_goal_step", paths.first_goal_step()},

@@ -23,8 +23,8 @@ struct BeamChecks {
   std::uint64_t neighbours = 0, configurations = 0, edges = 0;
 };
 
-/// The paths of Fig. 8 as a tree of heads, and the bookkeeping of its lines 6-14. Memory O(k h). Not for
-/// several threads at once.
+/// The paths of Chong 2008, Fig. 8, as a tree of heads, and the bookkeeping of its lines 6-14. Memory O(k h).
+/// Not for several threads at once.
 class BeamPaths {
  public:
   BeamPaths(const PlanProblem& problem, const Lattice& lattice);
@@ -68,7 +68,7 @@ class BeamPaths {
 using NextHeads = std::function<std::vector<Head>(const PlanProblem&, const Lattice&, const BeamOptions&,
                                                   const BeamPaths&, BeamChecks&)>;
 
-/// Fig. 8 with the given way of finding the next heads.
+/// Chong 2008, Fig. 8, with the given way of finding the next heads.
 PlanResult search_beam(const PlanProblem& problem, const BeamOptions& options, const NextHeads& next_heads);
 
 }  // namespace clearway

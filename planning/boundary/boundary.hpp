@@ -8,7 +8,7 @@ namespace clearway {
 /// Which way round: towards all upper, or all lower, joint limits.
 enum class BoundarySide { upper, lower };
 
-/// When boundary following starts and ends, and which way round.
+/// When boundary following starts and ends, and which way round; sections of Lahouar 2006.
 struct BoundaryOptions {
   ConstraintOptions local = {};
   double enter_ratio = 0.3;  ///< starts when ||dq|| < enter_ratio ||dq_goal|| (section 4), 0 to 0.99; 0: when

@@ -11,7 +11,7 @@
 
 namespace clearway {
 
-/// A place on a boundary, to tell when the robot is there again.
+/// A place on a boundary, to detect when the robot is there again.
 struct Milestone {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();     ///< (u1, u2)
   Eigen::Vector2d followed = Eigen::Vector2d::Zero();  ///< direction of the constraint followed there

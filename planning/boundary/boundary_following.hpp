@@ -46,8 +46,8 @@ int first_followed(const std::vector<ProjectedConstraint>& projected, const Eige
 /// of equals the nearer one.
 int tracked(const std::vector<ProjectedConstraint>& projected, const Eigen::Vector2d& last);
 
-/// The vertex of Fig. 9: the point on constraint `followed`'s line that is farthest along S = [-A_2, A_1]
-/// (Lahouar 2006, eq. 22), keeps all constraints and ||du|| <= max_step. A line out of reach is drawn in to
+/// The vertex of Lahouar 2006, Fig. 9: the point on constraint `followed`'s line that is farthest along S =
+/// [-A_2, A_1] (eq. 22), keeps all constraints and ||du|| <= max_step. A line out of reach is drawn in to
 /// max_step / sqrt(2).
 struct Vertex {
   bool exists = false;  ///< false: no point of the line keeps all constraints
@@ -59,7 +59,7 @@ struct Vertex {
 Vertex vertex_on(const std::vector<ProjectedConstraint>& projected, int followed, double max_step);
 
 /// The vertex to move to, after following the blocking constraint instead as often as the vertex is null
-/// (Fig. 10).
+/// (Lahouar 2006, Fig. 10).
 struct BoundaryStep {
   Vertex vertex;
   int followed = -1;     ///< constraint followed in the end

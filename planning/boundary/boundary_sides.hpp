@@ -8,8 +8,8 @@
 namespace clearway {
 
 /// Boundary following tried again, which the paper does not do: the given side, then the other, both first
-/// with the given leave_ratio and then with 1. The first path found is the answer; the failure told is that
-/// of the first try.
+/// with the given leave_ratio and then with 1. The first path found is the answer; the failure reported is
+/// that of the first try.
 class BoundarySides : public Planner {
  public:
   using Options = BoundaryOptions;

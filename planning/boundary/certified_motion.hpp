@@ -49,8 +49,9 @@ class CertifiedMotion {
   double least_separation_;
 };
 
-/// Tells when the local method creeps or rocks instead of coming nearer to the goal: over ten steps the
-/// distance to the goal (strictly decreasing, section 3.3) fell by less than a hundredth of one step.
+/// Detects that the local method creeps or rocks instead of coming nearer to the goal: over ten steps the
+/// distance to the goal (strictly decreasing: Lahouar 2006, section 3.3) fell by less than a hundredth of one
+/// step.
 class CreepWatch {
  public:
   explicit CreepWatch(double max_step) : least_gain_(0.01 * max_step) {}
@@ -67,7 +68,7 @@ class CreepWatch {
 std::string followed_name(const ConfigurationSpace& space, const StepConstraints& constraints, int source);
 
 /// "tool is 1.2 mm from what blocks it at (x, y, z)" for the pair that holds the step back most (the largest
-/// multiplier); joint limits are told as such.
+/// multiplier); joint limits are reported as such.
 std::string holding_back(const ConfigurationSpace& space, const StepConstraints& constraints,
                          const Eigen::VectorXd& multipliers);
 

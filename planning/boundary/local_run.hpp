@@ -44,7 +44,7 @@ struct LocalRun {
 /// steps together come nearer by less than one, it counts as stuck.
 ///
 /// With a `direction` (weighted units) it begins by following the boundary in the plane through start, goal
-/// and start + direction (section 3, with that direction in the place of q_lim - q_lock in eq. 11) until it
+/// and start + direction (Lahouar 2006, section 3, with that direction for q_lim - q_lock in eq. 11) until it
 /// is nearer to the goal than it began, or has lost the boundary.
 /// @param constraints of the leg's space, made for the damper's influence distance: what limits each step
 LocalRun run_local(const PlanProblem& leg, const DamperOptions& damper, ControlConstraints& constraints,

@@ -33,7 +33,7 @@ class ControlStep {
 
   /// Lahouar 2006, eq. 9: the step nearest to `wanted` (weighted units) that keeps all constraints;
   /// constraints that contradict each other as in QuadraticSolver::solve_relaxed. Never beyond the joint
-  /// limits and max_step a joint: where rounding leaves no such step it is zero, and solver() tells of the
+  /// limits and max_step a joint: where rounding leaves no such step it is zero, and solver() reports the
   /// step that was refused. Valid until the next call.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted);
 

@@ -41,7 +41,7 @@ StepConstraints constraints_at(const ConfigurationSpace& space, const Configurat
                                const DamperOptions& options);
 
 /// Lahouar 2006, eq. 9: the step nearest to `wanted` that keeps all constraints. When they contradict each
-/// other, the demanded separations are relaxed together (solve_relaxed); `demand` < 1 tells it.
+/// other, the demanded separations are relaxed together (solve_relaxed); `demand` < 1 shows it.
 struct LocalStep {
   Eigen::VectorXd step;         ///< weighted units
   Eigen::VectorXd multipliers;  ///< >= 0: inequalities, then upper, then lower limits; > 0: active

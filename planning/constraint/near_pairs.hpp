@@ -21,7 +21,7 @@ struct NearPair {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, from the first to the second
 };
 
-/// The pairs of self_collision_pairs that are nearer than some distance, for loops: most are told apart by
+/// The pairs of self_collision_pairs that are nearer than some distance, for loops: most are ruled out by
 /// spheres, then by the segments in their middles, or by the flat ends of cylinders, before `distance` is
 /// asked. It allocates nothing after it is made.
 class NearPairs {

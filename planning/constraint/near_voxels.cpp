@@ -158,7 +158,7 @@ void NearVoxels::make_room(std::size_t more) {
   }
 }
 
-/// The same, cube by cube, where the field does not tell: beyond its max_distance, or when what is nearest
+/// The same, cube by cube, where the field does not decide: beyond its max_distance, or when what is nearest
 /// cannot be reached and hides what can, as a floor under a sliding disc does.
 void NearVoxels::visit(const NearSphere& sphere, double within) {
   const Eigen::AlignedBox3d box =

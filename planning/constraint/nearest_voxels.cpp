@@ -29,7 +29,7 @@ constexpr int no_offset = 127;
 constexpr int largest_fall = 8 * 90;
 
 /// The k for which one voxel further the squared gap has fallen by `fall`: 0 by none, along a wall.
-constexpr int offset_told(int fall) {
+constexpr int offset_found(int fall) {
   if (fall == 1) return 1;
   if (fall == -1 || fall == 0) return 0;
   if (fall % 8 != 0) return no_offset;
@@ -39,7 +39,7 @@ constexpr int offset_told(int fall) {
 constexpr auto offsets = [] {
   std::array<std::int8_t, 2 * largest_fall + 1> table{};
   for (int fall = -largest_fall; fall <= largest_fall; ++fall)
-    table[static_cast<std::size_t>(fall + largest_fall)] = static_cast<std::int8_t>(offset_told(fall));
+    table[static_cast<std::size_t>(fall + largest_fall)] = static_cast<std::int8_t>(offset_found(fall));
   return table;
 }();
 
@@ -71,21 +71,21 @@ void NearestVoxels::look_up(std::span<const VoxelKey> voxels, std::span<VoxelKey
     squares_[k] = space_.squared_around(voxel_of(voxels[missing_[k]]));
   for (std::size_t k = 0; k < missing_.size(); ++k) {
     const VoxelKey voxel = voxels[missing_[k]];
-    const Offset offset = told_by_field(voxel_of(voxel), squares_[k], 0);
+    const Offset offset = offset_by_field(voxel_of(voxel), squares_[k], 0);
     out[missing_[k]] = offset[0] == nothing ? no_voxel : voxel + voxel_step(offset[0], offset[1], offset[2]);
     places_[place_of(voxel)] = {voxel, out[missing_[k]]};
   }
   looked_up_ += missing_.size();
 }
 
-NearestVoxels::Offset NearestVoxels::told_by_field(const Eigen::Vector3i& voxel, const Squares& squared,
-                                                   int depth) {
+NearestVoxels::Offset NearestVoxels::offset_by_field(const Eigen::Vector3i& voxel, const Squares& squared,
+                                                     int depth) {
   if (squared[0] == 0) return {0, 0, 0, 0};
   if (squared[0] >= beyond_) return {nothing, 0, 0, 0};
   Offset offset{nothing, 0, 0, 0};
-  const bool is_told = squared[0] > 0 && (by_differences(voxel, squared, offset) ||
-                                          by_neighbours(voxel, squared, depth, offset));
-  if (is_told || depth > 0) return offset;
+  const bool is_found = squared[0] > 0 && (by_differences(voxel, squared, offset) ||
+                                           by_neighbours(voxel, squared, depth, offset));
+  if (is_found || depth > 0) return offset;
   ++searched_;
   const NearestBlocked nearest =
       space_.nearest((voxel.cast<double>().array() + 0.5) * resolution_, space_.max_distance());
@@ -95,7 +95,7 @@ NearestVoxels::Offset NearestVoxels::told_by_field(const Eigen::Vector3i& voxel,
           static_cast<std::int8_t>(away.z()), 0};
 }
 
-/// Where the neighbours along each axis see the same cube, their squared distances tell where it lies.
+/// Where the neighbours along each axis see the same cube, their squared distances determine where it lies.
 bool NearestVoxels::by_differences(const Eigen::Vector3i& voxel, const Squares& squared,
                                    Offset& offset) const {
   int candidates[3][2];
@@ -135,7 +135,7 @@ bool NearestVoxels::by_neighbours(const Eigen::Vector3i& voxel, const Squares& s
     if (squared[i] >= squared[0]) break;
     Eigen::Vector3i next = voxel;
     next[static_cast<Eigen::Index>(i - 1) / 2] += i % 2 == 1 ? -1 : 1;
-    const Offset found = told_by_field(next, space_.squared_around(next), depth + 1);
+    const Offset found = offset_by_field(next, space_.squared_around(next), depth + 1);
     if (found[0] == nothing) continue;
     const Eigen::Vector3i away = next - voxel + Eigen::Vector3i(found[0], found[1], found[2]);
     if (squared_gap(away) != squared[0]) continue;

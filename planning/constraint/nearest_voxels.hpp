@@ -12,9 +12,9 @@
 namespace clearway {
 
 /// The blocked cubes nearest to the middles of voxels, for loops that ask again close by: what was found is
-/// remembered by voxel (16384 of them), and new ones are told by the distance field alone. On
+/// remembered by voxel (16384 of them), and new ones are derived from the distance field alone. On
 /// either side of a voxel whose nearest cube lies k voxels away along an axis, the squared distance is one
-/// that tells k; the candidates so found are proved by being blocked and exactly as far as the field says.
+/// that gives k; the candidates so found are proved by being blocked and exactly as far as the field says.
 /// Where none passes (between obstacles), those that the neighbours see are tried; at last
 /// BlockedSpace::nearest searches.
 class NearestVoxels {
@@ -32,11 +32,11 @@ class NearestVoxels {
   struct Place {
     VoxelKey voxel = no_voxel, cube = no_voxel;
   };
-  /// Voxels from one to its nearest cube; `nothing` in x: none that is told.
+  /// Voxels from one to its nearest cube; `nothing` in x: none that is known.
   using Offset = std::array<std::int8_t, 4>;
   static constexpr std::int8_t nothing = 127;
   using Squares = std::array<int, 7>;
-  Offset told_by_field(const Eigen::Vector3i& voxel, const Squares& squared, int depth);
+  Offset offset_by_field(const Eigen::Vector3i& voxel, const Squares& squared, int depth);
   bool by_differences(const Eigen::Vector3i& voxel, const Squares& squared, Offset& offset) const;
   bool by_neighbours(const Eigen::Vector3i& voxel, const Squares& squared, int depth, Offset& offset);
 

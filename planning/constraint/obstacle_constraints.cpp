@@ -22,9 +22,9 @@ ObstacleConstraint constraint_between(const Body& body, const Eigen::Isometry3d&
   constraint.point = bounds.point_a;
   constraint.obstacle_point = bounds.point_b;
   constraint.normal = bounds.direction;
-  const bool is_told =
+  const bool is_rounded_pair =
       body.shape.is_rounded() && shape.shape.is_rounded() && bounds.direction.squaredNorm() > 0.5;
-  if (bounds.upper <= 0.0 && !is_told) {  // they overlap, and witness points mean little
+  if (bounds.upper <= 0.0 && !is_rounded_pair) {  // they overlap, and witness points mean little
     constraint.point = map_from_body * middle_of(body.shape);
     constraint.obstacle_point = shape.pose * middle_of(shape.shape);
     constraint.normal = (constraint.obstacle_point - constraint.point).stableNormalized();

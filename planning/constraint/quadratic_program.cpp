@@ -40,7 +40,7 @@ QuadraticSolver& loaded(const QuadraticProgram& p) {
   return solver;
 }
 
-QuadraticSolution told(const QuadraticSolver& solver, bool is_feasible) {
+QuadraticSolution reported(const QuadraticSolver& solver, bool is_feasible) {
   QuadraticSolution solution;
   solution.feasible = is_feasible;
   solution.x = vector_of(solver.x());
@@ -57,13 +57,13 @@ QuadraticSolution told(const QuadraticSolver& solver, bool is_feasible) {
 QuadraticSolution solve(const QuadraticProgram& program) {
   QuadraticSolver& solver = loaded(program);
   const bool is_feasible = solver.solve();
-  return told(solver, is_feasible);
+  return reported(solver, is_feasible);
 }
 
 QuadraticSolution solve_relaxed(const QuadraticProgram& program) {
   QuadraticSolver& solver = loaded(program);
   const bool is_feasible = solver.solve_relaxed();
-  return told(solver, is_feasible);
+  return reported(solver, is_feasible);
 }
 
 }  // namespace clearway

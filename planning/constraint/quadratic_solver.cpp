@@ -140,7 +140,7 @@ bool QuadraticSolver::run() {
   for (bool is_polished = true;;) {
     const double size = target_size_ + std::sqrt(lanes::dot(x_.data(), x_.data(), length));
     if (size > out_of_reach) {
-      tell_proof_by_limits();
+      report_proof_by_limits();
       return false;
     }
     const Violation worst = constraints_.most_violated(x_.data(), size, is_out_);
@@ -156,7 +156,7 @@ bool QuadraticSolver::run() {
     if (addition == Addition::within_rounding)
       is_out_[static_cast<std::size_t>(worst.constraint)] = kSetAside;
     if (addition == Addition::contradicts) {
-      tell_proof(worst.constraint);
+      report_proof(worst.constraint);
       return false;
     }
     if (iterations_ >= cap) return false;  // no proof: the multipliers stay 0
@@ -169,7 +169,7 @@ bool QuadraticSolver::run() {
 }
 
 /// The normal of `last` is a sum of active ones with weights <= 0: those and 1 for itself sum to zero.
-void QuadraticSolver::tell_proof(int last) {
+void QuadraticSolver::report_proof(int last) {
   if (conflicting_ < 0) conflicting_ = last;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     multipliers_[static_cast<std::size_t>(active_[i])] =
@@ -180,7 +180,7 @@ void QuadraticSolver::tell_proof(int last) {
 
 /// The active constraints, y a x <= y b with y the multipliers, ask for more along their sum, target - x,
 /// than the limits leave: those and the limits that cancel that sum.
-void QuadraticSolver::tell_proof_by_limits() {
+void QuadraticSolver::report_proof_by_limits() {
   if (conflicting_ < 0) conflicting_ = active_.back();
   for (std::size_t i = 0; i < active_.size(); ++i) {
     multipliers_[static_cast<std::size_t>(active_[i])] =
@@ -205,8 +205,8 @@ bool QuadraticSolver::solve() {
   return run();
 }
 
-/// Ends the contradiction that multipliers() tells: the sum of y_i s_i |b_i| over the demands that take part
-/// must not exceed what the other constraints of the proof leave. False when no demand takes part.
+/// Ends the contradiction that multipliers() reports: the sum of y_i s_i |b_i| over the demands that take
+/// part must not exceed what the other constraints of the proof leave. False when no demand takes part.
 bool QuadraticSolver::lower_shares() {
   const auto weight = [&](int i) {  // of the normalized constraint
     return multipliers_[static_cast<std::size_t>(i)] * constraints_.length(i);

@@ -63,8 +63,8 @@ class QuadraticSolver {
   bool is_real(const Violation& violation, double rest) const;
   void polish();
   void drop(int which);
-  void tell_proof(int last);
-  void tell_proof_by_limits();
+  void report_proof(int last);
+  void report_proof_by_limits();
   bool lower_shares();
 
   NormalizedConstraints constraints_;

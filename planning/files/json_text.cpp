@@ -12,7 +12,7 @@ using AnyJson = nlohmann::json;
 
 constexpr std::size_t deepest = 64, most_containers = 1'000'000, most_values = 8'000'000;
 
-/// Follows the parser, so that it can tell in plain words what should have come next.
+/// Follows the parser, so that it can say in plain words what should have come next.
 class SizeLimit {
  public:
   SizeLimit(std::string_view text, const std::string& name) : text_(text), name_(name) {}

@@ -41,7 +41,7 @@ struct Plan {
   std::uint64_t seed = 1;
   std::string map_file, map_sha256;
   double map_resolution = 0.0;
-  std::string map_integration{};  ///< which integration made the map; empty: not told
+  std::string map_integration{};  ///< which integration made the map; empty: not stated
   std::string map_caveat{};  ///< what a verdict on the map must say of it, one or two sentences; may be empty
   std::map<std::string, Policy> policies;    ///< per part
   double padding = 0.0;                      ///< metres

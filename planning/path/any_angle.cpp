@@ -154,7 +154,7 @@ class CheaperPath {
       if (q != after.back()) after.push_back(q);
     }
     if (path_[last + 1] != after.back()) after.push_back(path_[last + 1]);
-    constexpr double coarse = 4.0;  // most attempts fail, and this tells of most of them
+    constexpr double coarse = 4.0;  // most attempts fail, and this finds most of them
     double rough = 0.0;
     for (std::size_t i = 1; i < after.size() && rough < before; ++i)
       rough += pass_.costs(after[i - 1], after[i], coarse).sum();

@@ -17,7 +17,7 @@ std::vector<WaypointOrigin> origins_after(const std::vector<Configuration>& befo
 
 /// Of configurations along a path, in its order: the waypoint to which the edge leads that each is nearest
 /// to (the first one leads to waypoint 1), 0 for a path of one waypoint. Motions that round the corners of
-/// the path are told by what they are near. @pre path is not empty
+/// the path take the origin of what they are near. @pre path is not empty
 std::vector<std::size_t> waypoints_ahead(const std::vector<Configuration>& path,
                                          const std::vector<Configuration>& along);
 

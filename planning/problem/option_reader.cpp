@@ -13,7 +13,7 @@ namespace clearway {
 
 namespace {
 
-/// A bound as sentences tell it: whole numbers digit by digit, never as 1e+05.
+/// A bound as sentences print it: whole numbers digit by digit, never as 1e+05.
 std::string plain(double value) {
   const bool is_whole = value == std::floor(value) && std::abs(value) < 1e15;
   return is_whole ? std::to_string(static_cast<long long>(value)) : to_text(value);

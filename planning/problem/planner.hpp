@@ -31,7 +31,7 @@ struct PlanProblem {
 /// Start, goals and base count as kept within this, in radians and metres; scales within this share.
 constexpr double contract_tolerance = 1e-6;
 
-/// Everything one query told us.
+/// The answer to one query.
 struct PlanResult {
   PlanStatus status = PlanStatus::no_path;
   std::string explanation;               ///< one or two sentences: where it stopped and why

@@ -52,7 +52,7 @@ void require_sound(const Robot& robot, const Load& load) {
     throw std::invalid_argument(what + ", mass: expected a finite number of kg from 0");
 }
 
-/// Farthest along each axis and each diagonal of the axes: tells shapes apart that look alike in a box.
+/// Farthest along each axis and each diagonal of the axes: distinguishes shapes with equal boxes.
 bool are_alike(const Shape& a, const Shape& b) {
   if (a.kind() != b.kind()) return false;
   for (int x = -1; x <= 1; ++x)

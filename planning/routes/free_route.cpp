@@ -32,7 +32,7 @@ class CellGrid {
       size_[i] = static_cast<int>(std::floor(box.sizes()[i] / edge_)) + 1;
       tiles_[i] = (size_[i] + tile_edge - 1) / tile_edge;
     }
-    radius_ = std::min(radius, space.max_distance());  // the field tells no more
+    radius_ = std::min(radius, space.max_distance());  // the field knows no more
     first_cell_.assign(static_cast<std::size_t>(tiles_[0]) * static_cast<std::size_t>(tiles_[1]) *
                            static_cast<std::size_t>(tiles_[2]),
                        -1);

@@ -132,7 +132,7 @@ int BidirectionalTrees::extend(Side side, const Configuration& towards, bool fro
   const Node& node = trees_[side].nodes[static_cast<std::size_t>(from)];
   const Configuration& near = node.q;
   const double far = length(near, towards);
-  if (far == 0.0) {  // or told apart by no weight
+  if (far == 0.0) {  // or distinguished by no weight
     is_whole_ = false;
     return from;
   }

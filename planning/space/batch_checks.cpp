@@ -9,7 +9,7 @@
 namespace clearway {
 namespace {
 
-/// What spheres could not tell of a configuration of the block, by shapes.
+/// What spheres left undecided of a configuration of the block, by shapes.
 bool is_rest_free(const CollisionModel& model, const Configuration& q, const ConfigurationBlock& block,
                   std::size_t place) {
   thread_local LinkPoses poses;
@@ -23,7 +23,7 @@ bool is_rest_free(const CollisionModel& model, const Configuration& q, const Con
   });
 }
 
-/// What a look at the block found of a configuration in it, and what shapes say where that does not tell.
+/// What a look at the block found of a configuration in it, and what shapes say where that does not decide.
 bool is_found_free(const CollisionModel& model, const Configuration& q, const ConfigurationBlock& block,
                    const ConfigurationBlock::Places& failing, std::size_t place) {
   if (ConfigurationBlock::holds(block.blocked, place)) return false;

@@ -54,7 +54,7 @@ class BodyCollision {
   /// True when that cube is proved to be farther than `margin`.
   bool is_clear_of(const Eigen::Isometry3d& map_from_link, const Eigen::Vector3d& cube, double margin) const;
 
-  /// The same as is_clear by spheres and field alone: quick, and false wherever these cannot tell.
+  /// The same as is_clear by spheres and field alone: quick, and false wherever these cannot decide.
   bool is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const;
 
   /// The same as is_clear of the convex hull of the body at two poses; `middle` is some pose between them,

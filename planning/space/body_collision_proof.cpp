@@ -165,7 +165,7 @@ double BodyCollision::coarse_clearance(const Eigen::Isometry3d& map_from_link) c
   return std::max(bound, cover_clearance(map_from_link));
 }
 
-/// Looks the spheres up and gives what they tell.
+/// Looks the spheres up and returns what they prove.
 double BodyCollision::cover_clearance(const Eigen::Isometry3d& map_from_link) const {
   look_up_spheres(map_from_link);
   const Scratch& memory = scratch();

@@ -223,7 +223,7 @@ double ConfigurationSpace::clearance(const Configuration& q, double at_most) con
     const double padding = model.options.padding;
     const double quick = body.quick_clearance(model.pose(poses, i)) - padding;
     if (quick >= least) continue;
-    // Near a blocked voxel the spheres stand out too far to tell; the exact shape does, in a small box.
+    // Near a blocked voxel the spheres stand out too far to decide; the exact shape does, in a small box.
     const double slack = body.cover_excess() + 2.0 * model.map.resolution();
     if (quick > 2.0 * slack) {
       least = quick;

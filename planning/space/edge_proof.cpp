@@ -268,7 +268,7 @@ class EdgeProof {
 
 namespace {
 
-/// ConfigurationSpace::free_share; a share below the least that is of use may be told as 0.
+/// ConfigurationSpace::free_share; a share below the least that is of use may be reported as 0.
 double proved_share(const CollisionModel& model, const Configuration& from, const Configuration& to,
                     double least_share) {
   if (!model.is_within_limits(from) || !model.is_within_limits(to)) return 0.0;

@@ -20,7 +20,7 @@ bool has_free_space(const Snapshot& map) {
   return counts.painted > 0 || counts.seen_free > 0;
 }
 
-/// Of parts that are neither critical nor told.
+/// Of parts that are neither critical nor named.
 Policy usual_policy(const Robot& robot, const Snapshot& map, const Policies& policies) {
   if (policies.other) return *policies.other;
   const bool is_cautious = policies.critical_by_default && robot.critical_parts.empty();
@@ -56,7 +56,7 @@ bool has_sphere(const Snapshot& map, std::uint16_t volumes) {
 
 std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& map,
                                             const Policies& policies) {
-  // Of a bare tree only a walk through all of it tells: not in a control loop's map if no part wants to know.
+  // Of a bare tree only a walk through all of it shows: not in a control loop's map if no part wants to know.
   std::optional<Policy> critical;
   const auto of_critical_parts = [&] {
     if (!critical) critical = has_paint(map) ? Policy::painted : Policy::known_free;

@@ -63,7 +63,7 @@ std::array<Nearest, max_pieces * directions> nearest_voxels(const BodyCollision&
     const Eigen::Vector3d in_shape =
         map_from_shape.linear().transpose() * (cube - map_from_shape.translation());
     const double place = medial.along(in_shape);
-    // Which way the cube lies is told well enough by its centre; inside the body by the medial segment.
+    // Which way the cube lies is given well enough by its centre; inside the body by the medial segment.
     const Eigen::Vector3d from_medial = in_shape - place * medial.axis;
     const Eigen::Vector3d offset = shape.offset_to(in_shape);
     const Eigen::Vector3d way = map_from_shape.linear() * (offset.squaredNorm() > 0.0 ? offset : from_medial);

@@ -10,7 +10,7 @@ namespace clearway {
 namespace {
 
 constexpr double half_diagonal = 0.8660254037844387;  ///< of a cube of edge 1, rounded up
-constexpr double most_cells_away = 1e15;  ///< from the origin: beyond, doubles tell no cells apart
+constexpr double most_cells_away = 1e15;  ///< from the origin: beyond, doubles distinguish no cells
 
 /// Bits of a brick lie in Morton order: 64 in a row are a cube of 4 x 4 x 4 voxels, 8 one of 2 x 2 x 2.
 bool is_full(const VoxelMarks::Brick& brick, int first, int count) {

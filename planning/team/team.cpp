@@ -82,7 +82,7 @@ class TeamMotion {
     look(time);
     for (std::size_t i = 0; i < members_.size(); ++i) {
       const OutrunBy by = members_[i]->choose();
-      if (is_outrun(by) && run_.outrun.empty()) tell_outrun(i, by, time);
+      if (is_outrun(by) && run_.outrun.empty()) report_outrun(i, by, time);
     }
     double longest = 0.0;
     for (auto& member : members_) longest = std::max(longest, member->move());
@@ -100,7 +100,7 @@ class TeamMotion {
   /// itself that gives way is no excuse.
   static bool is_outrun(const OutrunBy& by) { return by.kind >= OutrunBy::sensed; }
 
-  void tell_outrun(std::size_t i, const OutrunBy& by, double time) {
+  void report_outrun(std::size_t i, const OutrunBy& by, double time) {
     const std::string what = by.kind == OutrunBy::obstacle  ? "'" + known_obstacle(by.index) + "'"
                              : by.kind == OutrunBy::fixed   ? "an obstacle where no joint moves it away"
                              : by.kind == OutrunBy::overlap ? "what sensors saw where it stood"

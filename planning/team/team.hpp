@@ -93,11 +93,11 @@ struct TeamRun {
 
 /// Lets the robots move at the same time, each by its own local step and boundary following (Lahouar et al.
 /// 2006): once a period every robot sees where the others and the obstacles are, takes xi / 2 of the approach
-/// to another robot (eq. 8) and all of it to an obstacle, whose velocity enters (eq. 5), and steps. Where
-/// things move, coming back to a deadlock is no proof: the robot goes on.
-/// The run ends when all stand at their goals and every obstacle that does not repeat its way has gone it;
-/// when nobody moves any more where nothing else moves; or after the duration. Deterministic. `out_of_time`
-/// ends the run early (timed_out).
+/// to another robot (Lahouar 2006, eq. 8) and all of it to an obstacle, whose velocity enters (eq. 5), and
+/// steps. Where things move, coming back to a deadlock is no proof: the robot goes on. The run ends when all
+/// stand at their goals and every obstacle that does not repeat its way has gone it; when nobody moves any
+/// more where nothing else moves; or after the duration. Deterministic. `out_of_time` ends the run early
+/// (timed_out).
 /// @throws std::invalid_argument in one sentence: no robots, names given twice, sizes, joints without a
 ///         velocity limit, not d_s < d_i, xi over d_i - d_s, a period or duration that is not positive
 TeamRun run_team(

@@ -105,7 +105,7 @@ TEST(Chong2008, Fig12InACompactVolumeTheGreedySearchTakesTheLargestMoveOverTheSt
     const PlanResult greedy = experiment.plan(1).at(0), wide = experiment.plan(20).at(0);
     ASSERT_EQ(greedy.status, PlanStatus::solved) << name;
     const Eigen::VectorXd move = experiment.problem().goals[0] - experiment.problem().start;
-    // 43 degrees are 86 steps, of which the goal box (eq. 11) leaves out the last one.
+    // 43 degrees are 86 steps, of which the goal box (Chong 2008, eq. 11) leaves out the last one.
     EXPECT_EQ(std::lround(move.cwiseAbs().maxCoeff() / step), 86) << name;
     EXPECT_EQ(greedy.search_steps, 85) << name;
     for (Eigen::Index j = 0; j < 6; ++j) EXPECT_TRUE(is_ramp(greedy, j)) << name << ", joint " << j + 1;

@@ -38,7 +38,7 @@ struct BoardCalibration {
 
 /// Sizes, places and turns of a board's tags from views by a known camera: bundle adjustment in which places
 /// are hardly held and sizes are held by what is stated, one that the others contradict by less and less
-/// (Cauchy weights): the stated sizes of the majority tell the scale. The board's frame stays where most
+/// (Cauchy weights): the stated sizes of the majority determine the scale. The board's frame stays where most
 /// tags' stated places have it. The common scale of all sizes cannot be seen: it stays as stated.
 /// @param camera its errors count
 BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std::vector<BoardView> views,

@@ -109,7 +109,7 @@ bool begin_by_opencv(Bundle& bundle, const BoardPlane& plane, bool is_guess) {
   return is_plausible(camera);
 }
 
-/// The camera as free as lenses differ, so that only what the images do not tell at all is told by it; k3 as
+/// The camera as free as lenses differ, so that it decides only what the images leave entirely open; k3 as
 /// asked; the board as well known as it says.
 BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3) {
   BundlePriors priors;
@@ -277,13 +277,13 @@ struct HeldOut {
   }
 };
 
-void test_held_out(const Bundle& fitted, const TagBody& told, const BundlePriors& priors,
+void test_held_out(const Bundle& fitted, const TagBody& reported, const BundlePriors& priors,
                    const CameraCalibrationOptions& options, CameraCalibration& calibration) {
   HeldOut sums;
   const std::size_t folds = static_cast<std::size_t>(std::max(2, options.folds));
   for (std::size_t fold = 0; fold < folds; ++fold) {
     Bundle others = fitted;
-    others.board = told;
+    others.board = reported;
     others.views.clear();
     for (std::size_t v = 0; v < fitted.views.size(); ++v)
       if (v % folds != fold) others.views.push_back(fitted.views[v]);

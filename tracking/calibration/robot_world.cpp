@@ -119,7 +119,7 @@ class Fit {
     return true;
   }
 
-  /// Gauss-Newton until nothing moves. False when the looks do not tell both poses.
+  /// Gauss-Newton until nothing moves. False when the looks do not determine both poses.
   bool refine(Answer& answer) const {
     for (int round = 0; round < 20; ++round) {
       const Equations at = all(answer);
@@ -235,8 +235,8 @@ void judge(const std::vector<RobotLook>& looks, const Fit& fit, const Answer& an
 }
 
 /// Noise as the residuals show it, what all looks share, and the tags' scale against the robot's.
-void tell_covariances(const std::vector<RobotLook>& looks, const Equations& at,
-                      RobotWorldCalibration& found) {
+void report_covariances(const std::vector<RobotLook>& looks, const Equations& at,
+                        RobotWorldCalibration& found) {
   double squares = 0.0;
   for (const double one : at.squares) squares += one;
   const double factor =
@@ -332,7 +332,7 @@ RobotWorldCalibration calibrate_robot_world(const std::vector<RobotLook>& given,
   found.world_from_base.pose = answer->world_from_base;
   found.tip_from_rider.pose = answer->tip_from_rider;
   judge(looks, fit, *answer, found);
-  tell_covariances(looks, fit.all(*answer), found);
+  report_covariances(looks, fit.all(*answer), found);
   const double sigma = worst_sigma(found, looks);
   if (!(found.left_out <= options.most_residual))
     found.refusal = "an image that took no part is off by " + millimetres(found.left_out) + ", expected " +

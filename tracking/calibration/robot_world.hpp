@@ -8,7 +8,7 @@
 
 namespace clearway {
 
-/// One image of a robot that stands still. What rides on its tip, a board or the camera, is told twice: by
+/// One image of a robot that stands still. What rides on its tip, a board or the camera, is known twice: by
 /// the joints and by the tags. world_from_base * base_from_tip * tip_from_rider = world_from_rider.
 struct RobotLook {
   Eigen::Isometry3d base_from_tip = Eigen::Isometry3d::Identity();  ///< by joints and kinematics

@@ -51,9 +51,9 @@ void disturb(const NoiseLaw& law, std::size_t index, CloudFrame& frame) {
     const double range = at.norm();
     if (!std::isfinite(range) || !(range > 0.0)) continue;
     const double sigma = (0.004 + 0.002 * range) * (numbers.uniform(4 * i + 2) < 0.02 ? 5.0 : 1.0);
-    const double told =
+    const double reported =
         range * (1.0 + 0.025 * std::pow(patch_value(patches, at), 2)) + sigma * numbers.gaussian(2 * i).first;
-    frame.points[i] = (at * (std::max(told, 0.05) / range)).cast<float>();
+    frame.points[i] = (at * (std::max(reported, 0.05) / range)).cast<float>();
   }
 }
 

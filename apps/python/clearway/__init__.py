@@ -68,7 +68,7 @@ def load_results(folder):
     """What `clearway compare --out FOLDER` found, as dictionaries.
 
     Keys are the tables of results.sqlite: `suites`, `experiments`, `problems`, `runs`. Each is a list of dictionaries,
-    one for each row, by the names of columns; units are in the names. `apps/README.md` tells what the columns mean.
+    one for each row, by the names of columns; units are in the names. `apps/README.md` explains the columns.
 
     Raises ValueError when there is no such file, DamagedFile when it is not whole.
     """

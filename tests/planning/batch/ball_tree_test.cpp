@@ -19,9 +19,10 @@ std::vector<BallTree::Leaf> draw(Random& random, int count) {
   return leaves;
 }
 
-double beyond(const BallTree::Ball& bound, const BallTree::Ball& ball) {
-  const Eigen::Vector3d way(double(ball.x) - bound.x, double(ball.y) - bound.y, double(ball.z) - bound.z);
-  return way.norm() + double(ball.radius) - double(bound.radius);
+double beyond(const BallTree::FloatSphere& bound, const BallTree::FloatSphere& sphere) {
+  const Eigen::Vector3d way(double(sphere.x) - bound.x, double(sphere.y) - bound.y,
+                            double(sphere.z) - bound.z);
+  return way.norm() + double(sphere.radius) - double(bound.radius);
 }
 
 /// All leaves below the node, which has to hold them; marks each as seen.
@@ -44,7 +45,7 @@ void expect_held(const BallTree& tree, int index, std::vector<int>& seen, float&
   for (std::size_t i = 0; i < below.size(); ++i) {
     seen[i] += below[i];
     if (below[i] == 0) continue;
-    EXPECT_LE(beyond(node.bound, tree.leaves[i].ball), 0.0);
+    EXPECT_LE(beyond(node.bound, tree.leaves[i].sphere), 0.0);
     EXPECT_TRUE(node.body < 0 || node.body == tree.leaves[i].body);
   }
 }
@@ -65,13 +66,13 @@ TEST(BallTree, EveryNodeHoldsWhatIsBelowItAndEveryBallIsInOnce) {
 TEST(BallTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
   Random random(2);
   for (int round = 0; round < 100; ++round) {
-    std::vector<BallTree::Ball> balls;
-    for (const BallTree::Leaf& leaf : draw(random, 1 + round % 9)) balls.push_back(leaf.ball);
-    const BallTree::Ball bound = sphere_around(balls);
+    std::vector<BallTree::FloatSphere> spheres;
+    for (const BallTree::Leaf& leaf : draw(random, 1 + round % 9)) spheres.push_back(leaf.sphere);
+    const BallTree::FloatSphere bound = sphere_around(spheres);
     double widest = 0.0;  // of any two: no sphere around them is narrower
-    for (const BallTree::Ball& a : balls) {
+    for (const BallTree::FloatSphere& a : spheres) {
       EXPECT_LE(beyond(bound, a), 0.0);
-      for (const BallTree::Ball& b : balls)
+      for (const BallTree::FloatSphere& b : spheres)
         widest = std::max(widest, beyond({a.x, a.y, a.z, 0.0F}, b) + double(a.radius));
     }
     EXPECT_LT(bound.radius, 0.5 * widest * 1.3);

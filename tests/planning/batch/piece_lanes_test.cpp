@@ -36,15 +36,15 @@ Configuration middle(const PieceLanes& pieces, std::size_t lane) {
   return q;
 }
 
-/// Where a ball is by the pose of its frame.
-Eigen::Vector3d place(const SphereRobot& robot, const PieceLanes& pieces, std::size_t ball,
+/// Where a sphere is by the pose of its frame.
+Eigen::Vector3d place(const SphereRobot& robot, const PieceLanes& pieces, std::size_t sphere,
                       std::size_t lane) {
-  const PieceLanes::Floats* pose = &pieces.pose[12 * static_cast<std::size_t>(robot.frame_of[ball])];
+  const PieceLanes::Floats* pose = &pieces.pose[12 * static_cast<std::size_t>(robot.frame_of[sphere])];
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation;
   for (int i = 0; i < 9; ++i) rotation(i / 3, i % 3) = pose[i].at[lane];
   for (int i = 0; i < 3; ++i) translation[i] = pose[9 + i].at[lane];
-  const SphereRobot::Ball& at = robot.balls[ball];
+  const SphereRobot::FloatSphere& at = robot.spheres[sphere];
   return rotation * Eigen::Vector3d(at.x, at.y, at.z) + translation;
 }
 
@@ -68,12 +68,12 @@ TEST(PieceLanes, SpheresAreWhereKinematicsHaveThemButForATenthOfTheSlack) {
             expected.push_back(poses[static_cast<std::size_t>(body.link)] * sphere.center -
                                robot.map_from_base.translation());
         }
-        ASSERT_EQ(expected.size(), spheres.balls.size());
-        for (std::size_t ball = 0; ball < spheres.balls.size(); ++ball) {
-          const Eigen::Vector3d at = place(spheres, pieces, ball, lane);
+        ASSERT_EQ(expected.size(), spheres.spheres.size());
+        for (std::size_t sphere = 0; sphere < spheres.spheres.size(); ++sphere) {
+          const Eigen::Vector3d at = place(spheres, pieces, sphere, lane);
           double nearest = 1e9;
           for (const Eigen::Vector3d& one : expected) nearest = std::min(nearest, (one - at).norm());
-          ASSERT_LT(nearest, 0.1 * spheres.slack) << robot.name << " ball " << ball;
+          ASSERT_LT(nearest, 0.1 * spheres.slack) << robot.name << " sphere " << sphere;
         }
       }
     }

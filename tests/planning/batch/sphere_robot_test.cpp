@@ -94,7 +94,7 @@ TEST(SphereRobot, BallsOnAxesThatPointAlmostDownMeetWhereTheyAre) {
   Random random(23);
   const auto ball_at = [](int link, const Eigen::Vector3d& place) {
     Body body;
-    body.part = "ball";
+    body.part = "sphere";
     body.link = link;
     body.link_from_shape.translation() = place;
     body.shape = Shape::sphere(0.1);
