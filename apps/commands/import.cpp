@@ -57,8 +57,8 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
   ForeignSet set;
   for (const std::filesystem::path& file : options.files) {
     const std::string text = read_input(file, "scene or request", largest_scene);
-    const bool is_request = file.extension() != ".scene" && is_request_text(text, file);
-    if (file.extension() == ".scene")
+    const bool is_text = extension_of(file) == ".scene", is_request = !is_text && is_request_text(text, file);
+    if (is_text)
       set.worlds.push_back(read_scene_text(text, file, set.left_out));
     else if (is_request)
       set.problems.push_back(read_motion_request(text, file, set.left_out));

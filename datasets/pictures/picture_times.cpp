@@ -78,7 +78,7 @@ std::optional<fs::path> table_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error))
-    if (entry.path().extension() == ".csv") found.push_back(entry.path());
+    if (extension_of(entry.path()) == ".csv") found.push_back(entry.path());
   if (found.size() > 1)
     throw std::invalid_argument("folder " + quote_path(folder.string()) + " has " +
                                 std::to_string(found.size()) +

@@ -10,10 +10,8 @@
 
 namespace clearway {
 
-/// True for names that end in .mcap and .bag.
-inline bool is_bag_file(const std::filesystem::path& file) {
-  return file.extension() == ".mcap" || file.extension() == ".bag";
-}
+/// True for names that end in .mcap and .bag, in small or capital letters.
+bool is_bag_file(const std::filesystem::path& file);
 
 /// What a bag holds, in the order of names. A bag that is damaged has what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.

@@ -106,7 +106,7 @@ std::string read_in_child(const std::filesystem::path& file) {
   if (size == 0) refuse(file, "it is empty");
   const std::size_t budget = 128 * megabyte + 20 * size;
   const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
-  const bool is_pcd = file.extension() == ".pcd";
+  const bool is_pcd = extension_of(file) == ".pcd";
   ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, seconds});
   if (!read.finished) refuse(file, read.failure);
   return std::move(read.parts.at(0));

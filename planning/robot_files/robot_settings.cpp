@@ -191,12 +191,13 @@ RobotSettings read_robot_settings(const std::filesystem::path& file) {
 }
 
 bool is_urdf_name(const std::filesystem::path& file) {
-  return file.extension() == ".urdf" || file.extension() == ".xacro";
+  const std::string kind = extension_of(file);
+  return kind == ".urdf" || kind == ".xacro";
 }
 
 std::filesystem::path beside_urdf(const std::filesystem::path& urdf, const std::string& extension) {
   std::filesystem::path file = urdf;
-  if (file.extension() == ".xacro") file.replace_extension();
+  if (extension_of(file) == ".xacro") file.replace_extension();
   return file.replace_extension(extension);
 }
 

@@ -145,7 +145,7 @@ void blank_late_declaration(std::string& text) {
 
 std::string read_text(const std::filesystem::path& file) {
   std::string text = read_input(file, "robot file", most_bytes_of_robot);
-  if (file.extension() == ".xacro") text = expanded_xacro(file, most_bytes_of_robot);
+  if (extension_of(file) == ".xacro") text = expanded_xacro(file, most_bytes_of_robot);
   blank_late_declaration(text);
   return text;
 }
