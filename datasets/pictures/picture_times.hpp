@@ -31,8 +31,13 @@ void make_seconds(std::vector<double>& times);
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
                                                              const std::string& name);
 
+/// Files in the order of their names, numbers within names by their value (a9 before a10), each with its
+/// time: its name, where all are numbers of a clock (make_seconds) and none is there twice, else its place in
+/// that order, one a second.
+std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& files);
+
 /// The first of these that tells every file a time, none of them twice: the table of times beside them; their
-/// EXIF; their names, where all are numbers; their place in the order of their names, one a second. A rate
+/// EXIF; their names, as times_of_names reads them. A rate
 /// goes before all of them. The table is the one .csv file in the folder, or FOLDER.csv or FOLDER.txt beside
 /// it; files that it does not name are left out and told.
 /// @param files of one folder, at least one
