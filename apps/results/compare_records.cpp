@@ -1,12 +1,14 @@
 #include "apps/results/compare_records.hpp"
 
 #include <algorithm>
-#include <fstream>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
 #include "apps/results/compare_record.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -120,9 +122,7 @@ CompareRecords::CompareRecords(CompareRecords&& other) noexcept
       time_(other.time_) {}
 
 CompareRecords CompareRecords::read(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::invalid_argument("cannot read '" + plain(file.string()) + "'");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = read_input(file, "runs", SIZE_MAX);
   std::istringstream lines(text.substr(0, text.rfind('\n') + 1));
   std::size_t number = 1;
   try {
@@ -262,9 +262,10 @@ std::vector<CompareProfile> profiles_of(const CompareExperiment& experiment,
   if (std::find(plots.begin(), plots.end(), "profiles") == plots.end() || experiment.problems.empty())
     return profiles;
   for (const CompareRun& run : experiment.problems.front().runs) {
-    if (run.number != 1 || run.plan_file.empty()) continue;
-    std::ifstream file(folder / run.plan_file, std::ios::binary);
-    const Json plan = Json::parse(file, nullptr, false);
+    const std::filesystem::path file = folder / run.plan_file;
+    std::error_code error;
+    if (run.number != 1 || run.plan_file.empty() || !std::filesystem::exists(file, error)) continue;
+    const Json plan = Json::parse(read_input(file, "plan", SIZE_MAX), nullptr, false);
     if (plan.is_discarded() || plan.at("waypoints").empty()) continue;
     CompareProfile profile{run.planner, {}};
     for (const Json& waypoint : plan.at("waypoints")) {

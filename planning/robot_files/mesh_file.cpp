@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -93,11 +92,10 @@ std::vector<fs::path> listed_folders(const char* variable) {
 
 /// Whether a folder is the package NAME by its package.xml, whatever the folder is called.
 bool is_package(const fs::path& folder, const std::string& name) {
-  std::ifstream stream(folder / "package.xml");
-  std::string text(std::size_t{1} << 16U, '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && stream.gcount() == 0)
-    return false;
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::error_code error;
+  if (!fs::exists(folder / "package.xml", error)) return false;
+  std::string text;
+  InputFile(folder / "package.xml", "package").read_at(0, std::size_t{1} << 16U, text);
   const std::size_t begin = text.find("<name>"), end = text.find("</name>");
   if (begin == std::string::npos || end == std::string::npos || end < begin) return false;
   std::istringstream words(text.substr(begin + 6, end - begin - 6));

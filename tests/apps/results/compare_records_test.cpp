@@ -1,11 +1,13 @@
 #include "apps/results/compare_records.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <fstream>
 #include <limits>
 
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
@@ -147,6 +149,20 @@ TEST(CompareShards, ShareOutEveryProblemOnce) {
           EXPECT_EQ(shards, 1);
         }
   }
+}
+
+TEST(CompareRecords, APipeIsRefusedWithoutWaitingForIt) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.file("runs.jsonl");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string why = "' cannot be read: it is a pipe, expected a regular file";
+  EXPECT_EQ(complaint([&] { CompareRecords::read(pipe); }), "runs '" + pipe + why);
+  CompareExperiment experiment = asked().results.experiments[0];
+  experiment.setup.plots = {"profiles"};
+  experiment.problems = {problem("a")};
+  experiment.problems[0].runs = {run(0, 1)};
+  experiment.problems[0].runs[0].plan_file = "runs.jsonl";
+  EXPECT_EQ(complaint([&] { profiles_of(experiment, folder.path()); }), "plan '" + pipe + why);
 }
 
 }  // namespace compare_records_test

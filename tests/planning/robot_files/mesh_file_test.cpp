@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -295,6 +296,21 @@ TEST(FindMesh, APackageIsKnownByItsPackageXmlToo) {
                "<?xml version='1.0'?>\n<package format='2'>\n  <name> arm </name>\n</package>");
   EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from), folder.path() / "arm-main/meshes/a.stl");
   EXPECT_EQ(find_mesh("file://meshes/a.stl", from), from / "meshes/a.stl");
+}
+
+TEST(FindMesh, APackageXmlThatIsAPipeIsNotWaitedFor) {
+  const RobotFolder folder;
+  fs::create_directories(folder.path() / "arm-main/meshes");
+  folder.write("arm-main/meshes/a.stl", "x");
+  const fs::path pipe = folder.path() / "arm-main/package.xml";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  try {
+    find_mesh("package://arm/meshes/a.stl", folder.path() / "arm-main");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "package '" + pipe.string() + "' cannot be read: it is a pipe, expected a regular file");
+  }
 }
 
 TEST(FindMesh, PackagesAreFoundWhereTheUserSaysAndWhereRosKeepsThem) {
