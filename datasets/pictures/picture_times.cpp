@@ -199,8 +199,9 @@ std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) 
 
 void make_seconds(std::vector<double>& times) {
   const double largest = times.empty() ? 0.0 : *std::max_element(times.begin(), times.end());
-  const double unit = largest > 1e17 ? 1e-9 : largest > 1e14 ? 1e-6 : largest > 1e11 ? 1e-3 : 1.0;
-  for (double& time : times) time *= unit;
+  for (const auto& [from, unit] : {std::pair{1e12, 1e-3}, std::pair{1e15, 1e-6}, std::pair{1e18, 1e-9}})
+    if (largest >= from && largest < 10.0 * from)
+      for (double& time : times) time *= unit;
 }
 
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,

@@ -21,8 +21,9 @@ struct TimedFiles {
   std::vector<std::string> warnings;
 };
 
-/// Numbers of a clock as seconds: above 1e17 they are taken for nanoseconds, above 1e14 for microseconds,
-/// above 1e11 for milliseconds, as the largest of them says for all.
+/// Numbers of a clock as seconds: those of 19 digits are taken for nanoseconds since 1970, of 16 for
+/// microseconds, of 13 for milliseconds, as the largest of them says for all. Others stay: 14 digits are a
+/// date, as 20261123071530, whose seconds are no milliseconds.
 void make_seconds(std::vector<double>& times);
 
 /// Lines "time, file" or "file, time" (also apart by spaces), `#` and a line of titles left out, as pairs of
