@@ -39,7 +39,7 @@ std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
   int version = 0;
   const int status = is_pcd ? pcl::PCDReader().read(file.string(), cloud, origin, turn, version)
                             : pcl::PLYReader().read(file.string(), cloud, origin, turn, version);
-  if (status < 0) throw std::runtime_error("PCL cannot read it");
+  if (status < 0) throw std::runtime_error("its header or its points cannot be read");
   const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (count == 0) throw std::runtime_error("it holds no points");
   if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {

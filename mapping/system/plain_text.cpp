@@ -98,6 +98,15 @@ std::string plain(std::string_view text) {
   return plain_up_to(text, std::numeric_limits<std::size_t>::max());
 }
 
+std::size_t first_not_utf8(std::string_view text) {
+  std::uint32_t code = 0;
+  for (std::size_t at = 0, size = 0; at < text.size(); at += size) {
+    size = take_character(text.substr(at), code);
+    if (size == 0) return at;
+  }
+  return std::string_view::npos;
+}
+
 std::string shortened(std::string_view text) { return plain_up_to(text, longest); }
 
 std::string quote(std::string_view text) { return "'" + shortened(text) + "'"; }

@@ -12,6 +12,9 @@ namespace clearway {
 /// (C0, DEL, C1), marks that turn the direction of writing, and bytes that are no UTF-8 become \n, \t, \xNN.
 std::string plain(std::string_view text);
 
+/// Where the first byte is that is no UTF-8; npos when there is none.
+std::size_t first_not_utf8(std::string_view text);
+
 /// Plain, and cut after 80 characters with "…".
 std::string shortened(std::string_view text);
 

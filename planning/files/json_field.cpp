@@ -134,15 +134,22 @@ Json json_of(const std::map<std::string, Policy>& policies) {
   return json;
 }
 
+namespace {
+
+Policy policy_of(const JsonField& field) {
+  const std::string text = field.text();
+  try {
+    return parse_policy(text);
+  } catch (const std::invalid_argument&) {
+    field.refuse("painted, known_free or not_occupied, found " + quote(text));
+  }
+}
+
+}  // namespace
+
 std::map<std::string, Policy> policies_of(const JsonField& field) {
   std::map<std::string, Policy> result;
-  for (const auto& [part, policy] : field.members()) {
-    try {
-      result[part] = parse_policy(policy.text());
-    } catch (const std::invalid_argument& error) {
-      policy.refuse(error.what());
-    }
-  }
+  for (const auto& [part, policy] : field.members()) result[part] = policy_of(policy);
   return result;
 }
 
