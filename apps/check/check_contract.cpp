@@ -7,6 +7,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -54,7 +55,7 @@ class Statement {
       return {pose_from_numbers(options_.robot.base, "--base"), TermSource::flag};
     if (query_) return {query_->map_from_base, TermSource::map};
     if (!plan_.map_from_base.isApprox(robot_.map_from_base, contract_tolerance))
-      notes.push_back("the base is the plan's; by its own settings '" + robot_.name + "' stands at " +
+      notes.push_back("the base is the plan's; by its own settings " + quote(robot_.name) + " stands at " +
                       to_text(robot_.map_from_base));
     return {plan_.map_from_base, TermSource::plan};
   }
@@ -213,8 +214,8 @@ class Statement {
 void require_same_joints(const Robot& robot, const Plan& plan, const std::filesystem::path& file) {
   if (joint_names(robot) == plan.joints) return;
   throw std::invalid_argument(file.string() + ": field 'joints': the plan is for " +
-                              std::to_string(plan.joints.size()) + " joints that are not those of robot '" +
-                              robot.name + "' (" + std::to_string(robot.dof()) + " joints)");
+                              std::to_string(plan.joints.size()) + " joints that are not those of robot " +
+                              quote(robot.name) + " (" + std::to_string(robot.dof()) + " joints)");
 }
 
 RobotRequest without_choices(const RobotChoice& choice) {
@@ -244,10 +245,10 @@ void note_held(const CheckOptions& options, const Contract& contract, const Robo
     const auto by_default = std::find_if(own.held.begin(), own.held.end(),
                                          [&](const HeldJoint& joint) { return joint.name == name; });
     if (by_default == own.held.end())
-      notes.push_back("joint " + name + " stands at " + significant(term.value) +
+      notes.push_back("joint " + shortened(name) + " stands at " + significant(term.value) +
                       " by the plan; by default it moves");
     else if (by_default->value != term.value)
-      notes.push_back("joint " + name + " stands at " + significant(term.value) +
+      notes.push_back("joint " + shortened(name) + " stands at " + significant(term.value) +
                       " by the plan; by default at " + significant(by_default->value));
   }
 }
@@ -314,8 +315,8 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.pick = statement.pick();
   contract.loads = statement.loads(contract.pick.value, contract.notes);
   if (contract.pick.value && !contract.loads.value.empty())
-    throw std::invalid_argument("load '" + contract.loads.value.front().load.name +
-                                "': expected none beside a pick, whose object is the one load");
+    throw std::invalid_argument("load " + quote(contract.loads.value.front().load.name) +
+                                ": expected none beside a pick, whose object is the one load");
   const std::vector<LegLoad> loads = carried_under(contract);
   contract.policies = statement.policies(loads, contract.notes);
   contract.payload = statement.payload();

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace clearway {
 
@@ -20,6 +21,9 @@ std::string shortened(std::string_view text);
 
 /// Shortened, between single quotes.
 std::string quote(std::string_view text);
+
+/// Names, each shortened, with commas; of more than twenty the first ones "and 7 more".
+std::string listed(const std::vector<std::string>& names);
 
 /// A path, plain, between single quotes; of a longer one the last 255 characters, with the file's name.
 std::string quote_path(std::string_view path);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "mapping/system/require.hpp"
 #include "planning/gate/motion_proof.hpp"
 
@@ -36,7 +37,7 @@ std::string jump_sentence(const Robot& robot, const Configuration& from, const C
   Eigen::Index worst = 0;
   (to - from).cwiseAbs().maxCoeff(&worst);
   return "positions[0] is not where the robot is: joint " +
-         robot.joints[static_cast<std::size_t>(worst)].name + " is " + short_text(to[worst], 6) +
+         shortened(robot.joints[static_cast<std::size_t>(worst)].name) + " is " + short_text(to[worst], 6) +
          ", where the last passed motion ends it is " + short_text(from[worst], 6) + ", expected within " +
          short_text(tolerance) + " (rad or m)";
 }
@@ -66,7 +67,7 @@ GateReason reason_of(Obstruction obstruction) {
 
 std::string obstruction_sentence(const Verdict& verdict) {
   if (!verdict.is_free()) return verdict.sentence();
-  const std::string part = verdict.part.empty() ? "the robot" : verdict.part;
+  const std::string part = verdict.part.empty() ? "the robot" : shortened(verdict.part);
   return part + " comes too near to " +
          (verdict.point.allFinite() ? "a blocked voxel" : "something or to another part") +
          " to be proved free";

@@ -149,7 +149,7 @@ class Reader {
     } catch (const std::invalid_argument& error) {
       refuse("link " + quote(link) + ": " + error.what());
     }
-    refuse("link '" + link + "': unknown collision shape");
+    refuse("link " + quote(link) + ": unknown collision shape");
   }
 
   ScaledMesh mesh(const std::string& link, const urdf::Geometry& geometry) const {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/axisymmetric_joints.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/space/collision_model.hpp"
@@ -110,8 +111,8 @@ void refuse_unlimited_reach(const CollisionModel& model) {
     for (const Joint& joint : model.robot.joints) {
       if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
         continue;
-      throw std::invalid_argument("robot " + model.robot.name + ": joint '" + joint.name +
-                                  "' slides without limits below joints that turn: expected joint limits");
+      throw std::invalid_argument("robot " + model.robot.name + ": joint " + quote(joint.name) +
+                                  " slides without limits below joints that turn: expected joint limits");
     }
     throw std::invalid_argument("robot " + model.robot.name + ": expected links of finite lengths");
   }

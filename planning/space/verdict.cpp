@@ -6,6 +6,7 @@
 #include <locale>
 #include <sstream>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/space/collision_model.hpp"
 
 namespace clearway {
@@ -111,25 +112,25 @@ std::string Verdict::sentence() const {
       text << "the configuration has the wrong size or is not finite";
       break;
     case Obstruction::joint_limit:
-      text << "joint " << other << " is " << depth << " (rad or m) past its limit";
+      text << "joint " << shortened(other) << " is " << depth << " (rad or m) past its limit";
       break;
     case Obstruction::self_collision:
-      text << part << " touches " << other;
+      text << shortened(part) << " touches " << shortened(other);
       break;
     case Obstruction::occupied:
-      text << part << " touches an occupied voxel";
+      text << shortened(part) << " touches an occupied voxel";
       break;
     case Obstruction::conflict:
-      text << part << " touches a voxel that is painted free but sensed occupied";
+      text << shortened(part) << " touches a voxel that is painted free but sensed occupied";
       break;
     case Obstruction::unknown:
-      text << part << " reaches into unknown space";
+      text << shortened(part) << " reaches into unknown space";
       break;
     case Obstruction::stale:
-      text << part << " reaches into space that was not seen lately enough";
+      text << shortened(part) << " reaches into space that was not seen lately enough";
       break;
     case Obstruction::outside_painted:
-      text << part << " leaves its painted volume";
+      text << shortened(part) << " leaves its painted volume";
       break;
   }
   if (!part.empty() && obstruction != Obstruction::self_collision) place();

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot/reach.hpp"
 
@@ -66,24 +67,16 @@ std::string describe_leaving(const std::vector<LeavingPart>& leaving) {
   std::set<std::string> names;
   for (const LeavingPart& part : leaving) names.insert(part.part);
   std::ostringstream text = sentence();
-  text << first.part << " leaves the map's bounds";
+  text << shortened(first.part) << " leaves the map's bounds";
   if (std::isfinite(first.distance)) text << " by " << first.distance << " m";
   text << " at " << place_of(first.point) << ", on edge " << first.place.edge << " at "
        << first.place.parameter;
-  if (names.size() > 1) {
-    text << " (and so do";
-    const char* comma = " ";
-    for (const std::string& name : names) {
-      if (name == first.part) continue;
-      text << comma << name;
-      comma = ", ";
-    }
-    text << ")";
-  }
+  names.erase(first.part);
+  if (!names.empty()) text << " (and so do " << listed({names.begin(), names.end()}) << ")";
   text << ": nothing is known of that place, which the policy not_occupied counts as free; allow it by name "
           "with "
           "--allow-outside "
-       << (names.size() > 1 ? "all" : first.part);
+       << (names.empty() ? shortened(first.part) : "all");
   return text.str();
 }
 
@@ -163,7 +156,7 @@ std::string describe_standing(const std::vector<StandingContact>& standing) {
   std::ostringstream text = sentence();
   for (const StandingContact& contact : standing) {
     if (&contact != &standing.front()) text << "; ";
-    text << contact.part << " touches " << contact.voxels << " occupied voxel"
+    text << shortened(contact.part) << " touches " << contact.voxels << " occupied voxel"
          << (contact.voxels == 1 ? "" : "s, the lowest") << " at " << place_of(contact.lowest);
   }
   return text.str();
@@ -171,8 +164,7 @@ std::string describe_standing(const std::vector<StandingContact>& standing) {
 
 std::string unknown_sentence(const PathSurvey& survey) {
   if (survey.unknown_free.empty()) return {};
-  std::string parts;
-  for (const std::string& part : survey.unknown_free) parts += (parts.empty() ? "" : ", ") + part;
+  const std::string parts = listed(survey.unknown_free);
   return survey.is_of_obstacles_alone
              ? "the map holds obstacles alone: unknown space counts as free for " + parts
              : "unknown space counts as free for " + parts + " (policy not_occupied)";
@@ -202,10 +194,9 @@ void require_parts(const std::vector<std::string>& allow_outside, const Robot& r
   for (const Body& body : robot.bodies) parts.insert(body.part);
   for (const std::string& part : allow_outside) {
     if (part == "all" || parts.contains(part)) continue;
-    std::string names;
-    for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
+    const std::string names = listed({parts.begin(), parts.end()});
     throw std::invalid_argument(what + ": expected all or a part of " + robot.name + " (" + names +
-                                "), got '" + part + "'");
+                                "), got " + quote(part));
   }
 }
 
