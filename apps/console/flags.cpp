@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "apps/console/parse.hpp"
+#include "planning/robot/robot.hpp"
 
 namespace clearway {
 
@@ -115,7 +116,7 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   add_model_flags(command, choice, notes);
   command.add_option("--scale", choice.scale, "size against the full-size robot" + notes.scale)
-      ->check(positive())
+      ->check(number("a factor from 0.000001 to 1000", least_scale, most_scale))
       ->type_name("S");
   command
       .add_option("--base", choice.base,

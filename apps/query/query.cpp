@@ -74,9 +74,9 @@ std::string degrees_hint(const Robot& robot, const Configuration& q, const std::
 Robot choose_robot(const RobotChoice& choice) {
   Robot robot = load_robot(robot_request(choice));
   if (choice.scale) {
-    if (!std::isfinite(*choice.scale) || *choice.scale <= 0.0) {
-      throw std::invalid_argument("--scale: expected a positive number, got " + significant(*choice.scale));
-    }
+    if (!(*choice.scale >= least_scale && *choice.scale <= most_scale))
+      throw std::invalid_argument("--scale: expected a factor from 0.000001 to 1000, got " +
+                                  significant(*choice.scale));
     robot = scaled(robot, *choice.scale / robot.scale);
   }
   if (!choice.base.empty()) robot.map_from_base = pose_from_numbers(choice.base, "--base");

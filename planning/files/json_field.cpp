@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/robot.hpp"
 
 namespace clearway {
 
@@ -181,7 +182,7 @@ double seen_within_of(const JsonField& field) {
 
 double scale_of(const JsonField& field) {
   const double scale = field.number();
-  if (!(scale > 0.0)) field.refuse("a number above 0");
+  if (!(scale >= least_scale && scale <= most_scale)) field.refuse("a factor from 0.000001 to 1000");
   return scale;
 }
 

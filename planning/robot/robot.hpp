@@ -73,6 +73,10 @@ struct NamedState {
 /// accuracy of a pose that was computed and not taught only that it is several times worse. Metres.
 constexpr double default_position_accuracy = 1e-3;
 
+/// How many times as large as its URDF a robot may be: as wide as URDFs are read, so that sizes stay such
+/// that no sum or product of them loses digits.
+constexpr double least_scale = 1e-6, most_scale = 1e3;
+
 /// A robot: a kinematic tree with bodies, masses and limits, at some scale and place. Plain data.
 struct Robot {
   std::string name;

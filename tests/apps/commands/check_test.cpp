@@ -346,7 +346,7 @@ class Mutator {
         plan["base"][random_() % 3][3] = size();
         return false;
       case 3:
-        plan["scale"] = std::exp(size());
+        plan["scale"] = std::exp(0.5 * size());
         return false;
       case 4:
         plan["padding_m"] = 0.01 * std::exp(size());
