@@ -35,7 +35,10 @@ Obstruction obstruction_of(const Snapshot& map, const Requirement& requirement, 
   return requirement.policy == Policy::painted ? Obstruction::outside_painted : Obstruction::unknown;
 }
 
-/// The deepest blocked cube of a body that is not clear.
+constexpr double most_cubes = 1e7;  ///< that are looked at for the deepest one
+
+/// The deepest blocked cube of a body that is not clear; of one so large that there are too many of them, one
+/// that it meets.
 Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose, const Snapshot& map,
                    double padding) {
   const Shape& shape = collision.body().shape;
@@ -44,6 +47,15 @@ Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose
   const double edge = collision.space().resolution();
   Verdict verdict;
   verdict.part = collision.body().part;
+  const double across = (bounds.sizes().array() + 2.0 * padding).prod();
+  if (across > most_cubes * edge * edge * edge) {
+    const auto cube = collision.met_cube(pose, padding);
+    if (!cube) return verdict;
+    verdict.obstruction = obstruction_of(map, collision.space().requirement(), *cube);
+    verdict.point = *cube;
+    verdict.depth = padding + overlap(bounds, *cube, edge);
+    return verdict;
+  }
   collision.visit_near(pose, padding, [&](const Eigen::Vector3d& cube, double) {
     const double lower = distance_to_cube(shape, map_from_shape, cube, edge, padding).lower;
     if (lower > padding) return true;
