@@ -15,6 +15,7 @@
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/gate_line.hpp"
+#include "planning/survey/path_survey.hpp"
 
 namespace clearway {
 
@@ -83,6 +84,8 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   ConfigurationSpace space = padded_space(robot, map, policies, padding, seen_within);
   console.log("policy: " + describe_policies(space.policies(), seen_within) +
               "; padding: " + describe_padding(padding, robot.position_accuracy));
+  if (const std::string note = only_seen_sentence(robot.only_seen); !note.empty())
+    console.warn("warning: " + note);
   for (const Load& load : robot.loads) console.log("load: " + load.name + " on " + load.link);
   gate.publish(std::move(space), newest_look(options, map), history);
 

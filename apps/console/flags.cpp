@@ -205,7 +205,8 @@ void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
       ->allow_extra_args(false)
       ->take_all();
   command.add_flag("--strict", demands.strict,
-                   "refuse when a body that no joint moves touches occupied voxels");
+                   "refuse when a body that no joint moves touches occupied voxels, or a link has a visual "
+                   "shape but no collision shape");
 }
 
 }  // namespace clearway

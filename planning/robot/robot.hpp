@@ -92,11 +92,12 @@ struct Robot {
   double position_accuracy = default_position_accuracy;  ///< metres, at this scale: the default padding
   double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
   std::filesystem::path source;
-  std::filesystem::path srdf{};      ///< that was read with it; empty: none
-  std::string group{};               ///< planning group of the SRDF whose joints move; empty: all joints
-  std::vector<HeldJoint> held{};     ///< the others, by name
-  std::vector<NamedState> states{};  ///< of the SRDF, by name
-  std::vector<Load> loads{};         ///< that ride on it (with_load): the last links and bodies, one each
+  std::filesystem::path srdf{};          ///< that was read with it; empty: none
+  std::string group{};                   ///< planning group of the SRDF whose joints move; empty: all joints
+  std::vector<HeldJoint> held{};         ///< the others, by name
+  std::vector<NamedState> states{};      ///< of the SRDF, by name
+  std::vector<std::string> only_seen{};  ///< links with a shape to look at and none to collide: not checked
+  std::vector<Load> loads{};             ///< that ride on it (with_load): the last links and bodies, one each
 
   std::size_t dof() const { return joints.size(); }
 };

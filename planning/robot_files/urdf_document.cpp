@@ -86,6 +86,7 @@ std::set<std::string> check_links(const Place& place, Element& robot, UrdfDocume
       if (++bodies > most_bodies) place.refuse("has more than 1000 <collision> bodies");
       is_capsule.push_back(check_urdf_collision(here, *body));
     }
+    if (is_capsule.empty() && link->FirstChildElement("visual")) document.only_seen.push_back(name);
     keep_urdf_children(*link, {"inertial", "collision"});
   }
   if (links.empty()) place.refuse("has no links");

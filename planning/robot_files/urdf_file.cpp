@@ -34,6 +34,7 @@ class Reader {
       : file_(file), document_(document), model_(model), packages_(packages) {
     robot_.name = model.getName();
     robot_.source = file;
+    robot_.only_seen = document.only_seen;
   }
 
   Robot robot() {

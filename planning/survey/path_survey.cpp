@@ -104,6 +104,7 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
       survey.leaving.push_back(std::move(*leaving));
   }
   survey.unknown_free.assign(unknown_free.begin(), unknown_free.end());
+  survey.only_seen = robot.only_seen;
   return survey;
 }
 
@@ -170,6 +171,13 @@ std::string unknown_sentence(const PathSurvey& survey) {
              : "unknown space counts as free for " + parts + " (policy not_occupied)";
 }
 
+std::string only_seen_sentence(const std::vector<std::string>& links) {
+  if (links.empty()) return {};
+  const bool is_one = links.size() == 1;
+  return (is_one ? "link " + listed(links) + " has" : "links " + listed(links) + " have") +
+         " a visual shape but no collision shape: nothing of " + (is_one ? "it" : "them") + " is checked";
+}
+
 std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands& demands) {
   std::vector<LeavingPart> leaving;
   for (const LeavingPart& part : survey.leaving) {
@@ -178,6 +186,8 @@ std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands
   if (!leaving.empty()) return describe_leaving(leaving);
   if (demands.strict && !survey.standing.empty())
     return "no joint moves it, but " + describe_standing(survey.standing) + ", which --strict refuses";
+  if (demands.strict && !survey.only_seen.empty())
+    return only_seen_sentence(survey.only_seen) + ", which --strict refuses";
   return std::nullopt;
 }
 
