@@ -81,10 +81,11 @@ class Comparison {
 
   void compare_policies() {
     for (const auto& [part, term] : contract_.policies) {
-      if (term.source == TermSource::plan || term.source == TermSource::by_default) continue;
+      if (term.source == TermSource::plan) continue;
       const auto said = plan_.policies.find(part);
       if (said != plan_.policies.end() && said->second <= term.value) continue;
-      if (said == plan_.policies.end() && is_missing_load(part)) continue;  // told as such
+      if (said == plan_.policies.end() && (term.source == TermSource::by_default || is_missing_load(part)))
+        continue;  // the usual one counts, or it is told as such
       const std::string says =
           said == plan_.policies.end() ? "nothing of it" : std::string(to_string(said->second));
       add(AcceptedTerm::policy, "policy of " + shortened(part) + ": expected " +
