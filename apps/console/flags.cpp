@@ -196,14 +196,18 @@ void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, c
       ->type_name("G");
 }
 
-void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
+void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outside) {
   command
       .add_option(
-          "--allow-outside", demands.allow_outside,
+          "--allow-outside", allow_outside,
           "a part that may leave the map's bounds although its policy is not_occupied, or all; repeatable")
       ->type_name("PART|all")
       ->allow_extra_args(false)
       ->take_all();
+}
+
+void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
+  add_allow_outside(command, demands.allow_outside);
   command.add_flag("--strict", demands.strict,
                    "refuse when a body that no joint moves touches occupied voxels, or a link has a visual "
                    "shape but no collision shape");

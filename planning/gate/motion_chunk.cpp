@@ -150,6 +150,8 @@ std::string_view to_string(GateReason reason) {
       return "blocked";
     case GateReason::self_collision:
       return "self_collision";
+    case GateReason::outside_map:
+      return "outside_map";
     case GateReason::not_proved:
       return "not_proved";
   }

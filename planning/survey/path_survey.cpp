@@ -56,31 +56,43 @@ std::optional<LeavingPart> leaving_part(const Robot& robot, const check::KdlArm&
   return farthest;
 }
 
-bool is_allowed(const std::string& part, const std::vector<std::string>& allowed) {
-  return std::any_of(allowed.begin(), allowed.end(),
-                     [&](const std::string& name) { return name == "all" || name == part; });
-}
-
 std::string describe_leaving(const std::vector<LeavingPart>& leaving) {
   const LeavingPart& first = *std::max_element(
       leaving.begin(), leaving.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
   std::set<std::string> names;
   for (const LeavingPart& part : leaving) names.insert(part.part);
   std::ostringstream text = sentence();
-  text << shortened(first.part) << " leaves the map's bounds";
-  if (std::isfinite(first.distance)) text << " by " << first.distance << " m";
-  text << " at " << place_of(first.point) << ", on edge " << first.place.edge << " at "
-       << first.place.parameter;
+  text << to_text(first) << ", on edge " << first.place.edge << " at " << first.place.parameter;
   names.erase(first.part);
   if (!names.empty()) text << " (and so do " << listed({names.begin(), names.end()}) << ")";
-  text << ": nothing is known of that place, which the policy not_occupied counts as free; allow it by name "
-          "with "
-          "--allow-outside "
-       << (names.empty() ? shortened(first.part) : "all");
-  return text.str();
+  return text.str() + why_refused_outside(names.empty() ? first.part : "all");
 }
 
 }  // namespace
+
+bool can_be_left(const Robot& robot, const Snapshot& map) {
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  return map.counts().seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);
+}
+
+bool is_allowed_outside(const std::string& part, const std::vector<std::string>& allow_outside) {
+  return std::any_of(allow_outside.begin(), allow_outside.end(),
+                     [&](const std::string& name) { return name == "all" || name == part; });
+}
+
+std::string to_text(const LeavingPart& leaving) {
+  std::ostringstream text = sentence();
+  text << shortened(leaving.part) << " leaves the map's bounds";
+  if (std::isfinite(leaving.distance)) text << " by " << leaving.distance << " m";
+  text << " at " << place_of(leaving.point);
+  return text.str();
+}
+
+std::string why_refused_outside(const std::string& part) {
+  return ": nothing is known of that place, which the policy not_occupied counts as free; allow it by name "
+         "with --allow-outside " +
+         shortened(part);
+}
 
 PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        const std::vector<Configuration>& path) {
@@ -90,7 +102,7 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
   const check::KdlArm arm(without_file(robot));
   const VoxelCounts counts = map.counts();
   const Eigen::AlignedBox3d bounds = map.bounds();
-  const bool may_leave = counts.seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);
+  const bool may_leave = can_be_left(robot, map);
   survey.is_of_obstacles_alone = counts.seen_free + counts.painted + counts.conflict == 0;
   std::set<std::string> unknown_free;
   for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
@@ -181,7 +193,7 @@ std::string only_seen_sentence(const std::vector<std::string>& links) {
 std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands& demands) {
   std::vector<LeavingPart> leaving;
   for (const LeavingPart& part : survey.leaving) {
-    if (!is_allowed(part.part, demands.allow_outside)) leaving.push_back(part);
+    if (!is_allowed_outside(part.part, demands.allow_outside)) leaving.push_back(part);
   }
   if (!leaving.empty()) return describe_leaving(leaving);
   if (demands.strict && !survey.standing.empty())

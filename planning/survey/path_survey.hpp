@@ -51,6 +51,19 @@ struct SurveyDemands {
 PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        const std::vector<Configuration>& path);
 
+/// Whether parts can leave the map, as survey_path says of its bounds.
+bool can_be_left(const Robot& robot, const Snapshot& map);
+
+/// Whether `allow_outside` holds the part, or "all".
+bool is_allowed_outside(const std::string& part, const std::vector<std::string>& allow_outside);
+
+/// "tool leaves the map's bounds by 0.3 m at (1, 0, 0.5)"
+std::string to_text(const LeavingPart& leaving);
+
+/// ": nothing is known of that place, ..., allow it by name with --allow-outside PART": ends the sentence of
+/// a refusal.
+std::string why_refused_outside(const std::string& part);
+
 /// The same of legs on which the robot carries different loads, in one: edges are numbered as if it were one
 /// path, and a voxel that is swept on two legs with different loads counts twice.
 PathSurvey survey_legs(const std::vector<LegsToCheck>& legs, const std::map<std::string, Policy>& policies);
