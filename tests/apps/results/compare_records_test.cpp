@@ -4,8 +4,8 @@
 #include <sys/stat.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <stdexcept>
 
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -115,6 +115,36 @@ TEST(CompareRecords, HalfALastLineIsLeftOutAndAWrongOneNamed) {
       << told(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n");
   EXPECT_NE(told("nonsense\n").find("line 1"), std::string::npos);
   EXPECT_NE(told("").find("line 1"), std::string::npos);
+}
+
+TEST(CompareRecords, FilesElsewhereAndWhatIsNoFileAreRefused) {
+  const TemporaryFolder folder;
+  const auto is_read = [&](const std::string& plan, const std::string& page) {
+    CompareRecords records(asked());
+    records.open(0, 0, {problem("a")});
+    CompareRun found = run(0, 1);
+    found.plan_file = plan;
+    records.add(0, 0, 0, found);
+    records.finish(0, 0, 0, page);
+    try {
+      CompareRecords::read(folder.write("runs.jsonl", records.text()));
+      return true;
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+  };
+  EXPECT_TRUE(is_read("plans/e/a/one.json", "animations/e/a.html"));
+  EXPECT_TRUE(is_read("", ""));
+  for (const char* elsewhere : {"/tmp/plan.json", "../plans/a.json", "plans/../../a.json",
+                                "plans/a/../b.json", "results.html", "plans/a.sh", "./plans/a.json"}) {
+    EXPECT_FALSE(is_read(elsewhere, "")) << elsewhere;
+    EXPECT_FALSE(is_read("", elsewhere)) << elsewhere;
+  }
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(CompareRecords::read(pipe), std::invalid_argument);  // and does not wait for a writer
+  EXPECT_THROW(CompareRecords::read(folder.write("deep", std::string(1'000'000, '['))),
+               std::invalid_argument);
 }
 
 TEST(CompareRecords, TellsWhatTwoComparisonsDoNotShare) {

@@ -727,6 +727,14 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
   EXPECT_EQ(again, text);
 }
 
+TEST(Teach, EventsThatWouldFillTheMemoryAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("e.jsonl", std::string(100'001, '\n'));
+  EXPECT_THROW(load_teach_events(folder / "e.jsonl"), std::invalid_argument);
+  folder.write("e.jsonl", std::string(100'000, '\n'));
+  EXPECT_TRUE(load_teach_events(folder / "e.jsonl").empty());
+}
+
 TEST(Teach, ALoadsNameIsATextHoweverItIsWritten) {
   const TemporaryFolder folder;
   folder.write("e.jsonl",
