@@ -160,11 +160,6 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
 
 }  // namespace
 
-bool is_bag_file(const std::filesystem::path& file) {
-  const std::string kind = extension_of(file);
-  return kind == ".mcap" || kind == ".bag";
-}
-
 std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
   const InputFile input(file, "bag");
   DecodingChild child(
