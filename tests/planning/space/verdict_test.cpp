@@ -35,7 +35,7 @@ TEST(Verdict, OfABodyAsLargeAsAHouseNamesOneOfTheCubesThatItMeets) {
   robot.bodies[0].shape = Shape::sphere(50.0);
   robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
   for (const Policy policy : {Policy::painted, Policy::known_free}) {
-    const ConfigurationSpace space(robot, builder.snapshot(), {.other = policy}, {});
+    const ConfigurationSpace space(robot, builder.snapshot(), {.parts = {{"base", policy}}}, {});
     const Verdict verdict = space.check(Configuration::Zero(2));
     EXPECT_EQ(verdict.obstruction,
               policy == Policy::painted ? Obstruction::outside_painted : Obstruction::unknown);
