@@ -8,6 +8,7 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/advice/paint_advice.hpp"
 #include "planning/auto_planner.hpp"
@@ -34,7 +35,7 @@ constexpr double most_gravity = 1e3;  ///< m/s^2
 void require_values(const Configuration& q, const std::string& field, const Robot& robot) {
   if (q.size() == static_cast<Eigen::Index>(robot.dof())) return;
   refuse_field(field + " has " + std::to_string(q.size()) + " values",
-               std::to_string(robot.dof()) + ", one for each joint of robot '" + robot.name + "'");
+               std::to_string(robot.dof()) + ", one for each joint of robot " + quote(robot.name));
 }
 
 void require_fields(const PlanQuery& query) {
@@ -58,7 +59,7 @@ void require_fields(const PlanQuery& query) {
     loaded = with_load(loaded, load.load);
     for (const int leg : load.legs)
       if (leg < 0 || leg >= static_cast<int>(query.goals.size()))
-        refuse_field("load '" + load.load.name + "' is on leg " + std::to_string(leg + 1),
+        refuse_field("load " + quote(load.load.name) + " is on leg " + std::to_string(leg + 1),
                      "legs from 1 to " + std::to_string(query.goals.size()) + ", one for each goal");
   }
   if (query.survey) require_parts(query.survey->allow_outside, loaded, "plan query: survey.allow_outside");

@@ -24,7 +24,7 @@ ScanSource in_turn(std::vector<Scan> scans) {
 std::vector<Scan> read_scans(const std::filesystem::path& file) {
   constexpr std::size_t most_points = 100'000'000;
   std::vector<Scan> scans;
-  if (file.extension() == ".pcd" || file.extension() == ".ply") {
+  if (is_cloud_file(file)) {
     ViewedCloud cloud = read_viewed_cloud(file);
     Scan scan;
     scan.map_from_sensor = cloud.file_from_viewpoint;

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "apps/check/recorded_terms.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -14,34 +16,33 @@ namespace clearway {
 
 namespace {
 
-std::string name_of(const std::string& robot) { return std::filesystem::path(robot).stem().string(); }
-
-/// The map's record of the plan's query, or null with a note that says why it does not count.
-const QueryTerms* query_of(const std::optional<QueryRecord>& record, const Plan& plan, const Robot& robot,
-                           const std::string& map_digest, std::vector<std::string>& notes) {
-  if (!record) return nullptr;
-  if (record->map_sha256 != map_digest) {
-    notes.push_back("the folder's record of queries is of another map and does not count");
-    return nullptr;
-  }
-  const QueryTerms* query = record->find(plan.query, plan.start, plan.goals, contract_tolerance);
-  if (!query) {
-    notes.push_back("the plan's query is none of the map's own");
-    return nullptr;
-  }
-  if (name_of(query->robot) == robot.name && query->start.size() == static_cast<Eigen::Index>(robot.dof()))
-    return query;
-  notes.push_back("the map's query '" + query->name + "' is for robot '" + query->robot +
-                  "' and does not count");
-  return nullptr;
+/// The plan's terms that tell its query from others, or what flags state in their place.
+RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const Robot& robot) {
+  RecordQuestion question{.query = plan.query,
+                          .robot = robot.name,
+                          .dof = robot.dof(),
+                          .scale = options.robot.scale.value_or(robot.scale),
+                          .start = plan.start,
+                          .goals = plan.goals};
+  if (!options.start.empty())
+    question.start = choose_configuration(options.start, "--start", robot, options.degrees);
+  if (!options.goals.empty()) question.goals.clear();
+  for (const std::string& goal : options.goals)
+    question.goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
+  return question;
 }
 
 /// States a contract term by term.
 class Statement {
  public:
   Statement(const CheckOptions& options, const Plan& plan, const Robot& robot, const Snapshot& map,
-            const QueryTerms* query)
-      : options_(options), plan_(plan), robot_(robot), map_(map), query_(query) {}
+            const RecordedTerms& record)
+      : options_(options),
+        plan_(plan),
+        robot_(robot),
+        map_(map),
+        record_(record),
+        query_(record.query ? &*record.query : nullptr) {}
 
   Term<double> scale() const {
     if (options_.robot.scale) return {*options_.robot.scale, TermSource::flag};
@@ -53,8 +54,10 @@ class Statement {
     if (!options_.robot.base.empty())
       return {pose_from_numbers(options_.robot.base, "--base"), TermSource::flag};
     if (query_) return {query_->map_from_base, TermSource::map};
+    if (const auto recorded = record_.base_instead_of(plan_.map_from_base))
+      return {*recorded, TermSource::map};
     if (!plan_.map_from_base.isApprox(robot_.map_from_base, contract_tolerance))
-      notes.push_back("the base is the plan's; by its own settings '" + robot_.name + "' stands at " +
+      notes.push_back("the base is the plan's; by its own settings " + quote(robot_.name) + " stands at " +
                       to_text(robot_.map_from_base));
     return {plan_.map_from_base, TermSource::plan};
   }
@@ -88,8 +91,7 @@ class Statement {
   }
 
   /// @param loads of the contract, what it picks included
-  std::map<std::string, Term<Policy>> policies(const std::vector<LegLoad>& loads,
-                                               std::vector<std::string>& notes) const {
+  std::map<std::string, Term<Policy>> policies(const std::vector<LegLoad>& loads) const {
     const Robot loaded = with_all_loads(robot_, loads);
     const auto by_default = part_policies(loaded, map_, {});
     std::map<std::string, Term<Policy>> terms;
@@ -100,6 +102,7 @@ class Statement {
       }
     };
     take(of_plan(loaded), TermSource::plan);
+    bound_plan(by_default, terms);
     if (query_) take(query_->policies, TermSource::map);
     const Policies flags = choose_policies(options_.robot.policies, loaded);
     if (!flags.critical_by_default) {  // --policy P, for all parts
@@ -107,11 +110,6 @@ class Statement {
     }
     take(flags.parts, TermSource::flag);
     restrict_loads(loaded, terms);
-    for (const auto& [part, term] : terms) {
-      if (term.source == TermSource::plan && term.value > by_default.at(part))
-        notes.push_back("the policy of " + part + " is the plan's, " + std::string(to_string(term.value)) +
-                        "; by default it is " + std::string(to_string(by_default.at(part))));
-    }
     return terms;
   }
 
@@ -140,14 +138,18 @@ class Statement {
   Term<double> padding() const {
     if (options_.robot.padding) return {*options_.robot.padding, TermSource::flag};
     if (query_) return {query_->padding, TermSource::map};
-    const double least = position_accuracy();
-    return plan_.padding < least ? Term<double>{least, TermSource::by_default}
-                                 : Term<double>{plan_.padding, TermSource::plan};
+    const double usual = position_accuracy(), recorded = record_.smallest_padding().value_or(usual);
+    const Term<double> least = recorded < usual ? Term<double>{recorded, TermSource::map}
+                                                : Term<double>{usual, TermSource::by_default};
+    return plan_.padding < least.value ? least : Term<double>{plan_.padding, TermSource::plan};
   }
 
   Term<double> seen_within() const {
     if (options_.robot.seen_within) return {*options_.robot.seen_within, TermSource::flag};
     if (query_) return {query_->seen_within, TermSource::map};
+    const double longest = record_.longest_age();
+    if (longest > 0.0 && !(plan_.seen_within > 0.0 && plan_.seen_within <= longest))
+      return {longest, TermSource::map};
     return {plan_.seen_within, TermSource::plan};
   }
 
@@ -175,6 +177,20 @@ class Statement {
   }
 
  private:
+  /// No plan alone loosens the policy of a part of the robot: the map's record of other queries for it is the
+  /// bound, else what is usual.
+  void bound_plan(const std::map<std::string, Policy>& by_default,
+                  std::map<std::string, Term<Policy>>& terms) const {
+    const std::map<std::string, Policy> recorded = record_.loosest_policies();
+    for (const Body& body : robot_.bodies) {
+      const auto found = recorded.find(body.part);
+      const bool is_recorded = found != recorded.end();
+      const Policy bound = is_recorded ? found->second : by_default.at(body.part);
+      if (Term<Policy>& term = terms.at(body.part); term.value > bound)
+        term = {bound, is_recorded ? TermSource::map : TermSource::by_default};
+    }
+  }
+
   /// A plan does not loosen what a load must lie in.
   static void restrict_loads(const Robot& loaded, std::map<std::string, Term<Policy>>& terms) {
     for (const Load& load : loaded.loads) {
@@ -207,14 +223,15 @@ class Statement {
   const Plan& plan_;
   const Robot& robot_;
   const Snapshot& map_;
+  const RecordedTerms& record_;
   const QueryTerms* query_;
 };
 
 void require_same_joints(const Robot& robot, const Plan& plan, const std::filesystem::path& file) {
   if (joint_names(robot) == plan.joints) return;
   throw std::invalid_argument(file.string() + ": field 'joints': the plan is for " +
-                              std::to_string(plan.joints.size()) + " joints that are not those of robot '" +
-                              robot.name + "' (" + std::to_string(robot.dof()) + " joints)");
+                              std::to_string(plan.joints.size()) + " joints that are not those of robot " +
+                              quote(robot.name) + " (" + std::to_string(robot.dof()) + " joints)");
 }
 
 RobotRequest without_choices(const RobotChoice& choice) {
@@ -244,10 +261,10 @@ void note_held(const CheckOptions& options, const Contract& contract, const Robo
     const auto by_default = std::find_if(own.held.begin(), own.held.end(),
                                          [&](const HeldJoint& joint) { return joint.name == name; });
     if (by_default == own.held.end())
-      notes.push_back("joint " + name + " stands at " + significant(term.value) +
+      notes.push_back("joint " + shortened(name) + " stands at " + significant(term.value) +
                       " by the plan; by default it moves");
     else if (by_default->value != term.value)
-      notes.push_back("joint " + name + " stands at " + significant(term.value) +
+      notes.push_back("joint " + shortened(name) + " stands at " + significant(term.value) +
                       " by the plan; by default at " + significant(by_default->value));
   }
 }
@@ -301,9 +318,10 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
                         const std::optional<QueryRecord>& record) {
   require_same_joints(robot, plan, options.plan);
   Contract contract;
-  const QueryTerms* query = query_of(record, plan, robot, map_digest, contract.notes);
-  if (query) contract.query = query->name;
-  const Statement statement(options, plan, robot, map, query);
+  const RecordedTerms recorded =
+      recorded_terms(record, question_of(options, plan, robot), map_digest, contract.notes);
+  if (recorded.query) contract.query = recorded.query->name;
+  const Statement statement(options, plan, robot, map, recorded);
   contract.robot = {options.robot.robot, TermSource::flag};
   contract.group = group_of(options, robot);
   for (const HeldJoint& joint : robot.held)
@@ -314,10 +332,10 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.pick = statement.pick();
   contract.loads = statement.loads(contract.pick.value, contract.notes);
   if (contract.pick.value && !contract.loads.value.empty())
-    throw std::invalid_argument("load '" + contract.loads.value.front().load.name +
-                                "': expected none beside a pick, whose object is the one load");
+    throw std::invalid_argument("load " + quote(contract.loads.value.front().load.name) +
+                                ": expected none beside a pick, whose object is the one load");
   const std::vector<LegLoad> loads = carried_under(contract);
-  contract.policies = statement.policies(loads, contract.notes);
+  contract.policies = statement.policies(loads);
   contract.payload = statement.payload();
   contract.gravity = statement.gravity();
   contract.grip_time = statement.grip_time();
@@ -336,8 +354,8 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.position_accuracy = statement.position_accuracy();
   contract.demands = options.survey;
   require_parts(contract.demands.allow_outside, with_all_loads(robot, loads), "--allow-outside");
-  if (query) {
-    const std::vector<std::string>& allowed = query->allow_outside;
+  if (recorded.query) {
+    const std::vector<std::string>& allowed = recorded.query->allow_outside;
     contract.demands.allow_outside.insert(contract.demands.allow_outside.end(), allowed.begin(),
                                           allowed.end());
   }

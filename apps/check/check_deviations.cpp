@@ -5,6 +5,7 @@
 #include "apps/check/check_contract.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/query/loads.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
@@ -55,7 +56,7 @@ class Comparison {
     const auto name = [](const std::string& robot) { return std::filesystem::path(robot).stem(); };
     if (name(contract_.robot.value) != name(plan_.robot))
       add(AcceptedTerm::robot,
-          "robot: expected '" + contract_.robot.value + "', the plan is for '" + plan_.robot + "'");
+          "robot: expected " + quote(contract_.robot.value) + ", the plan is for " + quote(plan_.robot));
     const auto& [scale, source] = contract_.scale;
     if (!(std::abs(plan_.robot_scale - scale) <= contract_tolerance * scale))
       add(AcceptedTerm::scale, "scale: expected " + significant(scale, 7) + by(source) + ", the plan says " +
@@ -72,22 +73,24 @@ class Comparison {
       const auto said = plan_.held.find(joint);
       if (said != plan_.held.end() && std::abs(said->second - term.value) <= contract_tolerance) continue;
       add(AcceptedTerm::held,
-          "joint " + joint + ": expected to stand at " + significant(term.value, 7) + by(term.source) +
-              ", the plan says " +
+          "joint " + shortened(joint) + ": expected to stand at " + significant(term.value, 7) +
+              by(term.source) + ", the plan says " +
               (said == plan_.held.end() ? std::string("nothing of it") : significant(said->second, 7)));
     }
   }
 
   void compare_policies() {
     for (const auto& [part, term] : contract_.policies) {
-      if (term.source == TermSource::plan || term.source == TermSource::by_default) continue;
+      if (term.source == TermSource::plan) continue;
       const auto said = plan_.policies.find(part);
       if (said != plan_.policies.end() && said->second <= term.value) continue;
-      if (said == plan_.policies.end() && is_missing_load(part)) continue;  // told as such
+      if (said == plan_.policies.end() && (term.source == TermSource::by_default || is_missing_load(part)))
+        continue;  // the usual one counts, or it is told as such
       const std::string says =
           said == plan_.policies.end() ? "nothing of it" : std::string(to_string(said->second));
-      add(AcceptedTerm::policy, "policy of " + part + ": expected " + std::string(to_string(term.value)) +
-                                    by(term.source) + ", the plan says " + says);
+      add(AcceptedTerm::policy, "policy of " + shortened(part) + ": expected " +
+                                    std::string(to_string(term.value)) + by(term.source) +
+                                    ", the plan says " + says);
     }
   }
 
@@ -153,9 +156,10 @@ class Comparison {
     const auto& [pick, source] = contract_.pick;
     if (!pick && !plan_.pick) return;
     if (!pick)
-      return add(AcceptedTerm::load, "pick: expected --pick, because the plan takes the voxels of '" +
-                                         plan_.pick->object.name + "' out of the map and touches it");
-    const std::string expected = "pick: expected that '" + pick->object.name + "' is picked" + by(source);
+      return add(AcceptedTerm::load, "pick: expected --pick, because the plan takes the voxels of " +
+                                         quote(plan_.pick->object.name) + " out of the map and touches it");
+    const std::string expected =
+        "pick: expected that " + quote(pick->object.name) + " is picked" + by(source);
     if (!plan_.pick) return add(AcceptedTerm::load, expected + ", the plan says nothing of it");
     if (!is_same(*pick, *plan_.pick))
       add(AcceptedTerm::load, expected + ", the plan says another shape, pose, grasp, place or way of it");
@@ -246,8 +250,8 @@ void adopt_loads(const Plan& plan, Contract& contract) {
     for (const LegLoad& load : plan.loads)
       if (load.load.name != plan.pick->object.name)
         throw std::invalid_argument(
-            "load '" + load.load.name +
-            "' of the plan: expected none beside a pick, whose object is the one load");
+            "load " + quote(load.load.name) +
+            " of the plan: expected none beside a pick, whose object is the one load");
   contract.loads = {plan.loads, TermSource::plan};
   contract.pick = {plan.pick, TermSource::plan};
   for (const LegLoad& load : plan.loads) {

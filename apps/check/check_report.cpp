@@ -7,6 +7,7 @@
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "apps/query/survey_figures.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/load_json.hpp"
 
 namespace clearway {
@@ -97,24 +98,24 @@ std::string policy_text(const Contract& contract) {
   for (const auto& [source, policies] : by_source) {
     std::string parts;
     for (const auto& [part, policy] : policies)
-      parts += (parts.empty() ? "" : ", ") + part + " " + std::string(to_string(policy));
+      parts += (parts.empty() ? "" : ", ") + shortened(part) + " " + std::string(to_string(policy));
     text += (text.empty() ? "" : "; ") + parts + from(source);
   }
   return text;
 }
 
 void append_contract(const Contract& contract, Rows& rows) {
-  rows.emplace_back("robot", contract.robot.value + " at scale " + significant(contract.scale.value) +
+  rows.emplace_back("robot", plain(contract.robot.value) + " at scale " + significant(contract.scale.value) +
                                  from(contract.scale.source));
   if (!contract.group.value.empty())
     rows.emplace_back("group", contract.group.value + from(contract.group.source));
   for (const auto& [joint, term] : contract.held)
-    rows.emplace_back("held", joint + " at " + significant(term.value) + from(term.source));
+    rows.emplace_back("held", shortened(joint) + " at " + significant(term.value) + from(term.source));
   rows.emplace_back("base", to_text(contract.map_from_base.value) + from(contract.map_from_base.source));
   for (const LegLoad& load : contract.loads.value)
     rows.emplace_back("load", describe_load(load) + from(contract.loads.source));
   if (contract.pick.value)
-    rows.emplace_back("pick", contract.pick.value->object.name + from(contract.pick.source));
+    rows.emplace_back("pick", shortened(contract.pick.value->object.name) + from(contract.pick.source));
   rows.emplace_back("payload", significant(contract.payload.value) + " kg" + from(contract.payload.source));
   rows.emplace_back(
       "gravity", to_text(Configuration(contract.gravity.value)) + " m/s^2" + from(contract.gravity.source));
@@ -154,7 +155,8 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
 void append_torques(const TorqueFinding& torques, Rows& rows) {
   if (torques.share != 0.0) rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit");
   for (const std::string& joint : torques.overloaded)
-    rows.emplace_back("note", "gravity alone takes more than 95 % of the torque limit of joint " + joint);
+    rows.emplace_back("note",
+                      "gravity alone takes more than 95 % of the torque limit of joint " + shortened(joint));
 }
 
 Json motion_json(const MotionVerdict& motion, double duration) {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "apps/calibrate/calibrations.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "datasets/descriptions/setup_blocks.hpp"
@@ -14,14 +15,8 @@ namespace {
 
 /// Nothing that is read is overwritten.
 void require_output(const CalibrateOptions& options, const std::filesystem::path& setup) {
-  if (options.out.empty()) return;
-  for (const std::filesystem::path& input : {options.source, setup}) {
-    std::error_code error;
-    if (std::filesystem::equivalent(options.out, input, error))
-      throw std::invalid_argument("--out " + quote_path(options.out.string()) +
-                                  " is an input itself, expected another file to write");
-  }
-  require_writable(options.out);
+  require_apart({{"--out", options.out}}, {{"SOURCE", options.source}, {"--setup", setup}});
+  if (!options.out.empty()) require_writable(options.out);
 }
 
 /// The setup's text with the blocks in it; it reads back, or this is thrown.

@@ -86,9 +86,9 @@ int run_check(const CheckOptions& options, Console& console) {
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
   check_motion_of(plan, robot, map, report);
-  // A path that is malformed (its clearances were not measured) leads nowhere.
+  // What a refused path sweeps is not worth the wait, and one that is malformed leads nowhere.
   std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
-  if (report.path.clearance.empty())
+  if (!report.is_valid())
     for (LegsToCheck& part : legs) part.waypoints.clear();
   report.survey = survey_legs(legs, policies_of(report.contract));
   refuse_surveyed(report.survey, report.contract.demands, report.path);

@@ -15,6 +15,7 @@
 #include "apps/compare/compare_session.hpp"
 #include "apps/console/build_stamp.hpp"
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
@@ -25,6 +26,7 @@
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
@@ -196,6 +198,8 @@ CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>&
 
 int run_suite(const CompareOptions& options, Console& console) {
   const Suite suite = chosen_suite(options);
+  for (const SuiteWorld& world : suite.worlds)
+    require_apart({{"--out", options.out}}, {{"world " + quote(world.name) + " of the suite", world.map}});
   const std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
   const CompareResults results =
       run_and_publish(suite, prepared, options, asked_of(suite, prepared, options), console);
@@ -294,6 +298,8 @@ int rerun(const CompareOptions& options, Console& console) {
 }
 
 int merge(const CompareOptions& options, Console& console) {
+  for (auto shard = options.what.begin() + 1; shard != options.what.end(); ++shard)
+    require_apart({{"--out", options.out}}, {{"compare merge", *shard}});
   AtomicFolder folder(options.out, is_of_comparison);
   const CompareResults results =
       merge_into(folder.path(), options.out, {options.what.begin() + 1, options.what.end()});

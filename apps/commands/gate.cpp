@@ -12,9 +12,11 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/history/provenance.hpp"
 #include "mapping/maps/map_damage.hpp"
+#include "mapping/maps/map_integration.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/gate_line.hpp"
+#include "planning/survey/path_survey.hpp"
 
 namespace clearway {
 
@@ -27,6 +29,8 @@ GateOptions gate_options(const GateCommandOptions& options, const Robot& robot) 
   gate.limits.reaction = options.reaction;
   gate.tolerance = options.tolerance;
   if (options.max_age) gate.max_age = *options.max_age;
+  require_parts(options.allow_outside, robot, "--allow-outside");
+  gate.allow_outside = options.allow_outside;
   if (!options.start.empty()) gate.start = choose_configuration(options.start, "--start", robot, false);
   return gate;
 }
@@ -51,6 +55,19 @@ Robot loaded_robot(const GateCommandOptions& options) {
       throw std::invalid_argument("--attach: load " + quote(load.load.name) +
                                   " rides on single legs, of which a gate knows none; expected no 'legs'");
   return with_all_loads(robot, loads);
+}
+
+/// What its verdicts rest on, which no single one of them says.
+void tell_terms(const ConfigurationSpace& space, Console& console) {
+  const Robot& robot = space.robot();
+  console.log("policy: " + describe_policies(space.policies(), space.options().seen_within) +
+              "; padding: " + describe_padding(space.options().padding, robot.position_accuracy));
+  if (const std::string note = only_seen_sentence(robot.only_seen); !note.empty())
+    console.warn("warning: " + note);
+  for (const Load& load : robot.loads) console.log("load: " + load.name + " on " + load.link);
+  const PathSurvey survey = survey_path(robot, space.map(), space.policies(), {});
+  for (const std::string& note : {unknown_sentence(survey), integration_caveat(space.map())})
+    if (!note.empty()) console.warn("note: " + note);
 }
 
 GateVerdict judge(Gate& gate, const ChunkLine& line) {
@@ -81,9 +98,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const double seen_within = options.robot.seen_within.value_or(0.0);
   ConfigurationSpace space = padded_space(robot, map, policies, padding, seen_within);
-  console.log("policy: " + describe_policies(space.policies(), seen_within) +
-              "; padding: " + describe_padding(padding, robot.position_accuracy));
-  for (const Load& load : robot.loads) console.log("load: " + load.name + " on " + load.link);
+  tell_terms(space, console);
   gate.publish(std::move(space), newest_look(options, map), history);
 
   LineReader lines(console.in(), options.max_line);

@@ -24,6 +24,7 @@ Command add_gate(CLI::App& app, Console& console) {
       ->type_name("MAP");
   add_robot_flags(*command, options->robot);
   add_attach(*command, options->attach, "; legs are not for it");
+  add_allow_outside(*command, options->allow_outside);
   command
       ->add_option(
           "--start", options->start,

@@ -10,6 +10,7 @@
 #include "apps/problem_sets/import_suite.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "apps/query/query.hpp"
+#include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -57,8 +58,8 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
   ForeignSet set;
   for (const std::filesystem::path& file : options.files) {
     const std::string text = read_input(file, "scene or request", largest_scene);
-    const bool is_request = file.extension() != ".scene" && is_request_text(text, file);
-    if (file.extension() == ".scene")
+    const bool is_text = extension_of(file) == ".scene", is_request = !is_text && is_request_text(text, file);
+    if (is_text)
       set.worlds.push_back(read_scene_text(text, file, set.left_out));
     else if (is_request)
       set.problems.push_back(read_motion_request(text, file, set.left_out));
@@ -94,13 +95,19 @@ void report(const ImportOptions& options, const ImportOutcome& outcome, Console&
 }  // namespace
 
 int run_import(const ImportOptions& options, Console& console) {
-  if (std::filesystem::exists(options.out / "import.json") ||
-      std::filesystem::exists(options.out / "suite.yaml"))
-    throw std::invalid_argument("--out: " + quote_path(options.out.string()) +
-                                " holds an import already, expected a new folder");
+  for (const char* name : {"import.json", "suite.yaml", "maps", "problems"})
+    if (std::filesystem::exists(options.out / name))
+      throw std::invalid_argument("--out: " + quote_path(options.out.string()) +
+                                  " holds an import already, or what has its names, such as " + quote(name) +
+                                  ", expected a new folder");
+  // Refuses before the work what cannot be written; of what is there nothing is ours.
+  AtomicFolder folder(options.out, [](const std::filesystem::path&) { return false; });
   const RobotRequest request = robot_request(options.robot);
   const ForeignSet set = options.kind == "json" ? read_json_sets(options) : read_scenes(options, request);
-  report(options, write_suite(set, {request, options.resolution, options.out}), console);
+  ImportOutcome outcome = write_suite(set, {request, options.resolution, folder.path()});
+  if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();
+  folder.publish();
+  report(options, outcome, console);
   return exit_done;
 }
 

@@ -7,9 +7,11 @@
 #include <ostream>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/inspect/inspect_bag.hpp"
 #include "apps/inspect/inspect_parts.hpp"
+#include "apps/inspect/map_folder.hpp"
 #include "apps/inspect/slice_image.hpp"
 #include "apps/pages/map_page.hpp"
 #include "datasets/ros/bag_source.hpp"
@@ -49,6 +51,19 @@ void require_in_reach(const std::vector<Eigen::Vector3d>& points, const Snapshot
                                 " m is beyond what a map of this resolution can hold, " +
                                 significant(farthest) + " m");
   }
+}
+
+/// Refuses, before the work, what cannot be written or is read.
+void require_outputs(const InspectOptions& options) {
+  std::vector<NamedPlace> files = {{"--view", options.view}};
+  for (const auto& [plane, file] : options.slices) files.push_back({"--slice", file});
+  for (const auto& file : options.exports) files.push_back({"--export", file});
+  std::vector<NamedPlace> outputs = files;
+  outputs.push_back({"--save", options.save});
+  require_apart(outputs, {{"MAP", options.map}, {"--diff", options.diff}, {"--merge", options.merge}});
+  for (const NamedPlace& file : files)
+    if (!file.path.empty()) require_writable(file.path);
+  if (!options.save.empty()) AtomicFolder(options.save, is_in_map_folder);
 }
 
 /// What replay wrote beside the map; none for a map that was edited since, with a word about it.
@@ -108,6 +123,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (options.age && slices.empty())
     throw std::invalid_argument("--age: expected --slice beside it, which it colours");
   const std::vector<Eigen::Vector3d> points = points_of(options.at);
+  require_outputs(options);
   // Everything is read before anything is said; see hand_over.cpp.
   const std::optional<Snapshot> loaded =
       needs_memory(options) ? std::optional<Snapshot>(load_map(options.map)) : std::nullopt;
@@ -118,9 +134,6 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (const std::string remark = painted_csv_remark(options.map, loaded ? *loaded : map); !remark.empty())
     console.warn("note: " + remark);
   require_in_reach(points, map);
-  for (const auto& [plane, file] : slices) require_writable(file);
-  for (const auto& file : options.exports) require_writable(file);
-  if (!options.view.empty()) require_writable(options.view);
   const std::optional<Provenance> provenance = provenance_of(options, console);
 
   Json json = describe_map(options, leaves);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/pages/map_page.hpp"
@@ -67,11 +68,20 @@ void save_trajectories(const PlanOptions& options, const Robot& robot, const Pla
   }
 }
 
-/// Where the plan is written to: every file once.
+std::vector<NamedPlace> places_read(const PlanOptions& options) {
+  std::vector<NamedPlace> inputs = {
+      {"--map", options.map}, {"--srdf", options.robot.srdf}, {"--pick", options.pick}};
+  const std::filesystem::path robot = options.robot.robot;
+  if (robot.has_extension()) inputs.push_back({"--robot", robot});
+  for (const auto& file : options.attach) inputs.push_back({"--attach", file});
+  return inputs;
+}
+
+/// Where the plan is written to: every file once, and over nothing that is read.
 void require_files(const PlanOptions& options) {
-  std::vector<std::pair<const char*, std::filesystem::path>> files = {
-      {"--out", options.out}, {"--csv", options.csv}, {"--view", options.view}};
-  for (const auto& [format, file] : options.trajectories) files.emplace_back("--trajectory", file);
+  std::vector<NamedPlace> files = {{"--out", options.out}, {"--csv", options.csv}, {"--view", options.view}};
+  for (const auto& [format, file] : options.trajectories) files.push_back({"--trajectory", file});
+  require_apart(files, places_read(options));
   for (std::size_t i = 0; i < files.size(); ++i) {
     const auto& [flag, file] = files[i];
     if (file.empty()) continue;
@@ -80,9 +90,9 @@ void require_files(const PlanOptions& options) {
       const auto same = [](const std::filesystem::path& path) {
         return std::filesystem::weakly_canonical(path);
       };
-      if (same(files[j].second) != same(file)) continue;
-      throw std::invalid_argument(std::string(flag) + ": '" + file.string() + "' is the file of " +
-                                  files[j].first + ", too");
+      if (same(files[j].path) != same(file)) continue;
+      throw std::invalid_argument(flag + ": '" + file.string() + "' is the file of " + files[j].flag +
+                                  ", too");
     }
   }
 }

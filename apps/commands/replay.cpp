@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
@@ -290,18 +291,6 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
   console.out() << "\n  report: " << (options.out / "report.html").string() << '\n';
 }
 
-/// A session's own recording may be all that there is of it, and goes with the folder that is replaced.
-void require_to_stay(const std::filesystem::path& recording, const std::filesystem::path& out) {
-  namespace fs = std::filesystem;
-  if (!is_session_folder(out / "session")) return;
-  const fs::path inner =
-      fs::weakly_canonical(recording).lexically_relative(fs::weakly_canonical(out / "session"));
-  if (!inner.empty() && *inner.begin() != "..")
-    throw std::invalid_argument(
-        "--out: " + quote_path(out.string()) +
-        " holds the recording, and would be replaced with it: expected another folder");
-}
-
 }  // namespace
 
 int run_replay(const ReplayOptions& options, Console& console) {
@@ -323,8 +312,14 @@ int run_replay(const ReplayOptions& options, Console& console) {
     session.threads = options.threads;
     return run_teach(session, console);
   }
-  require_to_stay(options.recording, options.out);
   for (const std::string& planner : options.planners) make_planner(planner);
+  const std::filesystem::path setup =
+      options.setup.empty() ? options.setup : shipped_file("setups", options.setup);
+  require_apart({{"--out", options.out},
+                 {"--record", options.record},
+                 {"--overlay", options.overlay},
+                 {"--video-out", options.video}},
+                {{"RECORDING", options.recording}, {"--setup", setup}});
   const PictureOptions pictures{options.overlay, options.video};
   require_pictures(pictures, options.recording, options.out);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
@@ -335,11 +330,10 @@ int run_replay(const ReplayOptions& options, Console& console) {
   if (!options.record.empty()) record.emplace(options.record);
 
   auto begin = Clock::now();
-  Fusion fusion =
-      fuse(options.recording,
-           {options.setup.empty() ? options.setup : shipped_file("setups", options.setup), options.resolution,
-            options.integration, options.threads, record ? &*record : nullptr, options.camera_seconds},
-           console.bar("fusing"));
+  Fusion fusion = fuse(options.recording,
+                       {setup, options.resolution, options.integration, options.threads,
+                        record ? &*record : nullptr, options.camera_seconds},
+                       console.bar("fusing"));
   report.fusion = &fusion;
   report.timings = {{"read", fusion.counts.read_s},
                     {"track", fusion.counts.track_s},

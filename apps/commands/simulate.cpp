@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
@@ -12,7 +13,13 @@
 namespace clearway {
 
 int run_simulate(const SimulateOptions& options, Console& console) {
-  const Scene scene = load_scene(shipped_file("scenes", options.scene));
+  const std::filesystem::path file = shipped_file("scenes", options.scene);
+  const Scene scene = load_scene(file);
+  std::vector<NamedPlace> inputs = {{"SCENE", file}};
+  for (const SceneInclude& include : scene.includes) inputs.push_back({"the scene", include.recording});
+  require_apart(
+      {{"--out", options.out}, {"truth.json beside --out", options.out.parent_path() / "truth.json"}},
+      inputs);
   const SimulationResult result = simulate(scene, options.out, console.bar("rendering"));
   if (console.json) {
     const nlohmann::ordered_json json{{"recording", result.recording.string()},

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/quantile.hpp"
 #include "apps/console/shipped_file.hpp"
@@ -40,6 +41,17 @@ TeachSession::EventSource script(std::vector<TeachEvent> events) {
     std::vector<TeachEvent> due;
     while (next < events.size() && events[next].time <= until) due.push_back(events[next++]);
     return due;
+  };
+}
+
+/// What of a folder this command writes. Without a list of our files in it nothing but a map is ours: all
+/// else may be somebody's only copy.
+IsOurs written_into(const fs::path& folder) {
+  const bool has_list = fs::exists(folder / own_files_name);
+  return [has_list](const fs::path& relative) {
+    const fs::path part = *relative.begin();
+    const bool is_of_session = part == "session" || part == "approved" || part == "maps";
+    return is_in_map_folder(relative) || (has_list && is_of_session);
   };
 }
 
@@ -140,11 +152,15 @@ std::vector<TeachKey> keys_of_file(const TeachCommand& command, const Setup& set
 }
 
 /// The recording goes into the session's folder as it was: nothing may be written over it or into it.
-void require_apart(const fs::path& source, const TeachCommand& command) {
+void require_apart_from(const RecordedSession& recorded, const TeachCommand& command) {
+  const fs::path& source = recorded.source;
+  require_apart({{"--overlay", command.overlay}, {"--video-out", command.video}},
+                {{"SOURCE", command.source},
+                 {"the session", source},
+                 {"--setup", recorded.setup_file},
+                 {"--events", command.events},
+                 {"--keys", command.keys}});
   std::error_code error;
-  if (!command.video.empty() && fs::equivalent(command.video, source, error))
-    throw std::invalid_argument("--video-out: " + quote_path(command.video.string()) +
-                                " is the recording itself, expected another file");
   if (!fs::is_directory(source, error)) return;
   const fs::path inner = fs::weakly_canonical(command.out).lexically_relative(fs::weakly_canonical(source));
   if (!inner.empty() && *inner.begin() != "..")
@@ -169,12 +185,13 @@ int run_teach(const TeachCommand& command, Console& console) {
   const bool is_camera = is_camera_name(recorded.source);
   require_pictures(stills, recorded.source, command.out);
   if (!command.video.empty()) require_writable(command.video);
-  require_apart(recorded.source, command);
+  require_apart_from(recorded, command);
   const std::unique_ptr<TeachScreen> screen = open_screen(command, console);
   if (!screen && file.empty())
     throw std::invalid_argument(
         "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
-  AtomicFolder folder(command.out, is_in_map_folder);  // refuses before the work what cannot be written
+  AtomicFolder folder(command.out,
+                      written_into(command.out));  // refuses before the work what cannot be written
   for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);
 
   TeachSession* keyed = nullptr;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/quantile.hpp"
 #include "apps/console/shipped_file.hpp"
@@ -149,24 +150,26 @@ class TrackReport {
   std::map<std::string, PoseTally> tallies_;
 };
 
-/// Refuses files that cannot be written, or that are the source itself, before any work.
-void require_outputs(const TrackOptions& options) {
-  for (const auto& file : {options.csv, options.json, options.tum_camera, options.tum_probe}) {
-    if (file.empty()) continue;
-    std::error_code error;
-    if (std::filesystem::equivalent(file, options.source, error))
-      throw std::invalid_argument(quote_path(file.string()) +
-                                  " is the source itself, expected another file to write");
-    require_writable(file);
-  }
+/// Refuses files that cannot be written, or that are read, before any work.
+void require_outputs(const TrackOptions& options, const std::filesystem::path& setup) {
+  const std::vector<NamedPlace> files = {{"--csv", options.csv},
+                                         {"--json", options.json},
+                                         {"--tum-camera", options.tum_camera},
+                                         {"--tum-probe", options.tum_probe}};
+  std::vector<NamedPlace> outputs = files;
+  outputs.push_back({"--draw", options.draw});
+  require_apart(outputs, {{"SOURCE", options.source}, {"--setup", setup}});
+  for (const NamedPlace& file : files)
+    if (!file.path.empty()) require_writable(file.path);
 }
 
 }  // namespace
 
 int run_track(const TrackOptions& options, Console& console) {
-  require_outputs(options);
-  ChosenSetup chosen = choose_setup(
-      options.source, options.setup.empty() ? options.setup : shipped_file("setups", options.setup));
+  const std::filesystem::path file =
+      options.setup.empty() ? options.setup : shipped_file("setups", options.setup);
+  require_outputs(options, file);
+  ChosenSetup chosen = choose_setup(options.source, file);
   chosen.setup.source.camera_seconds = options.camera_seconds;
   const Setup& setup = chosen.setup;
   if (setup.boards.empty())

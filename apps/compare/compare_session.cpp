@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
 #include <exception>
-#include <fstream>
 #include <mutex>
 #include <ostream>
 #include <stdexcept>
@@ -14,6 +14,7 @@
 #include "apps/console/table.hpp"
 #include "apps/results/compare_files.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/interruption.hpp"
 
 namespace clearway {
@@ -63,8 +64,7 @@ class TimeLeft {
 
 /// A killed process may have left half a line.
 void cut_after_last_line(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = read_input(file, "runs", SIZE_MAX);
   const std::size_t whole = text.rfind('\n') + 1;
   if (whole != text.size() && ::truncate(file.c_str(), static_cast<off_t>(whole)) != 0) fail_to_write(file);
 }

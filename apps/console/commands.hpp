@@ -161,6 +161,7 @@ struct GateCommandOptions {
   double reaction = 0.0;                           ///< seconds
   double tolerance = 1e-3;                         ///< of where a chunk starts, rad or m
   std::optional<double> max_age;                   ///< seconds; none: nobody asks
+  std::vector<std::string> allow_outside = {};     ///< parts that may leave the map's bounds, or "all"
   std::size_t max_line = 262144;                   ///< bytes
 };
 int run_gate(const GateCommandOptions& options, Console& console);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "apps/console/parse.hpp"
+#include "planning/robot/robot.hpp"
 
 namespace clearway {
 
@@ -115,7 +116,7 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   add_model_flags(command, choice, notes);
   command.add_option("--scale", choice.scale, "size against the full-size robot" + notes.scale)
-      ->check(positive())
+      ->check(number("a factor from 0.000001 to 1000", least_scale, most_scale))
       ->type_name("S");
   command
       .add_option("--base", choice.base,
@@ -195,16 +196,21 @@ void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, c
       ->type_name("G");
 }
 
-void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
+void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outside) {
   command
       .add_option(
-          "--allow-outside", demands.allow_outside,
+          "--allow-outside", allow_outside,
           "a part that may leave the map's bounds although its policy is not_occupied, or all; repeatable")
       ->type_name("PART|all")
       ->allow_extra_args(false)
       ->take_all();
+}
+
+void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
+  add_allow_outside(command, demands.allow_outside);
   command.add_flag("--strict", demands.strict,
-                   "refuse when a body that no joint moves touches occupied voxels");
+                   "refuse when a body that no joint moves touches occupied voxels, or a link has a visual "
+                   "shape but no collision shape");
 }
 
 }  // namespace clearway

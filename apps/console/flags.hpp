@@ -59,6 +59,8 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
 /// --payload and --gravity, as `plan` and `check` share them. @param payload, gravity notes of their defaults
 void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, const std::string& gravity);
 
+/// --allow-outside, as `plan`, `check` and `gate` share it.
+void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outside);
 /// --allow-outside and --strict, as `plan` and `check` share them.
 void add_survey_flags(CLI::App& command, SurveyDemands& demands);
 

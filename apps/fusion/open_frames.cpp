@@ -1,16 +1,16 @@
 #include "apps/fusion/open_frames.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/video.hpp"
 #include "datasets/ros/bag_source.hpp"
-#include "datasets/sources/finite_number.hpp"
 #include "mapping/files/cloud_file.hpp"
-#include "mapping/files/map_file.hpp"
+#include "mapping/system/damaged_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -30,25 +30,15 @@ class Rawlog final : public FrameSource {
   RecordingReader reader_;
 };
 
-/// Cloud files as scans. When every name is a number they are times and tell the order.
+/// Cloud files as scans, in the order and at the times that their names tell.
 class Clouds final : public FrameSource {
  public:
-  Clouds(std::vector<fs::path> files, std::string sensor)
-      : files_(std::move(files)), sensor_(std::move(sensor)) {
-    timed_ = std::all_of(files_.begin(), files_.end(), [](const fs::path& file) {
-      return finite_number(file.stem().string()).has_value();
-    });
-    std::sort(files_.begin(), files_.end(), [this](const fs::path& a, const fs::path& b) {
-      if (!timed_) return a.filename() < b.filename();
-      return *finite_number(a.stem().string()) < *finite_number(b.stem().string());
-    });
-  }
+  Clouds(const std::vector<fs::path>& files, std::string sensor)
+      : files_(times_of_names(files)), sensor_(std::move(sensor)) {}
 
   std::optional<Frame> next() override {
     while (at_ < files_.size()) {
-      const fs::path& file = files_[at_];
-      const double time = timed_ ? *finite_number(file.stem().string()) : static_cast<double>(at_);
-      ++at_;
+      const auto& [file, time] = files_[at_++];
       try {
         const ViewedCloud cloud = read_viewed_cloud(file);
         CloudFrame frame;
@@ -59,7 +49,9 @@ class Clouds final : public FrameSource {
         for (const Eigen::Vector3f& point : cloud.points) frame.points.push_back(sensor_from_file * point);
         return Frame{time, sensor_, std::move(frame), file.filename().string()};
       } catch (const DamagedFile& error) {  // the other files are whole
-        if (!damage_) damage_ = error.what();
+        note_damage(error.what());
+      } catch (const std::invalid_argument& error) {  // not a file, or one that cannot be read
+        note_damage(error.what());
       }
     }
     return std::nullopt;
@@ -69,20 +61,22 @@ class Clouds final : public FrameSource {
   double progress() const override { return static_cast<double>(at_) / static_cast<double>(files_.size()); }
 
  private:
-  std::vector<fs::path> files_;
+  void note_damage(const std::string& sentence) {
+    if (!damage_) damage_ = sentence;
+  }
+
+  std::vector<TimedFile> files_;
   std::string sensor_;
-  bool timed_ = false;
   std::size_t at_ = 0;
   std::optional<std::string> damage_;
 };
 
-/// The regular files of a folder that `is_wanted`; links are followed.
+/// What is called like a file that `is_wanted`. One that is no file, or a link to none, is damage to be told:
+/// what it should hold is missing.
 std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    std::error_code error;
-    if (entry.is_regular_file(error) && is_wanted(entry.path())) files.push_back(entry.path());
-  }
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_wanted(entry.path())) files.push_back(entry.path());
   return files;
 }
 
@@ -90,20 +84,22 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
   std::error_code error;
   const std::string name = fs::weakly_canonical(folder, error).filename().string();
   std::vector<fs::path> pictures, clouds;
+  std::optional<DepthLayout> depth;
   try {
+    depth = depth_layout(folder);
     pictures = files_in(folder, is_picture_file);
     clouds = files_in(folder, is_cloud_file);
   } catch (const fs::filesystem_error& failure) {
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
-  if (const auto depth = depth_layout(folder)) return open_depth_folder(folder, *depth, options);
+  if (depth) return open_depth_folder(folder, *depth, options);
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
                                 std::to_string(pictures.size()) + " pictures and " +
                                 std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
   if (!pictures.empty()) return open_pictures(pictures, name, options);
-  if (!clouds.empty()) return std::make_unique<Clouds>(std::move(clouds), name);
+  if (!clouds.empty()) return std::make_unique<Clouds>(clouds, name);
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }
@@ -129,8 +125,10 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
   if (fs::is_directory(recording, error)) return open_folder(recording, options);
   if (is_camera_name(recording)) return open_camera(recording, options);
   const bool is_file = fs::is_regular_file(recording, error);
-  if (is_file && is_cloud_file(recording))
+  if (is_file && is_cloud_file(recording)) {
+    require_input(recording, "recording");
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
+  }
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);
   if (is_file && is_bag_file(recording)) return open_bag(recording, options);

@@ -3,31 +3,13 @@
 #include "apps/inspect/map_folder.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_edit.hpp"
-#include "mapping/system/folder_place.hpp"
 
 namespace clearway {
-
-namespace {
-
-/// True when both are the same file or folder, or a folder and the map.ot in it.
-bool same_place(const std::filesystem::path& map, const std::filesystem::path& folder) {
-  std::error_code error;
-  const bool same = std::filesystem::equivalent(map, folder, error);
-  return same || std::filesystem::equivalent(map, folder / "map.ot", error);
-}
-
-}  // namespace
 
 Snapshot edited(const InspectOptions& options, const Snapshot& map) {
   const bool edits = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
   if (edits && options.save.empty())
     throw std::invalid_argument("--merge, --crop and --coarsen: expected --save DIR to write the new map to");
-  for (const std::filesystem::path& read : {options.map, options.merge}) {
-    if (!options.save.empty() && !read.empty() && same_place(read, options.save))
-      throw std::invalid_argument("--save " + options.save.string() +
-                                  ": that map was read, expected another folder");
-  }
-  if (!options.save.empty()) place_of_folder(options.save);  // refused before the work
   Snapshot result = map;
   if (!options.merge.empty()) result = merge(result, load_map(options.merge));
   if (!options.crop.empty()) {

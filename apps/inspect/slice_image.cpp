@@ -10,6 +10,7 @@
 #include "apps/inspect/slice_age.hpp"
 #include "apps/inspect/slice_clearance.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 
@@ -164,7 +165,7 @@ SlicePlane parse_slice(const std::string& text) { return parse_plane(text, "--sl
 
 void write_slice_image(const MapLeaves& map, const SlicePlane& plane, const std::filesystem::path& file,
                        const SliceLook& look) {
-  if (file.extension() != ".png") {
+  if (extension_of(file) != ".png") {
     throw std::invalid_argument("--slice: expected a .png file, got '" + file.string() + "'");
   }
   require_plane(map, plane, "--slice");

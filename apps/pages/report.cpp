@@ -7,6 +7,7 @@
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/pages/map_page.hpp"
 #include "apps/query/loads.hpp"
+#include "mapping/maps/map_integration.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -195,6 +196,8 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
                                   grouped(voxels.painted) + " painted, " + grouped(voxels.seen_free) +
                                   " seen free, " + grouped(voxels.occupied) + " occupied");
   rows.emplace_back("conflicts", grouped(voxels.conflict));
+  if (const std::string caveat = integration_caveat(report.map); !caveat.empty())
+    rows.emplace_back("note", caveat);
   return rows;
 }
 

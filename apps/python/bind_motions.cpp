@@ -234,8 +234,10 @@ std::vector<double> list_or(const py::object& value, const std::string& name, st
 
 std::unique_ptr<GuardedGate> make_gate(const py::object& max_velocity, const py::object& deceleration,
                                        double reaction, double max_duration, double tolerance,
-                                       const std::optional<double>& max_age) {
+                                       const std::optional<double>& max_age,
+                                       const std::vector<std::string>& allow_outside) {
   GateOptions options;
+  options.allow_outside = allow_outside;
   options.limits.max_velocity = list_or(max_velocity, "max_velocity", {});
   options.limits.deceleration = list_or(deceleration, "deceleration", options.limits.deceleration);
   options.limits.reaction = reaction;
@@ -288,11 +290,13 @@ void bind_gate(py::module_& module) {
       .def(py::init(&make_gate), py::kw_only(), py::arg("max_velocity") = py::none(),
            py::arg("deceleration") = py::none(), py::arg("reaction") = usual.limits.reaction,
            py::arg("max_duration") = usual.limits.max_duration, py::arg("tolerance") = usual.tolerance,
-           py::arg("max_age") = py::none(),
+           py::arg("max_age") = py::none(), py::arg("allow_outside") = usual.allow_outside,
            doc("MotionLimits",
                "max_velocity, deceleration: a number for all joints, or one for each; by default the robot's "
                "own, and 5 rad/s^2.\n\ntolerance: of where a chunk starts, rad or m.\n\nmax_age: of the "
-               "newest map, seconds; None: nobody asks."))
+               "newest map, seconds; None: nobody asks.\n\nallow_outside: parts that may leave the map's "
+               "bounds, "
+               "or 'all'."))
       .def(
           "publish",
           [](GuardedGate& self, const NamedSpace& space, const std::optional<double>& taken) {

@@ -99,7 +99,7 @@ std::map<std::string, Policy> loaded_policies(const ConfigurationSpace& space,
 }
 
 std::string describe_load(const LegLoad& load) {
-  std::string text = load.load.name + " on " + load.load.link;
+  std::string text = shortened(load.load.name) + " on " + shortened(load.load.link);
   for (std::size_t i = 0; i < load.legs.size(); ++i)
     text +=
         (i == 0 ? (load.legs.size() == 1 ? ", leg " : ", legs ") : ", ") + std::to_string(load.legs[i] + 1);

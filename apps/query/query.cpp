@@ -74,9 +74,9 @@ std::string degrees_hint(const Robot& robot, const Configuration& q, const std::
 Robot choose_robot(const RobotChoice& choice) {
   Robot robot = load_robot(robot_request(choice));
   if (choice.scale) {
-    if (!std::isfinite(*choice.scale) || *choice.scale <= 0.0) {
-      throw std::invalid_argument("--scale: expected a positive number, got " + significant(*choice.scale));
-    }
+    if (!(*choice.scale >= least_scale && *choice.scale <= most_scale))
+      throw std::invalid_argument("--scale: expected a factor from 0.000001 to 1000, got " +
+                                  significant(*choice.scale));
     robot = scaled(robot, *choice.scale / robot.scale);
   }
   if (!choice.base.empty()) robot.map_from_base = pose_from_numbers(choice.base, "--base");
@@ -135,10 +135,8 @@ Policies choose_policies(const std::vector<std::string>& texts, const Robot& rob
     }
     const std::string part = text.substr(0, equals);
     if (!parts.count(part)) {
-      std::string names;
-      for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
-      throw std::invalid_argument("--policy: robot '" + robot.name + "' has no part '" + part + "' (it has " +
-                                  names + ")");
+      throw std::invalid_argument("--policy: robot " + quote(robot.name) + " has no part " + quote(part) +
+                                  " (it has " + listed({parts.begin(), parts.end()}) + ")");
     }
     policies.parts[part] = policy_of(text, text.substr(equals + 1));
   }
@@ -154,7 +152,7 @@ std::string describe_policies(const std::map<std::string, Policy>& policies, dou
                        })->first;
   std::string text;
   for (const auto& [part, policy] : policies) {
-    if (policy != usual) text += part + " " + std::string(to_string(policy)) + ", ";
+    if (policy != usual) text += shortened(part) + " " + std::string(to_string(policy)) + ", ";
   }
   text += (text.empty() ? "all parts " : "other parts ") + std::string(to_string(usual));
   return text + (seen_within > 0.0 ? ", seen within " + significant(seen_within) + " s" : "");
@@ -165,7 +163,7 @@ PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw std::invalid_argument("--set: expected key=value, got '" + text + "'");
+      throw std::invalid_argument("--set: expected key=value, got " + quote(text));
     }
     const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
     if (value.empty()) {
@@ -173,8 +171,8 @@ PlannerOptions choose_planner_options(const std::vector<std::string>& texts) {
     }
     const auto [known, is_new] = options.emplace(key, value);
     if (!is_new) {
-      throw std::invalid_argument("--set: option '" + key + "' is given twice, as '" + known->second +
-                                  "' and as '" + value + "', expected it once");
+      throw std::invalid_argument("--set: option " + quote(key) + " is given twice, as " +
+                                  quote(known->second) + " and as " + quote(value) + ", expected it once");
     }
   }
   return options;
@@ -238,7 +236,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   std::vector<std::pair<std::string, std::string>> rows{{"status", std::string(to_string(plan.status()))}};
   if (!plan.explanation().empty()) rows.emplace_back("explanation", plan.explanation());
   if (!plan.waypoints().empty()) {
-    if (plan.pick) rows.emplace_back("pick", plan.pick->object.name + ": " + legs_of_pick(plan));
+    if (plan.pick) rows.emplace_back("pick", shortened(plan.pick->object.name) + ": " + legs_of_pick(plan));
     rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
     rows.emplace_back("steps", grouped(steps));
     rows.emplace_back(

@@ -40,6 +40,8 @@ std::vector<std::pair<std::string, std::string>> survey_figures(const PathSurvey
   std::vector<std::pair<std::string, std::string>> rows;
   if (survey.swept) rows.emplace_back("swept volume", describe_swept(*survey.swept));
   if (const std::string note = unknown_sentence(survey); !note.empty()) rows.emplace_back("note", note);
+  if (const std::string note = only_seen_sentence(survey.only_seen); !note.empty())
+    rows.emplace_back("note", note);
   if (!survey.standing.empty()) rows.emplace_back("standing", describe_standing(survey.standing));
   if (!survey.leaving.empty()) {
     std::vector<std::string> parts;

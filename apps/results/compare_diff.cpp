@@ -36,20 +36,39 @@ struct StoredResults {
   std::map<std::pair<std::string, std::string>, StoredRuns> runs;  ///< by experiment and label
 };
 
+// A database is a program: of views, triggers and generated columns. These bound what it may take.
+constexpr std::size_t largest_results = std::size_t{1} << 30U;
+constexpr int longest_text = 16'000'000;                    ///< bytes
+constexpr int steps_a_look = 1'000'000, most_looks = 2000;  ///< of SQLite's machine
+constexpr std::size_t most_rows = 5'000'000;
+
+void guard(sqlite3* database, int& looks) {
+  for (const int forbidden :
+       {SQLITE_DBCONFIG_ENABLE_VIEW, SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_TRUSTED_SCHEMA})
+    sqlite3_db_config(database, forbidden, 0, nullptr);
+  sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, longest_text);
+  const auto look = [](void* count) { return static_cast<int>(++*static_cast<int*>(count) > most_looks); };
+  sqlite3_progress_handler(database, steps_a_look, look, &looks);
+}
+
 /// An open database, and one question to it.
 class StoredQuery {
  public:
   StoredQuery(const fs::path& file, const char* sql) : file_(file) {
+    if (InputFile(file, "results").size() > largest_results) refuse();
     sqlite3* raw = nullptr;
     const int opened = sqlite3_open_v2(file.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
     database_.reset(raw);
     sqlite3_stmt* statement = nullptr;
-    if (opened != SQLITE_OK || sqlite3_prepare_v2(raw, sql, -1, &statement, nullptr) != SQLITE_OK) refuse();
+    if (opened != SQLITE_OK) refuse();
+    guard(raw, looks_);
+    if (sqlite3_prepare_v2(raw, sql, -1, &statement, nullptr) != SQLITE_OK) refuse();
     statement_.reset(statement);
   }
   bool next() {
     const int status = sqlite3_step(statement_.get());
-    if (status != SQLITE_ROW && status != SQLITE_DONE) refuse();
+    if ((status != SQLITE_ROW && status != SQLITE_DONE) || ++rows_ > most_rows) refuse();
     return status == SQLITE_ROW;
   }
   std::string text(int column) const {
@@ -65,6 +84,8 @@ class StoredQuery {
                                 "' cannot be read: expected a results.sqlite of `clearway compare`");
   }
   fs::path file_;
+  int looks_ = 0;
+  std::size_t rows_ = 0;
   std::unique_ptr<sqlite3, int (*)(sqlite3*)> database_{nullptr, sqlite3_close};
   std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement_{nullptr, sqlite3_finalize};
 };
@@ -72,7 +93,6 @@ class StoredQuery {
 StoredResults load_results(const fs::path& given) {
   StoredResults results;
   results.file = fs::is_directory(given) ? given / "results.sqlite" : given;
-  require_input(results.file, "results");
   StoredQuery suites(results.file, "SELECT host, processor, jobs FROM suites");
   while (suites.next()) {
     results.host = suites.text(0);

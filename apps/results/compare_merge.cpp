@@ -1,12 +1,12 @@
 #include "apps/results/compare_merge.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 
 #include "apps/results/compare_files.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -101,11 +101,14 @@ void require_whole(const std::vector<ShardRecords>& shards) {
 std::optional<std::string> moved_map(const ShardRecords& shard, const std::string& map_file,
                                      const fs::path& shown) {
   const fs::path name = fs::path("maps") / fs::path(map_file).filename();
-  if (map_file.empty() || !map_file.ends_with(name.string()) || !fs::exists(shard.folder / name)) return {};
+  if (map_file.empty() || name.lexically_normal() != name || !map_file.ends_with(name.string()) ||
+      !fs::exists(shard.folder / name))
+    return {};
   return (shown / name).string();
 }
 
 void copy_new(const fs::path& from, const fs::path& to) {
+  require_input(from, "compare merge: file");
   fs::create_directories(to.parent_path());
   fs::copy_file(from, to, fs::copy_options::skip_existing);
 }
@@ -113,9 +116,7 @@ void copy_new(const fs::path& from, const fs::path& to) {
 /// A plan names its map by the folder of results.
 void copy_plan(const fs::path& from, const fs::path& to, const std::string& old_map,
                const std::string& new_map) {
-  std::ifstream in(from, std::ios::binary);
-  if (!in) refuse_merge("cannot read " + folder_name(from) + ", which its results name");
-  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string text = read_input(from, "plan file", 64U << 20U);
   const std::string before = "\"file\": \"" + old_map + "\"";
   if (const std::size_t at = text.find(before); at != std::string::npos)
     text.replace(at, before.size(), "\"file\": \"" + new_map + "\"");

@@ -1,13 +1,17 @@
 #include "apps/results/compare_records.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
+#include "apps/results/compare_files.hpp"
 #include "apps/results/compare_record.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/files/json_text.hpp"
+#include "planning/files/plan_file.hpp"
 
 namespace clearway {
 namespace {
@@ -30,8 +34,13 @@ std::string asked_line(const CompareAsked& asked) {
                   {"experiments", experiments}});
 }
 
+Json json_of_line(const std::string& line) {
+  require_json(line, records_name);
+  return Json::parse(line);
+}
+
 CompareAsked asked_of_line(const std::string& line) {
-  const Json json = Json::parse(line);
+  const Json json = json_of_line(line);
   if (json.at("clearway_runs") != 1) throw std::invalid_argument("of another version");
   CompareAsked asked;
   asked.results = results_of_record(json.at("asked"));
@@ -119,10 +128,20 @@ CompareRecords::CompareRecords(CompareRecords&& other) noexcept
       stages_(std::move(other.stages_)),
       time_(other.time_) {}
 
+namespace {
+
+constexpr std::size_t largest_records = std::size_t{1} << 30U;
+
+/// What records name beside them is read and copied: by the names that a comparison gives, in its folder.
+void require_beside(const std::filesystem::path& file) {
+  if (!file.empty() && (file.lexically_normal() != file || !is_of_comparison(file)))
+    throw std::invalid_argument("no file of a comparison");
+}
+
+}  // namespace
+
 CompareRecords CompareRecords::read(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::invalid_argument("cannot read '" + plain(file.string()) + "'");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = read_input(file, "records of runs", largest_records);
   std::istringstream lines(text.substr(0, text.rfind('\n') + 1));
   std::size_t number = 1;
   try {
@@ -141,7 +160,7 @@ CompareRecords CompareRecords::read(const std::filesystem::path& file) {
 }
 
 void CompareRecords::read_line(const std::string& line) {
-  const Json json = Json::parse(line);
+  const Json json = json_of_line(line);
   if (json.contains("time_s")) {
     time_ += json.at("time_s").get<double>();
   } else if (json.contains("stage")) {
@@ -157,9 +176,11 @@ void CompareRecords::read_line(const std::string& line) {
       const CompareRun run = run_of_record(json.at("run"));
       if (run.planner >= asked_.results.experiments[of.at(0).get<std::size_t>()].planners.size())
         throw std::invalid_argument("no such planner");
+      require_beside(run.plan_file);
       put(problem.found.runs, run);
     } else {
       json.at("page").get_to(problem.found.page);
+      require_beside(problem.found.page);
       problem.is_finished = true;
     }
   }
@@ -262,17 +283,11 @@ std::vector<CompareProfile> profiles_of(const CompareExperiment& experiment,
   if (std::find(plots.begin(), plots.end(), "profiles") == plots.end() || experiment.problems.empty())
     return profiles;
   for (const CompareRun& run : experiment.problems.front().runs) {
-    if (run.number != 1 || run.plan_file.empty()) continue;
-    std::ifstream file(folder / run.plan_file, std::ios::binary);
-    const Json plan = Json::parse(file, nullptr, false);
-    if (plan.is_discarded() || plan.at("waypoints").empty()) continue;
-    CompareProfile profile{run.planner, {}};
-    for (const Json& waypoint : plan.at("waypoints")) {
-      const auto values = waypoint.get<std::vector<double>>();
-      profile.waypoints.emplace_back(
-          Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size())));
-    }
-    profiles.push_back(std::move(profile));
+    std::error_code error;
+    if (run.number != 1 || run.plan_file.empty() || !std::filesystem::exists(folder / run.plan_file, error))
+      continue;
+    std::vector<Configuration> waypoints = load_plan(folder / run.plan_file).waypoints();
+    if (!waypoints.empty()) profiles.push_back({run.planner, std::move(waypoints)});
   }
   return profiles;
 }

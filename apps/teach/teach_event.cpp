@@ -243,10 +243,13 @@ namespace {
 template <class Take>
 void read_events(const std::filesystem::path& file, const std::string& what, const char* when,
                  const Take& take) {
+  constexpr std::size_t most_lines = 100'000;
   std::istringstream lines(read_input(file, what, 64U << 20U));
   std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
-    ++number;
+    if (++number > most_lines)
+      throw std::invalid_argument(what + " " + quote_path(file.string()) +
+                                  ": expected at most 100,000 lines");
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const std::string name = what + " " + quote_path(file.string()) + ", line " + std::to_string(number);
     require_json(line, name);

@@ -6,17 +6,24 @@
 
 namespace clearway {
 
+namespace {
+
+constexpr Bounds sizes{1e-6, 1e3};    ///< metres, as of a robot's bodies
+constexpr Bounds factors{1e-6, 1e6};  ///< of meshes, the same
+
+}  // namespace
+
 LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path& folder) {
   const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("capsule") +
                     fields.has("sphere") + fields.has("mesh");
   if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder, capsule, sphere and mesh");
-  if (fields.has("box")) return LoadBox{Eigen::Vector3d(fields.numbers("box", positive, 3).data())};
-  if (fields.has("sphere")) return LoadSphere{fields.number("sphere", positive)};
-  if (fields.has("mesh")) return LoadMesh{folder / fields.file("mesh"), fields.number("scale", positive, 1)};
+  if (fields.has("box")) return LoadBox{Eigen::Vector3d(fields.numbers("box", sizes, 3).data())};
+  if (fields.has("sphere")) return LoadSphere{fields.number("sphere", sizes)};
+  if (fields.has("mesh")) return LoadMesh{folder / fields.file("mesh"), fields.number("scale", factors, 1)};
   const bool is_capsule = fields.has("capsule");
-  const auto sizes = fields.numbers(is_capsule ? "capsule" : "cylinder", positive, 2);
-  if (is_capsule) return LoadCapsule{sizes[0], sizes[1]};
-  return LoadCylinder{sizes[0], sizes[1]};
+  const auto size = fields.numbers(is_capsule ? "capsule" : "cylinder", sizes, 2);
+  if (is_capsule) return LoadCapsule{size[0], size[1]};
+  return LoadCylinder{size[0], size[1]};
 }
 
 LoadSetup read_load(const YamlFields& fields, const std::filesystem::path& folder) {

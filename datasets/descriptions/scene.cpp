@@ -11,6 +11,7 @@
 #include "datasets/descriptions/scene_shape.hpp"
 #include "datasets/descriptions/setup_camera.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -269,7 +270,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
   Scene scene;
   scene.name = name;
   const auto setup_file = expanded(fields.file("setup"), folder);
-  const std::string kind = setup_file.extension();
+  const std::string kind = extension_of(setup_file);
   if (kind != ".yaml" && kind != ".yml")
     fields.fail("setup", "expected the name of a .yaml file, got " + quote(fields.file("setup")));
   scene.setup_text = read_text(setup_file, "setup");

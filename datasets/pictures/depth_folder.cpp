@@ -25,12 +25,13 @@ namespace fs = std::filesystem;
 
 constexpr std::uint16_t no_depth = 65535;
 
+/// What is called like a picture; one that is no file is refused when it is read.
 std::vector<fs::path> pictures_in(const fs::path& folder, const std::string& end = "") {
   std::vector<fs::path> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file(error) && is_picture_file(entry.path()) &&
-        entry.path().stem().string().ends_with(end))
+  if (!fs::is_directory(folder, error)) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (is_picture_file(entry.path()) && entry.path().stem().string().ends_with(end))
       files.push_back(entry.path());
   }
   return files;
@@ -114,7 +115,7 @@ class CameraPoses {
     std::error_code error;
     for (const char* end : {".txt", ".pose.txt"}) {
       const fs::path file = folder_ / (first_part(picture.file) + end);
-      if (!fs::exists(file, error)) continue;
+      if (!fs::exists(fs::symlink_status(file, error))) continue;
       return parse_pose_matrix(read_input(file, "pose", 64U << 10U), "pose " + quote_path(file.string()));
     }
     return std::nullopt;

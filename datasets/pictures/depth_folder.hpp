@@ -18,7 +18,7 @@ struct DepthLayout {
 /// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`,
 /// with `groundtruth.txt`, `poses.txt` or `trajectory.txt`, or a folder `pose/` or `poses/` (TUM, ICL-NUIM,
 /// ScanNet); or files NAME.depth.png, NAME.color.png, NAME.pose.txt (7-Scenes). None when it holds no depth
-/// pictures.
+/// pictures. @throws std::filesystem::filesystem_error when one of the folders cannot be read
 std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder);
 
 /// Four rows of four numbers, world_from_camera, m; empty when they are not finite (the data sets' way to say

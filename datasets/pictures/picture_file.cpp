@@ -2,7 +2,6 @@
 
 #include <libexif/exif-data.h>
 
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -12,6 +11,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 namespace {
@@ -65,8 +66,7 @@ double fraction_of(std::string_view text) {
 }  // namespace
 
 bool is_picture_file(const std::filesystem::path& file) {
-  std::string end = file.extension().string();
-  std::transform(end.begin(), end.end(), end.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string end = extension_of(file);
   return end == ".png" || end == ".jpg" || end == ".jpeg";
 }
 

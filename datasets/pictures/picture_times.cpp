@@ -78,7 +78,7 @@ std::optional<fs::path> table_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error))
-    if (entry.path().extension() == ".csv") found.push_back(entry.path());
+    if (extension_of(entry.path()) == ".csv") found.push_back(entry.path());
   if (found.size() > 1)
     throw std::invalid_argument("folder " + quote_path(folder.string()) + " has " +
                                 std::to_string(found.size()) +
@@ -174,18 +174,34 @@ std::optional<std::vector<double>> name_times(const std::vector<fs::path>& files
   return times;
 }
 
-TimedFiles together(const std::vector<fs::path>& files, const std::vector<double>& times) {
-  TimedFiles result;
-  for (std::size_t i = 0; i < files.size(); ++i) result.files.push_back({files[i], times[i]});
-  return result;
+std::vector<TimedFile> together(const std::vector<fs::path>& files, const std::vector<double>& times) {
+  std::vector<TimedFile> timed;
+  for (std::size_t i = 0; i < files.size(); ++i) timed.push_back({files[i], times[i]});
+  return timed;
+}
+
+std::vector<fs::path> in_order_of_names(std::vector<fs::path> files) {
+  const bool are_numbers = name_times(files).has_value();
+  std::sort(files.begin(), files.end(), [are_numbers](const fs::path& a, const fs::path& b) {
+    if (!are_numbers) return comes_before(a.filename().string(), b.filename().string());
+    return std::pair(*finite_number(a.stem().string()), a) < std::pair(*finite_number(b.stem().string()), b);
+  });
+  return files;
+}
+
+std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) {
+  std::vector<double> times(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) times[i] = static_cast<double>(i) / rate;
+  return together(files, times);
 }
 
 }  // namespace
 
 void make_seconds(std::vector<double>& times) {
   const double largest = times.empty() ? 0.0 : *std::max_element(times.begin(), times.end());
-  const double unit = largest > 1e17 ? 1e-9 : largest > 1e14 ? 1e-6 : largest > 1e11 ? 1e-3 : 1.0;
-  for (double& time : times) time *= unit;
+  for (const auto& [from, unit] : {std::pair{1e12, 1e-3}, std::pair{1e15, 1e-6}, std::pair{1e18, 1e-9}})
+    if (largest >= from && largest < 10.0 * from)
+      for (double& time : times) time *= unit;
 }
 
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
@@ -218,31 +234,28 @@ std::vector<std::pair<std::string, double>> parse_file_times(const std::string& 
   return pairs;
 }
 
+std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
+  const std::vector<fs::path> files = in_order_of_names(given);
+  auto times = name_times(files);
+  if (!times || !are_distinct(*times)) return counted(files, 1.0);
+  make_seconds(*times);
+  return together(files, *times);
+}
+
 TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<double> rate) {
-  std::vector<fs::path> files = given;
-  const bool are_numbers = name_times(files).has_value();
-  std::sort(files.begin(), files.end(), [are_numbers](const fs::path& a, const fs::path& b) {
-    if (!are_numbers) return comes_before(a.filename().string(), b.filename().string());
-    return std::pair(*finite_number(a.stem().string()), a) < std::pair(*finite_number(b.stem().string()), b);
-  });
-  std::vector<double> counted(files.size());
-  for (std::size_t i = 0; i < files.size(); ++i) counted[i] = static_cast<double>(i) / rate.value_or(1.0);
-  if (rate) return together(files, counted);
+  const std::vector<fs::path> files = in_order_of_names(given);
+  if (rate) return {counted(files, *rate), {}};
 
   TimedFiles result;
   const fs::path folder = files.front().parent_path();
-  auto names = name_times(files);
   if (const auto table = table_in(folder)) {
     result = times_by_table(files, *table);
   } else if (auto neighbour = times_by_neighbour(files, folder)) {
     result = std::move(*neighbour);
   } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
-    result = together(files, *exif);
-  } else if (names && are_distinct(*names)) {
-    make_seconds(*names);
-    result = together(files, *names);
+    result.files = together(files, *exif);
   } else {
-    result = together(files, counted);
+    result.files = times_of_names(files);
   }
   std::stable_sort(result.files.begin(), result.files.end(),
                    [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });

@@ -21,8 +21,9 @@ struct TimedFiles {
   std::vector<std::string> warnings;
 };
 
-/// Numbers of a clock as seconds: above 1e17 they are taken for nanoseconds, above 1e14 for microseconds,
-/// above 1e11 for milliseconds, as the largest of them says for all.
+/// Numbers of a clock as seconds: those of 19 digits are taken for nanoseconds since 1970, of 16 for
+/// microseconds, of 13 for milliseconds, as the largest of them says for all. Others stay: 14 digits are a
+/// date, as 20261123071530, whose seconds are no milliseconds.
 void make_seconds(std::vector<double>& times);
 
 /// Lines "time, file" or "file, time" (also apart by spaces), `#` and a line of titles left out, as pairs of
@@ -31,8 +32,13 @@ void make_seconds(std::vector<double>& times);
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
                                                              const std::string& name);
 
+/// Files in the order of their names, numbers within names by their value (a9 before a10), each with its
+/// time: its name, where all are numbers of a clock (make_seconds) and none is there twice, else its place in
+/// that order, one a second.
+std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& files);
+
 /// The first of these that gives every file a time, none of them twice: the table of times beside them; their
-/// EXIF; their names, where all are numbers; their place in the order of their names, one a second. A rate
+/// EXIF; their names, as times_of_names reads them. A rate
 /// goes before all of them. The table is the one .csv file in the folder, or FOLDER.csv or FOLDER.txt beside
 /// it; files that it does not name are left out and reported.
 /// @param files of one folder, at least one

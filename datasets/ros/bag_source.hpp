@@ -7,12 +7,14 @@
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/sources/frame_source.hpp"
 #include "datasets/sources/joint_stream.hpp"
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 
-/// True for names that end in .mcap and .bag.
+/// True for names that end in .mcap and .bag, in small or capital letters.
 inline bool is_bag_file(const std::filesystem::path& file) {
-  return file.extension() == ".mcap" || file.extension() == ".bag";
+  const std::string kind = extension_of(file);
+  return kind == ".mcap" || kind == ".bag";
 }
 
 /// What a bag holds, in the order of names. A bag that is damaged has what could be read.

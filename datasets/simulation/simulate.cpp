@@ -15,6 +15,7 @@
 #include "datasets/simulation/truth.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/parallel.hpp"
 
 namespace clearway {
@@ -22,6 +23,18 @@ namespace {
 
 constexpr double after_copies = 0.1;  // s until the first image of our own
 constexpr int exposure_steps = 5;
+
+/// The truth has a name that others may have taken.
+void require_own_truth(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return;
+  std::string begin;
+  InputFile(file, "truth").read_at(0, 64, begin);
+  if (begin.find("\"format\": \"clearway truth") == std::string::npos)
+    throw std::invalid_argument("'" + file.string() +
+                                "' was not written by simulate, which would replace it: expected another "
+                                "folder for the recording.");
+}
 
 class Simulation {
  public:
@@ -40,6 +53,7 @@ class Simulation {
                                   "': this name is the truth's; expected another, such as recording.rawlog.");
     }
     require_writable(result_.truth);
+    require_own_truth(result_.truth);
   }
 
   SimulationResult run() {

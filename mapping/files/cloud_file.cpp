@@ -6,6 +6,7 @@
 
 #include "mapping/files/cloud_parser.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -27,7 +28,8 @@ std::string raw(const std::vector<Eigen::Vector3f>& points) {
 }  // namespace
 
 bool is_cloud_file(const std::filesystem::path& file) {
-  return file.extension() == ".pcd" || file.extension() == ".ply";
+  const std::string kind = extension_of(file);
+  return kind == ".pcd" || kind == ".ply";
 }
 
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {

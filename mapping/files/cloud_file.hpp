@@ -11,7 +11,7 @@ namespace clearway {
 
 class FusedTree;
 
-/// True for a name that ends in .pcd or .ply.
+/// True for a name that ends in .pcd or .ply, in small or capital letters.
 bool is_cloud_file(const std::filesystem::path& file);
 
 /// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files.

@@ -5,11 +5,9 @@
 #include <pcl/io/ply_io.h>
 
 #include <cstring>
-#include <fstream>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 
+#include "mapping/files/text_cloud.hpp"
 #include "mapping/system/child_process.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
@@ -18,12 +16,6 @@ namespace clearway {
 namespace {
 
 constexpr std::size_t megabyte = std::size_t{1} << 20U;
-
-std::size_t count_words(std::istream& stream) {
-  std::size_t count = 0;
-  for (std::string word; stream >> word;) ++count;
-  return count;
-}
 
 std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   for (const auto& field : cloud.fields) {
@@ -36,46 +28,18 @@ std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& na
   throw std::runtime_error("it has no field " + name);
 }
 
-/// PCL takes a text .pcd that was cut and fills in zeros: its data must hold every number that its header
-/// promises.
-void check_pcd_is_whole(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  stream.imbue(std::locale::classic());
-  std::size_t points = 0, columns = 0;
-  std::string kind;
-  for (std::string line; kind.empty() && std::getline(stream, line);) {
-    std::istringstream words(line);
-    words.imbue(std::locale::classic());
-    std::string key;
-    words >> key;
-    if (key == "POINTS") words >> points;
-    if (key == "FIELDS" && columns == 0) columns = count_words(words);
-    if (key == "COUNT") {
-      columns = 0;
-      for (std::size_t count = 0; words >> count;) columns += count;
-    }
-    if (key == "DATA") words >> kind;
-  }
-  if (kind != "ascii" && kind != "binary" && kind != "binary_compressed") {
-    throw std::runtime_error("its header is cut off or names no known kind of data");
-  }
-  if (kind == "ascii" && count_words(stream) != points * columns) {
-    throw std::runtime_error("it holds another count of numbers than its header says");
-  }
-}
-
 constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
 
 /// Runs in the child: the viewpoint (x y z, qw qx qy qz) and the points as raw floats.
 std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
-  if (is_pcd) check_pcd_is_whole(file);
+  check_text_of_cloud(file, is_pcd);
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
   int version = 0;
   const int status = is_pcd ? pcl::PCDReader().read(file.string(), cloud, origin, turn, version)
                             : pcl::PLYReader().read(file.string(), cloud, origin, turn, version);
-  if (status < 0) throw std::runtime_error("PCL cannot read it");
+  if (status < 0) throw std::runtime_error("its header or its points cannot be read");
   const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (count == 0) throw std::runtime_error("it holds no points");
   if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {
@@ -106,7 +70,7 @@ std::string read_in_child(const std::filesystem::path& file) {
   if (size == 0) refuse(file, "it is empty");
   const std::size_t budget = 128 * megabyte + 20 * size;
   const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
-  const bool is_pcd = file.extension() == ".pcd";
+  const bool is_pcd = extension_of(file) == ".pcd";
   ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, seconds});
   if (!read.finished) refuse(file, read.failure);
   return std::move(read.parts.at(0));

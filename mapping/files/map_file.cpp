@@ -77,7 +77,7 @@ bool is_copy(const std::string& text, const Snapshot& map) {
 
 Snapshot load_map(const fs::path& path, double cloud_resolution) {
   const fs::path file = map_file_of(path);
-  const std::string kind = file.extension().string();
+  const std::string kind = extension_of(file);
   if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
   if (is_cloud_file(file)) {
     require_input(file, "map file");
@@ -90,7 +90,7 @@ Snapshot load_map(const fs::path& path, double cloud_resolution) {
 
 MapLeaves MapLeaves::in_file(const fs::path& path) {
   const fs::path file = map_file_of(path);
-  const std::string kind = file.extension().string();
+  const std::string kind = extension_of(file);
   if (kind != ".ot" && kind != ".bt") return MapLeaves(load_map(path));
   const auto stream = std::make_shared<const OctreeStream>(file);
   const Snapshot about(stream->shared_bare_tree(),
@@ -141,7 +141,7 @@ void save_map(const Snapshot& map, const fs::path& directory) {
 }
 
 void export_map(const Snapshot& map, const fs::path& file) {
-  const std::string kind = file.extension().string();
+  const std::string kind = extension_of(file);
   if (kind == ".ot") return save_file(file, format_color_tree(map.tree()));
   if (kind == ".bt") return save_file(file, format_binary_tree(map.tree()));
   if (kind == ".pcd") return save_file(file, format_pcd(occupied_centers(map.tree(), file)));

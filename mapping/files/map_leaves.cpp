@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "mapping/voxels/leaf_pairs.hpp"
 
@@ -39,9 +40,8 @@ MapLeaves::MapLeaves(Snapshot about, std::function<void(const Visit&)> walk)
 
 MapLeaves MapLeaves::difference(const Snapshot& here, const Snapshot& there) {
   if (here.resolution() != there.resolution())
-    throw std::invalid_argument("the maps have voxels of " + std::to_string(here.resolution()) + " m and " +
-                                std::to_string(there.resolution()) +
-                                " m, expected the same to show a difference");
+    throw std::invalid_argument("the maps have voxels of " + to_text(here.resolution()) + " m and " +
+                                to_text(there.resolution()) + " m, expected the same to show a difference");
   return {here, [here, there](const Visit& visit) {
             const auto state = [](const Snapshot& map, const FusedNode* node) {
               return node == nullptr ? VoxelState::unknown : map.tree().state(*node);

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/require.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -103,9 +104,9 @@ float merged_log_odds(const FusedTree& tree, const FusedNode& a, const FusedNode
 
 Snapshot merge(const Snapshot& map, const Snapshot& other) {
   const FusedTree &first = map.tree(), &second = other.tree();
-  require(map.resolution() == other.resolution(),
-          "merge: the maps have voxels of " + std::to_string(map.resolution()) + " m and " +
-              std::to_string(other.resolution()) + " m, expected the same");
+  require(map.resolution() == other.resolution(), "merge: the maps have voxels of " +
+                                                      to_text(map.resolution()) + " m and " +
+                                                      to_text(other.resolution()) + " m, expected the same");
   require(first.getOccupancyThresLog() == second.getOccupancyThresLog(),
           "merge: the maps have different occupancy thresholds, expected the same");
   std::vector<PaintedVolume> volumes = map.volumes();

@@ -62,6 +62,7 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
   const FolderPlace place = place_of_folder(folder);
   target_ = place.target;
   existed_ = place.exists;
+  if (existed_) require_no_other_command(folder_, is_ours_);
   try {
     make_parents();
     remove_abandoned(target_.parent_path());

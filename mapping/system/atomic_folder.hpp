@@ -28,10 +28,10 @@ enum class Unpublished {
 class AtomicFolder {
  public:
   /// Makes the folder to fill, readable by this user alone. A link to a folder is followed.
-  /// @param is_ours for a folder without a list: whether an earlier run wrote this file
+  /// @param is_ours whether an earlier run of the same command wrote this file, in a folder without a list
   /// @throws std::runtime_error in one sentence when the folder cannot be replaced as a whole: it or its
   ///         parent cannot be written, it is a mount point, the present folder or above it, or holds things
-  ///         of others that cannot be kept.
+  ///         of others that cannot be kept, or files that another command wrote (require_no_other_command).
   AtomicFolder(const std::filesystem::path& folder, IsOurs is_ours,
                Unpublished unpublished = Unpublished::removed);
   ~AtomicFolder();

@@ -29,7 +29,8 @@ std::optional<std::set<fs::path>> own_files(const fs::path& folder) {
   if (!fs::is_regular_file(fs::symlink_status(list, error))) return std::nullopt;
   std::set<fs::path> names;
   std::ifstream stream(list);
-  for (std::string line; std::getline(stream, line);) names.insert(line);
+  for (std::string line; std::getline(stream, line);)
+    if (!line.empty()) names.insert(line);
   return names;
 }
 
@@ -109,6 +110,18 @@ std::vector<fs::path> files_of_others(const fs::path& folder, const IsOurs& is_o
   Search search(folder, is_ours);
   search.look_in("");
   return std::move(search.found);
+}
+
+void require_no_other_command(const fs::path& folder, const IsOurs& is_ours) {
+  const auto own = own_files(folder);
+  if (!own) return;
+  std::error_code error;
+  for (const fs::path& relative : *own) {
+    if (is_ours(relative) || !fs::exists(fs::symlink_status(folder / relative, error))) continue;
+    fail_to_write(folder, "it holds '" + relative.string() +
+                              "', which another command wrote and this one would remove: expected another "
+                              "folder");
+  }
 }
 
 void KeptFiles::update(const fs::path& from, const fs::path& to, const IsOurs& is_ours) {

@@ -21,6 +21,11 @@ using IsOurs = std::function<bool(const std::filesystem::path& relative)>;
 std::vector<std::filesystem::path> files_of_others(const std::filesystem::path& folder,
                                                    const IsOurs& is_ours);
 
+/// What another command of Clearway wrote into a folder does not go when this one replaces it.
+/// @param is_ours also of a folder with a list: whether this command writes such a file
+/// @throws std::runtime_error naming the folder and the first file on its list that `is_ours` denies.
+void require_no_other_command(const std::filesystem::path& folder, const IsOurs& is_ours);
+
 /// Gives the files of others in `from` a second name, a hard link, in `to`.
 class KeptFiles {
  public:

@@ -80,6 +80,13 @@ std::string read_input(const std::filesystem::path& file, const std::string& wha
   return InputFile(file, what).read(largest);
 }
 
+std::string extension_of(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
 void require_input(const std::filesystem::path& file, const std::string& what) {
   static_cast<void>(InputFile(file, what));
 }

@@ -1,5 +1,6 @@
 #include "mapping/system/plain_text.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -98,9 +99,27 @@ std::string plain(std::string_view text) {
   return plain_up_to(text, std::numeric_limits<std::size_t>::max());
 }
 
+std::size_t first_not_utf8(std::string_view text) {
+  std::uint32_t code = 0;
+  for (std::size_t at = 0, size = 0; at < text.size(); at += size) {
+    size = take_character(text.substr(at), code);
+    if (size == 0) return at;
+  }
+  return std::string_view::npos;
+}
+
 std::string shortened(std::string_view text) { return plain_up_to(text, longest); }
 
 std::string quote(std::string_view text) { return "'" + shortened(text) + "'"; }
+
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t most_names = 20;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), most_names); ++i)
+    list += (list.empty() ? "" : ", ") + shortened(names[i]);
+  return names.size() <= most_names ? list
+                                    : list + " and " + std::to_string(names.size() - most_names) + " more";
+}
 
 std::string quote_path(std::string_view path) { return "'" + plain_end(path, longest_path) + "'"; }
 

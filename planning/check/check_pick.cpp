@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "mapping/maps/freed_voxels.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
@@ -114,11 +115,11 @@ class PickCheck {
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Refusal{"pick '" + pick_.object.name + "': " + what};
+    throw Refusal{"pick " + quote(pick_.object.name) + ": " + what};
   }
 
   [[noreturn]] void refuse_on(Leg index, const std::string& what) const {
-    throw Refusal{"pick '" + pick_.object.name + "': " + names_of_legs(true)[index] + what,
+    throw Refusal{"pick " + quote(pick_.object.name) + ": " + names_of_legs(true)[index] + what,
                   static_cast<int>(index)};
   }
 
@@ -151,7 +152,7 @@ class PickCheck {
     arm_.place_on_base(q, links, bodies);
     for (std::size_t i = 0; i < plan_.robot.links.size(); ++i)
       if (plan_.robot.links[i].name == name) return plan_.robot.map_from_base * links[i];
-    refuse("the robot has no link '" + name + "'");
+    refuse("the robot has no link " + quote(name));
   }
 
   Eigen::Isometry3d tip_at(const Configuration& q) const {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
@@ -167,7 +168,8 @@ class MotionChecker {
     std::ostringstream text;
     text.imbue(std::locale::classic());
     text << "after " << motion_.period * static_cast<double>(k) << " s the " << what << " of joint "
-         << robot_.joints[static_cast<std::size_t>(j)].name << " is " << value << ", its limit " << limit;
+         << shortened(robot_.joints[static_cast<std::size_t>(j)].name) << " is " << value << ", its limit "
+         << limit;
     refuse(text.str());
   }
 

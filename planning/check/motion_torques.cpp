@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 
 namespace clearway {
@@ -135,8 +136,8 @@ std::string torque_fault(const Robot& robot, const Motion& motion, const TorqueT
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << "motion: after " << motion.period * found.place << " s the torque of joint "
-       << robot.joints[static_cast<std::size_t>(found.joint)].name << " is " << found.torque << ", its limit "
-       << terms.limits[found.joint];
+       << shortened(robot.joints[static_cast<std::size_t>(found.joint)].name) << " is " << found.torque
+       << ", its limit " << terms.limits[found.joint];
   return text.str();
 }
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/space/part_policies.hpp"
@@ -216,9 +217,9 @@ void Checker::stall(const Item& item, int edge, double t, double length, Nearest
 std::string Checker::describe(const Item& item, const Nearest& near) const {
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text << robot_.bodies[item.body].part;
+  text << shortened(robot_.bodies[item.body].part);
   if (item.other) {
-    text << " touches " << robot_.bodies[*item.other].part;
+    text << " touches " << shortened(robot_.bodies[*item.other].part);
   } else if (near.cube) {
     const Policy policy = tasks_.groups[item.group].policy;
     const std::string_view state = to_string(map_.state(*near.cube));
@@ -260,8 +261,8 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
       const double value = path[i][static_cast<Eigen::Index>(j)];
       const Joint& joint = robot.joints[j];
       if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) continue;
-      text << "joint " << joint.name << " is " << value << ", outside its limits " << joint.lower << " to "
-           << joint.upper;
+      text << "joint " << shortened(joint.name) << " is " << value << ", outside its limits " << joint.lower
+           << " to " << joint.upper;
       return text.str();
     }
   }

@@ -5,6 +5,7 @@
 #include <random>
 #include <sstream>
 
+#include "mapping/system/plain_text.hpp"
 #include "mapping/system/random_unit.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
@@ -64,7 +65,7 @@ void require_same_poses(const Robot& robot, const KdlArm& arm) {
         turns.push_back(arm.is_turned(i) ? Eigen::Matrix3d(links[i].linear().transpose() * ours[i].linear())
                                          : Eigen::Matrix3d::Identity());
       links[i].linear() = links[i].linear() * turns[i];
-      require_near(robot, "link '" + robot.links[i].name + "'", ours[i], links[i], q);
+      require_near(robot, "link " + quote(robot.links[i].name), ours[i], links[i], q);
     }
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const Body& body = robot.bodies[b];

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/number_text.hpp"
 #include "planning/check/path_check_model.hpp"
 
 namespace clearway::check {
@@ -25,6 +26,16 @@ std::uint64_t bits_between(int begin, int end) {
   return (end >= 64 ? all : (std::uint64_t{1} << end) - 1) & (begin >= 64 ? 0 : all << begin);
 }
 
+[[noreturn]] void refuse_far(double distance, double edge) {
+  throw std::invalid_argument("the path leads the robot " + short_text(distance) +
+                              " m from the map's origin, where no map reaches: expected at most " +
+                              short_text(largest_cell * edge) + " m");
+}
+
+[[noreturn]] void refuse_large() {
+  throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
+}
+
 }  // namespace
 
 BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t volumes,
@@ -33,13 +44,11 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
   const Eigen::Array3d across = box.sizes().array() / edge_ + 2.0;
   const double farthest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()) / edge_;
   // Before they become whole numbers. Where no map reaches nothing is occupied, but all of it unknown.
-  if (!(across.prod() <= most_cells) || (outside_blocked_ && !(farthest <= largest_cell)))
-    throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
+  if (outside_blocked_ && !(farthest <= largest_cell)) refuse_far(farthest * edge_, edge_);
+  if (!(across.prod() <= most_cells)) refuse_large();
   first_ = cell(box.min());
   size_ = cell(box.max()) - first_ + Eigen::Vector3i::Ones();
-  if (size_.cast<double>().prod() > most_cells) {
-    throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
-  }
+  if (size_.cast<double>().prod() > most_cells) refuse_large();
   words_ = (static_cast<std::size_t>(size_.x()) + 63) / 64;
   blocked_.assign(words_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()), 0);
   if (outside_blocked_) set(first_, first_ + size_, true);

@@ -2,14 +2,15 @@
 #include <kdl/frames.hpp>
 #include <kdl/segment.hpp>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 
 namespace clearway::check {
 namespace {
 
 [[noreturn]] void refuse_load(const Robot& robot, const Load& load, const std::string& what) {
-  throw FileDisagrees("robot '" + robot.name + "' does not carry its load '" + load.name +
-                      "' as it is stated: " + what);
+  throw FileDisagrees("robot " + quote(robot.name) + " does not carry its load " + quote(load.name) +
+                      " as it is stated: " + what);
 }
 
 int link_called(const Robot& robot, const std::string& name) {
@@ -59,7 +60,7 @@ Robot with_stated_loads(const Robot& robot) {
       refuse_load(robot, load, "there is no body of it");
     const int carrier = link_called(robot, load.link);
     if (carrier < 0 || carrier >= static_cast<int>(link))
-      refuse_load(robot, load, "there is no link '" + load.link + "'");
+      refuse_load(robot, load, "there is no link " + quote(load.link));
     if (!load.link_from_load.matrix().allFinite()) refuse_load(robot, load, "its pose is not finite");
     stated.bodies[body].shape = load.shape;
   }

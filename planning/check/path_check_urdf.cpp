@@ -9,6 +9,7 @@
 #include <locale>
 #include <sstream>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/urdf_document.hpp"
@@ -138,7 +139,7 @@ class FileReader {
  private:
   void add_link(const Link& link) {
     const auto element = tree_.getSegment(link.name);
-    if (element == tree_.getSegments().end()) disagree(robot_, "it has no link '" + link.name + "'");
+    if (element == tree_.getSegments().end()) disagree(robot_, "it has no link " + quote(link.name));
     links_.segments.push_back(std::make_shared<KDL::Segment>(GetTreeElementSegment(element->second)));
     const bool is_root = element == tree_.getRootSegment();
     links_.parent.push_back(is_root ? -1 : index_of(GetTreeElementParent(element->second)->first));
@@ -154,7 +155,7 @@ class FileReader {
   int index_of(const std::string& link) const {
     for (std::size_t i = 0; i < own_links(robot_); ++i)
       if (robot_.links[i].name == link) return static_cast<int>(i);
-    disagree(robot_, "link '" + link + "' is none of the robot's");
+    disagree(robot_, "link " + quote(link) + " is none of the robot's");
   }
 
   /// value of a joint = multiplier * value of `name` + offset, over all that mimic in between.
@@ -172,7 +173,7 @@ class FileReader {
       end = {next->mimic->joint_name, end.multiplier * next->mimic->multiplier,
              end.multiplier * next->mimic->offset + end.offset};
     }
-    disagree(robot_, "joint '" + joint.name + "' mimics itself");
+    disagree(robot_, "joint " + quote(joint.name) + " mimics itself");
   }
 
   void add_joint(const urdf::Joint& joint) {
@@ -183,7 +184,7 @@ class FileReader {
                                    [&](const HeldJoint& other) { return other.name == master; });
     const bool is_held = known == robot_.joints.end() && held != robot_.held.end();
     if ((known == robot_.joints.end() && !is_held) || !model_->getJoint(master))
-      disagree(robot_, "joint '" + master + "' is none of the robot's");
+      disagree(robot_, "joint " + quote(master) + " is none of the robot's");
     if (joint.mimic) {
       links_.multiplier.back() = multiplier;
       links_.offset.back() = offset;
@@ -210,17 +211,17 @@ class FileReader {
     const std::set<std::string> group = group_of_file(robot_, *model_);
     for (const Joint& joint : robot_.joints)
       if (!group.contains(joint.name))
-        disagree(robot_, "joint '" + joint.name + "' is none of group '" + robot_.group + "'");
+        disagree(robot_, "joint " + quote(joint.name) + " is none of group " + quote(robot_.group));
     for (const HeldJoint& held : robot_.held)
       if (group.contains(held.name) && held.source != HoldSource::asked &&
           held.source != HoldSource::settings)
-        disagree(robot_, "joint '" + held.name + "' of group '" + robot_.group + "' is held");
+        disagree(robot_, "joint " + quote(held.name) + " of group " + quote(robot_.group) + " is held");
   }
 
   /// A limit of the robot's joint keeps what the file allows, of a mimic joint what its master makes of it.
   void require_limits(const urdf::Joint& joint, double end) const {
     if (joint.type == urdf::Joint::CONTINUOUS) return;
-    if (!joint.limits) disagree(robot_, "joint '" + joint.name + "' has no limits");
+    if (!joint.limits) disagree(robot_, "joint " + quote(joint.name) + " has no limits");
     const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -endless_turn &&
                          joint.limits->upper > endless_turn;
     if (endless) return;
@@ -230,7 +231,7 @@ class FileReader {
       return;
     std::ostringstream text;
     text.imbue(std::locale::classic());
-    text << "joint '" << joint.name << "' may move to " << value << ", its limits there are "
+    text << "joint " << quote(joint.name) << " may move to " << value << ", its limits there are "
          << joint.limits->lower << " to " << joint.limits->upper;
     disagree(robot_, text.str());
   }
@@ -243,13 +244,14 @@ class FileReader {
       const auto& collisions = model_->links_.at(link)->collision_array;
       const std::size_t number = seen[body.link]++;
       if (number >= collisions.size())
-        disagree(robot_, "link '" + link + "' has only " + std::to_string(collisions.size()) + " bodies");
+        disagree(robot_,
+                 "link " + quote(link) + " has only " + std::to_string(collisions.size()) + " bodies");
       links_.link_from_body.push_back(isometry(collisions[number]->origin));
     }
     for (std::size_t i = 0; i < own_links(robot_); ++i) {
       const auto& collisions = model_->links_.at(robot_.links[i].name)->collision_array;
       if (seen[static_cast<int>(i)] != collisions.size())
-        disagree(robot_, "link '" + robot_.links[i].name + "' has " + std::to_string(collisions.size()) +
+        disagree(robot_, "link " + quote(robot_.links[i].name) + " has " + std::to_string(collisions.size()) +
                              " bodies, not " + std::to_string(seen[static_cast<int>(i)]));
     }
   }
@@ -266,7 +268,7 @@ void disagree(const Robot& robot, const std::string& what) {
   const std::string stated = robot.source.empty()
                                  ? "it is stated to be"
                                  : "its file " + file_of(robot).string() + " says, read again";
-  throw FileDisagrees("robot '" + robot.name + "' is not what " + stated + ": " + what);
+  throw FileDisagrees("robot " + quote(robot.name) + " is not what " + stated + ": " + what);
 }
 
 KdlLinks links_of_file(const Robot& robot) { return FileReader(robot).links(); }

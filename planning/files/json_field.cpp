@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/robot.hpp"
 
 namespace clearway {
 
@@ -134,15 +135,22 @@ Json json_of(const std::map<std::string, Policy>& policies) {
   return json;
 }
 
+namespace {
+
+Policy policy_of(const JsonField& field) {
+  const std::string text = field.text();
+  try {
+    return parse_policy(text);
+  } catch (const std::invalid_argument&) {
+    field.refuse("painted, known_free or not_occupied, found " + quote(text));
+  }
+}
+
+}  // namespace
+
 std::map<std::string, Policy> policies_of(const JsonField& field) {
   std::map<std::string, Policy> result;
-  for (const auto& [part, policy] : field.members()) {
-    try {
-      result[part] = parse_policy(policy.text());
-    } catch (const std::invalid_argument& error) {
-      policy.refuse(error.what());
-    }
-  }
+  for (const auto& [part, policy] : field.members()) result[part] = policy_of(policy);
   return result;
 }
 
@@ -174,7 +182,7 @@ double seen_within_of(const JsonField& field) {
 
 double scale_of(const JsonField& field) {
   const double scale = field.number();
-  if (!(scale > 0.0)) field.refuse("a number above 0");
+  if (!(scale >= least_scale && scale <= most_scale)) field.refuse("a factor from 0.000001 to 1000");
   return scale;
 }
 

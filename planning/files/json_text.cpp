@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mapping/system/plain_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -35,6 +37,7 @@ class SizeLimit {
 
   bool parse_error(std::size_t position, const std::string&, const AnyJson::exception& error) {
     constexpr int number_too_large = 406;
+    if (const std::size_t wrong = first_not_utf8(text_); wrong < position) refuse(wrong, "text in UTF-8");
     const std::size_t start = word_start(position);
     refuse(start, error.id == number_too_large ? "a number that is not too large" : expected(before(start)));
   }

@@ -1,6 +1,8 @@
 #include "planning/files/query_record.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -103,6 +105,24 @@ const QueryTerms* QueryRecord::find(const std::string& name, const Configuration
     if (is_equal) return &query;
   }
   return nullptr;
+}
+
+const QueryTerms* QueryRecord::find_whole(const Configuration& start, const std::vector<Configuration>& goals,
+                                          double tolerance) const {
+  const auto is_part = [&](const QueryTerms& query) {
+    std::vector<Configuration> stops{query.start};
+    stops.insert(stops.end(), query.goals.begin(), query.goals.end());
+    const auto is_at = [&](const Configuration& q) {
+      return [&](const Configuration& stop) { return largest_difference(stop, q) <= tolerance; };
+    };
+    auto at = std::find_if(stops.begin(), stops.end(), is_at(start));
+    return at != stops.end() && std::all_of(goals.begin(), goals.end(), [&](const Configuration& goal) {
+             at = std::find_if(std::next(at), stops.end(), is_at(goal));
+             return at != stops.end();
+           });
+  };
+  const auto found = std::find_if(queries.begin(), queries.end(), is_part);
+  return found == queries.end() ? nullptr : &*found;
 }
 
 std::string to_json(const QueryRecord& record) {

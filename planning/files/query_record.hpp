@@ -39,6 +39,11 @@ struct QueryRecord {
   /// or m); null when there is none.
   const QueryTerms* find(const std::string& name, const Configuration& start,
                          const std::vector<Configuration>& goals, double tolerance) const;
+
+  /// The first query of which start and goals are a part: it starts there or has a goal there, and has these
+  /// goals, in this order, among its own; null when there is none.
+  const QueryTerms* find_whole(const Configuration& start, const std::vector<Configuration>& goals,
+                               double tolerance) const;
 };
 
 /// Largest difference of any value; infinite when the sizes differ or a value is not finite.

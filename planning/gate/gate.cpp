@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "mapping/system/require.hpp"
 #include "planning/gate/motion_proof.hpp"
 
 namespace clearway {
 
 struct Gate::Map {
-  ConfigurationSpace space;
+  ProofSpace proof;
   double taken = 0.0;  ///< seconds
   std::shared_ptr<const Provenance> history;
   JointLimits limits;
@@ -36,7 +37,7 @@ std::string jump_sentence(const Robot& robot, const Configuration& from, const C
   Eigen::Index worst = 0;
   (to - from).cwiseAbs().maxCoeff(&worst);
   return "positions[0] is not where the robot is: joint " +
-         robot.joints[static_cast<std::size_t>(worst)].name + " is " + short_text(to[worst], 6) +
+         shortened(robot.joints[static_cast<std::size_t>(worst)].name) + " is " + short_text(to[worst], 6) +
          ", where the last passed motion ends it is " + short_text(from[worst], 6) + ", expected within " +
          short_text(tolerance) + " (rad or m)";
 }
@@ -66,27 +67,36 @@ GateReason reason_of(Obstruction obstruction) {
 
 std::string obstruction_sentence(const Verdict& verdict) {
   if (!verdict.is_free()) return verdict.sentence();
-  const std::string part = verdict.part.empty() ? "the robot" : verdict.part;
+  const std::string part = verdict.part.empty() ? "the robot" : shortened(verdict.part);
   return part + " comes too near to " +
          (verdict.point.allFinite() ? "a blocked voxel" : "something or to another part") +
          " to be proved free";
 }
 
+std::string leaving_sentence(const LeavingPart& leaving) {
+  return (leaving.distance > 0.0
+              ? to_text(leaving)
+              : leaving.part + " comes too near to leaving the map's bounds to be proved inside") +
+         why_refused_outside(leaving.part);
+}
+
 /// What stopped the proof, and how far the motion may go.
-void explain(const ConfigurationSpace& space, const Provenance* history, const JointLimits& limits,
+void explain(const ProofSpace& proof, const Provenance* history, const JointLimits& limits,
              const MotionChunk& chunk, const StraightPiece& piece, GateVerdict& verdict) {
-  const ProofEnd end = find_proof_end(space, piece);
-  verdict.reason = reason_of(end.obstruction.obstruction);
+  const ProofEnd end = find_proof_end(proof, piece);
+  verdict.reason = end.leaving ? GateReason::outside_map : reason_of(end.obstruction.obstruction);
   verdict.piece = piece.name;
   verdict.parameter = end.parameter;
   verdict.obstruction = end.obstruction;
-  verdict.sentence = to_text(piece.name) + ": " + obstruction_sentence(end.obstruction);
+  if (end.leaving) verdict.obstruction.part = end.leaving->part;
+  verdict.sentence = to_text(piece.name) + ": " +
+                     (end.leaving ? leaving_sentence(*end.leaving) : obstruction_sentence(end.obstruction));
   const bool has_voxel = verdict.reason == GateReason::blocked || verdict.reason == GateReason::not_proved;
   if (has_voxel && end.obstruction.point.allFinite()) {
-    verdict.evidence = evidence_of(space.map(), history, end.obstruction.point);
+    verdict.evidence = evidence_of(proof.space.map(), history, end.obstruction.point);
     verdict.sentence += "; " + verdict.evidence->sentence();
   }
-  verdict.may_go = proved_part(space, chunk, limits, piece.name);
+  verdict.may_go = proved_part(proof, chunk, limits, piece.name);
 }
 
 }  // namespace
@@ -116,10 +126,11 @@ std::uint64_t Gate::publish(ConfigurationSpace space, double taken,
   require(options_.max_age == std::numeric_limits<double>::infinity() || std::isfinite(taken),
           "gate: expected to be told when the map was taken, because max_age asks for it");
   const std::shared_ptr<const Map> before = maps_.get();
-  require(before == nullptr || before->space.robot().dof() == space.robot().dof(),
+  require(before == nullptr || before->proof.space.robot().dof() == space.robot().dof(),
           "gate: expected a robot with as many joints as that of the map before");
-  maps_.publish(
-      std::make_shared<const Map>(Map{std::move(space), taken, std::move(history), limits, published_ + 1}));
+  BoundsProof bounds(space, options_.allow_outside);
+  maps_.publish(std::make_shared<const Map>(
+      Map{{std::move(space), std::move(bounds)}, taken, std::move(history), limits, published_ + 1}));
   return ++published_;
 }
 
@@ -133,7 +144,7 @@ GateVerdict Gate::judge(const MotionChunk& chunk) {
   const std::shared_ptr<const Map> map = maps_.get();
   if (map == nullptr) return refused(GateReason::no_map, "no map has come yet");
   verdict.map = map->number;
-  const Robot& robot = map->space.robot();
+  const Robot& robot = map->proof.space.robot();
   if (ChunkFault fault = find_fault(chunk, robot, map->limits); fault.reason != GateReason::none)
     return refused(fault.reason, std::move(fault.sentence));
   const double age = chunk.times.front() - map->taken;
@@ -148,9 +159,9 @@ GateVerdict Gate::judge(const MotionChunk& chunk) {
                    jump_sentence(robot, *standing, chunk.positions.front(), options_.tolerance));
 
   const std::vector<StraightPiece> pieces = straight_pieces(chunk, map->limits, standing);
-  const std::size_t unproved = first_unproved(map->space, pieces);
+  const std::size_t unproved = first_unproved(map->proof, pieces);
   if (unproved < pieces.size()) {
-    explain(map->space, map->history.get(), map->limits, chunk, pieces[unproved], verdict);
+    explain(map->proof, map->history.get(), map->limits, chunk, pieces[unproved], verdict);
     return verdict;
   }
   const Configuration& end = chunk.positions.back();

@@ -20,6 +20,7 @@ struct GateOptions {
   /// The newest map's `taken` may lie at most so many seconds before a chunk's first time, and after it: then
   /// both are of one clock. Infinite: nobody asks.
   double max_age = std::numeric_limits<double>::infinity();
+  std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds; "all": every part
 };
 
 /// One of the straight edges that have to be proved.
@@ -76,6 +77,9 @@ struct GateVerdict {
 /// down the chunk's clock, anywhere, which leaves the edges nowhere, slows no joint by more than its
 /// deceleration on any of them, and ends at the latest where the stop after the end ends. Drives that brake
 /// each joint by itself leave the edges: only the padding stands for that.
+///
+/// The bounds. A part with the policy `not_occupied` must not leave the map's bounds (survey_path) anywhere
+/// on these edges, unless `allow_outside` names it: of what is beyond them nothing is known.
 ///
 /// The next chunk starts, within the tolerance, where the last passed one ends, or where the robot stands
 /// after it. What the tolerance leaves open is proved, too. A refused chunk must not be run, not even in

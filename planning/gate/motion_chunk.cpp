@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "mapping/system/require.hpp"
 #include "planning/path/trajectory.hpp"
 
@@ -73,8 +74,8 @@ ChunkFault limit_fault(const MotionChunk& chunk, const Robot& robot) {
     for (std::size_t j = 0; j < robot.dof(); ++j) {
       const double value = q[static_cast<Eigen::Index>(j)];
       if (std::abs(value) <= largest_joint_value) continue;
-      return {GateReason::joint_limit, positions_name(i) + ": joint " + robot.joints[j].name + " is " +
-                                           short_text(value) + unit_of(robot.joints[j]) +
+      return {GateReason::joint_limit, positions_name(i) + ": joint " + shortened(robot.joints[j].name) +
+                                           " is " + short_text(value) + unit_of(robot.joints[j]) +
                                            ", expected at most 1000000 either way of a joint without limits"};
     }
   }
@@ -90,7 +91,7 @@ ChunkFault velocity_fault(const MotionChunk& chunk, const Robot& robot, const Jo
       if (rate <= limit * (1.0 + rate_rounding)) continue;
       const std::string unit = unit_of(robot.joints[j]) + "/s";
       return {GateReason::velocity_limit, "from " + positions_name(i) + " to " + positions_name(i + 1) +
-                                              " joint " + robot.joints[j].name + " moves at " +
+                                              " joint " + shortened(robot.joints[j].name) + " moves at " +
                                               short_text(rate) + unit + ", above its limit " +
                                               short_text(limit) + unit};
     }
@@ -149,6 +150,8 @@ std::string_view to_string(GateReason reason) {
       return "blocked";
     case GateReason::self_collision:
       return "self_collision";
+    case GateReason::outside_map:
+      return "outside_map";
     case GateReason::not_proved:
       return "not_proved";
   }

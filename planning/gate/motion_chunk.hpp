@@ -50,6 +50,7 @@ enum class GateReason {
   jump,
   blocked,         ///< a voxel
   self_collision,  ///< another body
+  outside_map,     ///< a part leaves the map's bounds, which its policy would let pass in silence
   not_proved       ///< too near to something to be proved free
 };
 std::string_view to_string(GateReason reason);

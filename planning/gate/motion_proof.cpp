@@ -36,10 +36,9 @@ Verdict nearest_to(const ConfigurationSpace& space, const Configuration& q) {
 }
 
 /// Whether the chunk of the configurations 0..k may end there: the way straight on until it stands.
-bool stops_free(const ConfigurationSpace& space, const MotionChunk& chunk, std::size_t k,
-                const JointLimits& limits) {
+bool stops_free(const ProofSpace& proof, const MotionChunk& chunk, std::size_t k, const JointLimits& limits) {
   const Configuration& from = chunk.positions[k];
-  return space.is_edge_free(from, stop_from(from, edge_velocity(chunk, k - 1), limits));
+  return proof.holds(from, stop_from(from, edge_velocity(chunk, k - 1), limits));
 }
 
 ProvedPart part_until(const MotionChunk& chunk, std::size_t k, const JointLimits& limits) {
@@ -89,14 +88,15 @@ std::vector<StraightPiece> straight_pieces(const MotionChunk& chunk, const Joint
   return pieces;
 }
 
-std::size_t first_unproved(const ConfigurationSpace& space, const std::vector<StraightPiece>& pieces) {
+std::size_t first_unproved(const ProofSpace& proof, const std::vector<StraightPiece>& pieces) {
   const auto unproved = std::find_if(pieces.begin(), pieces.end(), [&](const StraightPiece& piece) {
-    return !space.is_edge_free(piece.from, piece.to);
+    return !proof.holds(piece.from, piece.to);
   });
   return static_cast<std::size_t>(unproved - pieces.begin());
 }
 
-ProofEnd find_proof_end(const ConfigurationSpace& space, const StraightPiece& piece) {
+ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece) {
+  const ConfigurationSpace& space = proof.space;
   const auto at = [&](double part) { return between(piece.from, piece.to, part); };
   ProofEnd end;
   end.obstruction = space.check(piece.from);
@@ -105,26 +105,36 @@ ProofEnd find_proof_end(const ConfigurationSpace& space, const StraightPiece& pi
   const double finest = space.options().edge_resolution / (piece.to - piece.from).norm();
   while (open - proved > std::max(finest, 1e-9)) {
     const double middle = (proved + open) / 2.0;
-    (space.is_edge_free(at(proved), at(middle)) ? proved : open) = middle;
+    (proof.holds(at(proved), at(middle)) ? proved : open) = middle;
   }
   end.parameter = proved;
-  // What is too near to be proved is mostly touched a little farther on.
+  end.leaving = proof.bounds.leaving(space.robot(), at(proved), at(open));
+  const bool leaves_first = end.leaving && space.is_edge_free(at(proved), at(open));
+  // What is too near to be proved is mostly touched a little farther on, and bounds are left.
   double part = open;
   for (double step = open - proved; step <= looks_on * (open - proved) && part <= 1.0; step *= 2.0) {
-    end.obstruction = space.check(at(part));
-    if (!end.obstruction.is_free()) return end;
+    if (!leaves_first) end.obstruction = space.check(at(part));
+    if (!end.obstruction.is_free()) {
+      end.leaving.reset();
+      return end;
+    }
+    const auto left = proof.bounds.leaving(space.robot(), at(part), at(part));
+    if (end.leaving && left && left->distance > 0.0) {
+      end.leaving = left;
+      return end;
+    }
     part = open + step;
   }
-  end.obstruction = nearest_to(space, at(open));
+  if (!end.leaving) end.obstruction = nearest_to(space, at(open));
   return end;
 }
 
-std::optional<ProvedPart> proved_part(const ConfigurationSpace& space, const MotionChunk& chunk,
+std::optional<ProvedPart> proved_part(const ProofSpace& proof, const MotionChunk& chunk,
                                       const JointLimits& limits, const MotionPiece& unproved) {
   if (unproved.kind == MotionPiece::Kind::joining) return std::nullopt;
   std::size_t k = unproved.waypoint;
   if (unproved.kind == MotionPiece::Kind::braking) --k;  // there it cannot stop
-  while (k > 0 && !stops_free(space, chunk, k, limits)) --k;
+  while (k > 0 && !stops_free(proof, chunk, k, limits)) --k;
   std::optional<ProvedPart> part;
   if (k > 0) part = part_until(chunk, k, limits);
   // Between there and the next configuration, to a 64th.
@@ -132,8 +142,8 @@ std::optional<ProvedPart> proved_part(const ConfigurationSpace& space, const Mot
   for (double step = 0.5; step >= 1.0 / 64.0; step /= 2.0) {
     const MotionChunk head = cut(chunk, k, proved + step);
     const bool is_later = head.times[k] < head.times[k + 1] && head.times[k + 1] < chunk.times[k + 1];
-    if (!is_later || !space.is_edge_free(head.positions[k], head.positions[k + 1]) ||
-        !stops_free(space, head, k + 1, limits))
+    if (!is_later || !proof.holds(head.positions[k], head.positions[k + 1]) ||
+        !stops_free(proof, head, k + 1, limits))
       continue;
     proved += step;
     part = part_until(head, k + 1, limits);

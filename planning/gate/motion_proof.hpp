@@ -5,9 +5,20 @@
 #include <optional>
 #include <vector>
 
+#include "planning/gate/bounds_proof.hpp"
 #include "planning/gate/gate.hpp"
 
 namespace clearway {
+
+/// Where a motion has to be proved: free of what blocks it, and within the map's bounds.
+struct ProofSpace {
+  ConfigurationSpace space;
+  BoundsProof bounds;
+
+  bool holds(const Configuration& from, const Configuration& to) const {
+    return space.is_edge_free(from, to) && !bounds.leaving(space.robot(), from, to);
+  }
+};
 
 struct StraightPiece {
   MotionPiece name;
@@ -20,18 +31,19 @@ std::vector<StraightPiece> straight_pieces(const MotionChunk& chunk, const Joint
                                            const std::optional<Configuration>& standing);
 
 /// The first piece that is not proved free; pieces.size() when all are.
-std::size_t first_unproved(const ConfigurationSpace& space, const std::vector<StraightPiece>& pieces);
+std::size_t first_unproved(const ProofSpace& proof, const std::vector<StraightPiece>& pieces);
 
 /// How far along a piece the proof comes, and what is in the way there. With obstruction `none` nothing is,
 /// but `part` comes too near to `point` (a blocked voxel's centre; NaN where it is another body).
 struct ProofEnd {
   double parameter = 0.0;  ///< 0..1
   Verdict obstruction;
+  std::optional<LeavingPart> leaving{};  ///< nothing is in the way, but this part is not proved in the bounds
 };
-ProofEnd find_proof_end(const ConfigurationSpace& space, const StraightPiece& piece);
+ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece);
 
 /// The part of a chunk that would be passed, whose `unproved` piece is the first that is not.
-std::optional<ProvedPart> proved_part(const ConfigurationSpace& space, const MotionChunk& chunk,
+std::optional<ProvedPart> proved_part(const ProofSpace& proof, const MotionChunk& chunk,
                                       const JointLimits& limits, const MotionPiece& unproved);
 
 }  // namespace clearway

@@ -19,16 +19,6 @@ double lowest(const Robot& robot, const Body& body, const Configuration& q) {
   return (pose * body.shape.support(down)).z();
 }
 
-/// For each joint how far it moves any point of the body at most, m per unit.
-Eigen::VectorXd levers_of(const Robot& robot, const Body& body) {
-  Eigen::VectorXd levers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
-  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
-    const Link& link = robot.links[static_cast<std::size_t>(i)];
-    if (link.joint >= 0) levers[link.joint] += std::abs(link.multiplier) * lever(robot, i, body);
-  }
-  return levers;
-}
-
 /// One piece of an edge, and how high the body is at its ends.
 struct Piece {
   Configuration from, to;
@@ -70,7 +60,7 @@ bool is_path_free(const ConfigurationSpace& space, const std::vector<Configurati
 bool keeps_height(const Robot& robot, std::size_t index, const std::vector<Configuration>& path, double low,
                   double high) {
   const Body& body = robot.bodies[index];
-  const Eigen::VectorXd levers = levers_of(robot, body) * (1.0 + 1e-9);
+  const Eigen::VectorXd levers = body_levers(robot, body) * (1.0 + 1e-9);
   std::vector<Piece> open;
   for (std::size_t i = path.size(); i-- > 1;)
     open.push_back({path[i - 1], path[i], lowest(robot, body, path[i - 1]), lowest(robot, body, path[i])});

@@ -4,6 +4,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -43,7 +45,7 @@ Robot joined_robot(const std::vector<std::pair<std::string, Robot>>& robots) {
   std::set<std::string> names;
   for (const auto& [name, robot] : robots) {
     if (!names.insert(name).second)
-      throw std::invalid_argument("two robots are called '" + name + "': expected names that differ");
+      throw std::invalid_argument("two robots are called " + quote(name) + ": expected names that differ");
     all.name += (all.name.empty() ? "" : " + ") + robot.name;
     append(all, name, robot);
   }

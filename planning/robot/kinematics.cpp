@@ -4,6 +4,7 @@
 #include <locale>
 #include <sstream>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/link_pose.hpp"
 
 namespace clearway {
@@ -61,13 +62,13 @@ std::string limit_violation(const Robot& robot, const Configuration& q) {
     const double value = q[static_cast<Eigen::Index>(j)];
     const char* unit = joint.kind == JointKind::revolute ? " rad" : " m";
     if (!std::isfinite(value)) {
-      text << "joint " << joint.name << " is " << value << ", expected a finite number";
+      text << "joint " << shortened(joint.name) << " is " << value << ", expected a finite number";
     } else if (value < joint.lower) {
-      text << "joint " << joint.name << " is " << value << unit << ", below its lower limit " << joint.lower
-           << unit;
+      text << "joint " << shortened(joint.name) << " is " << value << unit << ", below its lower limit "
+           << joint.lower << unit;
     } else if (value > joint.upper) {
-      text << "joint " << joint.name << " is " << value << unit << ", above its upper limit " << joint.upper
-           << unit;
+      text << "joint " << shortened(joint.name) << " is " << value << unit << ", above its upper limit "
+           << joint.upper << unit;
     } else {
       continue;
     }

@@ -136,6 +136,15 @@ double lever(const Robot& robot, int link, const Body& body) {
   return radius;
 }
 
+Eigen::VectorXd body_levers(const Robot& robot, const Body& body) {
+  Eigen::VectorXd levers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (int i = body.link; i >= 0; i = link_at(robot, i).parent) {
+    const Link& link = link_at(robot, i);
+    if (link.joint >= 0) levers[link.joint] += std::abs(link.multiplier) * lever(robot, i, body);
+  }
+  return levers;
+}
+
 double tip_reach(const Robot& robot) {
   double reach = robot.link_from_tip.translation().norm();
   for (const int index : chain_to(robot, robot.tip_link)) {

@@ -73,6 +73,10 @@ struct NamedState {
 /// accuracy of a pose that was computed and not taught only that it is several times worse. Metres.
 constexpr double default_position_accuracy = 1e-3;
 
+/// How many times as large as its URDF a robot may be: as wide as URDFs are read, so that sizes stay such
+/// that no sum or product of them loses digits.
+constexpr double least_scale = 1e-6, most_scale = 1e3;
+
 /// A robot: a kinematic tree with bodies, masses and limits, at some scale and place. Plain data.
 struct Robot {
   std::string name;
@@ -88,11 +92,12 @@ struct Robot {
   double position_accuracy = default_position_accuracy;  ///< metres, at this scale: the default padding
   double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
   std::filesystem::path source;
-  std::filesystem::path srdf{};      ///< that was read with it; empty: none
-  std::string group{};               ///< planning group of the SRDF whose joints move; empty: all joints
-  std::vector<HeldJoint> held{};     ///< the others, by name
-  std::vector<NamedState> states{};  ///< of the SRDF, by name
-  std::vector<Load> loads{};         ///< that ride on it (with_load): the last links and bodies, one each
+  std::filesystem::path srdf{};          ///< that was read with it; empty: none
+  std::string group{};                   ///< planning group of the SRDF whose joints move; empty: all joints
+  std::vector<HeldJoint> held{};         ///< the others, by name
+  std::vector<NamedState> states{};      ///< of the SRDF, by name
+  std::vector<std::string> only_seen{};  ///< links with a shape to look at and none to collide: not checked
+  std::vector<Load> loads{};             ///< that ride on it (with_load): the last links and bodies, one each
 
   std::size_t dof() const { return joints.size(); }
 };

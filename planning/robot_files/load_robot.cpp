@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/held_joints.hpp"
 #include "planning/robot_files/allowed_collisions.hpp"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 /// The .yaml or .urdf that a user's word means.
 fs::path find_robot(const std::string& name_or_path) {
   const fs::path path = name_or_path;
-  if (is_urdf_name(path) || path.extension() == ".yaml") return path;
+  if (is_urdf_name(path) || extension_of(path) == ".yaml") return path;
   const fs::path known = datasets_folder() / "robots" / (name_or_path + ".yaml");
   if (!name_or_path.empty() && path.filename() == path && fs::is_regular_file(known)) return known;
   std::string names;

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
 
 #include "mapping/system/child_process.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/mesh_reader.hpp"
 
@@ -24,20 +23,13 @@ constexpr std::size_t megabyte = std::size_t{1} << 20U;
 constexpr std::size_t most_bytes = 100 * megabyte;
 constexpr std::size_t most_corners = 20'000;
 
-std::string kind_of(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 /// Why a file is not even opened, or "".
 std::string refusal(const fs::path& file) {
   const std::array<std::string_view, 4> kinds{".dae", ".obj", ".ply", ".stl"};
   std::error_code error;
   if (!fs::exists(file, error)) return "no such mesh file";
   if (!fs::is_regular_file(file, error)) return "is not a regular file";
-  if (std::find(kinds.begin(), kinds.end(), kind_of(file)) == kinds.end())
+  if (std::find(kinds.begin(), kinds.end(), extension_of(file)) == kinds.end())
     return "is not a mesh of a known kind, expected .dae, .obj, .ply or .stl";
   if (fs::file_size(file, error) > most_bytes) return "is larger than 100 MB";
   return "";
@@ -56,7 +48,7 @@ ChildLimits limits_of(const std::vector<ScaledMesh>& meshes) {
 std::string read_hull(const ScaledMesh& mesh) {
   try {
     const std::vector<Eigen::Vector3d> corners =
-        hull_of_mesh(mesh.file, kind_of(mesh.file).substr(1), mesh.scale);
+        hull_of_mesh(mesh.file, extension_of(mesh.file).substr(1), mesh.scale);
     if (corners.size() > most_corners) return "Fits convex hull has more than 20,000 corners";
     std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
     std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);
@@ -100,11 +92,10 @@ std::vector<fs::path> listed_folders(const char* variable) {
 
 /// Whether a folder is the package NAME by its package.xml, whatever the folder is called.
 bool is_package(const fs::path& folder, const std::string& name) {
-  std::ifstream stream(folder / "package.xml");
-  std::string text(std::size_t{1} << 16U, '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size())) && stream.gcount() == 0)
-    return false;
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::error_code error;
+  if (!fs::exists(folder / "package.xml", error)) return false;
+  std::string text;
+  InputFile(folder / "package.xml", "package").read_at(0, std::size_t{1} << 16U, text);
   const std::size_t begin = text.find("<name>"), end = text.find("</name>");
   if (begin == std::string::npos || end == std::string::npos || end < begin) return false;
   std::istringstream words(text.substr(begin + 6, end - begin - 6));
@@ -183,7 +174,7 @@ MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
   const ChildOutcome read = run_in_child(
       [&]() -> std::string {
         try {
-          const auto corners = triangles_of_mesh(mesh.file, kind_of(mesh.file).substr(1), mesh.scale);
+          const auto corners = triangles_of_mesh(mesh.file, extension_of(mesh.file).substr(1), mesh.scale);
           if (corners.size() > 3 * most_triangles) return "Fit has more than 2,000,000 triangles";
           std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
           if (!corners.empty()) std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);

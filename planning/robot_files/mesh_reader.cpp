@@ -5,6 +5,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <fstream>
@@ -13,12 +14,13 @@
 #include <stdexcept>
 
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/robot_files/collada_check.hpp"
 #include "planning/robot_files/whole_mesh.hpp"
 
 namespace clearway {
 namespace {
 
-constexpr double most_metres = 1000.0;
+constexpr double most_metres = 1000.0, least_metres = 1e-6;
 
 /// Shows assimp one file and no other: what a mesh refers to is not there.
 class OneFile : public Assimp::IOSystem {
@@ -60,6 +62,13 @@ std::vector<Eigen::Vector3d> vertices_of(const aiScene& scene) {
   return vertices;
 }
 
+/// Of the box that holds them, along its longest edge.
+double largest_extent(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : points) box.extend(point);
+  return box.sizes().maxCoeff();
+}
+
 }  // namespace
 
 bool are_sensible(const std::vector<Eigen::Vector3d>& points) {
@@ -79,6 +88,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   if (!stream) throw std::runtime_error("it cannot be opened for reading");
   std::string content{std::istreambuf_iterator<char>(stream), {}};
   check_mesh_is_whole(content, kind);
+  if (kind == "dae") check_collada(content);
   if (kind == "stl") content.resize(whole_stl(content));
 
   Assimp::Importer importer;
@@ -93,6 +103,9 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   for (Eigen::Vector3d& point : points) point = point.cwiseProduct(scale);
   if (!are_sensible(points))
     throw std::runtime_error("it has a vertex that is not finite or farther than 1 km from the origin");
+  if (largest_extent(points) < least_metres)
+    throw std::runtime_error(
+        "its vertices lie in one point, to 0.001 mm, as they are scaled; expected a body of some extent");
   return points;
 }
 

@@ -11,6 +11,7 @@
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/urdf_document.hpp"
+#include "planning/robot_files/urdf_numbers.hpp"
 
 namespace clearway {
 namespace {
@@ -18,7 +19,9 @@ namespace {
 constexpr double default_friction = 0.1;
 constexpr double default_step_rad = 0.5 * std::numbers::pi / 180.0;
 constexpr double default_step_m = 0.01;
-constexpr double most_position_accuracy = 1.0;  ///< metres; no robot is as coarse as that
+constexpr double most_of_joints = 1e9;  ///< of friction, steps, accelerations and jerks
+/// No robot is as coarse as a metre, and none is exact: no padding has to be asked for, by --padding 0.
+constexpr double least_position_accuracy = 1e-9, most_position_accuracy = 1.0;
 
 /// One mapping of the file; knows where it is, so that refusals can say so.
 class Section {
@@ -44,16 +47,13 @@ class Section {
     return node_[key].Scalar();
   }
 
-  double number(const std::string& key, double fallback, double above) const {
-    return has(key) ? number(key, node_[key], above) : fallback;
-  }
-
   double number(const std::string& key, const YAML::Node& value, double above) const {
     double result = std::nan("");
     if (!value.IsScalar() || !YAML::convert<double>::decode(value, result) || !std::isfinite(result) ||
         result < above) {
       refuse(key, above > 0.0 ? "a finite number above 0" : "a finite number not below 0");
     }
+    if (result > most_of_joints) refuse(key, "a number of at most 1000000000");
     return result;
   }
 
@@ -64,7 +64,15 @@ class Section {
     return result;
   }
 
-  Eigen::Vector3d vector(const std::string& key) const {
+  double number(const std::string& key, double fallback, double least, double most,
+                const std::string& expected) const {
+    if (!has(key)) return fallback;
+    const double result = any_number(key, node_[key]);
+    if (result < least || result > most) refuse(key, expected);
+    return result;
+  }
+
+  Eigen::Vector3d vector(const std::string& key, const UrdfRange& range) const {
     Eigen::Vector3d result = Eigen::Vector3d::Zero();
     if (!has(key)) return result;
     const YAML::Node list = node_[key];
@@ -74,6 +82,8 @@ class Section {
         refuse(key, "three numbers");
     }
     if (!result.allFinite()) refuse(key, "three finite numbers");
+    if ((result.array() < range.least).any() || (result.array() > range.most).any())
+      refuse(key, "three numbers, " + text_of(range));
     return result;
   }
 
@@ -101,13 +111,13 @@ class Section {
 };
 
 Eigen::Isometry3d placement(const Section& section) {
-  const Eigen::Vector3d rpy = section.vector("rpy");
+  const Eigen::Vector3d rpy = section.vector("rpy", urdf_radians);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
                    Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
                    Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
                       .toRotationMatrix();
-  pose.translation() = section.vector("xyz");
+  pose.translation() = section.vector("xyz", urdf_metres);
   return pose;
 }
 
@@ -116,7 +126,7 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
   PerJoint result;
   if (!section.has(key)) return result;
   if (section.node(key).IsScalar()) {
-    result.all = section.number(key, 0.0, above);
+    result.all = section.number(key, section.node(key), above);
     return result;
   }
   const Section joints(file, key + ".", section.node(key), {});
@@ -135,7 +145,7 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
-  settings.scale = section.number("scale", 1.0, 1e-6);
+  settings.scale = section.number("scale", 1.0, least_scale, most_scale, "a factor from 0.000001 to 1000");
   if (section.has("base")) {
     settings.map_from_base = placement(Section(file, "base.", section.node("base"), {"xyz", "rpy"}));
   }
@@ -149,9 +159,9 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
   settings.step = per_joint(file, section, "step", 1e-12);
   settings.max_acceleration = per_joint(file, section, "max_acceleration", 1e-9);
   settings.max_jerk = per_joint(file, section, "max_jerk", 1e-9);
-  settings.position_accuracy = section.number("position_accuracy", settings.position_accuracy, 0.0);
-  if (settings.position_accuracy > most_position_accuracy)
-    section.refuse("position_accuracy", "a length from 0 to 1 (metres)");
+  settings.position_accuracy =
+      section.number("position_accuracy", settings.position_accuracy, least_position_accuracy,
+                     most_position_accuracy, "a length above 0 and of at most 1 (metres)");
   settings.inverse_kinematics = section.text("inverse_kinematics", "numeric");
   if (settings.inverse_kinematics != "numeric" && settings.inverse_kinematics != "puma") {
     section.refuse("inverse_kinematics", "numeric or puma");
@@ -191,12 +201,13 @@ RobotSettings read_robot_settings(const std::filesystem::path& file) {
 }
 
 bool is_urdf_name(const std::filesystem::path& file) {
-  return file.extension() == ".urdf" || file.extension() == ".xacro";
+  const std::string kind = extension_of(file);
+  return kind == ".urdf" || kind == ".xacro";
 }
 
 std::filesystem::path beside_urdf(const std::filesystem::path& urdf, const std::string& extension) {
   std::filesystem::path file = urdf;
-  if (file.extension() == ".xacro") file.replace_extension();
+  if (extension_of(file) == ".xacro") file.replace_extension();
   return file.replace_extension(extension);
 }
 

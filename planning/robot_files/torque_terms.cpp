@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 #include "planning/robot_files/urdf_numbers.hpp"
@@ -68,7 +69,7 @@ TorqueTerms torque_terms(const Robot& robot, const JointLoad& load) {
   const std::vector<bool> moves = moves_mass(robot, load);
   for (const XMLElement* at = root->FirstChildElement(); at; at = at->NextSiblingElement()) {
     const std::string kind = at->Name(), name = at->Attribute("name") ? at->Attribute("name") : "";
-    const UrdfPlace place{file, kind + " '" + name + "'"};
+    const UrdfPlace place{file, kind + " " + quote(name)};
     for (std::size_t i = 0; kind == "link" && i < robot.links.size(); ++i)
       if (robot.links[i].name == name) terms.inertia[i] = std::pow(robot.scale, 5) * inertia_of(place, *at);
     for (std::size_t j = 0; kind == "joint" && j < robot.dof(); ++j) {

@@ -86,6 +86,7 @@ std::set<std::string> check_links(const Place& place, Element& robot, UrdfDocume
       if (++bodies > most_bodies) place.refuse("has more than 1000 <collision> bodies");
       is_capsule.push_back(check_urdf_collision(here, *body));
     }
+    if (is_capsule.empty() && link->FirstChildElement("visual")) document.only_seen.push_back(name);
     keep_urdf_children(*link, {"inertial", "collision"});
   }
   if (links.empty()) place.refuse("has no links");
@@ -145,7 +146,7 @@ void blank_late_declaration(std::string& text) {
 
 std::string read_text(const std::filesystem::path& file) {
   std::string text = read_input(file, "robot file", most_bytes_of_robot);
-  if (file.extension() == ".xacro") text = expanded_xacro(file, most_bytes_of_robot);
+  if (extension_of(file) == ".xacro") text = expanded_xacro(file, most_bytes_of_robot);
   blank_late_declaration(text);
   return text;
 }

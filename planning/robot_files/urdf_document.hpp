@@ -15,6 +15,7 @@ struct UrdfDocument {
   std::string text;
   std::vector<std::string> joint_order;                 ///< names of all joints in the order of the file
   std::map<std::string, std::vector<bool>> is_capsule;  ///< per link, one flag for each <collision>
+  std::vector<std::string> only_seen;                   ///< links with a <visual> and no <collision>
 };
 
 /// @throws std::invalid_argument in one sentence naming file, element and what was expected.

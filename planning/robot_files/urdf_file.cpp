@@ -34,6 +34,7 @@ class Reader {
       : file_(file), document_(document), model_(model), packages_(packages) {
     robot_.name = model.getName();
     robot_.source = file;
+    robot_.only_seen = document.only_seen;
   }
 
   Robot robot() {
@@ -149,7 +150,7 @@ class Reader {
     } catch (const std::invalid_argument& error) {
       refuse("link " + quote(link) + ": " + error.what());
     }
-    refuse("link '" + link + "': unknown collision shape");
+    refuse("link " + quote(link) + ": unknown collision shape");
   }
 
   ScaledMesh mesh(const std::string& link, const urdf::Geometry& geometry) const {

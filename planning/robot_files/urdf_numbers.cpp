@@ -26,14 +26,14 @@ double number_of(std::string_view word) {
   return whole && std::isfinite(value) ? value : std::nan("");
 }
 
+}  // namespace
+
 std::string text_of(const UrdfRange& range) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << range.unit << " in [" << range.least << ", " << range.most << "]";
   return text.str();
 }
-
-}  // namespace
 
 void UrdfPlace::refuse(const std::string& what) const {
   throw std::invalid_argument(file.string() + ": " + (where.empty() ? "" : where + ": ") + what);

@@ -35,6 +35,9 @@ constexpr UrdfRange urdf_speed{0.0, 1e6, "rad/s or m/s"};
 constexpr UrdfRange urdf_any{-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
                              "finite numbers"};  ///< gated elsewhere, or used by nobody
 
+/// "metres in [-1000, 1000]"
+std::string text_of(const UrdfRange& range);
+
 /// The `count` numbers of an attribute, separated by blanks: decimal, with a point, whatever the locale.
 /// @throws std::invalid_argument when it is missing, holds another count, anything but finite numbers, or one
 ///         out of `range`.

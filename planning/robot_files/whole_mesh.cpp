@@ -1,94 +1,19 @@
 #include "planning/robot_files/whole_mesh.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
-#include <vector>
+
+#include "mapping/files/ply_header.hpp"
 
 namespace clearway {
 namespace {
 
-[[noreturn]] void refuse_ply_header() { throw std::runtime_error("its header is cut off or garbled"); }
-
-/// Bytes of a number in a binary .ply.
-std::uint64_t bytes_of(const std::string& type) {
-  static constexpr std::array<std::pair<std::string_view, int>, 16> sizes{{{"char", 1},
-                                                                           {"uchar", 1},
-                                                                           {"short", 2},
-                                                                           {"ushort", 2},
-                                                                           {"int", 4},
-                                                                           {"uint", 4},
-                                                                           {"float", 4},
-                                                                           {"double", 8},
-                                                                           {"int8", 1},
-                                                                           {"uint8", 1},
-                                                                           {"int16", 2},
-                                                                           {"uint16", 2},
-                                                                           {"int32", 4},
-                                                                           {"uint32", 4},
-                                                                           {"float32", 4},
-                                                                           {"float64", 8}}};
-  for (const auto& [name, size] : sizes) {
-    if (type == name) return static_cast<std::uint64_t>(size);
-  }
-  refuse_ply_header();
-}
-
 [[noreturn]] void refuse_ply_counts() {
   throw std::runtime_error("it holds fewer elements than its header says");
-}
-
-struct PlyProperty {
-  std::uint64_t count_bytes = 0;  ///< of a list's count; 0: one number
-  std::uint64_t bytes = 0;
-};
-
-struct PlyElement {
-  std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;
-};
-
-struct PlyHeader {
-  std::string format;
-  std::vector<PlyElement> elements;
-  std::size_t length = 0;
-};
-
-PlyHeader ply_header(const std::string& content) {
-  PlyHeader header;
-  while (true) {
-    const std::size_t end = content.find('\n', header.length);
-    if (end == std::string::npos) refuse_ply_header();
-    std::istringstream line(content.substr(header.length, std::min<std::size_t>(end - header.length, 1000)));
-    line.imbue(std::locale::classic());
-    header.length = end + 1;
-    std::string key, word;
-    line >> key >> word;
-    if (key == "end_header") return header;
-    if (key == "format") header.format = word;
-    if (key == "element") {
-      PlyElement& element = header.elements.emplace_back();
-      if (!(line >> element.count)) refuse_ply_header();
-      if (element.count > content.size()) refuse_ply_counts();
-    }
-    if (key != "property") continue;
-    if (header.elements.empty()) refuse_ply_header();
-    PlyProperty property;
-    if (word == "list") {
-      line >> word;
-      property.count_bytes = bytes_of(word);
-      line >> word;
-    }
-    property.bytes = bytes_of(word);
-    header.elements.back().properties.push_back(property);
-  }
 }
 
 /// Walks through binary data as its header cuts it up.
@@ -134,6 +59,8 @@ void check_text_ply(const PlyHeader& header, std::string_view data) {
 
 void check_ply(const std::string& content) {
   const PlyHeader header = ply_header(content);
+  for (const PlyElement& element : header.elements)
+    if (element.count > content.size()) refuse_ply_counts();
   const std::string_view data = std::string_view(content).substr(header.length);
   if (header.format == "ascii") return check_text_ply(header, data);
   check_binary_ply(header, data);

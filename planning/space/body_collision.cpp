@@ -133,6 +133,21 @@ bool BodyCollision::is_clear_of(const Eigen::Isometry3d& map_from_link, const Ei
   return distance_to_cube(body_.shape, map_from_shape, cube, space_->resolution(), margin).lower > margin;
 }
 
+std::optional<Eigen::Vector3d> BodyCollision::met_cube(const Eigen::Isometry3d& map_from_link,
+                                                       double margin) const {
+  std::vector<Eigen::Vector3d> inside = witnesses_;
+  for (std::size_t i = 0; i < core_.size(); ++i)
+    if (core_[i]) inside.push_back(body_.cover[i].center);
+  const double edge = space_->resolution();
+  for (const Eigen::Vector3d& point : inside) {
+    const Eigen::Vector3d at = map_from_link * point;
+    if (space_->is_blocked(at)) return ((at.array() / edge).floor() + 0.5) * edge;
+  }
+  RecentCubes met;
+  if (is_clear(map_from_link, margin, &met) || met.size() == 0) return std::nullopt;
+  return met[0];
+}
+
 double BodyCollision::quick_clearance(const Eigen::Isometry3d& map_from_link) const {
   const double bound = space_->clearance(map_from_link * bound_.center) - bound_.radius;
   double least = space_->max_distance();

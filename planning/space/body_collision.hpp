@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "mapping/field/blocked_space.hpp"
@@ -50,6 +51,10 @@ class BodyCollision {
 
   /// True when the body, grown by the margin, is known to touch one of the cubes, which this body met before.
   bool is_met(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes& recent) const;
+
+  /// A cube that keeps the body, grown by the margin, from being clear; none when it is clear. Costs as much
+  /// as is_clear, however large the body.
+  std::optional<Eigen::Vector3d> met_cube(const Eigen::Isometry3d& map_from_link, double margin) const;
 
   /// True when that cube is proved to be farther than `margin`.
   bool is_clear_of(const Eigen::Isometry3d& map_from_link, const Eigen::Vector3d& cube, double margin) const;

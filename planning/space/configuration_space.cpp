@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/axisymmetric_joints.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/space/collision_model.hpp"
@@ -54,16 +55,6 @@ Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3
   return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(resolution)};
 }
 
-/// For each joint the sum of levers over the links of the body's chain that it moves.
-Eigen::VectorXd body_levers(const Robot& robot, const Body& body) {
-  Eigen::VectorXd levers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
-  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
-    const Link& link = robot.links[static_cast<std::size_t>(i)];
-    if (link.joint >= 0) levers[link.joint] += std::abs(link.multiplier) * lever(robot, i, body);
-  }
-  return levers;
-}
-
 /// For each joint how fast it turns the links of the body's chain, all added up; 0 for one that slides.
 Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
   Eigen::VectorXd turns = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
@@ -110,8 +101,8 @@ void refuse_unlimited_reach(const CollisionModel& model) {
     for (const Joint& joint : model.robot.joints) {
       if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
         continue;
-      throw std::invalid_argument("robot " + model.robot.name + ": joint '" + joint.name +
-                                  "' slides without limits below joints that turn: expected joint limits");
+      throw std::invalid_argument("robot " + model.robot.name + ": joint " + quote(joint.name) +
+                                  " slides without limits below joints that turn: expected joint limits");
     }
     throw std::invalid_argument("robot " + model.robot.name + ": expected links of finite lengths");
   }

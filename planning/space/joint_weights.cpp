@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -21,7 +22,7 @@ void refuse_absurd_limits(const Robot& robot, double reach) {
     if (!widest || joint.upper - joint.lower > widest->upper - widest->lower) widest = &joint;
   }
   if (!widest) return;
-  throw std::invalid_argument("joint '" + widest->name + "' slides from " + short_text(widest->lower) +
+  throw std::invalid_argument("joint " + quote(widest->name) + " slides from " + short_text(widest->lower) +
                               " to " + short_text(widest->upper) + " m and the robot reaches " +
                               short_text(reach) +
                               " m, too far to derive how many radians a metre counts: expected option "

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mapping/field/seen_within.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -80,10 +81,10 @@ std::map<std::string, Policy> part_policies(const Robot& robot, const Snapshot& 
   restrict_loads(robot, policies, chosen);
   for (const auto& [part, policy] : policies.parts) {
     if (chosen.contains(part)) continue;
-    std::string names;
-    for (const auto& entry : chosen) names += (names.empty() ? "" : ", ") + entry.first;
-    throw std::invalid_argument("policy names the part '" + part + "', expected a part of " + robot.name +
-                                ": " + names);
+    std::vector<std::string> names;
+    for (const auto& entry : chosen) names.push_back(entry.first);
+    throw std::invalid_argument("policy names the part " + quote(part) + ", expected a part of " +
+                                robot.name + ": " + listed(names));
   }
   return chosen;
 }
@@ -117,8 +118,8 @@ std::string empty_volume_sentence(const ConfigurationSpace& space) {
     if (policy != Policy::painted ||
         has_sphere(space.map(), part_requirement(space.robot(), space.map(), part, policy).volumes))
       continue;
-    return "the part '" + part +
-           "' must lie in painted space (policy painted), but no ball is painted in a volume that counts for "
+    return "the part " + quote(part) +
+           " must lie in painted space (policy painted), but no ball is painted in a volume that counts for "
            "it";
   }
   return {};

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/space/collision_model.hpp"
 
 namespace clearway {
@@ -35,7 +36,10 @@ Obstruction obstruction_of(const Snapshot& map, const Requirement& requirement, 
   return requirement.policy == Policy::painted ? Obstruction::outside_painted : Obstruction::unknown;
 }
 
-/// The deepest blocked cube of a body that is not clear.
+constexpr double most_cubes = 1e7;  ///< that are looked at for the deepest one
+
+/// The deepest blocked cube of a body that is not clear; of one so large that there are too many of them, one
+/// that it meets.
 Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose, const Snapshot& map,
                    double padding) {
   const Shape& shape = collision.body().shape;
@@ -44,6 +48,15 @@ Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose
   const double edge = collision.space().resolution();
   Verdict verdict;
   verdict.part = collision.body().part;
+  const double across = (bounds.sizes().array() + 2.0 * padding).prod();
+  if (across > most_cubes * edge * edge * edge) {
+    const auto cube = collision.met_cube(pose, padding);
+    if (!cube) return verdict;
+    verdict.obstruction = obstruction_of(map, collision.space().requirement(), *cube);
+    verdict.point = *cube;
+    verdict.depth = padding + overlap(bounds, *cube, edge);
+    return verdict;
+  }
   collision.visit_near(pose, padding, [&](const Eigen::Vector3d& cube, double) {
     const double lower = distance_to_cube(shape, map_from_shape, cube, edge, padding).lower;
     if (lower > padding) return true;
@@ -136,25 +149,25 @@ std::string Verdict::sentence() const {
       text << "the configuration has the wrong size or is not finite";
       break;
     case Obstruction::joint_limit:
-      text << "joint " << other << " is " << depth << " (rad or m) past its limit";
+      text << "joint " << shortened(other) << " is " << depth << " (rad or m) past its limit";
       break;
     case Obstruction::self_collision:
-      text << part << " touches " << other;
+      text << shortened(part) << " touches " << shortened(other);
       break;
     case Obstruction::occupied:
-      text << part << " touches an occupied voxel";
+      text << shortened(part) << " touches an occupied voxel";
       break;
     case Obstruction::conflict:
-      text << part << " touches a voxel that is painted free but sensed occupied";
+      text << shortened(part) << " touches a voxel that is painted free but sensed occupied";
       break;
     case Obstruction::unknown:
-      text << part << " reaches into unknown space";
+      text << shortened(part) << " reaches into unknown space";
       break;
     case Obstruction::stale:
-      text << part << " reaches into space that was not seen lately enough";
+      text << shortened(part) << " reaches into space that was not seen lately enough";
       break;
     case Obstruction::outside_painted:
-      text << part << " leaves its painted volume";
+      text << shortened(part) << " leaves its painted volume";
       break;
   }
   if (!part.empty() && obstruction != Obstruction::self_collision) place();

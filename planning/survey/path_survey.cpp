@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot/reach.hpp"
 
@@ -55,39 +56,43 @@ std::optional<LeavingPart> leaving_part(const Robot& robot, const check::KdlArm&
   return farthest;
 }
 
-bool is_allowed(const std::string& part, const std::vector<std::string>& allowed) {
-  return std::any_of(allowed.begin(), allowed.end(),
-                     [&](const std::string& name) { return name == "all" || name == part; });
-}
-
 std::string describe_leaving(const std::vector<LeavingPart>& leaving) {
   const LeavingPart& first = *std::max_element(
       leaving.begin(), leaving.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
   std::set<std::string> names;
   for (const LeavingPart& part : leaving) names.insert(part.part);
   std::ostringstream text = sentence();
-  text << first.part << " leaves the map's bounds";
-  if (std::isfinite(first.distance)) text << " by " << first.distance << " m";
-  text << " at " << place_of(first.point) << ", on edge " << first.place.edge << " at "
-       << first.place.parameter;
-  if (names.size() > 1) {
-    text << " (and so do";
-    const char* comma = " ";
-    for (const std::string& name : names) {
-      if (name == first.part) continue;
-      text << comma << name;
-      comma = ", ";
-    }
-    text << ")";
-  }
-  text << ": nothing is known of that place, which the policy not_occupied counts as free; allow it by name "
-          "with "
-          "--allow-outside "
-       << (names.size() > 1 ? "all" : first.part);
-  return text.str();
+  text << to_text(first) << ", on edge " << first.place.edge << " at " << first.place.parameter;
+  names.erase(first.part);
+  if (!names.empty()) text << " (and so do " << listed({names.begin(), names.end()}) << ")";
+  return text.str() + why_refused_outside(names.empty() ? first.part : "all");
 }
 
 }  // namespace
+
+bool can_be_left(const Robot& robot, const Snapshot& map) {
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  return map.counts().seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);
+}
+
+bool is_allowed_outside(const std::string& part, const std::vector<std::string>& allow_outside) {
+  return std::any_of(allow_outside.begin(), allow_outside.end(),
+                     [&](const std::string& name) { return name == "all" || name == part; });
+}
+
+std::string to_text(const LeavingPart& leaving) {
+  std::ostringstream text = sentence();
+  text << shortened(leaving.part) << " leaves the map's bounds";
+  if (std::isfinite(leaving.distance)) text << " by " << leaving.distance << " m";
+  text << " at " << place_of(leaving.point);
+  return text.str();
+}
+
+std::string why_refused_outside(const std::string& part) {
+  return ": nothing is known of that place, which the policy not_occupied counts as free; allow it by name "
+         "with --allow-outside " +
+         shortened(part);
+}
 
 PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        const std::vector<Configuration>& path) {
@@ -97,7 +102,7 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
   const check::KdlArm arm(without_file(robot));
   const VoxelCounts counts = map.counts();
   const Eigen::AlignedBox3d bounds = map.bounds();
-  const bool may_leave = counts.seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);
+  const bool may_leave = can_be_left(robot, map);
   survey.is_of_obstacles_alone = counts.seen_free + counts.painted + counts.conflict == 0;
   std::set<std::string> unknown_free;
   for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
@@ -111,6 +116,7 @@ PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<s
       survey.leaving.push_back(std::move(*leaving));
   }
   survey.unknown_free.assign(unknown_free.begin(), unknown_free.end());
+  survey.only_seen = robot.only_seen;
   return survey;
 }
 
@@ -163,7 +169,7 @@ std::string describe_standing(const std::vector<StandingContact>& standing) {
   std::ostringstream text = sentence();
   for (const StandingContact& contact : standing) {
     if (&contact != &standing.front()) text << "; ";
-    text << contact.part << " touches " << contact.voxels << " occupied voxel"
+    text << shortened(contact.part) << " touches " << contact.voxels << " occupied voxel"
          << (contact.voxels == 1 ? "" : "s, the lowest") << " at " << place_of(contact.lowest);
   }
   return text.str();
@@ -171,21 +177,29 @@ std::string describe_standing(const std::vector<StandingContact>& standing) {
 
 std::string unknown_sentence(const PathSurvey& survey) {
   if (survey.unknown_free.empty()) return {};
-  std::string parts;
-  for (const std::string& part : survey.unknown_free) parts += (parts.empty() ? "" : ", ") + part;
+  const std::string parts = listed(survey.unknown_free);
   return survey.is_of_obstacles_alone
              ? "the map holds obstacles alone: unknown space counts as free for " + parts
              : "unknown space counts as free for " + parts + " (policy not_occupied)";
 }
 
+std::string only_seen_sentence(const std::vector<std::string>& links) {
+  if (links.empty()) return {};
+  const bool is_one = links.size() == 1;
+  return (is_one ? "link " + listed(links) + " has" : "links " + listed(links) + " have") +
+         " a visual shape but no collision shape: nothing of " + (is_one ? "it" : "them") + " is checked";
+}
+
 std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands& demands) {
   std::vector<LeavingPart> leaving;
   for (const LeavingPart& part : survey.leaving) {
-    if (!is_allowed(part.part, demands.allow_outside)) leaving.push_back(part);
+    if (!is_allowed_outside(part.part, demands.allow_outside)) leaving.push_back(part);
   }
   if (!leaving.empty()) return describe_leaving(leaving);
   if (demands.strict && !survey.standing.empty())
     return "no joint moves it, but " + describe_standing(survey.standing) + ", which --strict refuses";
+  if (demands.strict && !survey.only_seen.empty())
+    return only_seen_sentence(survey.only_seen) + ", which --strict refuses";
   return std::nullopt;
 }
 
@@ -202,10 +216,9 @@ void require_parts(const std::vector<std::string>& allow_outside, const Robot& r
   for (const Body& body : robot.bodies) parts.insert(body.part);
   for (const std::string& part : allow_outside) {
     if (part == "all" || parts.contains(part)) continue;
-    std::string names;
-    for (const std::string& name : parts) names += (names.empty() ? "" : ", ") + name;
+    const std::string names = listed({parts.begin(), parts.end()});
     throw std::invalid_argument(what + ": expected all or a part of " + robot.name + " (" + names +
-                                "), got '" + part + "'");
+                                "), got " + quote(part));
   }
 }
 

@@ -28,13 +28,15 @@ struct PathSurvey {
   std::vector<LeavingPart> leaving;  ///< in the robot's order
   std::vector<std::string>
       unknown_free;  ///< parts with the policy `not_occupied`, for which unknown counts as free
-  bool is_of_obstacles_alone = false;  ///< the map has neither paint nor voxels that were seen free
+  std::vector<std::string> only_seen = {};  ///< Robot::only_seen
+  bool is_of_obstacles_alone = false;       ///< the map has neither paint nor voxels that were seen free
 };
 
 /// What a user allows by name, or asks for beyond the contract of check_path.
 struct SurveyDemands {
   std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds; "all": every part
-  bool strict = false;                          ///< bodies that no joint moves must not touch occupied voxels
+  /// Bodies that no joint moves must not touch occupied voxels, and every link that is seen must have a body.
+  bool strict = false;
 };
 
 /// Surveys the path (it may be empty, or of one waypoint). Parts that `policies` does not name are
@@ -48,6 +50,19 @@ struct SurveyDemands {
 /// @throws std::invalid_argument for a path that moves a body over more than a million voxels.
 PathSurvey survey_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        const std::vector<Configuration>& path);
+
+/// Whether parts can leave the map, as survey_path says of its bounds.
+bool can_be_left(const Robot& robot, const Snapshot& map);
+
+/// Whether `allow_outside` holds the part, or "all".
+bool is_allowed_outside(const std::string& part, const std::vector<std::string>& allow_outside);
+
+/// "tool leaves the map's bounds by 0.3 m at (1, 0, 0.5)"
+std::string to_text(const LeavingPart& leaving);
+
+/// ": nothing is known of that place, ..., allow it by name with --allow-outside PART": ends the sentence of
+/// a refusal.
+std::string why_refused_outside(const std::string& part);
 
 /// The same of legs on which the robot carries different loads, in one: edges are numbered as if it were one
 /// path, and a voxel that is swept on two legs with different loads counts twice.
@@ -63,8 +78,12 @@ std::optional<std::string> refusal(const PathSurvey& survey, const SurveyDemands
 /// alone; empty where no part has that policy.
 std::string unknown_sentence(const PathSurvey& survey);
 
+/// "links a, b have a visual shape but no collision shape: nothing of them is checked"; of many the first few
+/// by name. Empty where there are none.
+std::string only_seen_sentence(const std::vector<std::string>& links);
+
 /// The survey as the text of one JSON object: swept, unknown_counts_as_free_for, note, standing_in_occupied,
-/// outside_map. Lengths in metres.
+/// outside_map, and where there are some links_without_collision_shape. Lengths in metres.
 std::string to_json(const PathSurvey& survey);
 
 /// "link0 touches 12 occupied voxels, the lowest at (0, 0, -0.01)", of all that stand so; empty when none

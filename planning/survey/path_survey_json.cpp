@@ -41,6 +41,7 @@ std::string to_json(const PathSurvey& survey) {
                                    {"edge", leaving.place.edge},
                                    {"parameter", leaving.place.parameter}});
   }
+  if (!survey.only_seen.empty()) json["links_without_collision_shape"] = survey.only_seen;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -37,8 +37,8 @@ struct SweptVoxels {
 };
 
 /// What the bodies that some joint moves sweep along the path, all of its edges straight in joint space. None
-/// for an empty path, and for bodies of more than some 10^8 voxels. Precondition: every waypoint has as many
-/// values as the robot has joints, all finite.
+/// for an empty path, for bodies of more than some 10^8 voxels, and where counting would take longer than
+/// some 10 seconds. Precondition: every waypoint has as many values as the robot has joints, all finite.
 std::optional<SweptVoxels> swept_voxels(const Robot& robot, const Snapshot& map,
                                         const std::vector<Configuration>& path);
 

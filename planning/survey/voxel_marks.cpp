@@ -97,7 +97,8 @@ bool VoxelMarks::mark(const MarkedShape& shape, const Eigen::Isometry3d& map_fro
   const Eigen::Array3d low = (box.min().array() / brick - 1e-9).floor();
   const Eigen::Array3d high = (box.max().array() / brick + 1e-9).floor();
   const bool is_near = low.abs().maxCoeff() < most_cells_away && high.abs().maxCoeff() < most_cells_away;
-  if (!is_near || (high - low + 1.0).prod() > most_bricks_) return false;
+  const double bricks = (high - low + 1.0).prod();
+  if (!is_near || bricks > most_bricks_ || (looks_ += bricks) > most_looks_) return false;
   const Body body{shape, map_from_shape, map_from_shape.inverse()};
   const Cell first = low.cast<std::int64_t>().matrix(), last = high.cast<std::int64_t>().matrix();
   for (std::int64_t z = first.z(); z <= last.z(); ++z) {

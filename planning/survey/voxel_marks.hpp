@@ -43,10 +43,12 @@ class VoxelMarks {
   using Brick = std::array<std::uint64_t, 8>;
 
   /// @param voxel_edge metres @param most_bricks that are looked at in one body's box, or stored
-  explicit VoxelMarks(double voxel_edge, double most_bricks = 5e5)
-      : edge_(voxel_edge), most_bricks_(most_bricks) {}
+  /// @param most_looks at bricks, of all shapes together
+  explicit VoxelMarks(double voxel_edge, double most_bricks = 5e5, double most_looks = 1e8)
+      : edge_(voxel_edge), most_bricks_(most_bricks), most_looks_(most_looks) {}
 
-  /// Marks all voxels that the placed shape touches. False, and nothing is marked, when there are too many.
+  /// Marks all voxels that the placed shape touches. False, and nothing is marked, when there are too many,
+  /// or too many bricks in the boxes of all shapes so far.
   bool mark(const MarkedShape& shape, const Eigen::Isometry3d& map_from_shape);
 
   double edge() const { return edge_; }
@@ -64,7 +66,7 @@ class VoxelMarks {
   struct Body;
   void mark_cube(const Body& body, const Eigen::Vector3d& corner, int cells, int first, Brick& brick) const;
 
-  double edge_, most_bricks_;
+  double edge_, most_bricks_, most_looks_, looks_ = 0.0;
   std::unordered_map<Cell, Brick, CellHash> bricks_;
 };
 

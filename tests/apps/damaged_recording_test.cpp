@@ -37,5 +37,17 @@ TEST(DamagedRecording, IsToldByInspectPlanAndCheck) {
   EXPECT_NE(checked["map_caveat"].get<std::string>().find(words), std::string::npos);
 }
 
+TEST(DamagedRecording, IsOneWithAScanThatIsALinkToNothing) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "scans");
+  folder.write("scans/1.pcd", scan);
+  std::filesystem::create_symlink("gone.pcd", folder.path() / "scans/2.pcd");
+  const CommandRun run = run_command({"replay", folder.file("scans"), "--out", folder.file("map")});
+  EXPECT_EQ(run.status, exit_damaged);
+  EXPECT_NE(run.log.find("2.pcd' cannot be read: No such file"), std::string::npos) << run.log;
+  EXPECT_NE(run_command({"inspect", folder.file("map")}).out.find("made from a damaged recording"),
+            std::string::npos);
+}
+
 }  // namespace damaged_recording_test
 }  // namespace clearway

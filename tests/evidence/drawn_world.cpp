@@ -122,13 +122,40 @@ void paint_about(FreeSpaceMap& map, const Draft& draft, const Boxes& boxes, Rand
   fill(map, boxes, draft.resolution);
 }
 
-}  // namespace
-
-DrawnWorld draw_world(std::uint64_t seed) {
-  Random random(seed * 0x9e3779b97f4a7c15ULL + 1);
+Draft draw_draft(Random& random, std::uint64_t seed) {
   Draft draft{draw_robot(random, seed)};
   draft.reach = reach_of(draft.robot, random);
   draft.resolution = random.between(0.02, 0.06) * draft.reach;
+  return draft;
+}
+
+DrawnWorld finished(Draft draft, const std::string& kind, const FreeSpaceMap& map, const Policies& policies,
+                    Random& random) {
+  const double padding = random.below(2) == 0 ? 0.0 : random.between(0.0, 0.01) * draft.reach;
+  std::ostringstream what;
+  what << draft.robot.name << " (scale " << draft.robot.scale << "), " << kind << ", voxels of "
+       << draft.resolution << " m, padding " << padding << " m";
+  return {what.str(), std::make_unique<ConfigurationSpace>(std::move(draft.robot), map.snapshot(), policies,
+                                                           SpaceOptions{.padding = padding})};
+}
+
+}  // namespace
+
+DrawnWorld draw_world_that_ends(std::uint64_t seed) {
+  Random random(seed * 0x9e3779b97f4a7c15ULL + 2);
+  Draft draft = draw_draft(random, seed);
+  const Boxes boxes = draw_boxes(draft, random);
+  FreeSpaceMap map({.resolution = draft.resolution, .discretize = true});
+  for (int view = 1 + random.below(3); view > 0; --view)
+    map.insert(look_round(draft, boxes, draft.near(random, 0.3), 2000, random),
+               {.max_range = random.between(0.3, 0.9) * draft.reach});
+  const Policies policies{.other = Policy::not_occupied, .critical_by_default = false};
+  return finished(std::move(draft), "short looks", map, policies, random);
+}
+
+DrawnWorld draw_world(std::uint64_t seed) {
+  Random random(seed * 0x9e3779b97f4a7c15ULL + 1);
+  Draft draft = draw_draft(random, seed);
   const Boxes boxes = draw_boxes(draft, random);
   FreeSpaceMap map({.resolution = draft.resolution, .discretize = true});
   Policies policies;
@@ -146,13 +173,7 @@ DrawnWorld draw_world(std::uint64_t seed) {
     paint_about(map, draft, boxes, random, {draft.robot.bodies.back().part});
     policies.critical_by_default = true;
   }
-  const double padding = random.below(2) == 0 ? 0.0 : random.between(0.0, 0.01) * draft.reach;
-  std::ostringstream what;
-  what << draft.robot.name << " (scale " << draft.robot.scale << "), "
-       << names[static_cast<std::size_t>(kind)] << ", voxels of " << draft.resolution << " m, padding "
-       << padding << " m";
-  return {what.str(), std::make_unique<ConfigurationSpace>(std::move(draft.robot), map.snapshot(), policies,
-                                                           SpaceOptions{.padding = padding})};
+  return finished(std::move(draft), names[static_cast<std::size_t>(kind)], map, policies, random);
 }
 
 std::optional<std::pair<Configuration, Configuration>> draw_ends(const ConfigurationSpace& space,

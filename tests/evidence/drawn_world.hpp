@@ -21,6 +21,10 @@ struct DrawnWorld {
 
 DrawnWorld draw_world(std::uint64_t seed);
 
+/// The same robots in maps that end where they reach, made of few short looks, every part under
+/// `not_occupied`: there a robot leaves the map's bounds before it meets anything.
+DrawnWorld draw_world_that_ends(std::uint64_t seed);
+
 /// A free start and a free goal, near or far; nothing when 400 draws gave none.
 std::optional<std::pair<Configuration, Configuration>> draw_ends(const ConfigurationSpace& space,
                                                                  Random& random);

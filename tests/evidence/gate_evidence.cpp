@@ -7,6 +7,7 @@
 
 #include "planning/check/path_check.hpp"
 #include "planning/gate/gate.hpp"
+#include "planning/survey/path_survey.hpp"
 #include "tests/evidence/drawn_world.hpp"
 
 namespace clearway::evidence {
@@ -21,6 +22,7 @@ struct Terms {
   std::vector<double> velocity{}, deceleration{};
   double reaction = 0.0;
   bool ages = false;
+  SurveyDemands demands{};
 };
 
 Terms draw_terms(const Robot& robot, Random& random) {
@@ -30,6 +32,9 @@ Terms draw_terms(const Robot& robot, Random& random) {
     terms.velocity.push_back(random.between(0.3, 3.0));
     terms.deceleration.push_back(random.between(1.0, 20.0));
   }
+  if (random.below(3) == 0)
+    terms.demands.allow_outside = {
+        robot.bodies[static_cast<std::size_t>(random.below(static_cast<int>(robot.bodies.size())))].part};
   return terms;
 }
 
@@ -37,7 +42,8 @@ GateOptions options_of(const Terms& terms) {
   GateOptions options{.limits = {.max_velocity = terms.velocity,
                                  .deceleration = terms.deceleration,
                                  .reaction = terms.reaction},
-                      .tolerance = tolerance};
+                      .tolerance = tolerance,
+                      .allow_outside = terms.demands.allow_outside};
   if (terms.ages) options.max_age = max_age;
   return options;
 }
@@ -218,7 +224,8 @@ void append_motion(const MotionChunk& chunk, const Terms& terms, std::vector<Con
 class Wanderer {
  public:
   Wanderer(std::uint64_t seed, std::uint64_t world)
-      : world_(draw_world(seed * 1000003 + world)),
+      : world_(world % 2 == 0 ? draw_world(seed * 1000003 + world)
+                              : draw_world_that_ends(seed * 1000003 + world)),
         random_(seed * 0x2545f4914f6cdd1dULL + world),
         terms_(draw_terms(robot(), random_)),
         gate_(options_of(terms_)) {
@@ -243,6 +250,12 @@ class Wanderer {
         check_path(robot(), space.map(), space.policies(), space.options().padding + more, path);
     if (why != nullptr) *why = (verdict.undecided ? "undecided: " : "") + verdict.first_contact;
     return verdict.valid;
+  }
+
+  /// Why `check` refuses a plan of that path for where it leads.
+  std::optional<std::string> survey(const std::vector<Configuration>& path) const {
+    const ConfigurationSpace& space = *world_.space;
+    return refusal(survey_path(robot(), space.map(), space.policies(), path), terms_.demands);
   }
 
   void start_anew() {
@@ -299,6 +312,8 @@ class Wanderer {
     if (path_.size() > 1) {
       evidence_.checked_edges += path_.size() - 1;
       if (!is_valid(path_, 0.0, &why)) evidence_.broken.push_back(world_.what + ": passed, but " + why);
+      if (const auto refused = survey(path_))
+        evidence_.broken.push_back(world_.what + ": passed, but " + *refused);
     }
     path_.clear();
   }
@@ -311,7 +326,9 @@ class Wanderer {
       braking = std::max(braking, world_.space->motion_bound(way.cwiseAbs()));
       if (!limit_violation(robot(), chunk.positions[i + 1] + way).empty()) return;  // no voxel's business
     }
-    if (!is_valid(chunk.positions, braking)) return;
+    std::vector<Configuration> path;
+    append_motion(chunk, terms_, path);
+    if (!is_valid(chunk.positions, braking) || survey(path)) return;
     ++evidence_.clear;
     if (!verdict.is_passed()) ++evidence_.clear_but_refused[std::string(to_string(verdict.reason))];
   }

@@ -80,7 +80,7 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
   EXPECT_NE(frontal.log.find("tilt it by 20 to 45 degrees"), std::string::npos) << frontal.log;
   EXPECT_FALSE(std::filesystem::exists(folder_.file("none.yaml")));
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"camera", folder_.file("frontal"), "--setup", setup_, "--out", setup_}, "is an input itself"},
+           {{"camera", folder_.file("frontal"), "--setup", setup_, "--out", setup_}, "is read by --setup"},
            {{"camera", folder_.file("frontal"), "--setup", setup_, "--body", "nobody"}, "no board 'nobody'"},
            {{"board", folder_.file("frontal"), "--setup", setup_}, "tell the camera"},
            {{"probe", folder_.file("frontal"), "--setup", setup_}, "tell the camera"},

@@ -75,6 +75,7 @@ TEST_F(GateCommand, AnswersEachLineWithOneAndGoesOnAfterBadOnes) {
   EXPECT_EQ(run.status, exit_no) << run.log;
   EXPECT_EQ(run.log,
             "policy: all parts not_occupied; padding: 0 mm, less than the robot's position accuracy of 1 mm\n"
+            "note: unknown space counts as free for base (policy not_occupied)\n"
             "8 chunks: 2 passed, 6 refused\n");
   const std::vector<Json> lines = verdicts(run);
   const std::vector<std::string> reasons = {"none",          "not_a_chunk", "not_a_chunk", "blocked",
@@ -125,7 +126,8 @@ TEST_F(GateCommand, JudgesChunksWithWhatIsAttached) {
     const Configuration from = Eigen::Vector2d(draw(0.0, 0.8), draw(-2.0, 2.0));
     const Configuration to = from + Eigen::Vector2d(draw(-0.2, 0.2), draw(-0.2, 0.2));
     const Json line{{"times", {0.0, 0.5}}, {"positions", {{from[0], from[1]}, {to[0], to[1]}}}};
-    const auto judged = [&](const std::vector<std::string>& more) {
+    const auto judged = [&](std::vector<std::string> more) {
+      more.insert(more.end(), {"--allow-outside", "all"});
       return verdicts(gate(line.dump() + "\n", more)).at(0);
     };
     const JointLimits limits = joint_limits(loaded, {});
@@ -149,6 +151,35 @@ TEST_F(GateCommand, JudgesChunksWithWhatIsAttached) {
       "", {"--attach", folder_.write("legs.yaml", "{name: rod, box: [1, 1, 1], link: base, legs: [2]}")});
   EXPECT_EQ(legs.status, exit_bad_input);
   EXPECT_TRUE(legs.told_in_one_sentence()) << legs.log;
+}
+
+TEST_F(GateCommand, RefusesAPartThatLeavesTheMapUnlessItIsAllowedByName) {
+  const std::string leaves = R"({"times":[0,0.5],"positions":[[0.1,-1.0],[0.1,-1.3]]})";
+  const CommandRun run = gate(leaves + "\n");
+  EXPECT_EQ(run.status, exit_no);
+  const Json json = verdicts(run).at(0);
+  EXPECT_EQ(json["reason"], "outside_map");
+  EXPECT_EQ(json["body"], "base");
+  EXPECT_EQ(json["piece"]["kind"], "edge");
+  EXPECT_NE(json["sentence"].get<std::string>().find("--allow-outside base"), std::string::npos) << json;
+  EXPECT_GT(json["may_go"]["stands_at"][1].get<double>(), -1.2);
+  for (const char* part : {"base", "all"})
+    EXPECT_EQ(gate(leaves + "\n", {"--allow-outside", part}).status, exit_done) << part;
+  const CommandRun unknown = gate(leaves + "\n", {"--allow-outside", "elbow"});
+  EXPECT_EQ(unknown.status, exit_bad_input);
+  EXPECT_TRUE(unknown.told_in_one_sentence()) << unknown.log;
+}
+
+TEST_F(GateCommand, SaysAtTheStartWhatItsVerdictsRestOn) {
+  FreeSpaceMap map({.resolution = 0.05, .integration = Integration::compatible});
+  Scan scan;
+  scan.points.emplace_back(1.0F, 0.0F, 0.0F);
+  map.insert(scan);
+  save_map(map.snapshot(), folder_.path() / "map");
+  const std::string log = gate("").log;
+  EXPECT_NE(log.find("note: unknown space counts as free for base"), std::string::npos) << log;
+  EXPECT_NE(log.find("note: the map was made by compatible integration"), std::string::npos) << log;
+  EXPECT_EQ(gate("", {"--policy", "known_free"}).log.find("unknown space"), std::string::npos);
 }
 
 TEST_F(GateCommand, TheSameChunksGiveTheSameBytes) {

@@ -50,6 +50,8 @@ class Group : public ::testing::Test {
                         folder_.file("map"),
                         "--robot",
                         folder_.file("arm.urdf"),
+                        "--policy",
+                        "not_occupied",
                         folder_.file("plan.json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_command(arguments);

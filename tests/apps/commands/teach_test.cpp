@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "apps/teach/teach_event.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/free_space_map.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -110,13 +112,35 @@ TEST(Teach, NothingIsWrittenOverTheRecordingOrIntoIt) {
   };
   expect("pictures", "pictures/taught", "v.mp4", "lies in the recording");
   expect("pictures", "pictures", "v.mp4", "lies in the recording");
-  expect("r.rawlog", "taught", "r.rawlog", "is the recording itself");
-  std::filesystem::create_directories(folder / "taught/session");
-  folder.write("taught/session/session.json", "{}");
-  const CommandRun run =
-      run_command({"replay", folder.file("taught/session/r.rawlog"), "--out", folder.file("taught")});
-  EXPECT_EQ(run.status, exit_bad_input);
-  EXPECT_NE(run.log.find("holds the recording"), std::string::npos) << run.log;
+  expect("r.rawlog", "taught", "r.rawlog", "is read by SOURCE");
+  expect("r.rawlog", "taught", "e.jsonl", "is read by --events");
+}
+
+TEST(Teach, WhatASessionRecordedGoesWithNoOtherCommand) {
+  const TemporaryFolder folder;
+  save_map(FreeSpaceMap({.resolution = 0.1}).snapshot(), folder / "map");
+  std::filesystem::create_directories(folder / "taught/session/source");
+  std::filesystem::create_directories(folder / "taught/approved");
+  const std::string recording =
+      folder.write("taught/session/source/frames.rawlog", "all that there is of it");
+  folder.write("taught/approved/plan.yaml", "a motion");
+  folder.write("taught/.clearway_files", "approved/plan.yaml\nmap.ot\nsession/source/frames.rawlog\n");
+  const std::string taught = folder.file("taught");
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"replay", recording, "--out", taught},
+        {"replay", folder.file("nosuch.rawlog"), "--out", taught},
+        {"inspect", folder.file("map"), "--coarsen", "0.2", "--save", taught},
+        {"tags", "print", "--out", taught},
+        {"compare", "quick", "--out", taught},
+        {"track", folder.write("r.rawlog", ""), "--draw", taught, "--setup", "miniature_kitchen"}}) {
+    const CommandRun run = run_command(command);
+    EXPECT_EQ(run.status, exit_bad_input) << command[0];
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find("it holds 'approved/plan.yaml', which another command wrote"), std::string::npos)
+        << command[0] << ": " << run.log;
+  }
+  EXPECT_EQ(read_file(recording), "all that there is of it");
+  EXPECT_TRUE(std::filesystem::exists(folder / "taught/approved/plan.yaml"));
 }
 
 TEST(Teach, EventsAreReadBackAsTheyWere) {
@@ -149,6 +173,14 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
   std::string again;
   for (const TeachEvent& event : load_teach_events(folder / "e.jsonl")) again += to_json_line(event) + "\n";
   EXPECT_EQ(again, text);
+}
+
+TEST(Teach, EventsThatWouldFillTheMemoryAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("e.jsonl", std::string(100'001, '\n'));
+  EXPECT_THROW(load_teach_events(folder / "e.jsonl"), std::invalid_argument);
+  folder.write("e.jsonl", std::string(100'000, '\n'));
+  EXPECT_TRUE(load_teach_events(folder / "e.jsonl").empty());
 }
 
 TEST(Teach, ALoadsNameIsATextHoweverItIsWritten) {

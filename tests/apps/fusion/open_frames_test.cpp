@@ -1,8 +1,10 @@
 #include "apps/fusion/open_frames.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstdio>
+#include <functional>
 
 #include "apps/fusion/fusion.hpp"
 #include "datasets/descriptions/scene.hpp"
@@ -99,6 +101,64 @@ TEST_F(OpenFrames, AFolderOfNothingOrOfEverythingIsRefused) {
   folder_.write("shots/1.pcd", format_pcd({{1.0F, 0.0F, 0.0F}}));
   EXPECT_NE(refusal(folder_ / "shots").find("1 clouds; expected a folder of one kind"), std::string::npos);
   EXPECT_NE(refusal(folder_ / "nowhere"), "");
+}
+
+/// The files and times of all frames, and what was damaged.
+struct Read {
+  std::vector<std::pair<std::string, double>> frames;
+  std::string damage;
+};
+
+Read read_all(const std::filesystem::path& recording) {
+  const auto source = open_frames(recording, {});
+  Read read;
+  while (const auto frame = source->next()) read.frames.emplace_back(frame->file, frame->time);
+  read.damage = source->damage().value_or("");
+  return read;
+}
+
+class Scans : public testing::Test {
+ protected:
+  Scans() { std::filesystem::create_directory(folder_ / "scans"); }
+  void scan(const std::string& name) { folder_.write("scans/" + name, format_pcd({{1.0F, 0.0F, 0.0F}})); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Scans, WhatIsCalledLikeAScanAndIsNoFileIsDamage) {
+  const auto scans = folder_ / "scans", odd = scans / "2.pcd";
+  for (const char* name : {"1.pcd", "3.PCD"}) scan(name);
+  folder_.write("other", format_pcd({{1.0F, 0.0F, 0.0F}}));
+  const std::vector<std::pair<std::string, std::function<void()>>> kinds{
+      {"No such file", [&] { std::filesystem::create_symlink("gone", odd); }},
+      {"it is a folder", [&] { std::filesystem::create_directory(odd); }},
+      {"it is a device", [&] { std::filesystem::create_symlink("/dev/zero", odd); }},
+      {"it is a pipe", [&] { ASSERT_EQ(::mkfifo(odd.c_str(), 0600), 0); }}};
+  for (const auto& [words, make] : kinds) {
+    make();
+    const Read read = read_all(scans);
+    EXPECT_EQ(read.frames, (std::vector<std::pair<std::string, double>>{{"1.pcd", 1}, {"3.PCD", 3}}));
+    EXPECT_TRUE(read.damage.starts_with("cloud '" + odd.string() + "' cannot be read: " + words))
+        << read.damage;
+    std::filesystem::remove(odd);
+  }
+  std::filesystem::create_symlink("../other", odd);
+  EXPECT_EQ(read_all(scans).frames.size(), 3U);
+  EXPECT_EQ(read_all(scans).damage, "");
+}
+
+TEST_F(Scans, NumbersInTheirNamesCountByValueAndClocksOfFineUnitsTellSeconds) {
+  for (int i = 1; i <= 21; ++i) scan("scan" + std::to_string(i) + ".pcd");
+  const Read counted = read_all(folder_ / "scans");
+  ASSERT_EQ(counted.frames.size(), 21U);
+  for (int i = 1; i <= 21; ++i)
+    EXPECT_EQ(counted.frames[static_cast<std::size_t>(i) - 1].first, "scan" + std::to_string(i) + ".pcd");
+  for (const auto& [begin, unit] : {std::pair{"1403636579763555", "us"}, std::pair{"1403636579763", "ms"},
+                                    std::pair{"1403636579763555584", "ns"}}) {
+    std::filesystem::remove_all(folder_ / "scans");
+    std::filesystem::create_directory(folder_ / "scans");
+    scan(std::string(begin) + ".pcd");
+    EXPECT_NEAR(read_all(folder_ / "scans").frames.at(0).second, 1403636579.763, 1e-3) << unit;
+  }
 }
 
 }  // namespace open_frames_test

@@ -144,9 +144,9 @@ TEST_F(Inspect, makes_new_maps_of_maps) {
   EXPECT_EQ(coarse["resolution"], 0.2);
   EXPECT_EQ(json({out})["resolution"], 0.2);
   const std::string before = read_file(map_ + "/map.ot");
-  expect_refused({map_, "--coarsen", "0.2", "--save", map_}, "another folder");
-  expect_refused({map_ + "/map.ot", "--coarsen", "0.2", "--save", map_}, "another folder");
-  expect_refused({map_, "--merge", other_, "--save", other_}, "another folder");
+  expect_refused({map_, "--coarsen", "0.2", "--save", map_}, "is read by MAP");
+  expect_refused({map_ + "/map.ot", "--coarsen", "0.2", "--save", map_}, "is read by MAP");
+  expect_refused({map_, "--merge", other_, "--save", other_}, "is read by --merge");
   expect_refused({map_, "--coarsen", "0.3", "--save", out}, "2, 4, 8");
   expect_refused({map_, "--coarsen", "0.2"}, "--save");
   expect_refused({map_, "--crop", "1,2,3", "--save", out}, "X0,Y0,Z0");

@@ -202,6 +202,34 @@ TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
   EXPECT_NE(import("scene", {old_form}).log.find("holds an import already"), std::string::npos);
 }
 
+TEST_F(Import, AppearsWholeOrNotAtAllBesideWhatIsThere) {
+  const std::string scene = folder_.write(
+      "old.scene", "(noname)\n* the box\n1\nbox\n0.18 0.18 0.18\n1.1 0.1 0.1\n0 0 0 1\n0 0 0 0\n.\n");
+  const CommandRun unread = import("scene", {folder_.file("nowhere.scene")});
+  EXPECT_EQ(unread.status, exit_bad_input);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  std::filesystem::create_directory(folder_ / "out");
+  folder_.write("out/notes.md", "mine");
+  ASSERT_EQ(import("scene", {scene}).status, exit_done);
+  EXPECT_EQ(read_file(folder_ / "out/notes.md"), "mine");
+  EXPECT_EQ(map("old").counts().occupied, 8U);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3);  // and nothing hidden
+}
+
+TEST_F(Import, RefusesBeforeTheWorkAFolderThatItCannotWrite) {
+  folder_.write("file", "no folder");
+  std::filesystem::create_directories(folder_ / "mine/maps");
+  for (const auto& [place, told] :
+       {std::pair{"file", "it exists and is not a folder"}, std::pair{"file/out", "is not a folder"},
+        std::pair{"mine", "such as 'maps'"}}) {
+    const CommandRun run = run_command(
+        {"import", "--out", folder_.file(place), "--robot", robot_, "scene", folder_.file("nowhere.scene")});
+    EXPECT_EQ(run.status, exit_bad_input) << place;
+    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(told), std::string::npos) << run.log;
+  }
+}
+
 TEST_F(Import, ProblemsOfJsonAreOneExperimentForEachNameWithAWorldEach) {
   const Json set = {{"problems",
                      {{"shelf",

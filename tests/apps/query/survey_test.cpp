@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
@@ -193,6 +194,35 @@ TEST_F(Survey, padding_is_the_robots_position_accuracy_unless_it_is_asked_for) {
   EXPECT_EQ(refused.status, exit_bad_input);
   for (const char* words : {"crane.yaml", "position_accuracy"})
     EXPECT_NE(refused.log.find(words), std::string::npos) << refused.log;
+}
+
+/// The crane with a hook that is drawn and never collides.
+TEST_F(Survey, links_without_a_collision_shape_are_named_and_refused_with_strict) {
+  std::string hooked = crane;
+  hooked.insert(hooked.find("</robot>"),
+                "<link name='hook'><visual><geometry><sphere radius='0.1'/></geometry></visual></link>"
+                "<joint name='rope' type='fixed'><parent link='boom'/><child link='hook'/></joint>");
+  crane_ = folder_.write("hooked.urdf", hooked);
+  const std::string note = "link hook has a visual shape but no collision shape: nothing of it is checked";
+  const CommandRun planned = plan(wall_);
+  EXPECT_EQ(planned.status, exit_done) << planned.log;
+  EXPECT_EQ(Json::parse(planned.out)["links_without_collision_shape"], Json({"hook"}));
+  EXPECT_EQ(plan(wall_, {"--strict"}).status, exit_no);
+  plan(wall_);
+  std::vector<std::string> check{
+      "check", folder_.file("plan.json"), "--map", wall_, "--robot", crane_, "--goal", "0.8"};
+  const CommandRun checked = run_command(check);
+  EXPECT_EQ(checked.status, exit_done) << checked.out << checked.log;
+  EXPECT_NE(checked.out.find(note), std::string::npos) << checked.out;
+  check.emplace_back("--strict");
+  const CommandRun refused = run_command(check);
+  EXPECT_EQ(refused.status, exit_no);
+  EXPECT_NE(refused.out.find(note + ", which --strict refuses"), std::string::npos) << refused.out;
+  std::istringstream no_chunks;
+  std::ostringstream out, log;
+  Console console(out, log, false, &no_chunks);
+  run_command_line({"gate", "--map", wall_, "--robot", crane_}, console);
+  EXPECT_NE(log.str().find(note), std::string::npos) << log.str();
 }
 
 TEST_F(Survey, padding_is_shown_beside_the_position_accuracy) {

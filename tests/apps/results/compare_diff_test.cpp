@@ -1,6 +1,7 @@
 #include "apps/results/compare_diff.hpp"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <functional>
 
@@ -43,6 +44,22 @@ CompareDiff diff_with(const Change& change) {
 void fail(CompareRun& run, PlanStatus status) {
   run.status = status;
   run.check = "none";
+}
+
+/// What a database makes of the table of runs by itself.
+TEST(CompareDiff, ADatabaseThatIsAProgramIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "hostile.sqlite";
+  save_database(results_with([](std::size_t, CompareRun&) {}), file);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database,
+                         "ALTER TABLE runs RENAME TO stored; CREATE VIEW runs AS WITH RECURSIVE n(i) AS "
+                         "(SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT stored.* FROM stored, n;",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  EXPECT_THROW(compare_diff(file, file), std::invalid_argument);  // and ends
 }
 
 TEST(CompareDiff, NoiseIsNoChange) {

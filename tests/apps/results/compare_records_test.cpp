@@ -1,11 +1,13 @@
 #include "apps/results/compare_records.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <stdexcept>
 
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
@@ -115,6 +117,36 @@ TEST(CompareRecords, HalfALastLineIsLeftOutAndAWrongOneNamed) {
   EXPECT_NE(told("").find("line 1"), std::string::npos);
 }
 
+TEST(CompareRecords, FilesElsewhereAndWhatIsNoFileAreRefused) {
+  const TemporaryFolder folder;
+  const auto is_read = [&](const std::string& plan, const std::string& page) {
+    CompareRecords records(asked());
+    records.open(0, 0, {problem("a")});
+    CompareRun found = run(0, 1);
+    found.plan_file = plan;
+    records.add(0, 0, 0, found);
+    records.finish(0, 0, 0, page);
+    try {
+      CompareRecords::read(folder.write("runs.jsonl", records.text()));
+      return true;
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+  };
+  EXPECT_TRUE(is_read("plans/e/a/one.json", "animations/e/a.html"));
+  EXPECT_TRUE(is_read("", ""));
+  for (const char* elsewhere : {"/tmp/plan.json", "../plans/a.json", "plans/../../a.json",
+                                "plans/a/../b.json", "results.html", "plans/a.sh", "./plans/a.json"}) {
+    EXPECT_FALSE(is_read(elsewhere, "")) << elsewhere;
+    EXPECT_FALSE(is_read("", elsewhere)) << elsewhere;
+  }
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(CompareRecords::read(pipe), std::invalid_argument);  // and does not wait for a writer
+  EXPECT_THROW(CompareRecords::read(folder.write("deep", std::string(1'000'000, '['))),
+               std::invalid_argument);
+}
+
 TEST(CompareRecords, TellsWhatTwoComparisonsDoNotShare) {
   const auto with = [](const auto& change) {
     CompareAsked other = asked();
@@ -147,6 +179,20 @@ TEST(CompareShards, ShareOutEveryProblemOnce) {
           EXPECT_EQ(shards, 1);
         }
   }
+}
+
+TEST(CompareRecords, APipeIsRefusedWithoutWaitingForIt) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.file("runs.jsonl");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string why = "' cannot be read: it is a pipe, expected a regular file";
+  EXPECT_EQ(complaint([&] { CompareRecords::read(pipe); }), "runs '" + pipe + why);
+  CompareExperiment experiment = asked().results.experiments[0];
+  experiment.setup.plots = {"profiles"};
+  experiment.problems = {problem("a")};
+  experiment.problems[0].runs = {run(0, 1)};
+  experiment.problems[0].runs[0].plan_file = "runs.jsonl";
+  EXPECT_EQ(complaint([&] { profiles_of(experiment, folder.path()); }), "plan '" + pipe + why);
 }
 
 }  // namespace compare_records_test

@@ -235,7 +235,7 @@ TEST_F(ImagePosesOfAStroke, BadInputIsOneSentenceAndWritesNothing) {
                                   setup_.substr(setup_.find("boards:")));
   for (const auto& [flags, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--setup", folder_.file("bare.yaml")}, "expected `boards`"},
-           {{"--csv", folder_.file("r.rawlog")}, "is the source itself"},
+           {{"--csv", folder_.file("r.rawlog")}, "is read by SOURCE"},
            {{"--csv", folder_.file("no/where.csv")}, "no/where.csv"},
            {{"--setup", folder_.file("nowhere.yaml")}, "nowhere.yaml"}}) {
     const CommandRun run = track(flags);

@@ -57,6 +57,8 @@ TEST_F(LoadFiles, AreRefusedInASentenceThatNamesTheKey) {
   names("box", "{name: a, box: [1, 1], link: b}");
   names("sphere", "{name: a, sphere: -1, link: b}");
   names("sphere", "{name: a, sphere: .nan, link: b}");
+  names("sphere: expected a number from 1e-06 to 1000, got '1001'", "{name: a, sphere: 1001, link: b}");
+  names("cylinder", "{name: a, cylinder: [0.1, 1e5], link: b}");
   names("link", "{name: a, sphere: 1}");
   names("mass", "{name: a, sphere: 1, link: b, mass: -1}");
   names("legs", "{name: a, sphere: 1, link: b, legs: [0]}");

@@ -207,6 +207,7 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
       {"map: {crop: [0, 0, 0, 1, 1]}", "line 1", "map.crop", "expected 6 numbers, got 5"},
       {"map: {crop: [0, 0, 0, 1, -1, 1]}", "line 1", "map.crop", "min below its max"},
       {"map: {discretize: yes please}", "line 1", "map.discretize", "true or false"},
+      {"map: {safe_band: 0}", "line 1", "map.safe_band", "expected a positive number"},
       {"map: {integration: careful}", "line 1", "integration", "safe or compatible"},
       {"map: 3", "line 1", "map", "expected a map"},
       {"boards: 7", "line 1", "boards", "expected a list"},

@@ -1,6 +1,7 @@
 #include "datasets/pictures/depth_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/picture_bytes.hpp"
@@ -108,6 +109,30 @@ TEST_F(DepthFolders, RefusesWhatTellsNoCameraOrNoPoses) {
   EXPECT_TRUE(open(placed)->next());
   make("other");
   EXPECT_FALSE(depth_layout(folder_ / "other"));
+}
+
+TEST_F(DepthFolders, PicturesAndPosesThatAreNoFilesAreDamage) {
+  make("depth");
+  make("pose");
+  for (const char* number : {"1", "3"}) {
+    folder_.write(std::string("depth/") + number + ".PNG", depth_png(9));
+    folder_.write(std::string("pose/") + number + ".txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  }
+  const auto damage = [&] {
+    const auto source = open(options());
+    while (source->next()) continue;
+    return source->damage().value_or("");
+  };
+  EXPECT_EQ(damage(), "");
+  std::filesystem::create_symlink("gone", folder_ / "depth/2.png");
+  EXPECT_NE(damage().find("2.png' cannot be read: No such file"), std::string::npos) << damage();
+  std::filesystem::remove(folder_ / "depth/2.png");
+  ASSERT_EQ(::mkfifo((folder_ / "depth/2.png").c_str(), 0600), 0);
+  EXPECT_NE(damage().find("2.png' cannot be read: it is a pipe"), std::string::npos) << damage();
+  std::filesystem::remove(folder_ / "depth/2.png");
+  std::filesystem::remove(folder_ / "pose/3.txt");
+  std::filesystem::create_symlink("gone", folder_ / "pose/3.txt");
+  EXPECT_NE(damage().find("3.txt' cannot be read: No such file"), std::string::npos) << damage();
 }
 
 TEST_F(DepthFolders, PicturesOfAnotherKindOrSizeAreDamaged) {

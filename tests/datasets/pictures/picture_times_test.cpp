@@ -48,6 +48,17 @@ TEST_F(PictureTimes, NamesThatAreNumbersAreTimesInSecondsOrFinerUnits) {
   EXPECT_NEAR(fine[1].second - fine[0].second, 0.05, 1e-6);
 }
 
+TEST(MakeSeconds, TakesADateForNoClock) {
+  for (const double last : {1e9, 202611230715.0, 20261123071531.0, 20261123071531000.0}) {
+    std::vector<double> times{last - 8.0, last};
+    make_seconds(times);
+    EXPECT_EQ(times, (std::vector<double>{last - 8.0, last}));
+  }
+  std::vector<double> ends{9e11, 9.9e12};
+  make_seconds(ends);
+  EXPECT_NEAR(ends[1], 9.9e9, 1e-3);
+}
+
 TEST_F(PictureTimes, ExifCountsBeforeNamesWhenItTellsEveryPictureApart) {
   add("1.jpg", jpeg_taken("2001:09:09 01:46:42", "500"));
   add("2.jpg", jpeg_taken("2001:09:09 01:46:40", "250"));

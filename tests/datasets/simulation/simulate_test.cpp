@@ -358,5 +358,17 @@ TEST(Simulate, NoDeviceFolderOrTruthIsReplacedByTheRecording) {
   EXPECT_FALSE(std::filesystem::exists(folder / "truth.json"));
 }
 
+TEST(Simulate, ATruthOfOthersIsKeptAndItsOwnIsReplaced) {
+  const TemporaryFolder folder;
+  write_file(folder / "truth.json", "{\"mine\": true}");
+  EXPECT_NE(complaint([&] { simulate(prepared(folder), folder / "out.rawlog"); }).find("truth.json"),
+            std::string::npos);
+  EXPECT_EQ(read_file(folder / "truth.json"), "{\"mine\": true}");
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.rawlog"));
+  std::filesystem::remove(folder / "truth.json");
+  simulate(prepared(folder), folder / "out.rawlog");
+  EXPECT_EQ(complaint([&] { simulate(prepared(folder), folder / "out.rawlog"); }), "");
+}
+
 }  // namespace simulate_test
 }  // namespace clearway

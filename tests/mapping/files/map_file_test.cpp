@@ -58,7 +58,7 @@ TEST(MapFile, ExportedFilesKeepTheOccupiedVoxels) {
   const TemporaryFolder folder;
   const Snapshot map = worlds::random_map(3).snapshot();
   const VoxelCounts counts = map.counts();
-  for (const char* name : {"a.ot", "a.bt", "a.pcd", "a.ply"}) {
+  for (const char* name : {"a.ot", "a.bt", "a.pcd", "a.ply", "A.OT", "A.Bt", "A.PCD", "A.Ply"}) {
     export_map(map, folder / name);
     const Snapshot read = load_map(folder / name, map.resolution());
     EXPECT_EQ(read.counts().occupied, counts.occupied + counts.conflict) << name;

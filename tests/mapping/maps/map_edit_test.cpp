@@ -202,6 +202,13 @@ TEST(Merge, EachSphereKeepsTheStrokeThatPaintedIt) {
 TEST(Merge, RefusesWhatDoesNotFit) {
   const Snapshot map = worlds::random_map(4, edge).snapshot();
   EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = 0.1}).snapshot()), std::invalid_argument);
+  try {
+    merge(map, FreeSpaceMap({.resolution = 0.05000000001}).snapshot());
+    ADD_FAILURE() << "other voxels were merged";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "merge: the maps have voxels of 0.05 m and 0.05000000001 m, expected the same");
+  }
   EXPECT_THROW(merge(map, FreeSpaceMap({.resolution = edge, .occupied_probability = 0.6}).snapshot()),
                std::invalid_argument);
   FreeSpaceMap parts({.resolution = edge}), many({.resolution = edge});

@@ -105,6 +105,29 @@ TEST(AtomicFolder, KeepsWhatIsNotOurs) {
                                    {"link", "mine"}}));
 }
 
+TEST(AtomicFolder, WhatAnotherCommandWroteDoesNotGo) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  {
+    AtomicFolder other(out, [](const fs::path& relative) { return relative.extension() == ".yaml"; });
+    fs::create_directory(other.path() / "deep");
+    save_file(other.path() / "deep/setup.yaml", "of another command");
+    other.publish();
+  }
+  try {
+    publish(out, {{"a.txt", "new"}});
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("it holds 'deep/setup.yaml', which another command wrote"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(content(out), (Content{{"deep/setup.yaml", "of another command"}}));
+  fs::remove_all(out / "deep");
+  publish(out, {{"a.txt", "new"}});
+  EXPECT_EQ(content(out), (Content{{"a.txt", "new"}}));
+}
+
 TEST(AtomicFolder, FilesOfOthersThatComeOrChangeMeanwhileAreKeptAsTheyAreThen) {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";

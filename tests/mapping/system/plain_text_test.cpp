@@ -64,5 +64,18 @@ TEST(PlainText, a_path_is_cut_to_its_last_255_characters) {
   EXPECT_EQ(quote_path(""), "''");
 }
 
+TEST(PlainText, the_first_byte_that_is_no_utf8_is_found) {
+  EXPECT_EQ(first_not_utf8("caf\xc3\xa9"), std::string::npos);
+  EXPECT_EQ(first_not_utf8("caf\xe9!"), 3U);
+  EXPECT_EQ(first_not_utf8("\xc3\xa9\xc3"), 2U);
+}
+
+TEST(PlainText, lists_names_and_counts_the_rest_of_many) {
+  EXPECT_EQ(listed({}), "");
+  EXPECT_EQ(listed({"a", "b\n"}), "a, b\\n");
+  EXPECT_EQ(listed({std::string(100, 'x')}), std::string(80, 'x') + "…");
+  EXPECT_TRUE(listed(std::vector<std::string>(27, "a")).ends_with("a, a and 7 more"));
+}
+
 }  // namespace plain_text_test
 }  // namespace clearway

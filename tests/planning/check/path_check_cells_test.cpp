@@ -91,5 +91,22 @@ TEST(PathCheckCells, ABlockThatIsNotNearIsLeftOutWithAllOfItsVoxels) {
   }
 }
 
+TEST(PathCheckCells, ARobotFarOffTheMapIsToldAsSuch) {
+  const Snapshot map = FreeSpaceMap({.resolution = 0.005}).snapshot();
+  const auto sentence = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) -> std::string {
+    try {
+      const BlockedCells cells(map, Policy::known_free, 0xffff, {low, high}, 0.0);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const Eigen::Vector3d far(2e7, 0.0, 0.0);
+  EXPECT_NE(sentence(far, far + Eigen::Vector3d::Ones()).find("2e+07 m from the map's origin"),
+            std::string::npos);
+  EXPECT_NE(sentence(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(6.0)).find("coarser map"),
+            std::string::npos);
+}
+
 }  // namespace path_check_cells_test
 }  // namespace clearway::check

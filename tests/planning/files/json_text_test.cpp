@@ -35,6 +35,12 @@ TEST(JsonText, tells_the_place_and_what_should_have_come_there) {
   EXPECT_EQ(refusal("[1e999]"), at(1, 2, "a number that is not too large"));
 }
 
+TEST(JsonText, bytes_that_are_no_utf8_are_told_where_they_are) {
+  EXPECT_EQ(refusal("{\"a\": \"caf\xe9\"}"), at(1, 11, "text in UTF-8"));
+  EXPECT_EQ(refusal("{\n\"\xff\": 1}"), at(2, 2, "text in UTF-8"));
+  EXPECT_EQ(refusal("[\"caf\xc3\xa9\", ]"), at(1, 11, "a value"));
+}
+
 TEST(JsonText, says_nothing_in_the_parsers_words_whatever_comes_in) {
   const std::string whole = R"({"robot": "x", "joints": ["a", "b"], "n": [1, -2.5e3, true, null], "o": {}})";
   std::mt19937 random(1);

@@ -206,7 +206,11 @@ TEST(PlanFile, WrongValuesAreNamedWithTheirPlace) {
   EXPECT_NE(with("/waypoints/1/0", "x").find("waypoints[1][0]"), std::string::npos);
   EXPECT_NE(with("/status", "done").find("found 'done'"), std::string::npos);
   EXPECT_NE(with("/status", "no_path").find("status"), std::string::npos);
-  EXPECT_NE(with("/policy/forearm", "maybe").find("policy.forearm"), std::string::npos);
+  EXPECT_NE(with("/policy/forearm", "maybe")
+                .find("field 'policy.forearm': expected painted, known_free or not_occupied, found 'maybe'"),
+            std::string::npos);
+  EXPECT_NE(with("/scale", 1e300).find("field 'scale': expected a factor from 0.000001 to 1000"),
+            std::string::npos);
   EXPECT_NE(with("/legs/0/waypoints", {0, 9}).find("legs[0].waypoints"), std::string::npos);
   EXPECT_NE(with("/legs/0/waypoints", nullptr).find("legs[0].waypoints"), std::string::npos);
   EXPECT_NE(with("/seed", -1).find("seed"), std::string::npos);

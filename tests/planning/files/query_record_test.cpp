@@ -101,6 +101,17 @@ TEST(QueryRecord, IsSearchedByNameThenByStartAndGoals) {
   EXPECT_EQ(record.find("", over.start, {over.goals[1], over.goals[0]}, 1e-6), nullptr);
 }
 
+TEST(QueryRecord, IsSearchedForTheQueryOfWhichAPlanIsAPart) {
+  const QueryRecord record = example();
+  const QueryTerms& under = record.queries[1];
+  EXPECT_EQ(record.find_whole(under.start, {under.goals[1]}, 1e-6), &under);
+  EXPECT_EQ(record.find_whole(under.goals[0], {under.goals[1]}, 1e-6), &under);
+  EXPECT_EQ(record.find_whole(under.start, {}, 1e-6), &under);
+  EXPECT_EQ(record.find_whole(under.start, {under.goals[1], under.goals[0]}, 1e-6), nullptr);
+  EXPECT_EQ(record.find_whole(under.goals[1], {under.goals[0]}, 1e-6), nullptr);
+  EXPECT_EQ(record.find_whole(under.start, {record.queries[0].goals[0]}, 1e-6), nullptr);
+}
+
 TEST(QueryRecord, ConfigurationsOfOtherSizesOrWithNaNAreInfinitelyFarApart) {
   EXPECT_EQ(largest_difference(Eigen::Vector2d(1, 2), Eigen::Vector2d(1, 2.5)), 0.5);
   EXPECT_EQ(largest_difference(Eigen::Vector2d(1, 2), Eigen::Vector3d(1, 2, 3)),

@@ -203,11 +203,10 @@ TEST(Gate, ARobotThatWaitsIsJudgedWhereItStands) {
 }
 
 TEST(Gate, AStopPastAJointLimitIsRefusedByTheJoint) {
-  VoxelScene scene;
   Robot robot = disc();
   robot.joints[0].upper = 0.55;
   Gate gate(with_limits(5.0));
-  gate.publish({robot, scene.snapshot(), {.critical_by_default = false}});
+  gate.publish({robot, before_wall().map(), {.critical_by_default = false}});
   const GateVerdict verdict = gate.judge(along_x({0.3, 0.4, 0.5}));  // would stand at 0.6
   EXPECT_EQ(verdict.reason, GateReason::joint_limit);
   EXPECT_EQ(verdict.obstruction.other, robot.joints[0].name);

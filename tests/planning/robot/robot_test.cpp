@@ -151,7 +151,18 @@ TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
   urdf(sphere, turning);
   EXPECT_EQ(refusal(write("r.yaml", "frictoin: 0.1")),
             "r.yaml: unknown key 'frictoin', did you mean 'friction'?");
-  EXPECT_EQ(refusal(write("r.yaml", "scale: -1")), "r.yaml: 'scale' must be a finite number above 0");
+  for (const char* scale : {"-1", "0", "1e300", ".inf", "1001"})
+    EXPECT_EQ(refusal(write("r.yaml", std::string("scale: ") + scale)),
+              std::string(scale) == ".inf" ? "r.yaml: 'scale' must be a finite number"
+                                           : "r.yaml: 'scale' must be a factor from 0.000001 to 1000");
+  EXPECT_EQ(refusal(write("r.yaml", "base: {xyz: [1e300, 0, 0]}")),
+            "r.yaml: 'base.xyz' must be three numbers, metres in [-1000, 1000]");
+  EXPECT_EQ(refusal(write("r.yaml", "tip: {rpy: [0, 0, 13]}")),
+            "r.yaml: 'tip.rpy' must be three numbers, radians in [-12.6, 12.6]");
+  EXPECT_EQ(refusal(write("r.yaml", "friction: 1e300")),
+            "r.yaml: 'friction' must be a number of at most 1000000000");
+  EXPECT_EQ(refusal(write("r.yaml", "position_accuracy: 0")),
+            "r.yaml: 'position_accuracy' must be a length above 0 and of at most 1 (metres)");
   EXPECT_EQ(refusal(write("r.yaml", "tip: {link: nose}")),
             "r.yaml: 'tip.link' names 'nose', which r does not have");
   EXPECT_EQ(refusal(write("r.yaml", "critical_parts: [nose]")),

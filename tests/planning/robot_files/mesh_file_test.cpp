@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -104,14 +105,40 @@ TEST_F(MeshFile, VerticesThatNoRobotHasAreRefused) {
   EXPECT_EQ(failure("m.obj", "v 2000 0 0\n" + rest + "f 1 2 4\n", {0.001, 0.001, 0.001}), "");
 }
 
-TEST_F(MeshFile, FlatSingleAndDoubledVerticesHaveHullsToo) {
+TEST_F(MeshFile, FlatStraightAndDoubledVerticesHaveHullsToo) {
   for (const std::string& vertices :
-       {std::string("v 1 1 1\nv 1 1 1\nv 1 1 1\n"), std::string("v 0 0 0\nv 1 0 0\nv 2 0 0\n"),
+       {std::string("v 1 1 1\nv 1 1 1\nv 1 1 1.001\n"), std::string("v 0 0 0\nv 1 0 0\nv 2 0 0\n"),
         std::string(
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 3 3 0\nv 4 1 0\nv 5 1 0\nv 1 5 0\n"),
-        std::string("v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\n")}) {
+        std::string("v 0 0 0\nv 1e-30 0 0\nv 0 1e-5 0\n")}) {
     EXPECT_EQ(failure("m.obj", vertices + "f 1 2 3\n"), "");
   }
+}
+
+TEST_F(MeshFile, AMeshThatShrinksToAPointIsNoBody) {
+  const std::string point =
+      "' is damaged: its vertices lie in one point, to 0.001 mm, as they are scaled; expected a body of some "
+      "extent";
+  EXPECT_EQ(failure("m.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n"), "'m.obj" + point);
+  EXPECT_EQ(failure("m.obj", "v 0 0 0\nv 1e-30 0 0\nv 0 9e-7 0\nf 1 2 3\n"), "'m.obj" + point);
+  const MeshSample none{std::vector<Eigen::Vector3f>(3, {1.0F, 2.0F, 3.0F}), {{0, 1, 2}}};
+  for (const auto& [name, content] : all_mesh_files(none))
+    EXPECT_EQ(failure(name, content), "'" + name + point);
+  EXPECT_EQ(failure("m.stl", as_stl(sample_), {1e-6, 1e-6, 1e-6}), "'m.stl" + point);
+  EXPECT_EQ(failure("m.stl", as_stl(sample_), {1e-6, 1.0, 1e-6}), "");
+
+  std::string dae = as_dae(sample_);
+  dae.replace(dae.find("<matrix>1 0 0 0 0 1 0 0 0 0 1"), 29, "<matrix>0 0 0 0 0 0 0 0 0 0 0");
+  EXPECT_EQ(failure("m.dae", dae), "'m.dae" + point);
+  std::string empty = as_dae(sample_);
+  empty.replace(empty.find("stride='3' count='"), 18, "stride='3' count='0' was='");
+  EXPECT_EQ(failure("m.dae", empty), "'m.dae' is damaged: it cannot be read as .dae");
+  std::string unit = as_dae(sample_);
+  unit.replace(unit.find("meter='1'"), 9, "meter='0'");
+  const std::string told = "' is damaged: its <unit> has meter '0', expected metres in [0.000001, 1000]";
+  EXPECT_EQ(failure("m.dae", unit), "'m.dae" + told);
+  const fs::path file = folder_.write("m.dae", unit);
+  EXPECT_EQ(read_mesh_triangles({file}).failure, "'" + file.string() + told);
 }
 
 TEST_F(MeshFile, WhatAMeshRefersToIsNotRead) {
@@ -269,6 +296,21 @@ TEST(FindMesh, APackageIsKnownByItsPackageXmlToo) {
                "<?xml version='1.0'?>\n<package format='2'>\n  <name> arm </name>\n</package>");
   EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from), folder.path() / "arm-main/meshes/a.stl");
   EXPECT_EQ(find_mesh("file://meshes/a.stl", from), from / "meshes/a.stl");
+}
+
+TEST(FindMesh, APackageXmlThatIsAPipeIsNotWaitedFor) {
+  const RobotFolder folder;
+  fs::create_directories(folder.path() / "arm-main/meshes");
+  folder.write("arm-main/meshes/a.stl", "x");
+  const fs::path pipe = folder.path() / "arm-main/package.xml";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  try {
+    find_mesh("package://arm/meshes/a.stl", folder.path() / "arm-main");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "package '" + pipe.string() + "' cannot be read: it is a pipe, expected a regular file");
+  }
 }
 
 TEST(FindMesh, PackagesAreFoundWhereTheUserSaysAndWhereRosKeepsThem) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "mapping/free_space_map.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 
 namespace clearway {
@@ -23,6 +25,29 @@ TEST(Verdict, TellsEachObstructionInASentenceOfItsOwn) {
   EXPECT_EQ(sentence(Obstruction::unknown), "tool reaches into unknown space" + there);
   EXPECT_EQ(sentence(Obstruction::stale), "tool reaches into space that was not seen lately enough" + there);
   EXPECT_EQ(sentence(Obstruction::outside_painted), "tool leaves its painted volume" + there);
+}
+
+/// All of the cubes in it would take minutes to look at.
+TEST(Verdict, OfABodyAsLargeAsAHouseNamesOneOfTheCubesThatItMeets) {
+  FreeSpaceMap builder({.resolution = 0.02});
+  builder.paint(builder.add_volume("free", {}), {Eigen::Vector3d::Zero(), 0.3});
+  Robot robot = load_robot("point");
+  robot.bodies[0].shape = Shape::sphere(50.0);
+  robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
+  for (const Policy policy : {Policy::painted, Policy::known_free}) {
+    const ConfigurationSpace space(robot, builder.snapshot(), {.parts = {{"base", policy}}}, {});
+    const Verdict verdict = space.check(Configuration::Zero(2));
+    EXPECT_EQ(verdict.obstruction,
+              policy == Policy::painted ? Obstruction::outside_painted : Obstruction::unknown);
+    EXPECT_NE(space.map().state(verdict.point), VoxelState::painted);
+    EXPECT_LE(verdict.point.norm(), 50.0 + 0.02);
+    EXPECT_GT(verdict.depth, 0.0);
+  }
+}
+
+TEST(Verdict, CutsNamesThatAreLongerThanASentence) {
+  const std::string part(5000, 'x');
+  EXPECT_LT((Verdict{Obstruction::self_collision, part, part, {}, 0.0}.sentence().size()), 200U);
 }
 
 }  // namespace verdict_test

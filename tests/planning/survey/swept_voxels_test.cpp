@@ -85,6 +85,15 @@ TEST(VoxelMarks, a_body_of_too_many_voxels_is_not_marked_at_all) {
       marks.mark(MarkedShape(Shape::sphere(0.1)), Eigen::Isometry3d(Eigen::Translation3d(1e300, 0, 0))));
 }
 
+TEST(VoxelMarks, bodies_at_so_many_poses_that_it_takes_too_long_are_not_marked_either) {
+  VoxelMarks marks(0.01, 5e5, 1000.0);                 // looks
+  const MarkedShape box(Shape::box({0.4, 0.4, 0.4}));  // in 6 x 6 x 6 bricks
+  int marked = 0;
+  while (marked < 10 && marks.mark(box, Eigen::Isometry3d(Eigen::Translation3d(0.01, 0.01, 0.01)))) ++marked;
+  EXPECT_EQ(marked, 4);
+  EXPECT_FALSE(marks.mark(box, Eigen::Isometry3d::Identity()));
+}
+
 Configuration configuration(std::initializer_list<double> values) {
   Configuration q(static_cast<Eigen::Index>(values.size()));
   std::copy(values.begin(), values.end(), q.begin());

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planning/files/plan_file.hpp"
+#include "planning/files/query_record.hpp"
+
+namespace clearway {
+
+/// What a map folder's record of its queries says of a plan.
+struct RecordedTerms {
+  std::optional<QueryTerms> query = {};  ///< that the plan answers, in whole or in part
+  /// Of a plan that answers none of them: the queries for its robot and scale, of which it keeps at least the
+  /// loosest.
+  std::vector<QueryTerms> others = {};
+
+  /// The loosest policy that the others give each part; empty: there are none.
+  std::map<std::string, Policy> loosest_policies() const;
+  /// The smallest padding of the others, metres.
+  std::optional<double> smallest_padding() const;
+  /// The longest age of the others, seconds; 0: one of them does not ask for ages.
+  double longest_age() const;
+  /// Where the first of the others has its base, when none of them has the plan's.
+  std::optional<Eigen::Isometry3d> base_instead_of(const Eigen::Isometry3d& map_from_base) const;
+};
+
+/// What is asked of the record: the plan's terms, or what flags state in their place.
+struct RecordQuestion {
+  std::string query;  ///< its name; empty: the plan does not say
+  std::string robot;  ///< name
+  std::size_t dof = 0;
+  double scale = 1.0;
+  Configuration start;
+  std::vector<Configuration> goals;
+};
+
+/// @param notes gains a sentence where the record is of another map or robot, or the plan answers none of its
+/// queries, or one in part
+RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const RecordQuestion& question,
+                             const std::string& map_digest, std::vector<std::string>& notes);
+
+}  // namespace clearway

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// A file or folder, and the flag or argument that names it.
+struct NamedPlace {
+  std::string flag;
+  std::filesystem::path path;  ///< empty: the flag was not given
+};
+
+/// Nothing that is read is overwritten. An output must not be an input, by whatever link, nor one of the
+/// files that are read with a folder (a map's or a session's), nor the folder of a map.ot that is an input.
+/// What is not there (the names of cameras, robots and shipped files among them) is nobody's.
+/// @throws std::invalid_argument naming both.
+void require_apart(const std::vector<NamedPlace>& outputs, const std::vector<NamedPlace>& inputs);
+
+}  // namespace clearway

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace clearway {
+
+/// A number of an element of a .ply file, or a list of them.
+struct PlyProperty {
+  std::uint64_t count_bytes = 0;  ///< of a list's count, in binary data; 0: one number
+  std::uint64_t bytes = 0;        ///< of a number, in binary data
+};
+
+/// So many of a kind, one after the other: vertices, faces.
+struct PlyElement {
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+/// How a .ply file says that its data are cut up.
+struct PlyHeader {
+  std::string format;  ///< ascii, binary_little_endian or binary_big_endian; not checked
+  std::vector<PlyElement> elements;
+  std::size_t length = 0;  ///< bytes before the data
+};
+
+/// @param content a .ply file, or its beginning
+/// @throws std::runtime_error with a clause, when the header does not end in it or has unknown types
+PlyHeader ply_header(std::string_view content);
+
+}  // namespace clearway

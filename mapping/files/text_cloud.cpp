@@ -1,0 +1,183 @@
+#include "mapping/files/text_cloud.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "mapping/files/ply_header.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+/// No header is longer.
+constexpr std::size_t most_header_bytes = std::size_t{1} << 20U;
+
+std::string_view next_word(std::string_view& line) {
+  constexpr std::string_view blanks = " \t\r\v\f";
+  line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(blanks));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+/// The number that a whole word is, one that a float can hold.
+std::optional<double> number_of(std::string_view word) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  if (std::isfinite(value) && std::abs(value) > std::numeric_limits<float>::max()) return std::nullopt;
+  return value;
+}
+
+/// Lines of a text, counted from 1.
+class CountedLines {
+ public:
+  explicit CountedLines(std::string_view text, std::size_t before = 0) : text_(text), count_(before) {}
+  bool is_at_end() const { return text_.empty(); }
+  std::string_view next() {
+    const std::size_t end = std::min(text_.find('\n'), text_.size());
+    const std::string_view line = text_.substr(0, end);
+    text_.remove_prefix(std::min(end + 1, text_.size()));
+    ++count_;
+    return line;
+  }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw std::runtime_error("line " + std::to_string(count_) + " " + why);
+  }
+  /// The number at the beginning of what is left of a line.
+  double take_number(std::string_view& line) const {
+    const std::string_view word = next_word(line);
+    if (word.empty()) refuse("has too few numbers");
+    const std::optional<double> number = number_of(word);
+    if (!number) refuse("has " + quote(word) + ", expected a number");
+    return *number;
+  }
+  void require_end(std::string_view line) const {
+    if (!next_word(line).empty()) refuse("has too many numbers");
+  }
+
+ private:
+  std::string_view text_;
+  std::size_t count_ = 0;
+};
+
+[[noreturn]] void refuse_count() {
+  throw std::runtime_error("it holds another count of points than its header says");
+}
+
+struct PcdHeader {
+  std::size_t points = 0, columns = 0;
+  std::string kind;
+  std::size_t length = 0, lines = 0;
+};
+
+std::size_t sum_of(std::istream& words) {
+  std::size_t sum = 0;
+  for (std::size_t count = 0; words >> count;) sum += count;
+  return sum;
+}
+
+std::size_t count_words(std::istream& words) {
+  std::size_t count = 0;
+  for (std::string word; words >> word;) ++count;
+  return count;
+}
+
+/// PCL would take what comes before the first letter that is wrong.
+void check_viewpoint(const CountedLines& lines, std::string_view line) {
+  next_word(line);
+  for (int i = 0; i < 7; ++i) lines.take_number(line);
+  lines.require_end(line);
+}
+
+PcdHeader pcd_header(std::string_view content) {
+  PcdHeader header;
+  CountedLines lines(content);
+  while (header.kind.empty() && !lines.is_at_end()) {
+    const std::string_view line = lines.next();
+    std::istringstream words{std::string(line)};
+    words.imbue(std::locale::classic());
+    std::string key;
+    words >> key;
+    if (key == "POINTS") words >> header.points;
+    if (key == "FIELDS" && header.columns == 0) header.columns = count_words(words);
+    if (key == "COUNT") header.columns = sum_of(words);
+    if (key == "VIEWPOINT") check_viewpoint(lines, line);
+    if (key == "DATA") words >> header.kind;
+    header.length += line.size() + 1;
+    ++header.lines;
+  }
+  if (header.kind != "ascii" && header.kind != "binary" && header.kind != "binary_compressed")
+    throw std::runtime_error("its header is cut off or names no known kind of data");
+  header.length = std::min(header.length, content.size());
+  return header;
+}
+
+/// A line for each point, and empty ones.
+void check_pcd_text(const PcdHeader& header, std::string_view content) {
+  CountedLines lines(content.substr(header.length), header.lines);
+  std::size_t points = 0;
+  while (!lines.is_at_end()) {
+    std::string_view line = lines.next();
+    if (line.empty()) continue;
+    if (points == header.points && next_word(line).empty()) continue;
+    if (++points > header.points) refuse_count();
+    for (std::size_t i = 0; i < header.columns; ++i) lines.take_number(line);
+    lines.require_end(line);
+  }
+  if (points != header.points) refuse_count();
+}
+
+void check_ply_line(const CountedLines& lines, std::string_view line, const PlyElement& element) {
+  for (const PlyProperty& property : element.properties) {
+    double count = lines.take_number(line);
+    if (property.count_bytes == 0) continue;
+    if (!(count >= 0.0 && count == std::floor(count))) lines.refuse("has a list of a wrong length");
+    for (; count > 0.0; --count) lines.take_number(line);
+  }
+  lines.require_end(line);
+}
+
+/// A line for each element.
+void check_ply_text(const PlyHeader& header, std::string_view content) {
+  const auto before = std::count(content.begin(), content.begin() + std::ptrdiff_t(header.length), '\n');
+  CountedLines lines(content.substr(header.length), static_cast<std::size_t>(before));
+  for (const PlyElement& element : header.elements) {
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if (lines.is_at_end()) throw std::runtime_error("it holds fewer elements than its header says");
+      check_ply_line(lines, lines.next(), element);
+    }
+  }
+}
+
+}  // namespace
+
+void check_text_of_cloud(const std::filesystem::path& file, bool is_pcd) {
+  const InputFile input(file, "cloud");
+  std::string content;
+  input.read_at(0, std::min(input.size(), most_header_bytes), content);
+  const auto read_all = [&] { input.read_at(0, input.size(), content); };
+  if (is_pcd) {
+    const PcdHeader header = pcd_header(content);
+    if (header.kind != "ascii") return;
+    read_all();
+    check_pcd_text(header, content);
+  } else {
+    const PlyHeader header = ply_header(content);
+    if (header.format != "ascii") return;
+    read_all();
+    check_ply_text(header, content);
+  }
+}
+
+}  // namespace clearway

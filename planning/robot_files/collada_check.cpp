@@ -1,0 +1,126 @@
+#include "planning/robot_files/collada_check.hpp"
+
+#include <tinyxml2.h>
+
+#include <charconv>
+#include <cstdint>
+#include <locale>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+using XmlNode = tinyxml2::XMLElement;
+
+[[noreturn]] void refuse_attribute(const XmlNode& element, const char* attribute,
+                                   const std::string& expected) {
+  const char* value = element.Attribute(attribute);
+  throw std::runtime_error("its <" + std::string(element.Name()) + "> has " + attribute + " " +
+                           quote(value ? value : "") + ", expected " + expected);
+}
+
+/// The number that a whole text is.
+template <class Number>
+std::optional<Number> whole_number(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::uint64_t count_in(const XmlNode& element, const char* attribute, std::uint64_t otherwise) {
+  const char* text = element.Attribute(attribute);
+  if (!text) return otherwise;
+  const auto count = whole_number<std::uint32_t>(text);
+  if (!count) refuse_attribute(element, attribute, "a whole number");
+  return *count;
+}
+
+void check_unit(const XmlNode& root) {
+  constexpr double least = 1e-6, most = 1e3;
+  for (auto* asset = root.FirstChildElement("asset"); asset; asset = asset->NextSiblingElement("asset")) {
+    const XmlNode* unit = asset->FirstChildElement("unit");
+    if (!unit || !unit->Attribute("meter")) continue;
+    const auto metres = whole_number<double>(unit->Attribute("meter"));
+    if (!metres || !(*metres >= least && *metres <= most))
+      refuse_attribute(*unit, "meter", "metres in [0.000001, 1000]");
+  }
+}
+
+std::uint64_t count_words(const char* text) {
+  std::istringstream words(text ? text : "");
+  words.imbue(std::locale::classic());
+  std::uint64_t count = 0;
+  for (std::string word; words >> word;) ++count;
+  return count;
+}
+
+/// How many numbers make a vertex. X, Y and Z are among them: assimp takes the first for one that is not.
+std::uint64_t numbers_of_vertex(const XmlNode& accessor) {
+  std::string axes;
+  std::uint64_t count = 0;
+  for (auto* param = accessor.FirstChildElement("param"); param; param = param->NextSiblingElement("param")) {
+    ++count;
+    if (const char* name = param->Attribute("name")) axes += name;
+  }
+  if (axes != "XYZ") throw std::runtime_error("its <accessor> of positions has not the params X, Y and Z");
+  return count;
+}
+
+/// A source of positions: an array of numbers, and an accessor that cuts it up.
+void check_positions(const XmlNode& source) {
+  const XmlNode* array = source.FirstChildElement("float_array");
+  const XmlNode* technique = source.FirstChildElement("technique_common");
+  const XmlNode* accessor = technique ? technique->FirstChildElement("accessor") : nullptr;
+  if (!array || !accessor) throw std::runtime_error("its positions have no <float_array> or no <accessor>");
+  const std::uint64_t numbers = count_words(array->GetText());
+  if (count_in(*array, "count", 0) != numbers)
+    refuse_attribute(*array, "count", "the count of its numbers, " + std::to_string(numbers));
+  const std::uint64_t stride = count_in(*accessor, "stride", 1), count = count_in(*accessor, "count", 0);
+  const std::uint64_t each = numbers_of_vertex(*accessor);
+  if (stride < each) refuse_attribute(*accessor, "stride", std::to_string(each) + " or more");
+  if (count > 0 && count_in(*accessor, "offset", 0) + (count - 1) * stride + each > numbers)
+    refuse_attribute(*accessor, "count", "as many vertices as the <float_array> holds");
+}
+
+/// The child of that name with that id.
+const XmlNode* with_id(const XmlNode& parent, const char* name, const char* reference) {
+  for (auto* child = parent.FirstChildElement(name); child; child = child->NextSiblingElement(name)) {
+    const char* id = child->Attribute("id");
+    if (id && reference && std::string("#") + id == reference) return child;
+  }
+  return nullptr;
+}
+
+void check_mesh(const XmlNode& mesh) {
+  const XmlNode* vertices = mesh.FirstChildElement("vertices");
+  if (!vertices) return;
+  for (auto* input = vertices->FirstChildElement("input"); input;
+       input = input->NextSiblingElement("input")) {
+    const char* semantic = input->Attribute("semantic");
+    if (!semantic || std::string_view(semantic) != "POSITION") continue;
+    if (const XmlNode* source = with_id(mesh, "source", input->Attribute("source"))) check_positions(*source);
+  }
+}
+
+}  // namespace
+
+void check_collada(const std::string& content) {
+  tinyxml2::XMLDocument xml;
+  xml.Parse(content.data(), content.size());
+  const XmlNode* root = xml.Error() ? nullptr : xml.RootElement();
+  if (!root) throw std::runtime_error("it cannot be read as .dae");
+  check_unit(*root);
+  for (auto* library = root->FirstChildElement("library_geometries"); library;
+       library = library->NextSiblingElement("library_geometries"))
+    for (auto* geometry = library->FirstChildElement("geometry"); geometry;
+         geometry = geometry->NextSiblingElement("geometry"))
+      if (const XmlNode* mesh = geometry->FirstChildElement("mesh")) check_mesh(*mesh);
+}
+
+}  // namespace clearway

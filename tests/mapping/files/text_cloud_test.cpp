@@ -1,0 +1,99 @@
+#include "mapping/files/text_cloud.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "mapping/files/cloud_file.hpp"
+#include "mapping/system/damaged_file.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace text_cloud_test {
+
+/// A cloud of so many points; its first line of data is line 12.
+std::string pcd(const std::string& data, int points, const std::string& viewpoint = "0 0 0 1 0 0 0") {
+  const std::string count = std::to_string(points);
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z i\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT " + viewpoint + "\nPOINTS " + count + "\nDATA ascii\n" + data;
+}
+
+/// The same as a .ply; its first line of data is line 11.
+std::string ply(const std::string& data, int points) {
+  return "ply\nformat ascii 1.0\ncomment a cloud\nelement vertex " + std::to_string(points) +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty uint i\n"
+         "element extra 0\nend_header\n" +
+         data;
+}
+
+class TextCloud : public testing::Test {
+ protected:
+  /// What is wrong with a file of this content, without its name; empty for nothing.
+  std::string refusal(const std::string& name, const std::string& content) {
+    const std::string file = folder_.write(name, content);
+    try {
+      points_ = read_cloud(file);
+    } catch (const DamagedFile& error) {
+      const std::string begin = "'" + file + "' is damaged: ", told = error.what();
+      EXPECT_EQ(told.substr(0, begin.size()), begin);
+      return told.substr(begin.size());
+    }
+    return "";
+  }
+  TemporaryFolder folder_;
+  std::vector<Eigen::Vector3f> points_;
+};
+
+TEST_F(TextCloud, AWordThatIsNoNumberIsDamageAndItsLineIsTold) {
+  for (const std::string word : {"2m", "1,5", "abc", "1e39", "0x10", "1.5f", "--1", "1e", "+-1", "1.#QNAN"}) {
+    const std::string data = "1 2 3 4\n5 " + word + " 7 8\n", told = "has '" + word + "', expected a number";
+    EXPECT_EQ(refusal("a.pcd", pcd(data, 2)), "line 13 " + told);
+    EXPECT_EQ(refusal("a.PLY", ply(data, 2)), "line 12 " + told);
+  }
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 four\n", 1)), "line 12 has 'four', expected a number");
+}
+
+TEST_F(TextCloud, NumbersInAnySpellingAreReadAndNanAndInfSayThatNothingWasMet) {
+  const std::string data =
+      "+1.5 .5 1. 4\r\n1e-60  -0\t2e1 4 \nnan NaN -nan 4\ninf 0 0 4\n0 -inf 0 4\n9 8 7 6\n";
+  const std::vector<Eigen::Vector3f> expected{{1.5F, 0.5F, 1.0F}, {0.0F, 0.0F, 20.0F}, {9.0F, 8.0F, 7.0F}};
+  EXPECT_EQ(refusal("a.pcd", pcd(data, 6)), "");
+  EXPECT_EQ(points_, expected);
+  EXPECT_EQ(refusal("a.pcd", pcd("\n" + data.substr(0, 14) + "\n\n" + data.substr(14) + "\r\n \n", 6)), "");
+  EXPECT_EQ(points_, expected);
+  EXPECT_EQ(refusal("a.ply", ply(data, 6)), "");
+  EXPECT_EQ(points_, expected);
+}
+
+TEST_F(TextCloud, EveryLineHasTheNumbersThatTheHeaderSays) {
+  // as many numbers as they should be, but not a point a line
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3\n4 5 6 7 8\n", 2)), "line 12 has too few numbers");
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 4 5\n6 7 8\n", 2)), "line 12 has too many numbers");
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 4\n\r\n5 6 7 8\n", 2)), "line 13 has too few numbers");
+  EXPECT_EQ(refusal("a.ply", ply("1 2 3\n4 5 6 7 8\n", 2)), "line 11 has too few numbers");
+  EXPECT_EQ(refusal("a.ply", ply("1 2 3 4 5\n6 7 8\n", 2)), "line 11 has too many numbers");
+  const std::string count = "it holds another count of points than its header says";
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 4\n", 2)), count);
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 4\n1 2 3 4\n", 1)), count);
+  EXPECT_EQ(refusal("a.ply", ply("1 2 3 4\n", 2)), "it holds fewer elements than its header says");
+}
+
+TEST_F(TextCloud, ListsOfFacesAreCountedToo) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n";
+  EXPECT_EQ(refusal("a.ply", head + "3 0 0 0\n"), "");
+  EXPECT_EQ(refusal("a.ply", head + "3 0 0\n"), "line 11 has too few numbers");
+  EXPECT_EQ(refusal("a.ply", head + "-1 0 0\n"), "line 11 has a list of a wrong length");
+}
+
+TEST_F(TextCloud, AViewpointIsSevenNumbersInBinaryCloudsToo) {
+  EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 4\n", 1, "0 0 1,5 1 0 0 0")), "line 9 has '1,5', expected a number");
+  std::string binary = format_pcd({{1.0F, 2.0F, 3.0F}});
+  EXPECT_EQ(refusal("a.pcd", binary), "");
+  binary.replace(binary.find("VIEWPOINT 0"), 11, "VIEWPOINT O");
+  EXPECT_EQ(refusal("a.pcd", binary), "line 9 has 'O', expected a number");
+}
+
+}  // namespace text_cloud_test
+}  // namespace clearway
