@@ -8,7 +8,7 @@ namespace {
 
 /// Each triangle with corners of its own; the normal of a corner is the mean of the faces that meet there
 /// without a sharp edge between, weighed by their areas.
-Mesh with_normals(const Surface& surface) {
+Mesh with_normals(const ShapeSurface& surface) {
   static const double least_cosine = std::cos(40.0 * std::numbers::pi / 180.0);
   std::vector<Eigen::Vector3d> faces;  // twice the area long
   std::vector<std::vector<std::size_t>> around(surface.corners.size());

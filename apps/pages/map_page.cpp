@@ -152,7 +152,7 @@ PageShape page_shape(const Shape& s) {
   if (!sizes.empty()) {
     shape.kind = s.name();
   } else {
-    Surface surface = s.surface();
+    ShapeSurface surface = s.surface();
     shape.kind = PageShape::mesh;
     shape.vertices = std::move(surface.corners);
     shape.triangles = std::move(surface.triangles);

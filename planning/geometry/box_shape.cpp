@@ -47,7 +47,7 @@ class BoxKind final : public ShapeKind {
     return boxed::signed_distance(s, point);
   }
   Vector offset_to(const Shape& s, const Vector& point) const override { return boxed::offset_to(s, point); }
-  Surface surface(const Shape& s) const override { return box_surface(s.edges()); }
+  ShapeSurface surface(const Shape& s) const override { return box_surface(s.edges()); }
   std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& s) const override {
     return std::make_shared<fcl::Boxd>(s.edges());
   }

@@ -61,7 +61,7 @@ class CapsuleKind final : public ShapeKind {
   Vector offset_to(const Shape& s, const Vector& point) const override {
     return rounded::offset_to(s.radius(), {point.x(), point.y(), extents::past(point.z(), s.length() / 2)});
   }
-  Surface surface(const Shape& s) const override { return capsule_surface(s.radius(), s.length()); }
+  ShapeSurface surface(const Shape& s) const override { return capsule_surface(s.radius(), s.length()); }
   std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& s) const override {
     return std::make_shared<fcl::Capsuled>(s.radius(), s.length());
   }

@@ -70,7 +70,7 @@ class ConvexKind final : public ShapeKind {
     return boxed::signed_distance(s, point);
   }
   Vector offset_to(const Shape& s, const Vector& point) const override { return boxed::offset_to(s, point); }
-  Surface surface(const Shape& s) const override { return {s.vertices(), hull_triangles(s.vertices())}; }
+  ShapeSurface surface(const Shape& s) const override { return {s.vertices(), hull_triangles(s.vertices())}; }
 
   std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& s) const override {
     const auto triangles = hull_triangles(s.vertices());

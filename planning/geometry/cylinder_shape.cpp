@@ -93,7 +93,7 @@ class CylinderKind final : public ShapeKind {
     const double beyond = rho > s.radius() ? 1.0 - s.radius() / rho : 0.0;
     return {point.x() * beyond, point.y() * beyond, extents::past(point.z(), s.length() / 2)};
   }
-  Surface surface(const Shape& s) const override {
+  ShapeSurface surface(const Shape& s) const override {
     const double half = 0.5 * s.length();
     return surface_of_revolution({{s.radius(), -half}, {s.radius(), half}}, -half, half);
   }

@@ -90,6 +90,6 @@ Eigen::Vector3d Shape::offset_to(const Eigen::Vector3d& point) const {
   return kind_->offset_to(*this, point);
 }
 
-Surface Shape::surface() const { return kind_->surface(*this); }
+ShapeSurface Shape::surface() const { return kind_->surface(*this); }
 
 }  // namespace clearway

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mapping/voxels/sphere.hpp"
-#include "planning/geometry/surface.hpp"
+#include "planning/geometry/shape_surface.hpp"
 
 namespace clearway {
 
@@ -105,7 +105,7 @@ class Shape {
 
   /// The surface as triangles, in the shape's frame. What is round has 24 sides, with corners on the surface.
   /// No triangles for a convex body that spans no volume.
-  Surface surface() const;
+  ShapeSurface surface() const;
 
   const ShapeKind& kind_functions() const { return *kind_; }  ///< not part of the installed library
 

@@ -52,7 +52,7 @@ class ShapeKind {
   virtual Shape grown(const Shape& shape, double padding) const = 0;       ///< @pre padding > 0
   virtual double signed_distance(const Shape& shape, const Vector& point) const = 0;
   virtual Vector offset_to(const Shape& shape, const Vector& point) const = 0;
-  virtual Surface surface(const Shape& shape) const = 0;
+  virtual ShapeSurface surface(const Shape& shape) const = 0;
 
   /// What FCL has for it. @pre the shape spans a volume
   virtual std::shared_ptr<fcl::CollisionGeometry<double>> fcl_geometry(const Shape& shape) const = 0;

@@ -35,7 +35,7 @@ class SphereKind final : public ShapeKind {
   Vector offset_to(const Shape& s, const Vector& point) const override {
     return rounded::offset_to(s.radius(), point);
   }
-  Surface surface(const Shape& s) const override { return capsule_surface(s.radius(), 0.0); }
+  ShapeSurface surface(const Shape& s) const override { return capsule_surface(s.radius(), 0.0); }
   std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& s) const override {
     return std::make_shared<fcl::Sphered>(s.radius());
   }

@@ -218,7 +218,7 @@ TEST(Shape, NameAndSizesMakeItAgain) {
 
 /// A triangle mesh is closed, faces outwards and holds the volume when the signed tetrahedra add up to it.
 TEST(Shape, TheSurfaceHoldsTheVolumeButForTheFacetsOfWhatIsRound) {
-  const auto volume = [](const Surface& surface) {
+  const auto volume = [](const ShapeSurface& surface) {
     double six = 0.0;
     for (const auto& t : surface.triangles)
       six += surface.corners[static_cast<std::size_t>(t[0])].dot(

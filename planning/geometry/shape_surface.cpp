@@ -1,4 +1,4 @@
-#include "planning/geometry/surface.hpp"
+#include "planning/geometry/shape_surface.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -10,8 +10,8 @@ constexpr int sides = 24;  ///< of what is round
 
 }  // namespace
 
-Surface surface_of_revolution(const std::vector<Eigen::Vector2d>& profile, double bottom, double top) {
-  Surface surface;
+ShapeSurface surface_of_revolution(const std::vector<Eigen::Vector2d>& profile, double bottom, double top) {
+  ShapeSurface surface;
   surface.corners.emplace_back(0.0, 0.0, bottom);
   for (const Eigen::Vector2d& ring : profile)
     for (int i = 0; i < sides; ++i) {
@@ -34,7 +34,7 @@ Surface surface_of_revolution(const std::vector<Eigen::Vector2d>& profile, doubl
   return surface;
 }
 
-Surface capsule_surface(double radius, double length) {
+ShapeSurface capsule_surface(double radius, double length) {
   constexpr int arcs = sides / 4;  // rings of a half sphere, its equator included
   std::vector<Eigen::Vector2d> profile;
   for (int half = 0; half < 2; ++half) {
@@ -49,8 +49,8 @@ Surface capsule_surface(double radius, double length) {
   return surface_of_revolution(profile, -radius - 0.5 * length, radius + 0.5 * length);
 }
 
-Surface box_surface(const Eigen::Vector3d& edges) {
-  Surface surface;
+ShapeSurface box_surface(const Eigen::Vector3d& edges) {
+  ShapeSurface surface;
   for (int i = 0; i < 8; ++i)
     surface.corners.emplace_back(0.5 * (i & 1 ? edges.x() : -edges.x()),
                                  0.5 * (i & 2 ? edges.y() : -edges.y()),
