@@ -255,6 +255,9 @@ class Wanderer {
   /// Why `check` refuses a plan of that path for where it leads.
   std::optional<std::string> survey(const std::vector<Configuration>& path) const {
     const ConfigurationSpace& space = *world_.space;
+    const bool may_leave = std::any_of(space.policies().begin(), space.policies().end(),
+                                       [](const auto& part) { return part.second == Policy::not_occupied; });
+    if (!may_leave) return std::nullopt;  // a survey takes time
     return refusal(survey_path(robot(), space.map(), space.policies(), path), terms_.demands);
   }
 
