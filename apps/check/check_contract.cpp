@@ -91,7 +91,8 @@ class Statement {
   }
 
   /// @param loads of the contract, what it picks included
-  std::map<std::string, Term<Policy>> policies(const std::vector<LegLoad>& loads) const {
+  std::map<std::string, Term<Policy>> policies(const std::vector<LegLoad>& loads,
+                                               std::vector<std::string>& notes) const {
     const Robot loaded = with_all_loads(robot_, loads);
     const auto by_default = part_policies(loaded, map_, {});
     std::map<std::string, Term<Policy>> terms;
@@ -102,7 +103,7 @@ class Statement {
       }
     };
     take(of_plan(loaded), TermSource::plan);
-    bound_plan(by_default, terms);
+    bound_plan(by_default, terms, notes);
     if (query_) take(query_->policies, TermSource::map);
     const Policies flags = choose_policies(options_.robot.policies, loaded);
     if (!flags.critical_by_default) {  // --policy P, for all parts
@@ -177,18 +178,21 @@ class Statement {
   }
 
  private:
-  /// No plan alone loosens the policy of a part of the robot: the map's record of other queries for it is the
-  /// bound, else what is usual.
-  void bound_plan(const std::map<std::string, Policy>& by_default,
-                  std::map<std::string, Term<Policy>>& terms) const {
+  /// The map's record of other queries for this robot bounds the policies of a plan; where it has none, what
+  /// the plan has looser than by default is noted.
+  void bound_plan(const std::map<std::string, Policy>& by_default, std::map<std::string, Term<Policy>>& terms,
+                  std::vector<std::string>& notes) const {
     const std::map<std::string, Policy> recorded = record_.loosest_policies();
     for (const Body& body : robot_.bodies) {
+      Term<Policy>& term = terms.at(body.part);
       const auto found = recorded.find(body.part);
-      const bool is_recorded = found != recorded.end();
-      const Policy bound = is_recorded ? found->second : by_default.at(body.part);
-      if (Term<Policy>& term = terms.at(body.part); term.value > bound)
-        term = {bound, is_recorded ? TermSource::map : TermSource::by_default};
+      if (found != recorded.end() && term.value > found->second) term = {found->second, TermSource::map};
     }
+    for (const auto& [part, term] : terms)
+      if (!query_ && term.source == TermSource::plan && term.value > by_default.at(part))
+        notes.push_back("the policy of " + shortened(part) + " is the plan's, " +
+                        std::string(to_string(term.value)) + "; by default it is " +
+                        std::string(to_string(by_default.at(part))));
   }
 
   /// A plan does not loosen what a load must lie in.
@@ -335,7 +339,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
     throw std::invalid_argument("load " + quote(contract.loads.value.front().load.name) +
                                 ": expected none beside a pick, whose object is the one load");
   const std::vector<LegLoad> loads = carried_under(contract);
-  contract.policies = statement.policies(loads);
+  contract.policies = statement.policies(loads, contract.notes);
   contract.payload = statement.payload();
   contract.gravity = statement.gravity();
   contract.grip_time = statement.grip_time();

@@ -58,7 +58,7 @@ TEST(GateLine, WhatIsNotAChunkIsAFaultWithASentence) {
       {R"({"id": ["a"]})", "id: expected a text or a whole number"},
       {R"({"times": [0,]})", "expected a value"},
       {std::string(100000, '['), "expected an object"},
-      {"\xff", "expected a value"},
+      {"\xff", "expected text in UTF-8"},
       {std::string("{\"id\": \"\xff\"}"), "not valid JSON"}};
   for (const auto& [text, words] : faults) {
     const ChunkLine line = parse_chunk_line(text);
