@@ -19,16 +19,7 @@ using Arguments = std::vector<std::string>;
 class Group : public ::testing::Test {
  protected:
   void SetUp() override {
-    using namespace worlds;
-    const std::string ball = "<sphere radius='0.05'/>";
-    folder_.write(
-        "arm.urdf",
-        "<robot name='arm'><link name='base'/>" + urdf_link("upper", "0.2 0 0", ball) +
-            urdf_link("lower", "0.2 0 0", ball) + urdf_link("finger", "0.1 0 0", ball) +
-            urdf_joint("shoulder", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
-            urdf_joint("elbow", "revolute", "upper", "lower", "0.4 0 0", "0 0 1", urdf_limit(-2, 2)) +
-            urdf_joint("grip", "prismatic", "lower", "finger", "0.4 0 0", "1 0 0", urdf_limit(0, 0.1)) +
-            "</robot>");
+    folder_.write("arm.urdf", worlds::arm_with_finger());
     folder_.write(
         "arm.srdf",
         "<robot name='arm'><group name='arm'><chain base_link='base' tip_link='lower'/></group>"
@@ -59,6 +50,8 @@ class Group : public ::testing::Test {
                         folder_.file("map"),
                         "--robot",
                         folder_.file("arm.urdf"),
+                        "--policy",
+                        "not_occupied",
                         folder_.file("plan.json")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_command(arguments);
