@@ -206,7 +206,7 @@ TEST_F(Survey, links_without_a_collision_shape_are_named_and_refused_with_strict
   const std::string note = "link hook has a visual shape but no collision shape: nothing of it is checked";
   const CommandRun planned = plan(wall_);
   EXPECT_EQ(planned.status, exit_done) << planned.log;
-  EXPECT_EQ(Json::parse(planned.out)["links_without_collision_shape"], Json({"hook"}));
+  EXPECT_EQ(Json::parse(planned.out)["validation"]["links_without_collision_shape"], Json({"hook"}));
   EXPECT_EQ(plan(wall_, {"--strict"}).status, exit_no);
   plan(wall_);
   std::vector<std::string> check{

@@ -186,13 +186,13 @@ TEST(CompareRecords, APipeIsRefusedWithoutWaitingForIt) {
   const std::string pipe = folder.file("runs.jsonl");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const std::string why = "' cannot be read: it is a pipe, expected a regular file";
-  EXPECT_EQ(complaint([&] { CompareRecords::read(pipe); }), "runs '" + pipe + why);
+  EXPECT_EQ(complaint([&] { CompareRecords::read(pipe); }), "records of runs '" + pipe + why);
   CompareExperiment experiment = asked().results.experiments[0];
   experiment.setup.plots = {"profiles"};
   experiment.problems = {problem("a")};
   experiment.problems[0].runs = {run(0, 1)};
   experiment.problems[0].runs[0].plan_file = "runs.jsonl";
-  EXPECT_EQ(complaint([&] { profiles_of(experiment, folder.path()); }), "plan '" + pipe + why);
+  EXPECT_EQ(complaint([&] { profiles_of(experiment, folder.path()); }), "plan file '" + pipe + why);
 }
 
 }  // namespace compare_records_test
