@@ -67,12 +67,12 @@ Robot robot_to_check(const CheckOptions& options, const Plan& plan);
 /// States the contract. Each term is taken from the flags; else from the map's record of the plan's query,
 /// or of one that the plan answers in part, when that is of this map and of the robot that --robot names;
 /// else from the plan. Three terms do not follow the plan where it asks for less: the scale is then the
-/// robot's own, the padding its position accuracy, and a part's policy the one that it would have by default.
-/// Where the record holds other queries for that robot and scale, the loosest of them takes the place of
-/// those defaults (of the padding the smaller of both), and base and age limit have to be those of one of
-/// them. What a plan carries that neither flags nor record name counts, since it asks for more. A load whose
-/// policy they do not name keeps what its holders keep. A pick is never taken from the plan, because it frees
-/// voxels and lets things touch.
+/// robot's own, the padding its position accuracy, and a part of which the plan says nothing has the policy
+/// that it would have by default. Where the record holds other queries for that robot and scale, the plan's
+/// policies are no looser than the loosest of theirs, the least padding is the smallest of theirs where that
+/// is less, and base and age limit have to be those of one of them. What a plan carries that neither flags
+/// nor record name counts, since it asks for more. A load whose policy they do not name keeps what its
+/// holders keep. A pick is never taken from the plan, because it frees voxels and lets things touch.
 /// @param robot robot_to_check()
 /// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,

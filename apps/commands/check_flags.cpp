@@ -23,7 +23,7 @@ Command add_check(CLI::App& app, Console& console) {
                    .fixed = "; default: the robot's own, else the plan's",
                    .scale = otherwise + "the robot's own",
                    .base = otherwise + "the plan's",
-                   .policy = otherwise + "the plan's, no looser than usual or than the map's other queries",
+                   .policy = otherwise + "the plan's, no looser than the map's other queries",
                    .padding = otherwise + "the plan's, at least the robot's position accuracy",
                    .seen_within = otherwise + "the plan's"});
   add_survey_flags(*command, options->survey);

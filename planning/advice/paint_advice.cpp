@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/beam/beam_guided.hpp"
 #include "planning/beam/via_beam.hpp"
 #include "planning/robot/reach.hpp"
@@ -138,7 +139,7 @@ std::string PaintAdvice::sentence() const {
     if (last > i)
       text << " and on to (" << spheres[last].sphere.center.x() << ", " << spheres[last].sphere.center.y()
            << ", " << spheres[last].sphere.center.z() << ')';
-    text << " for " << spheres[i].part;
+    text << " for " << shortened(spheres[i].part);
     i = last + 1;
     if (strokes == 4 && i < spheres.size()) {
       text << "; and " << spheres.size() - i << " balls more";

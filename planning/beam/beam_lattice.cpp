@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/space/joint_weights.hpp"
 
 namespace clearway {
@@ -49,7 +50,7 @@ Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
     lower_[j] = robot.joints[joint].lower;
     upper_[j] = robot.joints[joint].upper;
     if (upper_[j] - lower_[j] < step_[j]) {
-      throw std::invalid_argument("beam: joint '" + robot.joints[joint].name + "' moves by " +
+      throw std::invalid_argument("beam: joint " + quote(robot.joints[joint].name) + " moves by " +
                                   short_text(upper_[j] - lower_[j]) +
                                   " at most, expected at least its step, " + short_text(step_[j]));
     }

@@ -5,6 +5,8 @@
 #include <locale>
 #include <sstream>
 
+#include "mapping/system/plain_text.hpp"
+
 namespace clearway {
 
 CertifiedMotion::CertifiedMotion(const PlanProblem& problem, const DamperOptions& options)
@@ -86,10 +88,10 @@ std::string followed_name(const ConfigurationSpace& space, const StepConstraints
   if (source < 0 || source >= pairs + 2 * n) return {};
   if (source < pairs) {
     const int body = constraints.pairs[static_cast<std::size_t>(source)].body;
-    return robot.bodies[static_cast<std::size_t>(body)].part + " near what blocks it";
+    return shortened(robot.bodies[static_cast<std::size_t>(body)].part) + " near what blocks it";
   }
   const int joint = (source - pairs) % n;
-  return "joint " + robot.joints[static_cast<std::size_t>(joint)].name + " near its " +
+  return "joint " + shortened(robot.joints[static_cast<std::size_t>(joint)].name) + " near its " +
          (source - pairs < n ? "upper" : "lower") + " limit";
 }
 
@@ -102,7 +104,7 @@ std::string holding_back(const ConfigurationSpace& space, const StepConstraints&
   const auto pairs = static_cast<Eigen::Index>(constraints.pairs.size());
   if (strongest >= pairs) {
     const auto n = static_cast<Eigen::Index>(robot.dof());
-    return "joint " + robot.joints[static_cast<std::size_t>((strongest - pairs) % n)].name +
+    return "joint " + shortened(robot.joints[static_cast<std::size_t>((strongest - pairs) % n)].name) +
            " is at its limit";
   }
   const ProximityConstraint& pair = constraints.pairs[static_cast<std::size_t>(strongest)];
@@ -110,8 +112,8 @@ std::string holding_back(const ConfigurationSpace& space, const StepConstraints&
   text.imbue(std::locale::classic());
   text.setf(std::ios::fixed);
   text.precision(1);
-  text << robot.bodies[static_cast<std::size_t>(pair.body)].part << " is " << 1000.0 * pair.distance
-       << " mm from what blocks it near (";
+  text << shortened(robot.bodies[static_cast<std::size_t>(pair.body)].part) << " is "
+       << 1000.0 * pair.distance << " mm from what blocks it near (";
   text.precision(3);
   text << pair.point[0] << ", " << pair.point[1] << ", " << pair.point[2] << ")";
   return text.str();

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/routes/painted_route.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -50,7 +51,7 @@ std::string parted_volume_sentence(const PlanProblem& problem) {
     if (from.empty() || to.empty()) continue;  // moved by no joint, or paint that came without its spheres
     const bool share_one = std::find_first_of(from.begin(), from.end(), to.begin(), to.end()) != from.end();
     if (share_one) continue;
-    return "the painted volume of the part '" + body.part + "' lies in " +
+    return "the painted volume of the part " + quote(body.part) + " lies in " +
            std::to_string(graph->piece_count()) +
            " pieces that do not overlap, and start and goal are in different ones: paint a way between them";
   }

@@ -61,6 +61,12 @@ TEST(PaintAdvice, PaintingWhatItSaysMakesThePlanSucceedInNineOfTenHoledVolumes) 
   EXPECT_GE(mended, 18);
 }
 
+TEST(PaintAdvice, CutsTheNameOfAPartThatIsLongerThanASentence) {
+  const PaintAdvice advice{{{{Eigen::Vector3d::Zero(), 0.1}, std::string(5000, 'x')}}};
+  EXPECT_LT(advice.sentence().size(), 250U);
+  EXPECT_NE(advice.sentence().find("for xxx"), std::string::npos);
+}
+
 TEST(PaintAdvice, JoinsTwoVolumesAndNamesThePlaceBetweenThem) {
   const Robot robot = load_robot("puma560");
   const PathCost cost(robot);
