@@ -8,6 +8,7 @@
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/video.hpp"
 #include "datasets/ros/bag_source.hpp"
+#include "datasets/sources/folder_damage.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
@@ -49,26 +50,22 @@ class Clouds final : public FrameSource {
         for (const Eigen::Vector3f& point : cloud.points) frame.points.push_back(sensor_from_file * point);
         return Frame{time, sensor_, std::move(frame), file.filename().string()};
       } catch (const DamagedFile& error) {  // the other files are whole
-        note_damage(error.what());
+        damage_.note(error.what());
       } catch (const std::invalid_argument& error) {  // not a file, or one that cannot be read
-        note_damage(error.what());
+        damage_.note(error.what());
       }
     }
     return std::nullopt;
   }
-  std::optional<std::string> damage() const override { return damage_; }
+  std::optional<std::string> damage() const override { return damage_.told(files_.size(), "clouds"); }
   std::vector<std::string> warnings() const override { return {}; }
   double progress() const override { return static_cast<double>(at_) / static_cast<double>(files_.size()); }
 
  private:
-  void note_damage(const std::string& sentence) {
-    if (!damage_) damage_ = sentence;
-  }
-
   std::vector<TimedFile> files_;
   std::string sensor_;
   std::size_t at_ = 0;
-  std::optional<std::string> damage_;
+  FolderDamage damage_;
 };
 
 /// What is called like a file that `is_wanted`. One that is no file, or a link to none, is damage to be told:

@@ -13,6 +13,7 @@
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
 #include "datasets/sources/pose_stream.hpp"
 #include "mapping/system/input_file.hpp"
@@ -164,7 +165,7 @@ class DepthFolder final : public FrameSource {
   }
 
   std::optional<std::string> damage() const override {
-    if (damage_) return damage_;
+    if (auto damage = damage_.told(timed_.files.size(), "depth pictures")) return damage;
     return colour_ ? colour_->damage() : std::nullopt;
   }
   std::vector<std::string> warnings() const override {
@@ -186,7 +187,7 @@ class DepthFolder final : public FrameSource {
     while (auto outcome = depth_.next()) {
       const TimedFile& picture = timed_.files[at_++];
       if (!outcome->content) {
-        if (!damage_) damage_ = outcome->refusal;
+        damage_.note(outcome->refusal);
         continue;
       }
       auto& cloud = std::get<CloudFrame>(*outcome->content);
@@ -206,7 +207,7 @@ class DepthFolder final : public FrameSource {
       if (!pose) ++unposed_;
       return pose;
     } catch (const std::invalid_argument& error) {  // a matrix that is none
-      if (!damage_) damage_ = error.what();
+      damage_.note(error.what());
       return std::nullopt;
     }
   }
@@ -218,7 +219,7 @@ class DepthFolder final : public FrameSource {
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
   std::size_t at_ = 0, unposed_ = 0;
-  std::optional<std::string> damage_;
+  FolderDamage damage_;
 };
 
 }  // namespace

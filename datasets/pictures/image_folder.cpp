@@ -5,6 +5,7 @@
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/sources/folder_damage.hpp"
 
 namespace clearway {
 namespace {
@@ -31,7 +32,7 @@ class ImageFolder final : public FrameSource {
     while (auto outcome = files_.next()) {
       const double time = timed_.files[at_++].time;
       if (!outcome->content) {
-        note_damage(outcome->refusal);
+        damage_.note(outcome->refusal);
         continue;
       }
       auto& image = std::get<ImageFrame>(*outcome->content);
@@ -41,27 +42,19 @@ class ImageFolder final : public FrameSource {
     return std::nullopt;
   }
 
-  std::optional<std::string> damage() const override {
-    if (damaged_ < 2) return damage_;
-    return *damage_ + "; " + std::to_string(damaged_ - 1) + " more of " +
-           std::to_string(timed_.files.size()) + " pictures are damaged, too";
-  }
+  std::optional<std::string> damage() const override { return damage_.told(timed_.files.size(), "pictures"); }
   std::vector<std::string> warnings() const override { return timed_.warnings; }
   double progress() const override {
     return static_cast<double>(at_) / static_cast<double>(timed_.files.size());
   }
 
  private:
-  void note_damage(const std::string& sentence) {
-    if (damaged_++ == 0) damage_ = sentence;
-  }
-
   TimedFiles timed_;
   std::string sensor_;
   std::optional<CameraIntrinsics> camera_;
   FilesInChild files_;
-  std::size_t at_ = 0, damaged_ = 0;
-  std::optional<std::string> damage_;
+  std::size_t at_ = 0;
+  FolderDamage damage_;
 };
 
 }  // namespace

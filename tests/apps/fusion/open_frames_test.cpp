@@ -146,6 +146,15 @@ TEST_F(Scans, WhatIsCalledLikeAScanAndIsNoFileIsDamage) {
   EXPECT_EQ(read_all(scans).damage, "");
 }
 
+TEST_F(Scans, OfSeveralDamagedOnesTheFirstIsNamedAndTheOthersAreCounted) {
+  for (const char* name : {"1.pcd", "4.pcd"}) scan(name);
+  for (const char* name : {"2.pcd", "3.pcd", "5.pcd"}) folder_.write("scans/" + std::string(name), "");
+  const Read read = read_all(folder_ / "scans");
+  EXPECT_EQ(read.frames.size(), 2U);
+  EXPECT_NE(read.damage.find("2.pcd' is damaged"), std::string::npos) << read.damage;
+  EXPECT_TRUE(read.damage.ends_with("; 2 more of 5 clouds are damaged, too")) << read.damage;
+}
+
 TEST_F(Scans, NumbersInTheirNamesCountByValueAndClocksOfFineUnitsTellSeconds) {
   for (int i = 1; i <= 21; ++i) scan("scan" + std::to_string(i) + ".pcd");
   const Read counted = read_all(folder_ / "scans");
