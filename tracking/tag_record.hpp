@@ -8,14 +8,15 @@
 namespace clearway {
 
 /// Which tags of a body the others have contradicted lately: a tag that has come loose, or is not the size
-/// that it should be. One image with two tags cannot tell which of them is wrong; the images before it, that
+/// that it should be. One image with two tags cannot show which of them is wrong; the images before it, that
 /// showed three, can.
 class TagRecord {
  public:
   /// Counts the tags that this pose kept and rejected; one of fewer than three tags says nothing.
   void note(const BodyPose& pose);
 
-  /// False for a tag that was rejected in most of the last images that could tell, and at least three times.
+  /// False for a tag that was rejected in most of the last images that could show it, and at least three
+  /// times.
   bool is_trusted(int id) const;
 
   /// Without those of tags that are not trusted.

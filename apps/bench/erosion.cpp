@@ -184,9 +184,9 @@ void judge_laws(const BenchOptions& options, const std::vector<NoiseLaw>& laws, 
 Table judge_wide(const BenchOptions& options, BenchResult& result) {
   Table table{
       "Views from all sides, every other frame held out; calibration, clocks, ranges and poses are wrong in "
-      "ways that the map is not told. Where the surface truly is, called free; free 5 cm before it:",
+      "ways that the map does not know. Where the surface truly is, called free; free 5 cm before it:",
       {"sensor", "voxels", "ours", "OctoMap", "slanted > 60°, ours", "OctoMap", "5 cm before, ours",
-       "OctoMap", "of OctoMap's truly free voxels, ours keeps", "told by the map itself"},
+       "OctoMap", "of OctoMap's truly free voxels, ours keeps", "by the map's own account"},
       {}};
   constexpr std::size_t frames = 32;
   struct Sensor {

@@ -51,7 +51,7 @@ std::vector<Sphere> places_about(const LoopTask& task, const LiveRoom& room, con
 LiveWorld make_live_world(double resolution, double influence) {
   const LiveRoom room(resolution);
   // With OctoMap's 0.7 a voxel that was seen free for long is occupied after its third hit; so the first
-  // tells.
+  // counts.
   LiveWorld world{
       load_robot("puma560"),
       FreeSpaceMap({.resolution = resolution, .hit_probability = 0.9, .discretize = true, .threads = 2}),

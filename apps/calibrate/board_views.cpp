@@ -85,7 +85,7 @@ Camera known_camera(const Setup& setup, const SearchedImages& images) {
   const auto intrinsics = setup.camera ? setup.camera : images.intrinsics;
   if (!intrinsics)
     throw std::invalid_argument(
-        "neither setup nor source tell the camera: expected `camera` in the setup (see "
+        "neither setup nor source has the camera: expected `camera` in the setup (see "
         "clearway calibrate camera)");
   const Camera camera = tracking_camera(*intrinsics, setup.errors.camera);
   camera.validate();

@@ -26,7 +26,7 @@ MovingRobot recorded_robot(const CalibrateOptions& options, const Setup& setup) 
   auto joints = recorded_joints(setup, options.source);
   if (!joints)
     throw std::invalid_argument("calibrate " + options.what +
-                                ": the setup does not tell the robot's joints, expected `robot` with "
+                                ": the setup does not have the robot's joints, expected `robot` with "
                                 "joint_file or joint_topic");
   return {*setup.robot, std::move(*joints)};
 }

@@ -16,7 +16,7 @@ namespace clearway {
 
 namespace {
 
-/// The plan's terms that tell its query from others, or what flags state in their place.
+/// The plan's terms that distinguish its query from others, or what flags state in their place.
 RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const Robot& robot) {
   RecordQuestion question{.query = plan.query,
                           .robot = robot.name,

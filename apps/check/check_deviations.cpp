@@ -85,7 +85,7 @@ class Comparison {
       const auto said = plan_.policies.find(part);
       if (said != plan_.policies.end() && said->second <= term.value) continue;
       if (said == plan_.policies.end() && (term.source == TermSource::by_default || is_missing_load(part)))
-        continue;  // the usual one counts, or it is told as such
+        continue;  // the usual one counts, or it is reported as such
       const std::string says =
           said == plan_.policies.end() ? "nothing of it" : std::string(to_string(said->second));
       add(AcceptedTerm::policy, "policy of " + shortened(part) + ": expected " +

@@ -108,7 +108,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
     const GateVerdict verdict = text->is_too_long ? too_long(options.max_line) : judge(gate, line);
     passed += verdict.is_passed();
     console.out() << verdict_line(++number, line.id, verdict) << '\n';
-    if (!console.out().flush()) return exit_bad_input;  // nobody reads them any more; main tells
+    if (!console.out().flush()) return exit_bad_input;  // nobody reads them any more; main reports it
   }
   console.log(grouped(number) + " chunks: " + grouped(passed) + " passed, " + grouped(number - passed) +
               " refused");

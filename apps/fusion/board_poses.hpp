@@ -29,7 +29,7 @@ class BoardPoses {
   /// No more images will come.
   void finish() { finished_ = true; }
 
-  /// map_from_board at `time`, interpolated between two images; empty when they do not tell.
+  /// map_from_board at `time`, interpolated between two images; empty when they do not show it.
   std::optional<Eigen::Isometry3d> at(const std::string& board, double time) const;
   /// The one nearest in time.
   std::optional<Eigen::Isometry3d> nearest(const std::string& board, double time) const;
@@ -40,7 +40,7 @@ class BoardPoses {
   /// When images before and after `time` saw it.
   PoseStream::Around around(const std::string& board, double time) const;
 
-  /// False while an image to come may still tell more about the board at `time`: one that sees it at most
+  /// False while an image to come may still show more of the board at `time`: one that sees it at most
   /// `wait` seconds later, or its longest gap where that is more.
   bool is_told(const std::string& board, double time, double wait = 0.0) const;
 

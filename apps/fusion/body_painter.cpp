@@ -64,7 +64,7 @@ BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpace
       for (int link = bodies[i].link; link >= 0;) {
         const Link& on_way = robot.robot().links[static_cast<std::size_t>(link)];
         if (on_way.is_held)
-          fail(part, "hangs on a joint that is held, of which the recorded joints tell nothing");
+          fail(part, "hangs on a joint that is held, which the recorded joints do not have");
         link = on_way.parent;
       }
       Painting painting{bodies[i].link, inner_balls(bodies[i].shape, errors[i])};

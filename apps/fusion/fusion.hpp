@@ -35,10 +35,10 @@ struct FusionCounts {
   ScanCounts points;  ///< summed over the scans
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
-  std::size_t scans_without_pose = 0;    ///< at their time nothing tells where their sensor was: left out
+  std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out
-  std::size_t scans_without_joints = 0;  ///< at their time nothing tells where the robot was: left out
+  std::size_t scans_without_joints = 0;  ///< at their time nothing shows where the robot was: left out
   std::size_t scans_refused = 0;         ///< whose origin was outside the map's key range
   double painted_radius = 0.0;           ///< r0 of Chong 2008, eq. 3, metres; mean over the accepted samples
   double smallest_radius = 0.0;          ///< of these, metres
@@ -51,7 +51,7 @@ struct FusionCounts {
   double read_s = 0.0, track_s = 0.0, paint_s = 0.0, insert_s = 0.0;  ///< time spent
 };
 
-/// Is told what a fusion sees, in the order of its work.
+/// Hears what a fusion sees, in the order of its work.
 class FusionObserver {
  public:
   virtual ~FusionObserver() = default;

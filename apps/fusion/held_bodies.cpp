@@ -82,7 +82,7 @@ bool HeldBodies::is_told(double time) const {
   });
 }
 
-/// Between two images where they tell both ends, else where the nearest one saw it.
+/// Between two images where they show both ends, else where the nearest one saw it.
 std::optional<HeldBodies::Place> HeldBodies::place(const Held& held, double time) const {
   if (const auto between = boards_.at(held.board, time)) {
     const auto [before, after] = boards_.around(held.board, time);

@@ -23,11 +23,11 @@ class HeldBodies {
   enum class Sight {
     seen,    ///< or there is nothing that is held
     hidden,  ///< not seen, but not long before and not long after
-    unseen   ///< nothing tells where the probe is
+    unseen   ///< nothing shows where the probe is
   };
   Sight sight(double time) const;
 
-  /// False while an image to come may still tell more about them at `time`.
+  /// False while an image to come may still show more of them at `time`.
   bool is_told(double time) const;
 
   /// What they may fill at that time, map frame. @pre they are not hidden; what is unseen is left out

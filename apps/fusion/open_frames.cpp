@@ -31,7 +31,7 @@ class Rawlog final : public FrameSource {
   RecordingReader reader_;
 };
 
-/// Cloud files as scans, in the order and at the times that their names tell.
+/// Cloud files as scans, in the order and at the times in their names.
 class Clouds final : public FrameSource {
  public:
   Clouds(const std::vector<fs::path>& files, std::string sensor)
@@ -57,7 +57,7 @@ class Clouds final : public FrameSource {
     }
     return std::nullopt;
   }
-  std::optional<std::string> damage() const override { return damage_.told(files_.size(), "clouds"); }
+  std::optional<std::string> damage() const override { return damage_.sentence(files_.size(), "clouds"); }
   std::vector<std::string> warnings() const override { return {}; }
   double progress() const override { return static_cast<double>(at_) / static_cast<double>(files_.size()); }
 
@@ -68,8 +68,8 @@ class Clouds final : public FrameSource {
   FolderDamage damage_;
 };
 
-/// What is called like a file that `is_wanted`. One that is no file, or a link to none, is damage to be told:
-/// what it should hold is missing.
+/// What is called like a file that `is_wanted`. One that is no file, or a link to none, is reported as
+/// damage: what it should hold is missing.
 std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -135,7 +135,7 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
 
 ChosenSetup choose_setup(const fs::path& recording, const fs::path& setup_file) {
   if (!setup_file.empty()) return {load_setup(setup_file), setup_file.string()};
-  if (is_camera_name(recording)) throw std::invalid_argument("a camera tells no setup; expected --setup");
+  if (is_camera_name(recording)) throw std::invalid_argument("a camera has no setup; expected --setup");
   const std::optional<Frame> first = open_frames(recording, {})->next();
   if (!first) return {};
   const auto* comment = std::get_if<CommentFrame>(&first->content);

@@ -39,7 +39,7 @@ TagBody tag_body(const BoardSetup& board) {
 Camera camera_of(const Setup& setup, const ImageFrame& image) {
   if (!setup.camera && image.intrinsics.width == 0)
     throw std::invalid_argument(
-        "the recording does not tell the camera of its images: expected `camera` in the setup");
+        "the recording does not have the camera of its images: expected `camera` in the setup");
   return tracking_camera(setup.camera ? *setup.camera : image.intrinsics, setup.errors.camera);
 }
 

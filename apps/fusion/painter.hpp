@@ -18,7 +18,7 @@ TagBody tag_body(const BoardSetup& board);
 TrackingOptions tracking_options(const Setup& setup);
 
 /// The camera of an image: the setup's, else the recording's.
-/// @throws std::invalid_argument when neither tells it.
+/// @throws std::invalid_argument when neither has it.
 Camera camera_of(const Setup& setup, const ImageFrame& image);
 
 /// Camera, boards, probe and errors for tracking the probe in images like this one. @pre setup.probe
@@ -29,7 +29,7 @@ TrackingSetup tracking_setup(const Setup& setup, const ImageFrame& image);
 /// @throws std::invalid_argument when there is none; `needed_by` is what needs it.
 const BoardSetup& fixed_board(const Setup& setup, const std::string& needed_by);
 
-/// Image -> painted sphere: a tracking session, made when the first image tells the camera.
+/// Image -> painted sphere: a tracking session, made when the first image has the camera.
 class Painter {
  public:
   /// @pre setup.probe, and the map has the setup's volumes

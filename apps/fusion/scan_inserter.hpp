@@ -15,17 +15,17 @@ namespace clearway {
 
 /// Scans -> map: gives each its place (where the recording says, or as the setup's `sensors` do), takes the
 /// robot, the probes and the hands out of it, and inserts it. Scans whose place or probe a later image will
-/// tell wait for that image, 32 of them at most. A scan without a place is counted, never guessed.
+/// show wait for that image, 32 of them at most. A scan without a place is counted, never guessed.
 class ScanInserter {
  public:
   /// @throws std::invalid_argument: a file of poses that cannot be read, joints that are not the robot's.
   /// @param robot that moves, and is taken out of each scan; may be null
-  /// @param observer is told of scans that have a place; may be null
+  /// @param observer hears of scans that have a place; may be null
   ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts, const BoardPoses& boards,
                const MovingRobot* robot = nullptr, FusionObserver* observer = nullptr);
 
   void take(const Frame& frame, const CloudFrame& cloud);
-  /// Inserts the scans for which the images so far tell enough.
+  /// Inserts the scans whose place the images so far show.
   void release();
   /// Inserts the rest; no more images will come.
   void finish();

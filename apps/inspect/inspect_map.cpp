@@ -110,9 +110,9 @@ void print_map(const Json& json, std::ostream& out) {
     }
   }
   if (json.contains("hits_called_free")) {
-    const Json& told = json["hits_called_free"];
-    rows.emplace_back("hits called free", significant(100.0 * told["share"].get<double>(), 2) + " % of " +
-                                              grouped(told["looked_up"].get<std::size_t>()) +
+    const Json& hits = json["hits_called_free"];
+    rows.emplace_back("hits called free", significant(100.0 * hits["share"].get<double>(), 2) + " % of " +
+                                              grouped(hits["looked_up"].get<std::size_t>()) +
                                               " looked up before their scan was integrated");
   }
   if (json.contains("damaged_recording"))

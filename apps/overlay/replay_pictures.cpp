@@ -152,7 +152,7 @@ void draw_replay(const std::filesystem::path& recording, const Fusion& fusion, c
   if (!last)
     throw std::invalid_argument("--overlay and --video-out: none of the " + grouped(fusion.counts.images) +
                                 " images of " + quote_path(recording.string()) +
-                                " tells where the camera is: expected one with the fixed board '" + board +
+                                " shows where the camera is: expected one with the fixed board '" + board +
                                 "'");
   const OverlayMap shown = overlay_map(map);
   if (!options.stills.empty()) save_stills(options.stills, *last, map, shown, plans);

@@ -262,7 +262,7 @@ void bind_answers(py::module_& module) {
       .field("center", &Voxel::center, "Of the leaf that answered, metres.")
       .field("size", &Voxel::size);
   Record<Stroke>(module, "Stroke")
-      .field("label", &Stroke::label, "As begin_stroke was told.")
+      .field("label", &Stroke::label, "As given to begin_stroke.")
       .field("source", &Stroke::source)
       .field("begin", &Stroke::begin)
       .field("end", &Stroke::end);

@@ -141,7 +141,7 @@ void bind_spaces(py::module_& module) {
            doc("Policies",
                "policies: 'painted', 'known_free' or 'not_occupied' for all parts, or a dictionary of these "
                "by part.\n\n"
-               "other: the policy of parts that the dictionary leaves out; None: as told above.\n\npadding: "
+               "other: the policy of parts that the dictionary leaves out; None: as above.\n\npadding: "
                "the distance "
                "that every body keeps from blocked voxels, metres; None: the robot's position "
                "accuracy.\n\nseen_within: "

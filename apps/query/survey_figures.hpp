@@ -8,7 +8,7 @@
 
 namespace clearway {
 
-/// The rows that tell what the map knows of where the robot goes: swept volume, unknown space that counts as
+/// The rows on what the map knows of where the robot goes: swept volume, unknown space that counts as
 /// free, bodies that stand in occupied voxels, parts outside of the map.
 std::vector<std::pair<std::string, std::string>> survey_figures(const PathSurvey& survey);
 

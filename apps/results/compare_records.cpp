@@ -119,7 +119,7 @@ std::string difference(const CompareAsked& a, const CompareAsked& b) {
 
 CompareRecords::CompareRecords(CompareAsked asked, Sink sink)
     : asked_(std::move(asked)), sink_(std::move(sink)) {
-  tell(asked_line(asked_));
+  write(asked_line(asked_));
 }
 
 CompareRecords::CompareRecords(CompareRecords&& other) noexcept
@@ -186,7 +186,7 @@ void CompareRecords::read_line(const std::string& line) {
   }
 }
 
-void CompareRecords::tell(const std::string& line) const {
+void CompareRecords::write(const std::string& line) const {
   if (sink_) sink_(line);
 }
 
@@ -209,7 +209,7 @@ std::size_t CompareRecords::count() const {
 }
 
 void CompareRecords::open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems) {
-  tell(stage_line({experiment, stage}, problems));
+  write(stage_line({experiment, stage}, problems));
   const std::lock_guard lock(mutex_);
   Stage& opened = stages_[{experiment, stage}];
   opened.clear();
@@ -218,14 +218,14 @@ void CompareRecords::open(std::size_t experiment, std::size_t stage, std::vector
 
 void CompareRecords::add(std::size_t experiment, std::size_t stage, std::size_t problem,
                          const CompareRun& run) {
-  tell(run_line({experiment, stage}, problem, run));
+  write(run_line({experiment, stage}, problem, run));
   const std::lock_guard lock(mutex_);
   put(stages_.at({experiment, stage}).at(problem).found.runs, run);
 }
 
 void CompareRecords::finish(std::size_t experiment, std::size_t stage, std::size_t problem,
                             const std::string& page) {
-  tell(end_line({experiment, stage}, problem, page));
+  write(end_line({experiment, stage}, problem, page));
   const std::lock_guard lock(mutex_);
   Problem& finished = stages_.at({experiment, stage}).at(problem);
   finished.found.page = page;
@@ -233,7 +233,7 @@ void CompareRecords::finish(std::size_t experiment, std::size_t stage, std::size
 }
 
 void CompareRecords::add_time(double seconds) {
-  tell(time_line(seconds));
+  write(time_line(seconds));
   const std::lock_guard lock(mutex_);
   time_ += seconds;
 }

@@ -76,7 +76,7 @@ class CompareRecords {
 
  private:
   void read_line(const std::string& line);
-  void tell(const std::string& line) const;
+  void write(const std::string& line) const;
 
   CompareAsked asked_;
   Sink sink_;

@@ -37,7 +37,7 @@ void take_source(const fs::path& from, const fs::path& to) {
       fs::create_directories(place);
     else if (entry.is_regular_file())
       take_file(entry.path(), place);
-    else  // a link to nothing, a pipe: damage of the source, which is to be told again
+    else  // a link to nothing, a pipe: damage of the source, which is to be reported again
       fs::create_symlink(fs::absolute(entry.path()), place);
   }
 }

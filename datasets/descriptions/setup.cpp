@@ -309,7 +309,7 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   robot.place_error = fields.number("place_error", not_negative, robot.place_error);
   robot.paints = fields.texts("paints");
   if (!robot.paints.empty() && robot.joint_file.empty() && robot.joint_topic.empty())
-    fields.fail("paints", "expected joint_file or joint_topic beside it, which tell where the parts are led");
+    fields.fail("paints", "expected joint_file or joint_topic beside it, which say where the parts are led");
   fields.finish();
   return robot;
 }

@@ -165,7 +165,7 @@ class DepthFolder final : public FrameSource {
   }
 
   std::optional<std::string> damage() const override {
-    if (auto damage = damage_.told(timed_.files.size(), "depth pictures")) return damage;
+    if (auto damage = damage_.sentence(timed_.files.size(), "depth pictures")) return damage;
     return colour_ ? colour_->damage() : std::nullopt;
   }
   std::vector<std::string> warnings() const override {
@@ -275,13 +275,13 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   const auto& camera = options.depth.camera ? options.depth.camera : options.camera;
   if (!camera)
     throw std::invalid_argument(name +
-                                " has depth pictures, which do not tell their camera: expected `camera`, or "
+                                " has depth pictures, which do not hold their camera: expected `camera`, or "
                                 "`camera` of `source: {depth: …}`, in the setup");
   auto source = std::make_unique<DepthFolder>(layout, *camera, options);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +
-        " tells no poses of its depth pictures: expected groundtruth.txt, poses.txt or "
+        " has no poses of its depth pictures: expected groundtruth.txt, poses.txt or "
         "trajectory.txt (TUM), a folder pose/ of matrices, `poses` of `source: {depth: …}`, "
         "or the sensor 'depth' in the setup's `sensors`");
   return source;

@@ -42,7 +42,9 @@ class ImageFolder final : public FrameSource {
     return std::nullopt;
   }
 
-  std::optional<std::string> damage() const override { return damage_.told(timed_.files.size(), "pictures"); }
+  std::optional<std::string> damage() const override {
+    return damage_.sentence(timed_.files.size(), "pictures");
+  }
   std::vector<std::string> warnings() const override { return timed_.warnings; }
   double progress() const override {
     return static_cast<double>(at_) / static_cast<double>(timed_.files.size());

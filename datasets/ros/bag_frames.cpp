@@ -29,7 +29,7 @@ BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag),
   learn();
   for (const std::string& name : {options.bag.camera_info, options.bag.depth_camera_info}) {
     if (!name.empty() && !cameras_.contains(name))
-      throw std::runtime_error("topic " + quote(name) + " tells no camera that can be used" +
+      throw std::runtime_error("topic " + quote(name) + " has no camera that can be used" +
                                (left_out_.contains(name) ? ": " + left_out_.at(name).first : ""));
   }
 }

@@ -21,8 +21,8 @@ inline bool is_bag_file(const std::filesystem::path& file) {
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
 
-/// The topics of a bag that the options name, as frames in the order of their recording, in the poses that tf
-/// tells; the time of a frame is that of its header, where it has one. Sensors are called like their topics.
+/// The topics of a bag that the options name, as frames in the order of their recording, in tf's
+/// poses; the time of a frame is that of its header, where it has one. Sensors are called like their topics.
 /// Frames whose pose is not known at their time, and messages that are damaged, are left out and reported.
 /// Decoded in a child process with limits.
 /// @throws std::invalid_argument naming the file and what it has instead, when a topic is missing or of

@@ -33,7 +33,7 @@ class MapLeaves {
   /// does not grow with the map (look times do, see SeenStamps). @throws as load_map.
   static MapLeaves in_file(const std::filesystem::path& path);
 
-  /// How another map of the same resolution differs, told in states: `conflict` is blocked in the other
+  /// How another map of the same resolution differs, in states: `conflict` is blocked in the other
   /// alone, `painted` is blocked here alone, `occupied` in both; `seen_free` has another state otherwise.
   /// What has the same is left out. @throws std::invalid_argument for another resolution.
   static MapLeaves difference(const Snapshot& here, const Snapshot& there);
@@ -44,7 +44,7 @@ class MapLeaves {
   Eigen::AlignedBox3d bounds() const;  ///< of all stored leaves' cubes; empty for an empty map
   std::size_t tree_bytes() const { return tree_bytes_; }  ///< of memory, of the map as a tree
   const std::string& sha256() const { return sha256_; }   ///< of the file; empty for a map in memory
-  /// All that is known of the map beside its voxels, for the functions that tell of it; where its leaves come
+  /// All that is known of the map beside its voxels, for the functions that report it; where its leaves come
   /// from a file, it has no voxels.
   const Snapshot& about() const { return about_; }
 

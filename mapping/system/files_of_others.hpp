@@ -11,7 +11,7 @@ namespace clearway {
 /// The name of the list of our files in a folder that is replaced as a whole: one relative name a line.
 inline constexpr const char* own_files_name = ".clearway_files";
 
-/// Tells whether a file, relative to its folder, is one that Clearway wrote.
+/// Whether a file, relative to its folder, is one that Clearway wrote.
 using IsOurs = std::function<bool(const std::filesystem::path& relative)>;
 
 /// What in `folder` Clearway did not write, relative: files, links and empty folders that are not on its list

@@ -37,7 +37,7 @@ class InputFile {
 /// All bytes of a regular file of at most `largest` bytes. @throws std::invalid_argument as InputFile does.
 std::string read_input(const std::filesystem::path& file, const std::string& what, std::size_t largest);
 
-/// The end of a file's name that tells what it holds, in small letters: ".pcd" of scan.PCD, "" without one.
+/// The end of a file's name that says what it holds, in small letters: ".pcd" of scan.PCD, "" without one.
 std::string extension_of(const std::filesystem::path& file);
 
 /// Refuses what read_input would refuse but for its size, for files that a library opens by their name.

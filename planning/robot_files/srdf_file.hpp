@@ -18,7 +18,7 @@ struct Srdf {
     std::vector<std::string> joints;
     std::vector<std::pair<std::string, std::string>> chains;  ///< base link, tip link
     std::vector<std::string> groups;                          ///< subgroups
-    std::string fault;  ///< why it cannot be used; told to whoever asks for it
+    std::string fault;  ///< why it cannot be used; reported to whoever asks for it
   };
   struct State {
     std::string name, group;

@@ -206,7 +206,7 @@ class Reader {
 Robot read_urdf(const std::filesystem::path& file, const PackageFolders& packages) {
   const UrdfDocument document = read_urdf_document(file);
   if (document.joint_order.empty()) throw std::invalid_argument(file.string() + ": has no joints");
-  const KeptMessages messages;  // not told: they name urdfdom's functions
+  const KeptMessages messages;  // dropped: they name urdfdom's functions
   urdf::ModelInterfaceSharedPtr model;
   try {
     model = urdf::parseURDF(document.text);

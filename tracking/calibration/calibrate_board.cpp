@@ -122,7 +122,7 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
     found.refusal = board.tags.size() < 3
                         ? "the board has " + std::to_string(board.tags.size()) + " tags, expected 3 or more"
                         : std::to_string(begun.views.size()) +
-                              " images tell a pose by two tags or more, expected " +
+                              " images show a pose by two tags or more, expected " +
                               std::to_string(options.least_views) + " or more";
     return found;
   }

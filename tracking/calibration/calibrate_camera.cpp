@@ -370,7 +370,8 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
     }
     calibration.widest_tilt = widest_tilt(bundle, plane);
     const bool is_frontal = calibration.widest_tilt < kLeastTilt;
-    calibration.refusal = is_frontal ? "the focal length cannot be told" + advice(calibration) : nothing;
+    calibration.refusal =
+        is_frontal ? "the focal length cannot be determined" + advice(calibration) : nothing;
     return calibration;
   }
   {

@@ -133,7 +133,7 @@ PivotCalibration calibrate_pivot(const std::vector<PivotLook>& given, const Pivo
   std::vector<PivotLook> looks = given;
   found.looks = looks.size();
   if (looks.size() < options.least_looks) {
-    found.refusal = std::to_string(looks.size()) + " images tell the probe's pose, expected " +
+    found.refusal = std::to_string(looks.size()) + " images show the probe's pose, expected " +
                     std::to_string(options.least_looks) + " or more";
     return found;
   }
@@ -149,7 +149,7 @@ PivotCalibration calibrate_pivot(const std::vector<PivotLook>& given, const Pivo
   for (int round = 0; round < 5 && fit.is_solved && leave_out_looks(looks, fit, may); ++round)
     fit = fit_pivot(looks, fit.found.head<3>());
   if (!fit.is_solved) {
-    found.refusal = "the images do not tell the ball's centre: " + turn_more;
+    found.refusal = "the images do not determine the ball's centre: " + turn_more;
     return found;
   }
   found.left_out = found.looks - looks.size();

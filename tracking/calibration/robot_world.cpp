@@ -305,7 +305,7 @@ RobotWorldCalibration calibrate_robot_world(const std::vector<RobotLook>& given,
   std::vector<RobotLook> looks = given;
   found.looks = looks.size();
   if (looks.size() < options.least_looks) {
-    found.refusal = std::to_string(looks.size()) + " images tell where board and robot are, expected " +
+    found.refusal = std::to_string(looks.size()) + " images show where board and robot are, expected " +
                     std::to_string(options.least_looks) + " or more";
     return found;
   }
@@ -324,7 +324,7 @@ RobotWorldCalibration calibrate_robot_world(const std::vector<RobotLook>& given,
        ++round)
     is_solved = fit.refine(*answer);
   if (!is_solved || !fit.refine(*answer)) {
-    found.refusal = "the images do not tell where the robot stands: " + turn_more;
+    found.refusal = "the images do not determine where the robot stands: " + turn_more;
     return found;
   }
   found.contradicted = found.looks - looks.size();

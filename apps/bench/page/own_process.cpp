@@ -91,7 +91,7 @@ std::string in_own_process(const std::function<std::string()>& work) {
   waitpid(child, &status, 0);
   if (WIFSIGNALED(status))
     throw std::runtime_error("its process was ended by signal " + std::to_string(WTERMSIG(status)));
-  if (status != 0) throw std::runtime_error(text.empty() ? "its process told no result" : text);
+  if (status != 0) throw std::runtime_error(text.empty() ? "its process sent no result" : text);
   return text;
 }
 

@@ -133,7 +133,7 @@ TEST(BenchmarkRun, one_that_crashes_is_named_as_well) {
                                      {"bad", "fails", 1, isolated(failing)},
                                      {"good", "works", 1, isolated(twice_as_fast)}},
                                     {log});
-  EXPECT_EQ(outcomes[0].failure, "its process told no result");
+  EXPECT_EQ(outcomes[0].failure, "its process sent no result");
   EXPECT_EQ(outcomes[1].failure, "its process was ended by signal 9");
   EXPECT_EQ(outcomes[2].failure, "the peer differs");
   EXPECT_TRUE(outcomes[3].failure.empty());

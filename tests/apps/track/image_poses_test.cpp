@@ -203,7 +203,7 @@ TEST_F(ImagePosesOfAStroke, ACameraThatIsNotThereIsOneSentence) {
   EXPECT_NE(run.log.find("camera '/dev/video217': there is no such camera"), std::string::npos) << run.log;
   const CommandRun bare = run_command({"track", "--camera", "217"});
   EXPECT_EQ(bare.status, exit_bad_input);
-  EXPECT_NE(bare.log.find("a camera tells no setup; expected --setup"), std::string::npos) << bare.log;
+  EXPECT_NE(bare.log.find("a camera has no setup; expected --setup"), std::string::npos) << bare.log;
   const CommandRun both = run_command({"track", folder_.file("r.rawlog"), "--camera", "0"});
   EXPECT_EQ(both.status, exit_bad_input) << both.out;
   EXPECT_EQ(run_command({"track"}).status, exit_bad_input);

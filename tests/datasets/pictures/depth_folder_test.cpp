@@ -103,7 +103,7 @@ TEST_F(DepthFolders, RefusesWhatTellsNoCameraOrNoPoses) {
   make("depth");
   folder_.write("depth/1.png", depth_png(1000));
   EXPECT_NE(complaint([&] { open({}); }).find("expected `camera`"), std::string::npos);
-  EXPECT_NE(complaint([&] { open(options()); }).find("tells no poses"), std::string::npos);
+  EXPECT_NE(complaint([&] { open(options()); }).find("has no poses"), std::string::npos);
   SourceOptions placed = options();
   placed.places_depth = true;
   EXPECT_TRUE(open(placed)->next());
