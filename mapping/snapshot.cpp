@@ -36,6 +36,8 @@ struct Snapshot::State {
   std::shared_ptr<const SeenStamps> seen;
   std::vector<PaintedVolume> volumes;
   mutable FieldCache fields;
+  mutable std::once_flag counted;
+  mutable VoxelCounts counts;
   mutable std::once_flag bounds_known;
   mutable Eigen::AlignedBox3i bounds;  ///< of all leaves, in cells
 };
@@ -56,10 +58,12 @@ const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->vol
 const FusedTree& Snapshot::tree() const { return *state_->tree; }
 double Snapshot::log_odds_of_a_look() const { return -static_cast<double>(tree().getProbMissLog()); }
 
-VoxelCounts Snapshot::counts() const {
+namespace {
+
+VoxelCounts counted(const FusedTree& tree) {
   VoxelCounts counts;
-  tree().visit_leaves([&](const FusedNode& node, const CellCube& cube) {
-    switch (tree().state(node)) {
+  tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+    switch (tree.state(node)) {
       case VoxelState::painted:
         counts.painted += cube.volume();
         break;
@@ -77,6 +81,27 @@ VoxelCounts Snapshot::counts() const {
     }
   });
   return counts;
+}
+
+bool any_leaf_is(const FusedTree& tree, const FusedNode& node, std::initializer_list<VoxelState> states) {
+  if (!node.has_children()) return std::find(states.begin(), states.end(), tree.state(node)) != states.end();
+  for (unsigned i = 0; i < 8; ++i) {
+    const FusedNode* child = node.child(i);
+    if (child != nullptr && any_leaf_is(tree, *child, states)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+VoxelCounts Snapshot::counts() const {
+  std::call_once(state_->counted, [this] { state_->counts = counted(tree()); });
+  return state_->counts;
+}
+
+bool Snapshot::holds_any(std::initializer_list<VoxelState> states) const {
+  const FusedNode* root = tree().getRoot();
+  return root != nullptr && any_leaf_is(tree(), *root, states);
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -50,7 +51,9 @@ class Snapshot {
   double resolution() const;                          ///< metres
   const std::vector<PaintedVolume>& volumes() const;  ///< exact spheres; empty for a bare tree
   const FusedTree& tree() const;                      ///< include mapping/voxels/fused_tree.hpp to use it
-  VoxelCounts counts() const;
+  VoxelCounts counts() const;                         ///< walks the tree once
+  /// Whether any voxel has one of these states (but unknown): walks until it has found one.
+  bool holds_any(std::initializer_list<VoxelState> states) const;
   /// By how much one look through a voxel lowers its log-odds: that of the map's sensor model, or OctoMap's
   /// for a map that does not store one. A voxel whose log-odds are no lower was seen once, or is as little
   /// known.

@@ -50,7 +50,7 @@ class BlockedField final : public BlockedSpace {
                const SeenStamps* seen = nullptr);
 
   /// The field of a newer version of the tree: equal, cell for cell, to one made from nothing. It shares with
-  /// `before` what did not change; what was looked at there, and changed, is computed at once.
+  /// `before` what did not change.
   /// @param tree_before is what `before` was made of, with the same occupancy threshold.
   BlockedField(const FusedTree& tree, const FusedTree& tree_before, const BlockedField& before,
                const SeenStamps* seen = nullptr);
@@ -64,6 +64,8 @@ class BlockedField final : public BlockedSpace {
   double max_distance() const override { return cells_.max_distance; }
   const Eigen::AlignedBox3d& region() const override { return box_; }
   std::size_t blocked_count() const override { return tiles_->blocked().count(); }
+
+  void renew() const override { tiles_->renew(); }
 
   bool is_blocked(const Eigen::Vector3d& point) const override;
   bool is_voxel_blocked(const Eigen::Vector3i& voxel) const override;

@@ -52,6 +52,10 @@ class BlockedSpace {
   virtual const Eigen::AlignedBox3d& region() const = 0;
   virtual std::size_t blocked_count() const = 0;  ///< blocked voxels inside the region
 
+  /// Computes at once what queries looked at in earlier versions of the map and later ones changed. Else it
+  /// is computed when it is looked at again. For whoever must not wait then; answers are the same.
+  virtual void renew() const = 0;
+
   virtual bool is_blocked(const Eigen::Vector3d& point) const = 0;
   /// The same of a whole voxel, floor(point / resolution).
   virtual bool is_voxel_blocked(const Eigen::Vector3i& voxel) const = 0;

@@ -1,6 +1,7 @@
 #include "mapping/field/distance_tiles.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -201,7 +202,7 @@ DistanceTiles::DistanceTiles(const DistanceTiles& before, const std::function<vo
     for (std::size_t i = 0; i < tiles_.size(); ++i) is_read_[i] = before.is_read_[i].load();
   }
   follow(blocked_);
-  renew(before);
+  share(before);
 }
 
 DistanceTiles::DistanceTiles(const DistanceTiles& before, BlockedCells blocked)
@@ -227,46 +228,78 @@ void DistanceTiles::allocate() {
   all_ = uniform(0);
 }
 
-/// Keeps the tiles that no change reaches, and computes the others again.
-void DistanceTiles::renew(const DistanceTiles& before) {
-  const std::vector<bool> reached = reached_by_changes(before);
-  std::vector<std::size_t> again;
+/// Keeps the tiles that no change reaches.
+void DistanceTiles::share(const DistanceTiles& before) {
+  std::vector<bool> is_outdated = reached_by_changes(before);
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    if (tiles_[i] == nullptr) continue;
-    if (reached[i]) {
-      again.push_back(i);
+    if (tiles_[i] == nullptr) {
+      is_outdated[i] = false;
+    } else if (is_outdated[i]) {
       tiles_[i] = nullptr;
     } else {
       known_[i] = tiles_[i]->data();
     }
   }
-  for (const std::size_t i : again) computed(i);
+  for (const std::size_t i : before.outdated_) is_outdated[i] = tiles_[i] == nullptr;
+  for (std::size_t i = 0; i < tiles_.size(); ++i)
+    if (is_outdated[i]) outdated_.push_back(i);
 }
 
-/// The tiles whose distances a changed cell can have changed. Cells that `before` had read when this object
+/// The known tiles whose distances a changed cell can have changed: where a distance is at least that to the
+/// change. Smaller ones end at another cell, before and after. Cells that `before` had read when this object
 /// began are not written there any more.
 std::vector<bool> DistanceTiles::reached_by_changes(const DistanceTiles& before) const {
+  constexpr int not_known = -1;
   std::vector<bool> reached(tiles_.size(), false);
-  for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    if (!is_read_[i] || !differs(before, place(i))) continue;
-    const Eigen::Vector3i low = (place(i) - reach_).cwiseMax(0);
-    const Eigen::Vector3i high = (place(i) + reach_).cwiseMin(counts_ - Eigen::Vector3i::Ones());
+  std::vector<int> most(tiles_.size(), not_known);  // of each tile
+  const auto can_change = [&](std::size_t i, int between) {
+    if (tiles_[i] == nullptr || between >= cap()) return false;
+    if (most[i] == not_known) most[i] = *std::max_element(tiles_[i]->begin(), tiles_[i]->end());
+    return most[i] >= between;
+  };
+  for (std::size_t changed = 0; changed < tiles_.size(); ++changed) {
+    if (!is_read_[changed]) continue;
+    const Box cells = differing(before, place(changed));
+    if (cells.low.x() >= cells.high.x()) continue;
+    const Eigen::Vector3i low = (place(changed) - reach_).cwiseMax(0);
+    const Eigen::Vector3i high = (place(changed) + reach_).cwiseMin(counts_ - Eigen::Vector3i::Ones());
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x) reached[tile(x, y * ny, z * nz)] = true;
+        for (int x = low.x(); x <= high.x(); ++x) {
+          const std::size_t i = tile(x, y * ny, z * nz);
+          if (!reached[i]) reached[i] = can_change(i, least_between(box_of({x, y, z}), cells));
+        }
       }
     }
   }
   return reached;
 }
 
-bool DistanceTiles::differs(const DistanceTiles& before, const Eigen::Vector3i& place) const {
+/// The cells of a tile that differ, in a box; empty along x if none does.
+DistanceTiles::Box DistanceTiles::differing(const DistanceTiles& before, const Eigen::Vector3i& place) const {
   const Box box = box_of(place);
+  Box found{box.high, box.low};
+  std::uint32_t bits = 0;
   for (int z = box.low.z(); z < box.high.z(); ++z) {
     const std::uint32_t *was = before.blocked_.row(place.x(), z), *is = blocked_.row(place.x(), z);
-    if (!std::equal(was + box.low.y(), was + box.high.y(), is + box.low.y())) return true;
+    for (int y = box.low.y(); y < box.high.y(); ++y) {
+      if (was[y] == is[y]) continue;
+      bits |= was[y] ^ is[y];
+      found.low = found.low.cwiseMin(Eigen::Vector3i(box.low.x(), y, z));
+      found.high = found.high.cwiseMax(Eigen::Vector3i(box.low.x(), y + 1, z + 1));
+    }
   }
-  return false;
+  found.low.x() = box.low.x() + std::countr_zero(bits);
+  found.high.x() = box.low.x() + 32 - std::countl_zero(bits);
+  return found;
+}
+
+/// The least squared distance, in half voxels, from cells of one box to cells of the other.
+int DistanceTiles::least_between(const Box& tile, const Box& cells) const {
+  const Eigen::Array3i steps = (cells.low - tile.high).cwiseMax(tile.low - cells.high).array() + 1;
+  int sum = 0;
+  for (const int along : steps) sum += gap_squared(std::max(along, 0));
+  return sum;
 }
 
 Eigen::Vector3i DistanceTiles::place(std::size_t tile) const {
@@ -322,6 +355,12 @@ const BlockedCells& DistanceTiles::blocked() const {
     all_read_.store(true, std::memory_order_release);
   }
   return blocked_;
+}
+
+void DistanceTiles::renew() const {
+  for (const std::size_t i : outdated_) {
+    if (known_[i].load(std::memory_order_acquire) == nullptr) computed(i);
+  }
 }
 
 void DistanceTiles::complete() const {

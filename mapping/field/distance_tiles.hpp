@@ -36,8 +36,7 @@ class DistanceTiles {
   /// The same with cells that are read where they are needed. @param read called by one thread at a time
   DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read);
 
-  /// Of a later version of the same block: tiles that `before` knows and no change reaches are shared, those
-  /// that a change reaches are computed at once, for they were of use.
+  /// Of a later version of the same block: tiles that `before` knows and no change reaches are shared.
   /// @param follow brings the cells of `before` up to date; what was not read there may become anything.
   /// @param read reads cells of the later version
   DistanceTiles(const DistanceTiles& before, const std::function<void(BlockedCells&)>& follow,
@@ -85,6 +84,8 @@ class DistanceTiles {
   Eigen::Vector3i place(std::size_t tile) const;  ///< along each axis
   Box box_of(const Eigen::Vector3i& place) const;
 
+  /// Computes the tiles that an earlier version knew and changes reached: they were of use.
+  void renew() const;
   void complete() const;      ///< computes all that is left
   std::size_t known() const;  ///< tiles
   std::size_t bytes() const;  ///< in memory, tiles shared with other versions included
@@ -97,9 +98,10 @@ class DistanceTiles {
   struct Memory;
 
   void allocate();
-  void renew(const DistanceTiles& before);
+  void share(const DistanceTiles& before);
   std::vector<bool> reached_by_changes(const DistanceTiles& before) const;
-  bool differs(const DistanceTiles& before, const Eigen::Vector3i& place) const;
+  Box differing(const DistanceTiles& before, const Eigen::Vector3i& place) const;
+  int least_between(const Box& tile, const Box& cells) const;
   const std::uint16_t* computed(std::size_t tile) const;
   void read_cells(std::size_t tile) const;
   void read_under_lock(std::size_t tile) const;
@@ -115,6 +117,7 @@ class DistanceTiles {
   mutable std::mutex computing_;                  ///< of what follows, and of writing blocked_
   mutable std::vector<std::shared_ptr<const Tile>> tiles_;
   mutable std::unique_ptr<Memory> memory_;
+  std::vector<std::size_t> outdated_;  ///< tiles that an earlier version knew
 };
 
 }  // namespace clearway

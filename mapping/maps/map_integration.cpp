@@ -13,7 +13,7 @@ std::string integration_caveat(const Snapshot& map) {
       return "the map was made by compatible integration (OctoMap's): rays that graze a surface may have "
              "freed it, and what came where space was seen free for long is blocked only after its third hit";
     case MapIntegration::unknown:
-      if (map.counts().seen_free == 0) return {};
+      if (!map.holds_any({VoxelState::seen_free})) return {};
       return "which integration made the map's free space is not known (a foreign or older file): surfaces "
              "may have been freed, and what came last may not be blocked";
     default:

@@ -55,6 +55,7 @@ void LiveControl::TakeApart::operator()(Map* map) const { delete map; }
 
 LiveControl::ReadyMap LiveControl::prepare(ConfigurationSpace space, Time taken) {
   collect();
+  space.renew();
   ReadyMap map(new Map(std::move(space), damper_, taken));
   run_once(map->control, expected_);
   return map;

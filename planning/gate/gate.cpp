@@ -124,10 +124,11 @@ std::uint64_t Gate::publish(ConfigurationSpace space, double taken,
     require(violation.empty(), "gate: start: " + violation);
   }
   require(options_.max_age == std::numeric_limits<double>::infinity() || std::isfinite(taken),
-          "gate: expected to be told when the map was taken, because max_age asks for it");
+          "gate: expected the time at which the map was taken, because max_age asks for it");
   const std::shared_ptr<const Map> before = maps_.get();
   require(before == nullptr || before->proof.space.robot().dof() == space.robot().dof(),
           "gate: expected a robot with as many joints as that of the map before");
+  space.renew();
   BoundsProof bounds(space, options_.allow_outside);
   maps_.publish(std::make_shared<const Map>(
       Map{{std::move(space), std::move(bounds)}, taken, std::move(history), limits, published_ + 1}));

@@ -109,7 +109,7 @@ class Gate {
                         std::shared_ptr<const Provenance> history = nullptr);
 
   /// Judges a chunk, and remembers where the robot is after one that is passed.
-  /// @throws std::invalid_argument when what `restart` was told does not fit the map's robot
+  /// @throws std::invalid_argument when what `restart` was given does not fit the map's robot
   GateVerdict judge(const MotionChunk& chunk);
 
   /// The robot was moved by other means: it stands at `start`; none: anywhere.

@@ -183,6 +183,10 @@ const BlockedSpace* ConfigurationSpace::blocked_space(int body) const {
   return nullptr;
 }
 
+void ConfigurationSpace::renew() const {
+  for (const BodyCollision& body : model_->bodies) body.space().renew();
+}
+
 bool CollisionModel::is_within_limits(const Configuration& q) const {
   if (q.size() != static_cast<Eigen::Index>(robot.dof())) return false;
   for (std::size_t j = 0; j < robot.dof(); ++j) {

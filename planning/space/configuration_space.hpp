@@ -142,6 +142,9 @@ class ConfigurationSpace {
   /// that no joint moves. Valid as long as this object.
   const BlockedSpace* blocked_space(int body) const;
 
+  /// BlockedSpace::renew() of all bodies' spaces: before a control loop takes over a new map.
+  void renew() const;
+
   /// What the answers are made of, for searches of this floor that remember some of them (LatticeChecks).
   const CollisionModel& collision_model() const { return *model_; }
 

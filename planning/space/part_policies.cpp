@@ -11,14 +11,12 @@ namespace clearway {
 namespace {
 
 bool has_paint(const Snapshot& map) {
-  if (!map.volumes().empty()) return true;
-  const VoxelCounts counts = map.counts();  // a bare tree knows painted voxels, no spheres
-  return counts.painted > 0 || counts.conflict > 0;
+  // A bare tree knows painted voxels, no spheres.
+  return !map.volumes().empty() || map.holds_any({VoxelState::painted, VoxelState::conflict});
 }
 
 bool has_free_space(const Snapshot& map) {
-  const VoxelCounts counts = map.counts();
-  return counts.painted > 0 || counts.seen_free > 0;
+  return map.holds_any({VoxelState::painted, VoxelState::seen_free});
 }
 
 /// Of parts that are neither critical nor named.

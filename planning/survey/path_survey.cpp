@@ -72,7 +72,7 @@ std::string describe_leaving(const std::vector<LeavingPart>& leaving) {
 
 bool can_be_left(const Robot& robot, const Snapshot& map) {
   const Eigen::AlignedBox3d bounds = map.bounds();
-  return map.counts().seen_free > 0 || bounds.isEmpty() || !is_about(robot, bounds);
+  return map.holds_any({VoxelState::seen_free}) || bounds.isEmpty() || !is_about(robot, bounds);
 }
 
 bool is_allowed_outside(const std::string& part, const std::vector<std::string>& allow_outside) {

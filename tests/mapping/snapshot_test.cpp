@@ -39,6 +39,21 @@ TEST(Snapshot, TellsEveryStateOfTheTable) {
   EXPECT_EQ(map.voxel({0.65, 0.05, 0.05}).volumes, 1);
 }
 
+TEST(Snapshot, KnowsWhetherItHoldsAState) {
+  const FreeSpaceMap empty({.resolution = 0.1});
+  EXPECT_FALSE(empty.snapshot().holds_any({VoxelState::painted, VoxelState::occupied}));
+  const Snapshot map = corridor().snapshot();
+  for (const VoxelState state :
+       {VoxelState::seen_free, VoxelState::occupied, VoxelState::conflict, VoxelState::painted})
+    EXPECT_TRUE(map.holds_any({state})) << to_string(state);
+  FreeSpaceMap painted({.resolution = 0.1});
+  painted.add_volume("paint", {"tool"});
+  painted.paint(0, {{0.55, 0.05, 0.05}, 0.3});
+  EXPECT_TRUE(painted.snapshot().holds_any({VoxelState::occupied, VoxelState::painted}));
+  EXPECT_FALSE(
+      painted.snapshot().holds_any({VoxelState::occupied, VoxelState::conflict, VoxelState::seen_free}));
+}
+
 TEST(Snapshot, AnswersUnknownFarAwayAndForNoPointAtAll) {
   const Snapshot map = corridor().snapshot();
   for (const double bad : {std::nan(""), HUGE_VAL, 1e9, -1e300}) {

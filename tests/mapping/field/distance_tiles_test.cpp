@@ -116,6 +116,7 @@ TEST(DistanceTiles, AfterAnySequenceOfChangesAndLooksTheyAreThoseMadeFromNothing
         });
       };
       tiles = std::make_unique<DistanceTiles>(*tiles, follow, reading(versions[round]));
+      if (round % 2 == 0) tiles->renew();
       const DistanceTiles fresh(blocked, cap);
       for (int i = dice.whole(0, 40); i > 0; --i) {
         const Eigen::Vector3i at = random_cell(dice, size);
@@ -167,6 +168,41 @@ TEST(DistanceTiles, TheVersionBeforeAChangeStaysAsItWas) {
   const DistanceTiles after(before, later);
   EXPECT_EQ(count_differences(before, DistanceTiles(blocked, 1500)), 0U);
   EXPECT_GT(count_differences(before, after), 1000U);
+}
+
+TEST(DistanceTiles, RenewComputesWhatAnyEarlierVersionKnew) {
+  Dice dice(5);
+  BlockedCells blocked({200, 90, 80}, false);
+  for (int i = 0; i < 10; ++i) fill_box(dice, blocked, 9, true);
+  const DistanceTiles first(blocked, 900);
+  first.complete();
+  const std::size_t all = first.known();
+  fill_box(dice, blocked, 12, true);
+  const DistanceTiles second(first, blocked);
+  EXPECT_LT(second.known(), all);
+  fill_box(dice, blocked, 12, true);
+  const DistanceTiles third(second, blocked);
+  EXPECT_LT(third.known(), all);
+  third.renew();
+  EXPECT_EQ(third.known(), all);
+  EXPECT_EQ(count_differences(third, DistanceTiles(blocked, 900)), 0U);
+}
+
+// A cube that comes or goes right behind a wall is nearest to nothing before the wall.
+TEST(DistanceTiles, AChangeBehindWhatIsNearerReachesNoTile) {
+  BlockedCells blocked({96, 64, 64}, false);
+  blocked.fill({0, 0, 24}, {96, 64, 26}, true);
+  const DistanceTiles before(blocked, 2500);
+  before.complete();
+  blocked.fill({40, 30, 30}, {50, 40, 36}, true);
+  const DistanceTiles with(before, blocked);
+  for (int z = 0; z < 24; ++z) EXPECT_EQ(before.line(1, 32, z), with.line(1, 32, z)) << z;
+  EXPECT_NE(before.line(1, 32, 28), with.line(1, 32, 28));
+  with.complete();
+  blocked.fill({40, 30, 30}, {50, 40, 36}, false);
+  const DistanceTiles without(with, blocked);
+  for (int z = 0; z < 24; ++z) EXPECT_EQ(without.line(1, 32, z), with.line(1, 32, z)) << z;
+  EXPECT_EQ(count_differences(without, before), 0U);
 }
 
 TEST(DistanceTiles, ASmallChangeCopiesFewTiles) {
