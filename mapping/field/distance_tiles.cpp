@@ -257,7 +257,7 @@ std::vector<bool> DistanceTiles::reached_by_changes(const DistanceTiles& before)
     if (most[i] == not_known) most[i] = *std::max_element(tiles_[i]->begin(), tiles_[i]->end());
     return most[i] >= between;
   };
-  for (std::size_t changed = 0; changed < tiles_.size(); ++changed) {
+  for (const std::size_t changed : tiles_of_changed_rows(before)) {
     if (!is_read_[changed]) continue;
     const Box cells = differing(before, place(changed));
     if (cells.low.x() >= cells.high.x()) continue;
@@ -273,6 +273,24 @@ std::vector<bool> DistanceTiles::reached_by_changes(const DistanceTiles& before)
     }
   }
   return reached;
+}
+
+/// Those in which 32 cells of some y and z differ, and some beside them. Most of a map stays as it was.
+std::vector<std::size_t> DistanceTiles::tiles_of_changed_rows(const DistanceTiles& before) const {
+  std::vector<std::size_t> tiles;
+  const auto count = static_cast<std::size_t>(size().y());
+  for (int z_tile = 0; z_tile < counts_.z(); ++z_tile) {
+    const int low = z_tile * nz, high = std::min(low + nz, size().z());
+    for (int lane = 0; lane < counts_.x(); ++lane) {
+      // Rows of neighbouring z follow each other.
+      const std::size_t words = count * static_cast<std::size_t>(high - low);
+      if (std::memcmp(before.blocked_.row(lane, low), blocked_.row(lane, low),
+                      words * sizeof(std::uint32_t)) == 0)
+        continue;
+      for (int y = 0; y < size().y(); y += ny) tiles.push_back(tile(lane, y, low));
+    }
+  }
+  return tiles;
 }
 
 /// The cells of a tile that differ, in a box; empty along x if none does.

@@ -23,6 +23,14 @@ constexpr int far_samples = 8;
 /// Less of an edge than this is not worth a node.
 constexpr double least_share = 0.25;
 
+/// Joints without limits: only as far as the map and the ends make sense, as in ompl_query.
+double margin_beyond_ends(const PlanProblem& problem, const Joint& joint) {
+  if (joint.kind == JointKind::revolute) return 2.0 * std::numbers::pi;
+  if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) return joint.upper - joint.lower;
+  const Eigen::AlignedBox3d map = problem.space.map().bounds();
+  return (map.isEmpty() ? 0.0 : map.diagonal().norm()) + (problem.goal - problem.start).norm();
+}
+
 BidirectionalTrees::Side other(BidirectionalTrees::Side side) {
   return side == BidirectionalTrees::start ? BidirectionalTrees::goal : BidirectionalTrees::start;
 }
@@ -39,15 +47,10 @@ BidirectionalTrees::BidirectionalTrees(const PlanProblem& problem, const Eigen::
       near_high_(problem.start),
       trees_{Tree(problem.space.robot().dof()), Tree(problem.space.robot().dof())} {
   const Robot& robot = problem.space.robot();
-  const Eigen::AlignedBox3d map = problem.space.map().bounds();
-  const double map_size = map.isEmpty() ? 0.0 : map.diagonal().norm();
   for (Eigen::Index j = 0; j < low_.size(); ++j) {
-    // Joints without limits: only as far as the map and the ends make sense, as in ompl_query.
     const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
     const auto [least, most] = std::minmax(problem.start[j], problem.goal[j]);
-    const double margin = joint.kind == JointKind::revolute
-                              ? 2.0 * std::numbers::pi
-                              : map_size + (problem.goal - problem.start).norm();
+    const double margin = margin_beyond_ends(problem, joint);
     low_[j] = std::max(joint.lower, least - margin);
     high_[j] = std::min(joint.upper, most + margin);
     near_low_[j] = low_[j], near_high_[j] = high_[j];

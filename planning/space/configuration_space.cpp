@@ -39,16 +39,24 @@ double chosen_max_distance(const Robot& robot, double resolution) {
   return std::max(largest, 8.0 * resolution);
 }
 
-/// Where a requirement has to be known. Under `not_occupied` nothing outside the map blocks; under the other
-/// policies everything outside it does, so that one layer of voxels around it stands for all of them.
-/// `bounds`: of the map. `wanted`: how far beyond its reach the robot has to know of blocked voxels, metres.
-Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach,
-                              const Eigen::AlignedBox3d& bounds, double resolution, double wanted) {
+/// Where a requirement has to be known: as far as the robot reaches, so that fields of a map that grows
+/// follow it. Of a reach that is too large for that, only about the map. Under `not_occupied` nothing outside
+/// the map blocks; under the other policies everything outside it does, so that one layer of voxels around it
+/// stands for all of them. `wanted`: how far beyond its reach the robot has to know of blocked voxels,
+/// metres.
+Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach, const Snapshot& map,
+                              double wanted) {
+  constexpr double most_cells = 1 << 25, farthest_cell = 1 << 15;
+  const double resolution = map.resolution();
   const auto grown = [](Eigen::AlignedBox3d box, double by) {
     return Eigen::AlignedBox3d(box.min().array() - by, box.max().array() + by);
   };
   const double margin = requirement.policy == Policy::not_occupied ? wanted : resolution;
   reach = grown(reach, wanted);
+  const double farthest = std::max(reach.min().cwiseAbs().maxCoeff(), reach.max().cwiseAbs().maxCoeff());
+  if ((reach.sizes() / resolution).prod() <= most_cells && farthest <= farthest_cell * resolution)
+    return reach;
+  const Eigen::AlignedBox3d bounds = map.bounds();
   const Eigen::AlignedBox3d region = bounds.isEmpty() ? bounds : reach.intersection(grown(bounds, margin));
   if (!region.isEmpty()) return region;
   // Nothing in reach is known, or all that is lies too far away to matter: any voxel will do.
@@ -136,7 +144,6 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     if (is_policed(model.robot, body.link))
       reach_of(requirement_of(body)).extend(reach_box(model.robot, body));
   }
-  const Eigen::AlignedBox3d bounds = model.map.bounds();
   model.bodies.reserve(model.robot.bodies.size());
   for (std::size_t i = 0; i < model.robot.bodies.size(); ++i) {
     const Body& body = model.robot.bodies[i];
@@ -144,8 +151,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     const Requirement requirement = requirement_of(body);
     const double max_distance = model.options.max_distance;
     const double wanted = std::max(max_distance, options.padding + model.map.resolution());
-    const Eigen::AlignedBox3d region =
-        region_of(requirement, reach_of(requirement), bounds, model.map.resolution(), wanted);
+    const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), model.map, wanted);
     Eigen::AlignedBox3d counts = reach_box(model.robot, body);  // voxels that can matter to the body
     const double rounding =
         1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());

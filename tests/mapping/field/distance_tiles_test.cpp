@@ -194,12 +194,12 @@ TEST(DistanceTiles, AChangeBehindWhatIsNearerReachesNoTile) {
   blocked.fill({0, 0, 24}, {96, 64, 26}, true);
   const DistanceTiles before(blocked, 2500);
   before.complete();
-  blocked.fill({40, 30, 30}, {50, 40, 36}, true);
+  blocked.fill({40, 30, 40}, {50, 40, 46}, true);
   const DistanceTiles with(before, blocked);
   for (int z = 0; z < 24; ++z) EXPECT_EQ(before.line(1, 32, z), with.line(1, 32, z)) << z;
-  EXPECT_NE(before.line(1, 32, 28), with.line(1, 32, 28));
+  EXPECT_NE(before.line(1, 32, 38), with.line(1, 32, 38));
   with.complete();
-  blocked.fill({40, 30, 30}, {50, 40, 36}, false);
+  blocked.fill({40, 30, 40}, {50, 40, 46}, false);
   const DistanceTiles without(with, blocked);
   for (int z = 0; z < 24; ++z) EXPECT_EQ(without.line(1, 32, z), with.line(1, 32, z)) << z;
   EXPECT_EQ(count_differences(without, before), 0U);

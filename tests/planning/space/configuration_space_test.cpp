@@ -353,6 +353,24 @@ TEST(ConfigurationSpace, AMapOutOfTheRobotsReachIsAsGoodAsNone) {
   }
 }
 
+// So its fields can be brought up to date. Where the reach is too large for a field, it is the map's.
+TEST(ConfigurationSpace, WhereItKnowsBlockedSpaceDoesNotGrowWithTheMap) {
+  for (const double resolution : {0.02, 0.002}) {
+    FreeSpaceMap map({.resolution = resolution});
+    const auto see = [&](const Eigen::Vector3d& point) {
+      Scan scan;
+      scan.points = {point.cast<float>()};
+      map.insert(scan);
+      const ConfigurationSpace space(load_robot("puma560"), map.snapshot(), {}, {.max_distance = 0.1});
+      return space.blocked_space(static_cast<int>(space.robot().bodies.size()) - 1)->region();
+    };
+    const Eigen::AlignedBox3d before = see({0.1, 0.1, 0.1}), after = see({0.4, 0.3, 0.4});
+    EXPECT_EQ(before.isApprox(after), resolution == 0.02);
+    EXPECT_EQ(before.contains(Eigen::Vector3d(0.4, 0.3, 0.4)), resolution == 0.02);
+    EXPECT_TRUE(after.contains(Eigen::Vector3d(0.4, 0.3, 0.4)));
+  }
+}
+
 TEST(ConfigurationSpace, APartThatAPaintedVolumeNamesIsCriticalThoughTheRobotDoesNotSaySo) {
   Robot robot = load_robot("point");
   robot.critical_parts.clear();  // as a bare URDF is
