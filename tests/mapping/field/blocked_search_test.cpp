@@ -111,6 +111,18 @@ TEST(BlockedSearch, RefusesAPointThatIsNotFinite) {
   EXPECT_FALSE(space->nearest(Eigen::Vector3d::Zero(), 1.0).found);
 }
 
+// Cells are read where they are looked at: also those beside a box, on the other side of a tile's border.
+TEST(BlockedSearch, NoVoxelInsideASolidIsOfItsSurfaceWhereverTheFirstLookIs) {
+  Dice dice(6);
+  for (int i = 0; i < 200; ++i) {
+    const Snapshot unknown = FreeSpaceMap({.resolution = 0.1}).snapshot();
+    const auto space = unknown.blocked_space({Policy::known_free}, box_around(5.0), 0.5);
+    const Eigen::Vector3d low = dice.point(4.0);
+    const Eigen::AlignedBox3d box(low, (low.array() + dice.uniform(0.0, 0.5)).matrix());
+    ASSERT_TRUE(space->visit_surface(box, [](const Eigen::Vector3d&) { return false; })) << low.transpose();
+  }
+}
+
 using Cells = std::set<std::tuple<int, int, int>>;
 
 TEST(BlockedSearch, VisitsEachBlockedCubeThatMeetsABoxOnce) {

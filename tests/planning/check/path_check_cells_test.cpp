@@ -104,6 +104,8 @@ TEST(PathCheckCells, ARobotFarOffTheMapIsToldAsSuch) {
   const Eigen::Vector3d far(2e7, 0.0, 0.0);
   EXPECT_NE(sentence(far, far + Eigen::Vector3d::Ones()).find("2e+07 m from the map's origin"),
             std::string::npos);
+  const Eigen::Vector3d last(-2.1e9 * 0.005, 0.0, 0.0), step(0.01, 0.0, 0.0);
+  EXPECT_NE(sentence(last - step, last + step).find("from the map's origin"), std::string::npos);
   EXPECT_NE(sentence(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(6.0)).find("coarser map"),
             std::string::npos);
 }

@@ -29,6 +29,10 @@ TEST(PathCheckVoxels, TheNearestIsFoundHoweverFarAwayAndNothingBeyondTheLimit) {
       ASSERT_NEAR(found.distance, std::clamp(truth, 0.0, limit), 1e-6)
           << at.transpose() << " limit " << limit;
       ASSERT_EQ(found.cube.has_value(), truth < limit) << at.transpose() << " limit " << limit;
+      const Nearest hinted =
+          nearest_voxel(bodies, 0, Eigen::Isometry3d(Eigen::Translation3d(at)), at, cells, limit, voxel);
+      ASSERT_NEAR(hinted.distance, found.distance, 1e-12);
+      ASSERT_EQ(hinted.cube.has_value(), truth < limit) << at.transpose() << " limit " << limit;
       ASSERT_LT((found.cube.value_or(voxel) - voxel).norm(), 1e-12);
     }
   }

@@ -46,6 +46,7 @@ const std::string groups =
     "<virtual_joint name='wheels' type='planar' parent_frame='w' child_link='base'/>"
     "<group name='stands'><joint name='world'/><group name='right'/></group>"
     "<group name='rolls'><joint name='wheels'/><group name='right'/></group>"
+    "<group name='passive'><passive_joint name='rj1'/><joint name='rj2'/></group>"
     "<group name='empty'><joint name='mount'/></group>"
     "<group_state name='home' group='left'><joint name='lj1' value='0.5'/><joint name='lj2' value='-1'/>"
     "</group_state><group_state name='home' group='right'><joint name='rj1' value='0.1'/>"
@@ -86,18 +87,19 @@ TEST_F(SrdfFile, AGroupIsItsChainsJointsLinksAndSubgroupsLessWhatIsFixedOrFollow
   EXPECT_EQ(joints("hand"), (Names{"fj1"}));
   EXPECT_EQ(joints("all"), (Names{"lj1", "lj2", "rj1", "rj2"}));
   EXPECT_EQ(joints("stands"), (Names{"rj1", "rj2"}));
+  EXPECT_EQ(joints("passive"), (Names{"rj1", "rj2"}));
   EXPECT_EQ(joints(""), (Names{"waist", "lj1", "lj2", "fj1", "rj1", "rj2"}));
 }
 
 TEST_F(SrdfFile, TheCheckFindsTheSameJointsInEveryGroupAndRefusesOthers) {
-  for (const char* group : {"left", "across", "right", "links", "hand", "all", "stands"}) {
+  for (const char* group : {"left", "across", "right", "links", "hand", "all", "stands", "passive"}) {
     Robot arm = robot(group);
     Configuration q(static_cast<Eigen::Index>(arm.dof()));
     for (std::size_t j = 0; j < arm.dof(); ++j) q[static_cast<Eigen::Index>(j)] = arm.joints[j].lower;
     const std::string said = check_path(arm, Snapshot(), {}, 0.0, {q}).first_contact;
     EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
     arm.group = std::string(group) == "right" ? "left" : "right";
-    if (std::string(group) == "stands") continue;  // the same joints
+    if (joints(group) == joints(arm.group)) continue;
     const std::string lie = check_path(arm, Snapshot(), {}, 0.0, {q}).first_contact;
     EXPECT_NE(lie.find("is not what its file"), std::string::npos) << group;
   }
