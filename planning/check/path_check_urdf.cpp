@@ -177,7 +177,8 @@ class FileReader {
   }
 
   void add_joint(const urdf::Joint& joint) {
-    const auto [master, multiplier, offset] = followed(joint);
+    const Followed end = followed(joint);
+    const std::string& master = end.name;
     const auto known = std::find_if(robot_.joints.begin(), robot_.joints.end(),
                                     [&](const Joint& other) { return other.name == master; });
     const auto held = std::find_if(robot_.held.begin(), robot_.held.end(),
@@ -186,8 +187,8 @@ class FileReader {
     if ((known == robot_.joints.end() && !is_held) || !model_->getJoint(master))
       disagree(robot_, "joint " + quote(master) + " is none of the robot's");
     if (joint.mimic) {
-      links_.multiplier.back() = multiplier;
-      links_.offset.back() = offset;
+      links_.multiplier.back() = end.multiplier;
+      links_.offset.back() = end.offset;
       links_.is_turned.back() = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
     }
     if (is_held) return hold(joint, *held);
