@@ -23,10 +23,9 @@ constexpr int far_samples = 8;
 /// Less of an edge than this is not worth a node.
 constexpr double least_share = 0.25;
 
-/// Joints without limits: only as far as the map and the ends make sense, as in ompl_query.
+/// Joints with wide limits, or none: only as far as the map and the ends make sense, as in ompl_query.
 double margin_beyond_ends(const PlanProblem& problem, const Joint& joint) {
   if (joint.kind == JointKind::revolute) return 2.0 * std::numbers::pi;
-  if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) return joint.upper - joint.lower;
   const Eigen::AlignedBox3d map = problem.space.map().bounds();
   return (map.isEmpty() ? 0.0 : map.diagonal().norm()) + (problem.goal - problem.start).norm();
 }

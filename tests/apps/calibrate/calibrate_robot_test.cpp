@@ -174,7 +174,7 @@ TEST_F(CalibrateRobot, PlaceIsFoundByABoardOnTheTipAndWhatIsMissingIsTold) {
   folder_.write("joints.csv", joints_.substr(0, joints_.find("\n5,") + 1));
   const CommandRun few = told("base", "", "");
   EXPECT_EQ(few.status, exit_no);
-  EXPECT_NE(few.log.find("5 images tell"), std::string::npos) << few.log;
+  EXPECT_NE(few.log.find("5 images show"), std::string::npos) << few.log;
   const CommandRun sensor = run_command({"calibrate", "hand-eye", folder_.file("pictures"), "--setup",
                                          folder_.file("setup.yaml"), "--sensor", "lidar"});
   EXPECT_EQ(sensor.status, exit_bad_input);

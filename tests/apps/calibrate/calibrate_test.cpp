@@ -82,8 +82,8 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
   for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"camera", folder_.file("frontal"), "--setup", setup_, "--out", setup_}, "is read by --setup"},
            {{"camera", folder_.file("frontal"), "--setup", setup_, "--body", "nobody"}, "no board 'nobody'"},
-           {{"board", folder_.file("frontal"), "--setup", setup_}, "tell the camera"},
-           {{"probe", folder_.file("frontal"), "--setup", setup_}, "tell the camera"},
+           {{"board", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
+           {{"probe", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
            {{"lens", folder_.file("frontal"), "--setup", setup_}, "calibrate: "},
            {{"camera", folder_.file("nowhere"), "--setup", setup_}, "nowhere"}}) {
     std::vector<std::string> command{"calibrate"};

@@ -227,10 +227,10 @@ TEST_F(SrdfFile, ANumberOfPairsIsTheMost) {
 
 TEST_F(SrdfFile, WhatIsWrongIsToldInOneSentence) {
   const auto asked = [&](const std::string& group) { return refusal(RobotRequest{urdf_, {}, group}); };
-  EXPECT_EQ(
-      asked("lefd"),
-      "two.srdf: there is no group 'lefd', expected one of across, all, empty, hand, left, links, right, "
-      "rolls, stands");
+  EXPECT_EQ(asked("lefd"),
+            "two.srdf: there is no group 'lefd', expected one of across, all, empty, hand, left, links, "
+            "passive, right, "
+            "rolls, stands");
   EXPECT_EQ(asked("empty"), "two.srdf: group 'empty' has no joint that moves");
   EXPECT_EQ(asked("rolls"),
             "two.srdf: group 'rolls' moves the base by virtual joint 'wheels' of type 'planar', expected a "
