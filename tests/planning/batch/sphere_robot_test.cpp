@@ -67,6 +67,17 @@ TEST(SphereRobot, ASecondSpaceOfARobotSharesWhatTheRobotAloneDecides) {
   EXPECT_GT(shared, 2);
 }
 
+TEST(SphereRobot, PaddingIsNeverRoundedDown) {
+  const Robot robot = load_robot("puma560");
+  const Snapshot map = FreeSpaceMap({.resolution = 0.05}).snapshot();
+  Random random(3);
+  for (int i = 0; i < 20; ++i) {
+    const double padding = random.between(0.0, 0.05);
+    const ConfigurationSpace space(robot, map, {}, {.padding = padding});
+    EXPECT_GE(static_cast<double>(space.collision_model().spheres->padding), padding);
+  }
+}
+
 TEST(SphereRobot, AThreadKeepsWhatItMadeForTheLastRobots) {
   const Robot robot = load_robot("planar2");
   const Snapshot map = worlds::voxels_about(robot, 1);
