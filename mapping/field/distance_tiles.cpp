@@ -201,8 +201,9 @@ DistanceTiles::DistanceTiles(const DistanceTiles& before, const std::function<vo
     tiles_ = before.tiles_;
     for (std::size_t i = 0; i < tiles_.size(); ++i) is_read_[i] = before.is_read_[i].load();
   }
+  const BlockedCells was = blocked_;  // others go on reading cells into those of `before`
   follow(blocked_);
-  share(before);
+  share(before, was);
 }
 
 DistanceTiles::DistanceTiles(const DistanceTiles& before, BlockedCells blocked)
@@ -229,8 +230,8 @@ void DistanceTiles::allocate() {
 }
 
 /// Keeps the tiles that no change reaches.
-void DistanceTiles::share(const DistanceTiles& before) {
-  std::vector<bool> is_outdated = reached_by_changes(before);
+void DistanceTiles::share(const DistanceTiles& before, const BlockedCells& was) {
+  std::vector<bool> is_outdated = reached_by_changes(was);
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     if (tiles_[i] == nullptr) {
       is_outdated[i] = false;
@@ -246,9 +247,8 @@ void DistanceTiles::share(const DistanceTiles& before) {
 }
 
 /// The known tiles whose distances a changed cell can have changed: where a distance is at least that to the
-/// change. Smaller ones end at another cell, before and after. Cells that `before` had read when this object
-/// began are not written there any more.
-std::vector<bool> DistanceTiles::reached_by_changes(const DistanceTiles& before) const {
+/// change. Smaller ones end at another cell, before and after.
+std::vector<bool> DistanceTiles::reached_by_changes(const BlockedCells& was) const {
   constexpr int not_known = -1;
   std::vector<bool> reached(tiles_.size(), false);
   std::vector<int> most(tiles_.size(), not_known);  // of each tile
@@ -257,9 +257,9 @@ std::vector<bool> DistanceTiles::reached_by_changes(const DistanceTiles& before)
     if (most[i] == not_known) most[i] = *std::max_element(tiles_[i]->begin(), tiles_[i]->end());
     return most[i] >= between;
   };
-  for (const std::size_t changed : tiles_of_changed_rows(before)) {
+  for (const std::size_t changed : tiles_of_changed_rows(was)) {
     if (!is_read_[changed]) continue;
-    const Box cells = differing(before, place(changed));
+    const Box cells = differing(was, place(changed));
     if (cells.low.x() >= cells.high.x()) continue;
     const Eigen::Vector3i low = (place(changed) - reach_).cwiseMax(0);
     const Eigen::Vector3i high = (place(changed) + reach_).cwiseMin(counts_ - Eigen::Vector3i::Ones());
@@ -276,7 +276,7 @@ std::vector<bool> DistanceTiles::reached_by_changes(const DistanceTiles& before)
 }
 
 /// Those in which 32 cells of some y and z differ, and some beside them. Most of a map stays as it was.
-std::vector<std::size_t> DistanceTiles::tiles_of_changed_rows(const DistanceTiles& before) const {
+std::vector<std::size_t> DistanceTiles::tiles_of_changed_rows(const BlockedCells& was) const {
   std::vector<std::size_t> tiles;
   const auto count = static_cast<std::size_t>(size().y());
   for (int z_tile = 0; z_tile < counts_.z(); ++z_tile) {
@@ -284,8 +284,7 @@ std::vector<std::size_t> DistanceTiles::tiles_of_changed_rows(const DistanceTile
     for (int lane = 0; lane < counts_.x(); ++lane) {
       // Rows of neighbouring z follow each other.
       const std::size_t words = count * static_cast<std::size_t>(high - low);
-      if (std::memcmp(before.blocked_.row(lane, low), blocked_.row(lane, low),
-                      words * sizeof(std::uint32_t)) == 0)
+      if (std::memcmp(was.row(lane, low), blocked_.row(lane, low), words * sizeof(std::uint32_t)) == 0)
         continue;
       for (int y = 0; y < size().y(); y += ny) tiles.push_back(tile(lane, y, low));
     }
@@ -294,15 +293,15 @@ std::vector<std::size_t> DistanceTiles::tiles_of_changed_rows(const DistanceTile
 }
 
 /// The cells of a tile that differ, in a box; empty along x if none does.
-DistanceTiles::Box DistanceTiles::differing(const DistanceTiles& before, const Eigen::Vector3i& place) const {
+DistanceTiles::Box DistanceTiles::differing(const BlockedCells& was, const Eigen::Vector3i& place) const {
   const Box box = box_of(place);
   Box found{box.high, box.low};
   std::uint32_t bits = 0;
   for (int z = box.low.z(); z < box.high.z(); ++z) {
-    const std::uint32_t *was = before.blocked_.row(place.x(), z), *is = blocked_.row(place.x(), z);
+    const std::uint32_t *earlier = was.row(place.x(), z), *now = blocked_.row(place.x(), z);
     for (int y = box.low.y(); y < box.high.y(); ++y) {
-      if (was[y] == is[y]) continue;
-      bits |= was[y] ^ is[y];
+      if (earlier[y] == now[y]) continue;
+      bits |= earlier[y] ^ now[y];
       found.low = found.low.cwiseMin(Eigen::Vector3i(box.low.x(), y, z));
       found.high = found.high.cwiseMax(Eigen::Vector3i(box.low.x(), y + 1, z + 1));
     }

@@ -98,10 +98,10 @@ class DistanceTiles {
   struct Memory;
 
   void allocate();
-  void share(const DistanceTiles& before);
-  std::vector<bool> reached_by_changes(const DistanceTiles& before) const;
-  std::vector<std::size_t> tiles_of_changed_rows(const DistanceTiles& before) const;
-  Box differing(const DistanceTiles& before, const Eigen::Vector3i& place) const;
+  void share(const DistanceTiles& before, const BlockedCells& was);
+  std::vector<bool> reached_by_changes(const BlockedCells& was) const;
+  std::vector<std::size_t> tiles_of_changed_rows(const BlockedCells& was) const;
+  Box differing(const BlockedCells& was, const Eigen::Vector3i& place) const;
   int least_between(const Box& tile, const Box& cells) const;
   const std::uint16_t* computed(std::size_t tile) const;
   void read_cells(std::size_t tile) const;

@@ -46,7 +46,7 @@ double chosen_max_distance(const Robot& robot, double resolution) {
 /// metres.
 Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3d reach, const Snapshot& map,
                               double wanted) {
-  constexpr double most_cells = 1 << 25, farthest_cell = 1 << 15;
+  constexpr double most_cells = 1 << 25, farthest_cell = 1 << 15, edge_of_tile = 32;  // at most
   const double resolution = map.resolution();
   const auto grown = [](Eigen::AlignedBox3d box, double by) {
     return Eigen::AlignedBox3d(box.min().array() - by, box.max().array() + by);
@@ -54,7 +54,8 @@ Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3
   const double margin = requirement.policy == Policy::not_occupied ? wanted : resolution;
   reach = grown(reach, wanted);
   const double farthest = std::max(reach.min().cwiseAbs().maxCoeff(), reach.max().cwiseAbs().maxCoeff());
-  if ((reach.sizes() / resolution).prod() <= most_cells && farthest <= farthest_cell * resolution)
+  if ((reach.sizes().array() / resolution + edge_of_tile).prod() <= most_cells &&
+      farthest <= farthest_cell * resolution)
     return reach;
   const Eigen::AlignedBox3d bounds = map.bounds();
   const Eigen::AlignedBox3d region = bounds.isEmpty() ? bounds : reach.intersection(grown(bounds, margin));

@@ -157,6 +157,30 @@ TEST(DistanceTiles, AreTheSameForManyThreadsThatLookAtOnce) {
   EXPECT_EQ(count_differences(shared, alone), 0U);
 }
 
+// Those who look at the version before read its cells while the next one is made.
+TEST(DistanceTiles, ALaterVersionIsRightWhileOthersLookAtTheOneBefore) {
+  Dice dice(9);
+  const Eigen::Vector3i size(32, 400, 8);
+  const DistanceTiles::ReadCells all_twice = [](const DistanceTiles::Box& box, BlockedCells& cells) {
+    cells.fill(box.low, box.high, true);  // as under known_free: first all, then less what is free
+    cells.fill(box.low, box.high, false);
+  };
+  for (int trial = 0; trial < 20; ++trial) {
+    const DistanceTiles before(size, 30, all_twice);
+    before.squared(5, 399, 7);
+    std::thread looking([&before] {
+      for (int y = 0; y < 380; y += 8) before.is_blocked(0, y, 0);
+    });
+    for (int version = 0; version < 20; ++version) {
+      const Eigen::Vector3i changed(dice.whole(0, 31), dice.whole(392, 399), dice.whole(0, 7));
+      const auto block = [&](BlockedCells& cells) { cells.set(changed.x(), changed.y(), changed.z(), true); };
+      const DistanceTiles after(before, block, all_twice);
+      EXPECT_EQ(after.squared(changed.x(), changed.y(), changed.z()), 0) << changed.transpose();
+    }
+    looking.join();
+  }
+}
+
 TEST(DistanceTiles, TheVersionBeforeAChangeStaysAsItWas) {
   Dice dice(3);
   BlockedCells blocked({100, 50, 40}, false);
