@@ -1,0 +1,15 @@
+#pragma once
+
+// Private to check_pick: its maps, found anew by FCL.
+
+#include "planning/check/pick_terms.hpp"
+
+namespace clearway::check {
+
+/// The map without the object's own voxels.
+Snapshot without_object(const PickTerms& terms);
+
+/// The map without the layer of what the object stands on there.
+Snapshot without_layer(const PickTerms& terms, const Snapshot& map, const Eigen::Isometry3d& map_from_object);
+
+}  // namespace clearway::check
