@@ -8,8 +8,7 @@
 
 #include "datasets/descriptions/probe_motion.hpp"
 #include "datasets/descriptions/scene_sensing.hpp"
-#include "datasets/descriptions/scene_shape.hpp"
-#include "datasets/descriptions/setup_camera.hpp"
+#include "datasets/descriptions/setup_tracking.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"

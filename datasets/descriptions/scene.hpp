@@ -13,6 +13,8 @@
 
 namespace clearway {
 
+class YamlFields;
+
 struct BoxShape {
   Eigen::Vector3d size;  ///< m, centred on the shape's origin
 };
@@ -140,6 +142,10 @@ struct Scene {
   double start_time = 0;   ///< s since 1970 of the first frame
   double background = 40;  ///< grey where no ray meets anything
 };
+
+/// {name, box | cylinder | sphere, pose, grey} of a scene or suite; the map must hold nothing else.
+/// @throws std::invalid_argument
+SceneShape read_scene_shape(const YamlFields& fields);
 
 /// How long its pictures go on, s: until stroke and gripper have ended.
 double duration_of_pictures(const Scene& scene);

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "datasets/descriptions/setup_camera.hpp"
+#include "datasets/descriptions/setup_tracking.hpp"
 
 namespace clearway {
 namespace {

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "datasets/descriptions/query_fields.hpp"
-#include "datasets/descriptions/scene_shape.hpp"
 #include "datasets/descriptions/suite_limits.hpp"
 #include "datasets/descriptions/suite_strokes.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "datasets/descriptions/query_fields.hpp"
-#include "datasets/descriptions/scene_shape.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
 
 namespace clearway {
