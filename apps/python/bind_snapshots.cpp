@@ -1,4 +1,4 @@
-// Maps to ask: states, slices, rays, distances; loading, saving and combining them.
+// Maps to ask: states, slices, rays; loading, saving and combining them.
 #include <cmath>
 #include <stdexcept>
 
@@ -76,12 +76,6 @@ StateGrid grid_of(const Snapshot& map, const Eigen::AlignedBox3d& box) {
 }
 
 py::ssize_t length(std::size_t count) { return static_cast<py::ssize_t>(count); }
-
-Eigen::AlignedBox3d bounds_or(const Snapshot& map, const py::object& box) {
-  if (!box.is_none()) return box_from(box, "box");
-  if (map.bounds().isEmpty()) throw std::invalid_argument("box: expected one, because the map is empty");
-  return map.bounds();
-}
 
 py::tuple states_in(const NamedMap& self, const py::object& box) {
   const Eigen::AlignedBox3d wanted = bounds_or(self.map, box);
@@ -176,72 +170,6 @@ py::array lines_of_sight(const NamedMap& self, const py::object& from, const py:
   }));
 }
 
-/// Painted volumes by their labels as the bits of a mask.
-std::uint16_t mask_of(const Snapshot& map, const std::optional<std::vector<std::string>>& labels) {
-  if (!labels) return 0xffff;
-  std::uint16_t mask = 0;
-  for (const std::string& label : *labels) {
-    std::size_t v = 0;
-    while (v < map.volumes().size() && map.volumes()[v].label != label) ++v;
-    if (v == map.volumes().size())
-      throw std::invalid_argument("volumes: the map has no painted volume '" + label + "'");
-    mask = static_cast<std::uint16_t>(mask | (1U << v));
-  }
-  return mask;
-}
-
-/// Keeps the blocked space alive as long as Python asks it.
-struct SharedSpace {
-  std::shared_ptr<const BlockedSpace> space;
-};
-
-SharedSpace blocked_space(const NamedMap& self, const std::string& policy, const py::object& region,
-                          double max_distance, const std::optional<std::vector<std::string>>& volumes,
-                          double seen_within) {
-  const Requirement requirement{parse_policy(policy), mask_of(self.map, volumes), seen_within};
-  const Eigen::AlignedBox3d box = region.is_none() ? bounds_or(self.map, region) : box_from(region, "region");
-  return without_lock([&] { return SharedSpace{self.map.blocked_space(requirement, box, max_distance)}; });
-}
-
-py::array clearances(const SharedSpace& self, const py::object& points) {
-  const std::vector<Eigen::Vector3d> asked = points_from(points, "points");
-  return own(without_lock([&] {
-    std::array<std::vector<double>, 3> axes;
-    for (const Eigen::Vector3d& point : asked)
-      for (int axis = 0; axis < 3; ++axis) axes[static_cast<std::size_t>(axis)].push_back(point[axis]);
-    std::vector<double> distances(asked.size());
-    self.space->clearances({axes[0], axes[1], axes[2]}, distances);
-    return distances;
-  }));
-}
-
-py::array are_blocked(const SharedSpace& self, const py::object& points) {
-  const std::vector<Eigen::Vector3d> asked = points_from(points, "points");
-  return to_array(without_lock([&] {
-    std::vector<bool> blocked;
-    for (const Eigen::Vector3d& point : asked) blocked.push_back(self.space->is_blocked(point));
-    return blocked;
-  }));
-}
-
-/// Distance to the first blocked voxel's centre along each ray, infinity where there is none.
-py::array cast_rays(const SharedSpace& self, const py::object& origins, const py::object& directions,
-                    double max_range) {
-  const std::vector<Eigen::Vector3d> from = points_from(origins, "origins"),
-                                     along = points_from(directions, "directions");
-  if (from.size() != along.size())
-    throw std::invalid_argument("directions: expected as many as origins, " + std::to_string(from.size()) +
-                                ", got " + std::to_string(along.size()));
-  return own(without_lock([&] {
-    std::vector<double> distances;
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      const RayHit hit = self.space->cast_ray(from[i], along[i], max_range);
-      distances.push_back(hit.hit ? hit.distance : std::numeric_limits<double>::infinity());
-    }
-    return distances;
-  }));
-}
-
 py::list runs_of(const RayReport& report) {
   py::list runs;
   for (const RayRun& run : report.runs) runs.append(py::make_tuple(to_python(run.state), run.from, run.to));
@@ -305,73 +233,6 @@ void bind_answers(py::module_& module) {
           [](const RayReport& self) { return self.blocked ? py::cast(*self.blocked) : py::none(); },
           "The first blocked voxel, or None.")
       .field("distance", &RayReport::distance);
-  Record<NearestBlocked>(module, "NearestBlocked")
-      .field("distance", &NearestBlocked::distance)
-      .field("point", &NearestBlocked::point)
-      .field("direction", &NearestBlocked::direction)
-      .field("voxel", &NearestBlocked::voxel)
-      .field("found", &NearestBlocked::found);
-  Record<RayHit>(module, "RayHit")
-      .field("hit", &RayHit::hit, "Whether a blocked voxel was met.")
-      .field("voxel", &RayHit::voxel)
-      .field("distance", &RayHit::distance);
-}
-
-void bind_blocked_space(py::module_& module) {
-  py::class_<SharedSpace>(module, "BlockedSpace", doc("BlockedSpace"))
-      .def_property_readonly(
-          "resolution", [](const SharedSpace& self) { return self.space->resolution(); },
-          doc("BlockedSpace::resolution"))
-      .def_property_readonly(
-          "max_distance", [](const SharedSpace& self) { return self.space->max_distance(); },
-          doc("BlockedSpace::max_distance"))
-      .def_property_readonly(
-          "region", [](const SharedSpace& self) { return to_array(self.space->region()); },
-          "The box that is looked at, snapped outwards to voxels: (2, 3), low and high, metres.")
-      .def_property_readonly(
-          "blocked_count", [](const SharedSpace& self) { return self.space->blocked_count(); },
-          doc("BlockedSpace::blocked_count"))
-      .def_property_readonly(
-          "policy", [](const SharedSpace& self) { return to_python(self.space->requirement().policy); },
-          "Under which a voxel is blocked.")
-      .def(
-          "is_blocked",
-          [](const SharedSpace& self, const py::object& point) {
-            return self.space->is_blocked(point_from(point, "point"));
-          },
-          py::arg("point"), "Whether the voxel of a point is blocked.")
-      .def("are_blocked", &are_blocked, py::arg("points"), "The same of each point of an (n, 3) array.")
-      .def(
-          "clearance",
-          [](const SharedSpace& self, const py::object& point) {
-            return self.space->clearance(point_from(point, "point"));
-          },
-          py::arg("point"), doc("BlockedSpace::clearance"))
-      .def("clearances", &clearances, py::arg("points"),
-           "clearance() of each point of an (n, 3) array, bit for bit the same.")
-      .def(
-          "nearest",
-          [](const SharedSpace& self, const py::object& point, double limit) {
-            return self.space->nearest(point_from(point, "point"), limit);
-          },
-          py::arg("point"), py::arg("limit"), doc("BlockedSpace::nearest"))
-      .def(
-          "cast_ray",
-          [](const SharedSpace& self, const py::object& origin, const py::object& direction,
-             double max_range) {
-            return self.space->cast_ray(point_from(origin, "origin"), point_from(direction, "direction"),
-                                        max_range);
-          },
-          py::arg("origin"), py::arg("direction"), py::arg("max_range") = 0.0, doc("BlockedSpace::cast_ray"))
-      .def("cast_rays", &cast_rays, py::arg("origins"), py::arg("directions"), py::arg("max_range") = 0.0,
-           "Distances of cast_ray() for many rays, (n, 3) each; infinity where nothing is hit.")
-      .def(
-          "__repr__",
-          [](const SharedSpace& self) {
-            return "BlockedSpace(policy='" + std::string(to_string(self.space->requirement().policy)) +
-                   "', blocked_count=" + std::to_string(self.space->blocked_count()) + ")";
-          },
-          "Policy and count of blocked voxels.");
 }
 
 std::string describe_snapshot(const NamedMap& self) {
@@ -466,20 +327,16 @@ void bind_questions(py::class_<NamedMap>& snapshot) {
           py::arg("point"), doc("Snapshot::last_seen"))
       .def("states_in", &states_in, py::arg("box") = py::none(),
            "States of all voxels of a box (low, high), snapped outwards to voxels; by default of the map's "
-           "bounds. "
-           "Returns (states, low): an array of bytes, indexed [x, y, z], and the low corner of its first "
-           "voxel.")
+           "bounds. Returns (states, low): an array of bytes, indexed [x, y, z], and the low corner of its "
+           "first voxel.")
       .def("slice", &slice, py::arg("axis"), py::arg("value"), py::arg("box") = py::none(),
            "States in the plane where `axis` ('x', 'y' or 'z') is `value` metres. Returns (states, extent): "
-           "rows go up, "
-           "columns right, and extent is (left, right, bottom, top) in metres, as matplotlib's imshow with "
-           "origin='lower' takes them.")
+           "rows go up, columns right, and extent is (left, right, bottom, top) in metres, as matplotlib's "
+           "imshow with origin='lower' takes them.")
       .def("leaves", &leaves,
            "All stored leaves with a state other than unknown, as a dictionary of arrays: centers (n, 3), "
-           "sizes, states, "
-           "log_odds (NaN where not observed) and volumes, a bit for each painted volume. A leaf may stand "
-           "for many "
-           "voxels of one state.")
+           "sizes, states, log_odds (NaN where not observed) and volumes, a bit for each painted volume. A "
+           "leaf may stand for many voxels of one state.")
       .def(
           "ray",
           [](const NamedMap& self, const py::object& origin, const py::object& direction) {
@@ -494,24 +351,21 @@ void bind_questions(py::class_<NamedMap>& snapshot) {
           },
           py::arg("from_point"), py::arg("to_point"), py::arg("policy") = "known_free",
           "Whether every voxel on the straight line between two points, their own included, is free under "
-          "the policy. "
-          "A line has no width: ask ConfigurationSpace about bodies.")
+          "the policy. A line has no width: ask ConfigurationSpace about bodies.")
       .def("lines_of_sight", &lines_of_sight, py::arg("from_points"), py::arg("to_points"),
-           py::arg("policy") = "known_free", "The same of many lines, (n, 3) each.")
-      .def("blocked_space", &blocked_space, py::arg("policy") = "not_occupied",
-           py::arg("region") = py::none(), py::arg("max_distance") = 0.5, py::kw_only(),
-           py::arg("volumes") = py::none(), py::arg("seen_within") = 0.0,
-           doc("Snapshot::blocked_space",
-               "region: (low, high), by default the map's bounds.\n\nvolumes: labels of the painted volumes "
-               "that count "
-               "under `painted`, by default all.\n\nseen_within: seconds; see Requirement."));
+           py::arg("policy") = "known_free", "The same of many lines, (n, 3) each.");
 }
 
 }  // namespace
 
+Eigen::AlignedBox3d bounds_or(const Snapshot& map, const py::object& box) {
+  if (!box.is_none()) return box_from(box, "box");
+  if (map.bounds().isEmpty()) throw std::invalid_argument("box: expected one, because the map is empty");
+  return map.bounds();
+}
+
 void bind_snapshots(py::module_& module) {
   bind_answers(module);
-  bind_blocked_space(module);
   py::class_<NamedMap> snapshot(module, "Snapshot", doc("Snapshot"));
   snapshot
       .def_property_readonly(

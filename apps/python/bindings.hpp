@@ -41,6 +41,7 @@ struct NamedSpace {
 // Each adds what its file is about to the module.
 void bind_maps(pybind11::module_& module);
 void bind_snapshots(pybind11::module_& module);
+void bind_blocked_space(pybind11::module_& module);
 void bind_robots(pybind11::module_& module);
 void bind_spaces(pybind11::module_& module);
 void bind_loads(pybind11::module_& module);
@@ -48,6 +49,9 @@ void bind_plans(pybind11::module_& module);
 void bind_plan_check(pybind11::module_& module);
 void bind_motions(pybind11::module_& module);
 void bind_teams(pybind11::module_& module);
+
+/// A box, or where it is None the map's bounds. @throws std::invalid_argument for an empty map
+Eigen::AlignedBox3d bounds_or(const Snapshot& map, const pybind11::object& box);
 
 /// A configuration of the robot: an array, or the name of a state of its SRDF.
 Configuration configuration_from(pybind11::handle value, const std::string& name, const Robot& robot);

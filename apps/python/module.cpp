@@ -113,6 +113,7 @@ PYBIND11_MODULE(_clearway, module) {
   py::register_local_exception_translator(&translate);
   voxel_state = add_enumeration(module).release();
   bind_snapshots(module);
+  bind_blocked_space(module);
   bind_maps(module);
   bind_robots(module);
   bind_spaces(module);
