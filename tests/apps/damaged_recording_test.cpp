@@ -12,7 +12,7 @@ constexpr const char* scan =
     "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
     "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1.05 0.05 0.05\n1.05 0.15 0.05\n";
 
-TEST(DamagedRecording, IsToldByInspectPlanAndCheck) {
+TEST(DamagedRecording, IsReportedByInspectPlanAndCheck) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "scans");
   folder.write("scans/1.pcd", scan);

@@ -22,7 +22,7 @@ class HostileInputs : public ::testing::Test {
   void expect_refused(const std::vector<std::string>& arguments, const std::string& because) {
     const CommandRun run = run_command(arguments);
     EXPECT_EQ(run.status, exit_bad_input) << arguments[0] << ": " << run.log;
-    EXPECT_TRUE(run.told_in_one_sentence()) << arguments[0] << ": " << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << arguments[0] << ": " << run.log;
     EXPECT_NE(run.log.find(because), std::string::npos) << arguments[0] << ": " << run.log;
     EXPECT_LT(run.log.size(), 700u) << run.log;
   }
@@ -67,7 +67,7 @@ TEST_F(HostileInputs, of_a_file_that_is_none_of_ours_nothing_is_shown) {
     const std::string scene = folder_.write("scene.yaml", text + "\n");
     const CommandRun run = run_command({"simulate", scene, "--out", out});
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_EQ(run.log.find("topsecret"), std::string::npos) << run.log;
   }
   expect_refused({"simulate", folder_.write("scene.yaml", "setup: /etc/passwd\n"), "--out", out},
@@ -88,7 +88,7 @@ TEST_F(HostileInputs, what_is_repeated_from_a_file_is_short_and_cannot_command_a
         "worlds: [{name: w, map: a.bt}]\nexperiments: [{name: e, robot: arm5, world: " + endless + "}]\n"}) {
     const CommandRun run = run_command({"compare", folder_.write("suite.yaml", yaml), "--out", out});
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_LT(run.log.size(), 600u);
     EXPECT_EQ(run.log.find('\x1b'), std::string::npos) << run.log;
   }
@@ -97,7 +97,7 @@ TEST_F(HostileInputs, what_is_repeated_from_a_file_is_short_and_cannot_command_a
                  "unknown key 'xxx");
 }
 
-TEST_F(HostileInputs, json_that_is_none_is_told_by_line_and_column_in_our_words) {
+TEST_F(HostileInputs, json_that_is_none_is_reported_by_line_and_column_in_our_words) {
   const auto check = [&](const std::string& text) {
     return std::vector<std::string>{"check", folder_.write("plan.json", text), "--map", map, "--robot",
                                     "arm5"};
@@ -111,21 +111,22 @@ TEST_F(HostileInputs, json_that_is_none_is_told_by_line_and_column_in_our_words)
 }
 
 TEST(Failure, what_libraries_and_the_language_throw_never_reaches_the_user) {
-  const auto told = [](const auto& error) { return failure_of(std::make_exception_ptr(error)); };
-  for (const Failure& failure : {told(std::bad_alloc()), told(std::bad_array_new_length()),
-                                 told(std::length_error("vector::_M_default_append"))}) {
+  const auto failure_from = [](const auto& error) { return failure_of(std::make_exception_ptr(error)); };
+  for (const Failure& failure : {failure_from(std::bad_alloc()), failure_from(std::bad_array_new_length()),
+                                 failure_from(std::length_error("vector::_M_default_append"))}) {
     EXPECT_EQ(failure.status, exit_bad_input);
     EXPECT_TRUE(failure.sentence.starts_with("out of memory: expected")) << failure.sentence;
   }
-  for (const Failure& failure : {told(std::out_of_range("vector::_M_range_check")),
-                                 told(std::logic_error("x")), told(std::bad_cast()), told(3)}) {
+  for (const Failure& failure :
+       {failure_from(std::out_of_range("vector::_M_range_check")), failure_from(std::logic_error("x")),
+        failure_from(std::bad_cast()), failure_from(3)}) {
     EXPECT_EQ(failure.status, exit_bad_input);
     EXPECT_EQ(failure.sentence, "a library that the program uses could not handle its input");
   }
-  EXPECT_EQ(told(std::invalid_argument("plan 'a\x1b[1mb'\nis wrong")).sentence,
+  EXPECT_EQ(failure_from(std::invalid_argument("plan 'a\x1b[1mb'\nis wrong")).sentence,
             "plan 'a\\x1b[1mb'\\nis wrong");
-  EXPECT_LT(told(std::runtime_error(std::string(100'000, 'x'))).sentence.size(), 2010u);
-  const Failure gone = told(std::filesystem::filesystem_error(
+  EXPECT_LT(failure_from(std::runtime_error(std::string(100'000, 'x'))).sentence.size(), 2010u);
+  const Failure gone = failure_from(std::filesystem::filesystem_error(
       "cannot rename", "/a", std::make_error_code(std::errc::no_such_file_or_directory)));
   EXPECT_EQ(gone.sentence, "'/a' cannot be used: No such file or directory");
 }

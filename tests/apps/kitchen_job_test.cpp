@@ -295,7 +295,7 @@ TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_b
   EXPECT_NE(other.log.find("is not the one that it was made from"), std::string::npos) << other.log;
 }
 
-TEST_F(KitchenJob, a_truncated_recording_is_told_as_damage_and_what_came_before_is_kept) {
+TEST_F(KitchenJob, a_truncated_recording_is_reported_as_damage_and_what_came_before_is_kept) {
   const std::string whole = read_file(folder_->file("recording.rawlog"));
   const std::string cut = folder_->write("cut.rawlog", whole.substr(0, whole.size() / 4));
   const CommandRun run = run_command({"replay", cut, "--out", folder_->file("cut"), "--no-plan"});
@@ -328,7 +328,7 @@ TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_le
     const auto before = folder.files();
     const CommandRun run = run_command(arguments);
     EXPECT_EQ(run.status, exit_bad_input) << run.log;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(word), std::string::npos) << run.log;
     EXPECT_EQ(folder.files(), before);
   };

@@ -60,8 +60,8 @@ ProgramRun run_program(std::vector<std::string> arguments, const std::string& lo
 class MutatedInputs : public ::testing::Test {
  protected:
   /// `command` reads `file`, of which `whole` is the sound content.
-  void expect_told(const std::string& file, const std::string& whole,
-                   const std::vector<std::string>& command) {
+  void expect_read_or_refused(const std::string& file, const std::string& whole,
+                              const std::vector<std::string>& command) {
     for (int i = 0; i < mutations(3); ++i) {
       const std::string bytes = mutated(whole, random_);
       folder_.write(file, bytes);
@@ -95,7 +95,7 @@ TEST_F(MutatedInputs, a_plan) {
   run_command({"plan", "--map", bench, "--robot", "arm5", "--start", "0,0,0,0,0", "--goal", "0.1,0,0,0,0",
                "--planner", "rrtconnect", "--out", plan});
   ASSERT_TRUE(std::filesystem::exists(plan));
-  expect_told("plan.json", read_file(plan), {"check", plan, "--map", bench, "--robot", "arm5"});
+  expect_read_or_refused("plan.json", read_file(plan), {"check", plan, "--map", bench, "--robot", "arm5"});
 }
 
 TEST_F(MutatedInputs, a_suite_and_a_robots_settings) {
@@ -105,22 +105,23 @@ TEST_F(MutatedInputs, a_suite_and_a_robots_settings) {
       "0.1]}]}]\nplanners: [{planner: rrtconnect}]\ntime_limit: 0.1\nexperiments: [{name: e, robot: point, "
       "world: w, "
       "problems: [{name: p, start: [0, 0], goals: [[1, 0]]}]}]\n";
-  expect_told("suite.yaml", suite, {"compare", folder_.file("suite.yaml"), "--out", folder_.file("out")});
+  expect_read_or_refused("suite.yaml", suite,
+                         {"compare", folder_.file("suite.yaml"), "--out", folder_.file("out")});
   for (const char* kind : {".yaml", ".urdf"}) {
     const std::string name = std::string("planar2") + kind;
     folder_.write(name, read_file(std::filesystem::path(CLEARWAY_SOURCE_DIR) / "datasets/robots" / name));
   }
-  expect_told("planar2.yaml", read_file(folder_.file("planar2.yaml")),
-              {"plan", "--map", bench, "--robot", folder_.file("planar2.yaml"), "--start", "0,0", "--goal",
-               "0.1,0", "--planner", "rrtconnect"});
+  expect_read_or_refused("planar2.yaml", read_file(folder_.file("planar2.yaml")),
+                         {"plan", "--map", bench, "--robot", folder_.file("planar2.yaml"), "--start", "0,0",
+                          "--goal", "0.1,0", "--planner", "rrtconnect"});
 }
 
 TEST_F(MutatedInputs, a_scene_and_a_setup) {
   folder_.write("setup.yaml", small_setup);
   const std::string out = folder_.file("out.rawlog");
-  expect_told("scene.yaml", small_scene, {"simulate", folder_.file("scene.yaml"), "--out", out});
+  expect_read_or_refused("scene.yaml", small_scene, {"simulate", folder_.file("scene.yaml"), "--out", out});
   folder_.write("scene.yaml", small_scene);
-  expect_told("setup.yaml", small_setup, {"simulate", folder_.file("scene.yaml"), "--out", out});
+  expect_read_or_refused("setup.yaml", small_setup, {"simulate", folder_.file("scene.yaml"), "--out", out});
 }
 
 TEST_F(MutatedInputs, a_recording) {
@@ -133,8 +134,8 @@ TEST_F(MutatedInputs, a_recording) {
     writer.write(Frame{1000.0 + i, "cloud", cloud});
   }
   writer.finish();
-  expect_told("r.rawlog", read_file(folder_.file("whole.rawlog")),
-              {"replay", folder_.file("r.rawlog"), "--out", folder_.file("out")});
+  expect_read_or_refused("r.rawlog", read_file(folder_.file("whole.rawlog")),
+                         {"replay", folder_.file("r.rawlog"), "--out", folder_.file("out")});
 }
 
 TEST_F(MutatedInputs, a_map_folder) {
@@ -149,11 +150,11 @@ TEST_F(MutatedInputs, a_map_folder) {
   const std::vector<std::string> inspect = {"inspect", folder.string(), "--at", "0.1,0.2,0.3"};
   for (const char* file : {"painted.csv", "provenance.bin", "map.ot"}) {
     const std::string whole = read_file(folder / file);
-    expect_told(std::string("map/") + file, whole, inspect);
+    expect_read_or_refused(std::string("map/") + file, whole, inspect);
     folder_.write(std::string("map/") + file, whole);
   }
   export_map(map.snapshot(), folder / "map.ot");  // of another program: painted.csv is read
-  expect_told("map/painted.csv", read_file(folder / "painted.csv"), inspect);
+  expect_read_or_refused("map/painted.csv", read_file(folder / "painted.csv"), inspect);
 }
 
 }  // namespace mutated_inputs_test

@@ -69,8 +69,8 @@ long status_kilobytes(const char* key) {
 bool is_plain(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
-  } catch (const std::exception& told) {
-    const std::string_view text = told.what();
+  } catch (const std::exception& caught) {
+    const std::string_view text = caught.what();
     return !text.empty() && std::all_of(text.begin(), text.end(),
                                         [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
   }
@@ -91,7 +91,7 @@ class MutatedReaders : public ::testing::Test {
   ~MutatedReaders() override { ::munmap(progress_, sizeof(Progress)); }
 
   /// `read` gets `folder/file`, of which `whole` is the sound content, which it must accept.
-  void expect_read_or_told(const std::string& file, const std::string& whole, const Read& read) {
+  void expect_read_or_refused(const std::string& file, const std::string& whole, const Read& read) {
     folder_.write(file, whole);
     ASSERT_NO_THROW(read(folder_.path() / file)) << file;
     const int count = mutations(40);
@@ -124,7 +124,7 @@ class MutatedReaders : public ::testing::Test {
         std::mt19937 random(static_cast<unsigned>(progress_->at));
         const std::string bytes = mutated(whole, random);
         folder_.write(file, bytes);
-        if (!is_read_or_told(bytes.size(), read, folder_.path() / file)) ::_exit(1);
+        if (!is_read_or_refused(bytes.size(), read, folder_.path() / file)) ::_exit(1);
         ++progress_->at;
       }
       ::_exit(0);
@@ -139,7 +139,7 @@ class MutatedReaders : public ::testing::Test {
     std::snprintf(progress_->find, sizeof(progress_->find), "%s", what.c_str());
   }
 
-  bool is_read_or_told(std::size_t size, const Read& read, const std::filesystem::path& file) const {
+  bool is_read_or_refused(std::size_t size, const Read& read, const std::filesystem::path& file) const {
     std::ofstream("/proc/self/clear_refs") << "5";  // the peak of memory begins anew
     const long before = status_kilobytes("VmRSS:");
     ::alarm(longest);
@@ -171,8 +171,8 @@ std::string source(const std::string& file) {
 }
 
 TEST_F(MutatedReaders, plans_and_records_of_queries) {
-  expect_read_or_told("plan.json", source("tests/fuzz/corpus/plan_file/in_one_go-beam_guided.json"),
-                      [](const auto& file) { static_cast<void>(to_json(load_plan(file))); });
+  expect_read_or_refused("plan.json", source("tests/fuzz/corpus/plan_file/in_one_go-beam_guided.json"),
+                         [](const auto& file) { static_cast<void>(to_json(load_plan(file))); });
   QueryRecord record;
   record.map_sha256 = std::string(64, 'a');
   record.queries.push_back({.name = "q",
@@ -180,48 +180,48 @@ TEST_F(MutatedReaders, plans_and_records_of_queries) {
                             .policies = {{"arm", Policy::known_free}},
                             .start = Eigen::Vector2d(0.0, 0.1),
                             .goals = {Eigen::Vector2d(1.0, 0.5)}});
-  expect_read_or_told("queries.json", to_json(record),
-                      [](const auto& file) { load_query_record(file.parent_path()); });
+  expect_read_or_refused("queries.json", to_json(record),
+                         [](const auto& file) { load_query_record(file.parent_path()); });
 }
 
 TEST_F(MutatedReaders, suites_scenes_and_setups) {
   for (const char* suite : {"quick", "dynamic", "sensed"})
-    expect_read_or_told("suite.yaml", source("datasets/suites/" + std::string(suite) + ".yaml"),
-                        [](const auto& file) { load_suite(file); });
+    expect_read_or_refused("suite.yaml", source("datasets/suites/" + std::string(suite) + ".yaml"),
+                           [](const auto& file) { load_suite(file); });
   folder_.write("setup.yaml", small_setup);
-  expect_read_or_told("scene.yaml", small_scene, [](const auto& file) { load_scene(file); });
-  expect_read_or_told("setup.yaml", small_setup, [](const auto& file) { load_setup(file); });
+  expect_read_or_refused("scene.yaml", small_scene, [](const auto& file) { load_scene(file); });
+  expect_read_or_refused("setup.yaml", small_setup, [](const auto& file) { load_setup(file); });
 }
 
 TEST_F(MutatedReaders, robots) {
   for (const char* robot : {"puma560", "arm5"})
-    expect_read_or_told("robot.yaml", source("datasets/robots/" + std::string(robot) + ".yaml"),
-                        [](const auto& file) { read_robot_settings(file); });
+    expect_read_or_refused("robot.yaml", source("datasets/robots/" + std::string(robot) + ".yaml"),
+                           [](const auto& file) { read_robot_settings(file); });
   for (const char* robot : {"puma560", "panda"})
-    expect_read_or_told("robot.urdf", source("datasets/robots/" + std::string(robot) + ".urdf"),
-                        [](const auto& file) { read_urdf(file); });
-  expect_read_or_told("robot.srdf",
-                      "<robot name='r'><disable_collisions link1='a' link2='b' reason='Never'/>"
-                      "<disable_collisions link1='b' link2='c' reason='Adjacent'/>"
-                      "<group name='g'><chain base_link='a' tip_link='c'/><joint name='j'/></group>"
-                      "<group name='h'><group name='g'/><link name='b'/></group>"
-                      "<group_state name='home' group='g'><joint name='j' value='0.5'/></group_state>"
-                      "<end_effector name='e' parent_link='b' group='h' parent_group='g'/></robot>",
-                      [](const auto& file) { read_srdf(file); });
+    expect_read_or_refused("robot.urdf", source("datasets/robots/" + std::string(robot) + ".urdf"),
+                           [](const auto& file) { read_urdf(file); });
+  expect_read_or_refused("robot.srdf",
+                         "<robot name='r'><disable_collisions link1='a' link2='b' reason='Never'/>"
+                         "<disable_collisions link1='b' link2='c' reason='Adjacent'/>"
+                         "<group name='g'><chain base_link='a' tip_link='c'/><joint name='j'/></group>"
+                         "<group name='h'><group name='g'/><link name='b'/></group>"
+                         "<group_state name='home' group='g'><joint name='j' value='0.5'/></group_state>"
+                         "<end_effector name='e' parent_link='b' group='h' parent_group='g'/></robot>",
+                         [](const auto& file) { read_srdf(file); });
 }
 
 TEST_F(MutatedReaders, foreign_problem_sets) {
   const auto example = [](const std::string& name) { return source("datasets/suites/foreign/" + name); };
   const auto text = [](const auto& file) { return read_input(file, "file", 1U << 20U); };
   std::vector<std::string> left_out;
-  expect_read_or_told("scene.yaml", example("scene0001.yaml"),
-                      [&](const auto& file) { read_planning_scene(text(file), file, {}, left_out); });
-  expect_read_or_told("request.yaml", example("request0001.yaml"),
-                      [&](const auto& file) { read_motion_request(text(file), file, left_out); });
-  expect_read_or_told("table.scene", example("table.scene"),
-                      [&](const auto& file) { read_scene_text(text(file), file, left_out); });
-  expect_read_or_told("problems.json", example("problems.json"),
-                      [&](const auto& file) { read_problem_json(text(file), file); });
+  expect_read_or_refused("scene.yaml", example("scene0001.yaml"),
+                         [&](const auto& file) { read_planning_scene(text(file), file, {}, left_out); });
+  expect_read_or_refused("request.yaml", example("request0001.yaml"),
+                         [&](const auto& file) { read_motion_request(text(file), file, left_out); });
+  expect_read_or_refused("table.scene", example("table.scene"),
+                         [&](const auto& file) { read_scene_text(text(file), file, left_out); });
+  expect_read_or_refused("problems.json", example("problems.json"),
+                         [&](const auto& file) { read_problem_json(text(file), file); });
 }
 
 TEST_F(MutatedReaders, recordings) {
@@ -234,7 +234,7 @@ TEST_F(MutatedReaders, recordings) {
     writer.write(Frame{1000.0 + i, "cloud", cloud});
   }
   writer.finish();
-  expect_read_or_told("r.rawlog", read_file(folder_.file("whole.rawlog")), [](const auto& file) {
+  expect_read_or_refused("r.rawlog", read_file(folder_.file("whole.rawlog")), [](const auto& file) {
     RecordingReader reader(file);
     while (reader.next()) {
     }
@@ -252,9 +252,9 @@ TEST_F(MutatedReaders, pictures_and_their_times) {
     if (source->damage()) throw DamagedFile(*source->damage());
   };
   for (const char* end : {".png", ".jpg"})
-    expect_read_or_told("1" + std::string(end), picture_bytes(noise, end), read);
-  expect_read_or_told("times.csv", source("tests/fuzz/corpus/file_times/tum.csv"),
-                      [](const auto& file) { parse_file_times(read_file(file), "times"); });
+    expect_read_or_refused("1" + std::string(end), picture_bytes(noise, end), read);
+  expect_read_or_refused("times.csv", source("tests/fuzz/corpus/file_times/tum.csv"),
+                         [](const auto& file) { parse_file_times(read_file(file), "times"); });
 }
 
 TEST_F(MutatedReaders, bags) {
@@ -266,11 +266,11 @@ TEST_F(MutatedReaders, bags) {
     if (source->damage()) throw DamagedFile(*source->damage());
   };
   for (const char* name : {"cdr_none.mcap", "cdr_zstd.mcap", "ros1_none.mcap"})
-    expect_read_or_told(name, source(std::string("tests/datasets/ros/bags/") + name), read);
+    expect_read_or_refused(name, source(std::string("tests/datasets/ros/bags/") + name), read);
   worlds::write_ros1_bag(
       folder_ / "a.bag",
       std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/ros1_none.mcap", false);
-  expect_read_or_told("a.bag", read_file(folder_ / "a.bag"), read);
+  expect_read_or_refused("a.bag", read_file(folder_ / "a.bag"), read);
 }
 
 TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
@@ -287,13 +287,13 @@ TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
     source->next();
     if (source->damage()) throw DamagedFile(*source->damage());
   };
-  expect_read_or_told("depth/1.png", depth, read);
-  expect_read_or_told("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
+  expect_read_or_refused("depth/1.png", depth, read);
+  expect_read_or_refused("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
 }
 
 TEST_F(MutatedReaders, streams_of_poses) {
-  expect_read_or_told("poses.tum", source("tests/fuzz/corpus/pose_stream/three.tum"),
-                      [](const auto& file) { load_tum_poses(file, 0.5); });
+  expect_read_or_refused("poses.tum", source("tests/fuzz/corpus/pose_stream/three.tum"),
+                         [](const auto& file) { load_tum_poses(file, 0.5); });
 }
 
 TEST_F(MutatedReaders, maps) {
@@ -307,25 +307,25 @@ TEST_F(MutatedReaders, maps) {
   save_provenance(map.provenance(), folder);
   const auto load = [](const auto& file) { load_map(file.parent_path()); };
   const auto load_alone = [](const auto& file) { load_map(file); };
-  expect_read_or_told("map/map.ot", read_file(folder / "map.ot"), load);
-  expect_read_or_told("map/provenance.bin", read_file(folder / "provenance.bin"),
-                      [](const auto& file) { load_provenance(file.parent_path()); });
+  expect_read_or_refused("map/map.ot", read_file(folder / "map.ot"), load);
+  expect_read_or_refused("map/provenance.bin", read_file(folder / "provenance.bin"),
+                         [](const auto& file) { load_provenance(file.parent_path()); });
   export_map(map.snapshot(), folder / "map.ot");  // of another program: painted.csv is read
-  expect_read_or_told("map/painted.csv", read_file(folder / "painted.csv"), load);
-  expect_read_or_told("other.ot", read_file(folder / "map.ot"), load_alone);
-  expect_read_or_told("other.bt", source("tests/fuzz/corpus/map_file/tiny.bt"), load_alone);
+  expect_read_or_refused("map/painted.csv", read_file(folder / "painted.csv"), load);
+  expect_read_or_refused("other.ot", read_file(folder / "map.ot"), load_alone);
+  expect_read_or_refused("other.bt", source("tests/fuzz/corpus/map_file/tiny.bt"), load_alone);
 }
 
 TEST_F(MutatedReaders, clouds) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 30; ++i) points.emplace_back(0.1F * static_cast<float>(i), 0.5F, 1.0F);
   const auto read = [](const auto& file) { read_viewed_cloud(file); };
-  expect_read_or_told("binary.pcd", format_pcd(points), read);
-  expect_read_or_told("binary.ply", format_ply(points), read);
+  expect_read_or_refused("binary.pcd", format_pcd(points), read);
+  expect_read_or_refused("binary.ply", format_ply(points), read);
   std::string pcd =
       "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\n"
       "VIEWPOINT 0 0 1 1 0 0 0\nPOINTS 3\nDATA ascii\n0 0 0\n1 0 0\n0 1 0.5\n";
-  expect_read_or_told("text.pcd", pcd, read);
+  expect_read_or_refused("text.pcd", pcd, read);
 }
 
 }  // namespace mutated_readers_test

@@ -39,7 +39,7 @@ class NewestScan : public ::testing::Test {
     const CommandRun run = run_command({"replay", folder_.file("scans"), "--out", folder_.file("map"),
                                         "--resolution", "0.05", "--no-plan", "--integration", integration});
     EXPECT_EQ(run.status, exit_done) << run.log;
-    told_ = run.out;
+    printed_ = run.out;
     return Json::parse(run_command({"inspect", folder_.file("map"), "--at", "1.01,0.01,0.01", "--json"}).out);
   }
   CommandRun plan() const {
@@ -49,8 +49,8 @@ class NewestScan : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
-  int scans_ = 100;   // names that are numbers are times
-  std::string told_;  // by the last replay
+  int scans_ = 100;      // names that are numbers are times
+  std::string printed_;  // by the last replay
 };
 
 TEST_F(NewestScan, a_box_that_came_into_free_space_is_not_planned_through_and_free_again_soon_after_it_left) {
@@ -72,11 +72,11 @@ TEST_F(NewestScan, a_box_that_came_into_free_space_is_not_planned_through_and_fr
   EXPECT_EQ(plan().status, exit_done);
 }
 
-TEST_F(NewestScan, a_map_of_compatible_integration_is_told_as_such) {
+TEST_F(NewestScan, a_map_of_compatible_integration_is_named_as_such) {
   scan(2, false);
   EXPECT_EQ(replay("compatible")["integration"], "compatible");
   EXPECT_NE(run_command({"inspect", folder_.file("map")}).out.find("compatible"), std::string::npos);
-  EXPECT_NE(told_.find("made by compatible integration"), std::string::npos) << told_;
+  EXPECT_NE(printed_.find("made by compatible integration"), std::string::npos) << printed_;
   const CommandRun run = plan();
   EXPECT_EQ(run.status, exit_done);
   EXPECT_NE(run.out.find("compatible integration"), std::string::npos) << run.out;

@@ -16,7 +16,7 @@ struct CommandRun {
   std::string out, log;
 
   /// The log is one sentence of ours: one line, and it starts with the program's name.
-  bool told_in_one_sentence() const {
+  bool complains_in_one_sentence() const {
     return log.starts_with("clearway: ") && std::count(log.begin(), log.end(), '\n') == 1;
   }
 };

@@ -163,18 +163,18 @@ TEST_F(SeenWithin, a_map_or_policy_that_cannot_answer_is_refused_in_one_sentence
       run_command({"plan", "--map", folder_->file("map.bt"), "--robot", "point", start_before, goal_before,
                    "--policy", "known_free", "--seen-within", "5", "--planner", "rrtconnect"});
   EXPECT_EQ(bare.status, exit_bad_input);
-  EXPECT_TRUE(bare.told_in_one_sentence()) << bare.log;
+  EXPECT_TRUE(bare.complains_in_one_sentence()) << bare.log;
   EXPECT_NE(bare.log.find("does not know when its voxels were seen"), std::string::npos) << bare.log;
   const CommandRun unasked =
       run_command({"plan", "--map", folder_->file("map"), "--robot", "point", start_before, goal_before,
                    "--policy", "not_occupied", "--seen-within", "5", "--planner", "rrtconnect"});
   EXPECT_EQ(unasked.status, exit_bad_input);
-  EXPECT_TRUE(unasked.told_in_one_sentence()) << unasked.log;
+  EXPECT_TRUE(unasked.complains_in_one_sentence()) << unasked.log;
   EXPECT_NE(unasked.log.find("known_free"), std::string::npos) << unasked.log;
   for (const char* text : {"0", "-1", "nan", "soon"}) {
     const CommandRun none = plan(start_before, goal_before, {"--seen-within", text});
     EXPECT_EQ(none.status, exit_bad_input) << text;
-    EXPECT_TRUE(none.told_in_one_sentence()) << none.log;
+    EXPECT_TRUE(none.complains_in_one_sentence()) << none.log;
   }
 }
 

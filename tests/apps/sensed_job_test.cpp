@@ -1,5 +1,5 @@
 // datasets/suites/sensed.yaml, run as `clearway compare` runs it, with one planner each and shorter where
-// that tells as much: arms among furniture and in paint while sensors change the map.
+// that shows as much: arms among furniture and in paint while sensors change the map.
 
 #include <gtest/gtest.h>
 
@@ -104,7 +104,7 @@ TEST(Sensed, WhereTheLocalMethodAloneIsStuckItSaysSo) {
   EXPECT_EQ(stuck.check, "valid") << stuck.contact;
 }
 
-TEST(Sensed, SensorsThatCannotSeeAreToldBeforeAnythingRuns) {
+TEST(Sensed, SensorsThatCannotSeeAreReportedBeforeAnythingRuns) {
   const auto refusal = [](const Eigen::Vector3d& place) -> std::string {
     const Suite suite = sensed_suite();
     SuiteExperiment experiment = experiment_of(suite, "bench");

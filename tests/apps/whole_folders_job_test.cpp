@@ -23,7 +23,7 @@ namespace whole_folders_job_test {
 
 namespace fs = std::filesystem;
 
-/// A wall of points; `gap` tells one cloud from the other.
+/// A wall of points; `gap` distinguishes the clouds.
 std::string cloud(double gap) {
   std::string points;
   int count = 0;
@@ -73,7 +73,7 @@ std::vector<std::string> names(const Content& files) {
 
 /// How a command ended that ran in a process of its own.
 struct Ending {
-  int status = 0;  ///< as waitpid tells
+  int status = 0;  ///< as waitpid reports it
   long calls = 0;  ///< to the disk
   std::string log;
 };
@@ -142,12 +142,12 @@ class WholeFolders : public ::testing::TestWithParam<const char*> {
     if (child == 0) {
       end_in_order_on_signals([&](int, const std::string& there) {
         const std::string line = "0 clearway: ended: " + there + "\n";
-        [[maybe_unused]] const auto told = ::write(ends[1], line.data(), line.size());
+        [[maybe_unused]] const auto written = ::write(ends[1], line.data(), line.size());
       });
       fail_disk_call(failing_call, error);
       const CommandRun ran = run_command(command(true));
-      const std::string told = std::to_string(disk_calls()) + " " + ran.log;
-      [[maybe_unused]] const auto done = ::write(ends[1], told.data(), told.size());
+      const std::string report = std::to_string(disk_calls()) + " " + ran.log;
+      [[maybe_unused]] const auto done = ::write(ends[1], report.data(), report.size());
       ::_exit(ran.status);
     }
     ::close(ends[1]);

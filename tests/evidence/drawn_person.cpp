@@ -31,7 +31,7 @@ std::vector<Eigen::Vector3d> places_in(const std::string& sentence) {
   return places;
 }
 
-bool tells(const std::string& sentence, const std::string& what) {
+bool says(const std::string& sentence, const std::string& what) {
   return sentence.find(what) != std::string::npos;
 }
 
@@ -217,7 +217,7 @@ void DrawnPerson::try_again(const std::vector<Answer>& answers) {
     const std::vector<Eigen::Vector3d> places = places_in(answer.sentence);
     if (is_place) {
       Held& held = held_[answer.action == "start" ? 0 : answer.action == "via" ? 1 : 2];
-      const bool touches = tells(answer.sentence, "touches");
+      const bool touches = says(answer.sentence, "touches");
       held.out -= touches ? 0.0 : 0.003;
       if (touches) held.up += 0.006;
       if (!places.empty() && !touches) spots.push_back(clear_of_solids(places.front()));

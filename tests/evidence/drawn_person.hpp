@@ -20,7 +20,7 @@ struct Solid {
   std::string yaml(int number) const;
 };
 
-/// What a person at a drawn miniature kitchen does, told as a scene and as events: paints an arc, with a
+/// What a person at a drawn miniature kitchen does, written as a scene and as events: paints an arc, with a
 /// pause or with the probe set down in the middle, shows the robot where to start and end, and asks for a
 /// plan. Who is refused reads the sentence and, in the same session, does what it says: paints there, holds
 /// the gripper deeper in the paint or farther from what it touches, leads the arc higher.

@@ -17,7 +17,7 @@ constexpr double taken = 1000.0, max_age = 2.0, tolerance = 1e-3;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
                  infinity = std::numeric_limits<double>::infinity();
 
-/// What the drawn gate is told, in numbers of its own.
+/// What the drawn gate is given, in numbers of its own.
 struct Terms {
   std::vector<double> velocity{}, deceleration{};
   double reaction = 0.0;
@@ -209,7 +209,7 @@ bool is_corner(const MotionChunk& chunk, std::size_t at, const Terms& terms) {
   return false;
 }
 
-/// All that a robot may do that is told to run a chunk and must stop: there and back.
+/// All that a robot may do that is asked to run a chunk and must stop: there and back.
 void append_motion(const MotionChunk& chunk, const Terms& terms, std::vector<Configuration>& path) {
   for (std::size_t i = 0; i < chunk.positions.size(); ++i) {
     const Configuration& q = chunk.positions[i];

@@ -1,5 +1,5 @@
 // What no single test can show: many drawn problems, altered paths and chunks, put to the independent check,
-// and painting sessions whose truth the tracker is not told.
+// and painting sessions whose truth the tracker does not know.
 //   clearway_evidence problems --count 10000 --seed 1 --jobs 2
 //   clearway_evidence altered --count 2000 --seed 1 --jobs 2
 //   clearway_evidence gate --count 1000000 --seed 1 --jobs 2
@@ -172,7 +172,7 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
                                     {"seed", seed},
                                     {"sessions", evidence.sessions},
                                     {"approved", evidence.approved},
-                                    {"told_why_not", evidence.told},
+                                    {"told_why_not", evidence.explained},
                                     {"approved_by_attempt", evidence.approved_by_attempt},
                                     {"not_approved_because", evidence.not_approved_by_reason},
                                     {"with_a_walking_camera", evidence.walked},
@@ -190,7 +190,7 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   return evidence.broken.empty() && some_approve ? 0 : 1;
 }
 
-/// Exit status 1 when the check refuses a plan or its motion; how many are planned in time is told.
+/// Exit status 1 when the check refuses a plan or its motion; reports how many are planned in time.
 int run_picks(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
   using clearway::evidence::PickEvidence;
   PickEvidence evidence = in_parts<PickEvidence>(
@@ -243,7 +243,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"problems", "altered", "gate", "poses", "motions", "people", "picks"}));
   app.add_option("--count", count, "Problems, altered paths that are violated, chunks, sessions, or picks");
   app.add_option("--suite", suite, "motions: of this suite, count problems of each experiment");
-  app.add_option("--severity", severity, "poses: multiplies all errors that the tracker is not told");
+  app.add_option("--severity", severity, "poses: multiplies all errors that the tracker does not know");
   app.add_option("--seed", seed, "The same seed draws the same");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1U, 64U));
   CLI11_PARSE(app, argc, argv);

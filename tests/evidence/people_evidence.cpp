@@ -99,7 +99,7 @@ class Session {
     ++(is_approved()
            ? evidence_.approved_by_attempt
            : evidence_.not_approved_by_reason)[is_approved() ? std::to_string(attempts_) : reason()];
-    evidence_.told = !is_approved() && !answers_.empty();
+    evidence_.explained = !is_approved() && !answers_.empty();
     if (!is_approved() && answers_.empty()) fail("it ends without an approved plan and without a sentence");
     for (const Json& plan : report_["teaching"]["plans"])
       if (plan["approved"].get<bool>()) judge_plan(plan["name"]);
@@ -139,8 +139,8 @@ class Session {
     for (const char* file : {"map.ot", "painted.csv", "provenance.bin", "session/events.jsonl"})
       if (read_file(folder_ / "taught" / file) != read_file(folder_ / "again" / file))
         fail(std::string(file) + " is another one when the session is done again");
-    for (const Json& told : report_["teaching"]["plans"]) {
-      const std::string plan = "plans/" + told["name"].get<std::string>() + ".json";
+    for (const Json& taught : report_["teaching"]["plans"]) {
+      const std::string plan = "plans/" + taught["name"].get<std::string>() + ".json";
       if (!std::filesystem::exists(folder_ / "taught" / plan)) continue;
       const Plan first = load_plan(folder_ / "taught" / plan), second = load_plan(folder_ / "again" / plan);
       if (first.waypoints() != second.waypoints() || first.map_sha256 != second.map_sha256)
@@ -208,7 +208,7 @@ class Session {
 void PeopleEvidence::add(const PeopleEvidence& other) {
   sessions += other.sessions;
   approved += other.approved;
-  told += other.told;
+  explained += other.explained;
   walked += other.walked;
   set_down += other.set_down;
   mistakes += other.mistakes;

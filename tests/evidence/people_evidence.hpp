@@ -9,7 +9,8 @@ namespace clearway::evidence {
 
 /// What teaching sessions of drawn people in drawn kitchens came to.
 struct PeopleEvidence {
-  std::uint64_t sessions = 0, approved = 0, told = 0;  ///< told: no approved plan, but a sentence says why
+  std::uint64_t sessions = 0, approved = 0,
+                explained = 0;             ///< explained: no approved plan, but a sentence says why
   std::uint64_t walked = 0, set_down = 0;  ///< with a camera that is carried; the probe laid aside in between
   std::map<std::string, std::uint64_t> approved_by_attempt, not_approved_by_reason;
   std::uint64_t mistakes = 0;      ///< strokes that were led through an obstacle

@@ -7,7 +7,7 @@
 
 namespace clearway::evidence {
 
-/// What the tracker made of drawn sessions whose truth it is not told.
+/// What the tracker made of drawn sessions whose truth it does not know.
 struct PoseEvidence {
   std::uint64_t sessions = 0, samples = 0, accepted = 0;
   std::uint64_t outside = 0;  ///< accepted, but the true ball is farther than the bound that was claimed

@@ -70,7 +70,7 @@ TEST(ContinuedMap, AHitInPaintIsAConflictUntilMissesTakeItBack) {
   EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::painted);
 }
 
-TEST(ContinuedMap, TheFirstHitTellsWhereTheMapWasSeenFreeForLong) {
+TEST(ContinuedMap, TheFirstHitCountsWhereTheMapWasSeenFreeForLong) {
   for (const double least_free : {0.3, 0.1192, 0.01}) {
     FreeSpaceMap map({.resolution = 0.1, .min_probability = least_free});
     const Eigen::Vector3d voxel(0.25, 0.05, 0.05), sensor(-1.95, 0.05, 0.05), beyond(3.05, 0.05, 0.05);

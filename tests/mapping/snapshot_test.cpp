@@ -26,7 +26,7 @@ FreeSpaceMap corridor() {
   return map;
 }
 
-TEST(Snapshot, TellsEveryStateOfTheTable) {
+TEST(Snapshot, ReportsEveryStateOfTheTable) {
   const Snapshot map = corridor().snapshot();
   EXPECT_EQ(map.state({0.15, 0.05, 0.05}), VoxelState::seen_free);
   EXPECT_EQ(map.state({0.05, 0.55, 0.05}), VoxelState::occupied);

@@ -86,7 +86,7 @@ TestProgram::TestProgram(const fs::path& repository, const fs::path& build, cons
   const fs::path scratch = build / "mutation" / "commands";
   const Ended commands = run_command("ninja -C " + quoted(build) + " -t commands " + target, scratch, {});
   if (!commands.is_good())
-    throw std::runtime_error("ninja tells no commands of " + target + ", expected a Ninja build");
+    throw std::runtime_error("ninja lists no commands of " + target + ", expected a Ninja build");
   const std::string& text = commands.output;
   const std::size_t end = text.find_last_not_of('\n');
   link_ = text.substr(text.rfind('\n', end) + 1, end - text.rfind('\n', end));

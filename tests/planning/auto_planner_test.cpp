@@ -93,7 +93,7 @@ TEST(AutoPlanner, ThreadsChangeNothing) {
   EXPECT_GT(later, 5);
 }
 
-TEST(AutoPlanner, TellsTimeFromNoPath) {
+TEST(AutoPlanner, DistinguishesTimeoutFromNoPath) {
   const Robot robot = load_robot("planar2");
   const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), {.critical_by_default = false});
   const Eigen::Vector2d start(0.0, 0.0), goal(0.5, 0.5);

@@ -29,7 +29,7 @@ ConfigurationSpace walled_space(double padding = 0.0) {
 const Configuration left = Eigen::Vector2d(0.0, 0.0), right = Eigen::Vector2d(2.0, 0.0),
                     above = Eigen::Vector2d(1.0, 1.0), in_the_wall = Eigen::Vector2d(1.0, 0.0);
 
-TEST(PlanAndCheck, NeedsASpaceAStartAndAGoalAndTellsTheWholeStory) {
+TEST(PlanAndCheck, NeedsASpaceAStartAndAGoalAndReportsTheWholeStory) {
   const ConfigurationSpace space = walled_space(0.01);
   const Plan plan = plan_and_check({.space = space, .start = left, .goals = {right}});
   EXPECT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
@@ -209,7 +209,7 @@ TEST(PlanAndCheck, RefusesForWhatIsSurveyedUnlessThatIsAllowedOrNoSurveyIsAskedF
   EXPECT_FALSE(plain.survey.has_value());
 }
 
-TEST(PlanAndCheck, AStepLargerThanTheWayIsTold) {
+TEST(PlanAndCheck, AStepLargerThanTheWayIsReported) {
   const ConfigurationSpace space(load_robot("planar2"), FreeSpaceMap({.resolution = 0.1}).snapshot(),
                                  anywhere_but_occupied());
   const Eigen::Vector2d start(0.0, 0.0), goal(0.6, 0.3);
@@ -218,11 +218,11 @@ TEST(PlanAndCheck, AStepLargerThanTheWayIsTold) {
                {.space = space, .start = start, .goals = {to}, .planner = std::make_shared<Beam>(options)})
         .explanation();
   };
-  const std::string told = "The step (option 'step' or 'step_deg') is larger than the way, 0.671: ";
+  const std::string warning = "The step (option 'step' or 'step_deg') is larger than the way, 0.671: ";
   EXPECT_EQ(explained(goal, {.step_deg = {180.0}}),
-            "Reached the goal box in 0 steps. " + told + "all of it is the last segment.");
+            "Reached the goal box in 0 steps. " + warning + "all of it is the last segment.");
   EXPECT_EQ(explained(goal, {.step_deg = {180.0}, .last_segment = false}),
-            "Reached the goal box in 0 steps. " + told + "the path ends where it starts.");
+            "Reached the goal box in 0 steps. " + warning + "the path ends where it starts.");
   EXPECT_EQ(explained(goal, {.step_deg = {5.0}}).find("larger than the way"), std::string::npos);
   EXPECT_EQ(explained(start, {.step_deg = {180.0}}), "Reached the goal box in 0 steps.");
 }

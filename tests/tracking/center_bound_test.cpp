@@ -13,7 +13,7 @@ using scene::tag_before_camera;
 
 /// A board and a cube, and what the tracker makes of them when the picture is taken by `actual`.
 struct Stage {
-  Camera told = scene::plain_camera(), actual = told;
+  Camera stated = scene::plain_camera(), actual = stated;
   TagBody base = scene::board("base", 0, 3, 2, 0.06, 0.09), probe = scene::cube("probe", 20, 0.05, 0.07);
   TagBody actual_base = base, actual_probe = probe;
   Eigen::Vector3d ball{0.0, 0.0, 0.15};
@@ -29,8 +29,8 @@ struct Stage {
     auto tags = scene::placed(actual_base, camera_from_base);
     for (const auto& tag : scene::placed(actual_probe, camera_from_probe)) tags.push_back(tag);
     const auto seen = scene::noisy_detections(actual, tags, noise, random);
-    const auto base_pose = estimate_body_pose(base, seen, told, options);
-    const auto probe_pose = estimate_body_pose(probe, seen, told, options);
+    const auto base_pose = estimate_body_pose(base, seen, stated, options);
+    const auto probe_pose = estimate_body_pose(probe, seen, stated, options);
     ASSERT_TRUE(base_pose && probe_pose);
     bound = bound_center(*base_pose, base_pose->camera_from_body, false, *probe_pose, ball,
                          options.noise_freedom);
@@ -41,7 +41,7 @@ struct Stage {
 
 TEST(CenterBound, holds_the_ball_under_noise_and_is_not_ten_times_too_large) {
   Stage stage;
-  stage.told.errors = {0.0, 0.0, 0.0, 0.0};
+  stage.stated.errors = {0.0, 0.0, 0.0, 0.0};
   stage.base.errors = stage.probe.errors = {0.0, 0.0, 0.0, 0.0};
   stage.options.edge_bias = 0.0;
   double sum = 0.0;
@@ -59,7 +59,7 @@ TEST(CenterBound, holds_the_ball_under_noise_and_is_not_ten_times_too_large) {
 
 TEST(CenterBound, its_camera_part_is_what_the_calibrations_errors_do_to_both_bodies_together) {
   Stage stage;
-  stage.told.errors = {0.003, 0.0, 0.0, 0.0};
+  stage.stated.errors = {0.003, 0.0, 0.0, 0.0};
   stage.actual.fx *= 1.003;
   stage.actual.fy *= 1.003;
   stage.see(0.0);
@@ -102,7 +102,7 @@ TEST(CenterBound, is_at_least_each_part_and_at_most_their_sum_in_squares) {
 TEST(CenterBound, of_one_body_holds_its_point_and_the_camera_when_tags_and_calibration_are_off_too) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
-  const TagBody told = scene::board("base", 0, 3, 2, 0.06, 0.09);
+  const TagBody stated = scene::board("base", 0, 3, 2, 0.06, 0.09);
   Camera camera = scene::plain_camera();
   camera.errors = {0.003, 0.0, 0.0, 0.0};
   const Eigen::Vector3d point(0.1, 0.05, 0.02);
@@ -114,15 +114,15 @@ TEST(CenterBound, of_one_body_holds_its_point_and_the_camera_when_tags_and_calib
     const double longer = 1.0 + camera.errors.focal * normal(random);
     actual.fx *= longer;
     actual.fy *= longer;
-    TagBody body = told;
+    TagBody body = stated;
     for (auto& [id, tag] : body.tags) {
-      tag.size *= 1.0 + told.errors.size * normal(random);
+      tag.size *= 1.0 + stated.errors.size * normal(random);
       for (int axis = 0; axis < 3; ++axis)
-        tag.body_from_tag.translation()[axis] += told.errors.place * normal(random);
+        tag.body_from_tag.translation()[axis] += stated.errors.place * normal(random);
     }
     const Eigen::Isometry3d pose = tag_before_camera(0.7, 0.7, 0.3 * i, 0.0, 0.05, 0.02);
     const auto seen = scene::noisy_detections(actual, scene::placed(body, pose), 0.3, random);
-    const auto found = estimate_body_pose(told, seen, camera);
+    const auto found = estimate_body_pose(stated, seen, camera);
     ASSERT_TRUE(found);
     const Eigen::Isometry3d& by_fit = found->camera_from_body.pose;
     const CenterBound of_point = bound_point(*found, point, 8), of_camera = bound_camera(*found, 8);

@@ -101,7 +101,7 @@ TEST(Probe, ABaseThatStaysWhereItWasNeedsNoSecondTag) {
   }
 }
 
-// A tag alone on its body, found 30 pixels off: its residuals tell nothing.
+// A tag alone on its body, found 30 pixels off: its residuals show nothing.
 TEST(Probe, AWrongFirstImagePaintsNothing) {
   Stage stage;
   stage.base = scene::board("base", 0, 3, 1, 0.06, 0.09);

@@ -138,13 +138,13 @@ TEST(BodyPose, is_one_of_the_minima_that_random_starts_find_and_the_best_of_them
       const double turn = scene::angle(other->camera_from_body, pose->camera_from_body.pose);
       if (turn > 0.1 && other->squared_error < best + 20.0 && pose->alternative) {
         const double nearest = std::min(turn, scene::angle(other->camera_from_body, *pose->alternative));
-        EXPECT_LT(nearest, 0.12) << "a minimum nobody told of, " << i;
+        EXPECT_LT(nearest, 0.12) << "an unreported minimum, " << i;
       }
     }
   }
 }
 
-TEST(BodyPose, a_flat_far_tag_is_told_to_be_ambiguous) {
+TEST(BodyPose, a_flat_far_tag_is_reported_as_ambiguous) {
   std::mt19937 random(34);
   const TagBody body = scene::board("one", 0, 1, 1, 0.06, 0.1);
   int ambiguous = 0;

@@ -13,7 +13,7 @@ namespace clearway::scene {
 
 struct DrawnViews {
   Camera camera;  ///< the true one
-  TagBody told_board, true_board;
+  TagBody stated_board, true_board;
   std::vector<BoardView> views;
   std::vector<Eigen::Isometry3d> true_poses;
   double noise = 0.2;
@@ -41,16 +41,16 @@ inline Camera drawn_camera(std::mt19937& random) {
   return camera;
 }
 
-/// `told` with errors of the size that it states.
-inline TagBody true_body(const TagBody& told, std::mt19937& random) {
+/// `stated` with errors of the size that it states.
+inline TagBody true_body(const TagBody& stated, std::mt19937& random) {
   std::normal_distribution<double> normal;
-  TagBody body = told;
+  TagBody body = stated;
   for (auto& [id, tag] : body.tags) {
-    tag.size *= 1.0 + told.errors.size * normal(random);
+    tag.size *= 1.0 + stated.errors.size * normal(random);
     Eigen::Vector3d turn;
     for (int i = 0; i < 3; ++i) {
-      tag.body_from_tag.translation()[i] += told.errors.place * normal(random);
-      turn[i] = told.errors.turn * normal(random);
+      tag.body_from_tag.translation()[i] += stated.errors.place * normal(random);
+      turn[i] = stated.errors.turn * normal(random);
     }
     if (turn.norm() > 0.0) tag.body_from_tag.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
   }
@@ -88,9 +88,9 @@ inline DrawnViews draw_views(unsigned seed, std::size_t count, const ViewsLook& 
     }
   }());
   drawn.noise = 0.15 + 0.1 * unit(random);
-  drawn.told_board = board("calibration", 0, 4, 5, 0.024, 0.034);
-  drawn.told_board.errors = {0.0, 0.003, 0.0001, 0.002};
-  drawn.true_board = true_body(drawn.told_board, random);
+  drawn.stated_board = board("calibration", 0, 4, 5, 0.024, 0.034);
+  drawn.stated_board.errors = {0.0, 0.003, 0.0001, 0.002};
+  drawn.true_board = true_body(drawn.stated_board, random);
   const double width = 5 * 0.034;
   while (drawn.views.size() < count) {
     const double share = look.share * (0.8 + 0.2 * unit(random));

@@ -74,17 +74,17 @@ Camera draw_camera(Dice& dice) {
 }
 
 /// What the camera really is. Distortion errs as coefficients do, `corner` pixels in the image's corner.
-Camera spoil(const Camera& told, double level, Dice& dice) {
+Camera spoil(const Camera& stated, double level, Dice& dice) {
   const int family = dice.below(3);
-  const bool is_told = told.distortion[0] != 0.0;
-  Camera camera = told;
+  const bool has_distortion = stated.distortion[0] != 0.0;
+  Camera camera = stated;
   const double focal = dice.error(0.003 * level, family), aspect = dice.error(0.0005 * level, family);
   camera.fx *= 1 + focal + 0.5 * aspect;
   camera.fy *= 1 + focal - 0.5 * aspect;
   camera.cx += dice.error(2.0 * level, family);
   camera.cy += dice.error(2.0 * level, family);
-  const double half = 0.5 * std::hypot(told.width, told.height), reach = half / told.fx;
-  const double corner = level * (is_told ? 0.5 : 0.01 * half) / half;  // relative to half the diagonal
+  const double half = 0.5 * std::hypot(stated.width, stated.height), reach = half / stated.fx;
+  const double corner = level * (has_distortion ? 0.5 : 0.01 * half) / half;  // relative to half the diagonal
   camera.distortion[0] += dice.error(corner, family) / (reach * reach);
   camera.distortion[1] += dice.error(corner, family) / std::pow(reach, 4.0);
   camera.distortion[2] += dice.error(corner, family) / (3.0 * reach);
@@ -127,9 +127,9 @@ PaintingProbe draw_probe(double reach, Dice& dice) {
   return probe;
 }
 
-TagBody spoil(const TagBody& told, double level, Dice& dice) {
+TagBody spoil(const TagBody& stated, double level, Dice& dice) {
   const int family = dice.below(3);
-  TagBody body = told;
+  TagBody body = stated;
   const double scale = 1 + dice.error(0.002 * level, family);
   const auto errors = [&](double sigma) {
     const double x = dice.error(sigma, family), y = dice.error(sigma, family), z = dice.error(sigma, family);

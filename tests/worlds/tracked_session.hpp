@@ -8,7 +8,7 @@
 #include "tracking/tag_detector.hpp"
 
 /// Painting sessions drawn from a seed, as corners without images, whose truth is not what the tracker is
-/// told: calibration, sizes and places of tags, the print's scale; corners with noise of several families,
+/// given: calibration, sizes and places of tags, the print's scale; corners with noise of several families,
 /// bias that lasts (growth of the squares, blur along the motion), outliers of corners, edges and whole tags,
 /// tags hidden and tags that have come loose.
 namespace clearway::scene {
@@ -21,7 +21,7 @@ struct TrackedFrame {
 
 struct TrackedSession {
   std::string what;  ///< one line
-  Camera camera;     ///< these four as the tracker is told
+  Camera camera;     ///< these four as the tracker is given them
   TagBody base;
   PaintingProbe probe;
   ErrorBudget budget;

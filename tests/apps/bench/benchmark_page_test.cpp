@@ -139,7 +139,7 @@ TEST(BenchmarkRun, one_that_crashes_is_named_as_well) {
   EXPECT_TRUE(outcomes[3].failure.empty());
 }
 
-TEST(BenchmarkRun, each_runs_as_often_as_it_says_unless_told_otherwise) {
+TEST(BenchmarkRun, each_runs_as_often_as_it_says_unless_asked_otherwise) {
   std::ostringstream log;
   const std::vector<Entry> entries{{"good", "works", 3, twice_as_fast}};
   EXPECT_EQ(outcomes_of(entries, {log}).front().result.runs, 3);
@@ -170,7 +170,7 @@ TEST(BenchmarkPage, the_page_has_commit_date_machine_load_and_every_benchmark) {
     EXPECT_NE(page.find(part), std::string::npos) << part << " is not in\n" << page;
 }
 
-TEST(BenchmarkPage, no_ratio_is_told_where_both_sides_answer_different_questions) {
+TEST(BenchmarkPage, no_ratio_is_given_where_both_sides_answer_different_questions) {
   Outcome outcome = one_good_one_bad().back();
   outcome.result.no_ratio = "the peer sleeps.";
   EXPECT_NE(section(outcome).find("No ratio: the peer sleeps."), std::string::npos);

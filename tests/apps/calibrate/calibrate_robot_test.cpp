@@ -129,7 +129,7 @@ TEST_F(CalibrateRobot, CameraOnTheTipAndThePlaceOfTheRobotAreFoundWithinTheirErr
   EXPECT_NEAR(json["tag_scale"].get<double>(), 1.0, 0.005);
 }
 
-TEST_F(CalibrateRobot, PlaceIsFoundByABoardOnTheTipAndWhatIsMissingIsTold) {
+TEST_F(CalibrateRobot, PlaceIsFoundByABoardOnTheTipAndWhatIsMissingIsReported) {
   BoardSetup fixed = as_setup(board_);
   fixed.map_from_board = Eigen::Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.05));
   const TagBody on_tip = scene::board("hand", 40, 3, 2, 0.03, 0.042);
@@ -155,7 +155,7 @@ TEST_F(CalibrateRobot, PlaceIsFoundByABoardOnTheTipAndWhatIsMissingIsTold) {
             std::max(0.003, found.robot->place_error));
   EXPECT_GT(found.robot->place_error, 0.0);
 
-  const auto told = [&](const std::string& what, const std::string& from, const std::string& to) {
+  const auto run_with = [&](const std::string& what, const std::string& from, const std::string& to) {
     std::string text = read_file(folder_.file("setup.yaml"));
     if (!from.empty()) text.replace(text.find(from), from.size(), to);
     folder_.write("bad.yaml", text);
@@ -166,13 +166,13 @@ TEST_F(CalibrateRobot, PlaceIsFoundByABoardOnTheTipAndWhatIsMissingIsTold) {
            {"base", "\"hand\"\n", "\"hand\"\n    map_from_board: [0, 0, 0, 0, 0, 0]\n",
             "without map_from_board"},
            {"base", "robot: {name: puma560", "robot: {name: panda", "no joint"}}) {
-    const CommandRun bad = told(what, from, to);
+    const CommandRun bad = run_with(what, from, to);
     EXPECT_EQ(bad.status, exit_bad_input) << words;
-    EXPECT_TRUE(bad.told_in_one_sentence()) << bad.log;
+    EXPECT_TRUE(bad.complains_in_one_sentence()) << bad.log;
     EXPECT_NE(bad.log.find(words), std::string::npos) << bad.log;
   }
   folder_.write("joints.csv", joints_.substr(0, joints_.find("\n5,") + 1));
-  const CommandRun few = told("base", "", "");
+  const CommandRun few = run_with("base", "", "");
   EXPECT_EQ(few.status, exit_no);
   EXPECT_NE(few.log.find("5 images show"), std::string::npos) << few.log;
   const CommandRun sensor = run_command({"calibrate", "hand-eye", folder_.file("pictures"), "--setup",

@@ -79,7 +79,7 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
   EXPECT_EQ(frontal.status, exit_no);
   EXPECT_NE(frontal.log.find("tilt it by 20 to 45 degrees"), std::string::npos) << frontal.log;
   EXPECT_FALSE(std::filesystem::exists(folder_.file("none.yaml")));
-  for (const auto& [arguments, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+  for (const auto& [arguments, words] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"camera", folder_.file("frontal"), "--setup", setup_, "--out", setup_}, "is read by --setup"},
            {{"camera", folder_.file("frontal"), "--setup", setup_, "--body", "nobody"}, "no board 'nobody'"},
            {{"board", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
@@ -89,9 +89,9 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
     std::vector<std::string> command{"calibrate"};
     command.insert(command.end(), arguments.begin(), arguments.end());
     const CommandRun run = run_command(command);
-    EXPECT_EQ(run.status, exit_bad_input) << told;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
-    EXPECT_NE(run.log.find(told), std::string::npos) << run.log;
+    EXPECT_EQ(run.status, exit_bad_input) << words;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(words), std::string::npos) << run.log;
   }
 }
 

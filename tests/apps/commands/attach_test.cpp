@@ -144,9 +144,9 @@ TEST_F(Attach, a_motion_with_a_load_is_written_and_checked_with_it) {
   for (const Json& time : {Json(-1.0), Json(61.0), Json("long")}) {
     Json wrong = plan_with;
     wrong["motion"]["grip_time_s"] = time;
-    const CommandRun told = check(wrong, goals);
-    EXPECT_EQ(told.status, exit_bad_input) << time;
-    expect_words(told.log, {"grip_time_s"});
+    const CommandRun bad = check(wrong, goals);
+    EXPECT_EQ(bad.status, exit_bad_input) << time;
+    expect_words(bad.log, {"grip_time_s"});
   }
 }
 
@@ -187,7 +187,7 @@ TEST_F(Attach, a_load_of_any_size_in_a_plan_is_refused_and_never_valid) {
     large["loads"][0]["shape"] = Json::parse(shape);
     const CommandRun run = check(large);
     EXPECT_NE(run.status, exit_done) << shape << run.out;
-    EXPECT_TRUE(run.status == exit_no || run.told_in_one_sentence()) << shape << run.log;
+    EXPECT_TRUE(run.status == exit_no || run.complains_in_one_sentence()) << shape << run.log;
   }
 }
 
@@ -215,11 +215,11 @@ TEST_F(Attach, check_takes_the_load_from_the_maps_record) {
   expect_words(kept.out, {"rod on base (map)"});
 }
 
-TEST_F(Attach, what_no_robot_can_carry_is_told_in_one_sentence) {
+TEST_F(Attach, what_no_robot_can_carry_is_refused_in_one_sentence) {
   const auto refused = [&](const std::string& text, const std::string& word) {
     const CommandRun run = plan({"--attach", folder_.write("bad.yaml", text)});
     EXPECT_EQ(run.status, exit_bad_input) << run.out;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     expect_words(run.log, {word});
   };
   refused("{name: rod, box: [1, 1, 1], link: bse}", "did you mean 'base'?");
@@ -340,7 +340,7 @@ TEST_F(PickCommand, nothing_rides_beside_what_is_picked) {
   EXPECT_NE(check(plan, {"--policy", "not_occupied", "--accept-load"}).status, exit_done);
 }
 
-TEST_F(PickCommand, an_object_of_too_many_voxels_is_told_at_once) {
+TEST_F(PickCommand, an_object_of_too_many_voxels_is_refused_at_once) {
   const std::string huge =
       folder_->write("huge.yaml",
                      "{name: can, box: [100, 100, 100], link: hand, pose: [0, 0, 50, 0, 0, 0], place: [1, 0, "

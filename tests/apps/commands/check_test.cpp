@@ -76,12 +76,12 @@ TEST_F(Check, a_policy_for_a_part_that_the_robot_does_not_have_is_refused) {
   plan["policy"] = {{"bsae", "painted"}};
   const CommandRun run = check(plan);
   EXPECT_EQ(run.status, exit_bad_input) << run.out;
-  EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+  EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
   for (const char* word : {"edited.json", "'policy'", "bsae", "base"})
     EXPECT_NE(run.log.find(word), std::string::npos) << run.log;
 }
 
-TEST_F(Check, a_policy_that_was_loosened_in_the_file_or_by_a_flag_is_told_beside_the_verdict) {
+TEST_F(Check, a_policy_that_was_loosened_in_the_file_or_by_a_flag_is_reported_beside_the_verdict) {
   Json plan = leaving();
   const CommandRun flag = check(plan, {"--policy", "not_occupied", "--json"});
   EXPECT_EQ(flag.status, exit_done) << flag.out;
@@ -107,7 +107,7 @@ std::vector<std::string> refused_terms(const CommandRun& run) {
 
 using Terms = std::vector<std::string>;
 
-TEST_F(Check, tells_of_each_term_where_it_comes_from) {
+TEST_F(Check, names_the_source_of_each_term) {
   const Json contract = Json::parse(check(plan_, {"--json", "--base", "0,0,0"}).out)["contract"];
   EXPECT_EQ(contract["robot"], Json({{"value", "point"}, {"source", "flag"}}));
   EXPECT_EQ(contract["scale"]["source"], "default");
@@ -198,7 +198,7 @@ TEST_F(Check, a_padding_that_is_no_length_is_bad_input) {
     plan["padding_m"] = padding;
     const CommandRun run = check(plan);
     EXPECT_EQ(run.status, exit_bad_input) << padding;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find("padding_m"), std::string::npos) << run.log;
   }
 }
@@ -228,7 +228,7 @@ TEST_F(Check, flags_state_the_contract_and_the_plan_may_only_tighten_it) {
   EXPECT_EQ(refused_terms(check(plan, {"--base", "0,0,0", "--json"})), Terms{"base"});
 }
 
-TEST_F(Check, what_the_plan_alone_says_is_told_beside_what_is_usual) {
+TEST_F(Check, what_the_plan_alone_says_is_shown_beside_what_is_usual) {
   Json plan = plan_;
   plan["policy"]["base"] = "not_occupied";
   plan["base"][0][3] = 0.01;
@@ -344,7 +344,7 @@ TEST_F(CheckRecorded, a_plan_of_another_query_is_held_to_the_loosest_of_the_maps
   EXPECT_EQ(refused_terms(check(plan, {"--json"})), Terms{"base"});
 }
 
-TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_damaged_one_is_told) {
+TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_damaged_one_is_reported) {
   record(std::string(64, '0'));
   EXPECT_EQ(Json::parse(check(plan_, {"--json"}).out)["contract"]["goals"]["source"], "plan");
   EXPECT_NE(check(plan_).out.find("of another map"), std::string::npos);
@@ -355,7 +355,7 @@ TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_dama
   text.replace(text.find("painted"), 7, "paintid");
   folder_.write("map/queries.json", text);
   EXPECT_EQ(check(plan_).status, exit_damaged);
-  EXPECT_TRUE(check(plan_).told_in_one_sentence());
+  EXPECT_TRUE(check(plan_).complains_in_one_sentence());
   folder_.write("map/queries.json", std::string(1U << 20, '['));
   EXPECT_EQ(check(plan_).status, exit_damaged);
 }

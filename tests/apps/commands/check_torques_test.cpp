@@ -76,7 +76,7 @@ TEST_F(CheckTorques, AreThoseUnderTheStatedPayloadAndGravity) {
   EXPECT_EQ(contract["gravity"], Json({{"value", {0.0, -9.81, 0.0}}, {"source", "flag"}}));
 }
 
-TEST_F(CheckTorques, UnderAGravityThatOnlyThePlanStatesAreToldAsSuch) {
+TEST_F(CheckTorques, UnderAGravityThatOnlyThePlanStatesAreMarkedAsSuch) {
   const std::string words = "the gravity is the plan's, (0, 0, 0) m/s^2";
   Json plan = plan_;
   plan["gravity"] = {0.0, 0.0, 0.0};
@@ -114,7 +114,7 @@ TEST_F(CheckTorques, BeyondALimitAreRefused) {
     EXPECT_EQ(check(plan, flag).status, exit_bad_input) << flag.front();
 }
 
-TEST_F(CheckTorques, WithoutAMotionAreToldToBeUnknown) {
+TEST_F(CheckTorques, WithoutAMotionAreReportedAsUnknown) {
   Json plan = plan_;
   plan.erase("motion");
   const CommandRun run = check(plan, {"--payload", "2"});

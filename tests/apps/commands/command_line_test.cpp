@@ -60,7 +60,7 @@ class CommandLine : public ::testing::Test {
 
   void expect_refused(const CommandRun& run, int status, const std::vector<std::string>& words) {
     EXPECT_EQ(run.status, status) << run.log;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_TRUE(run.out.empty()) << run.out;
     for (const std::string& word : words)
       EXPECT_NE(run.log.find(word), std::string::npos) << word << " in " << run.log;
@@ -294,7 +294,7 @@ TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot
   const std::string file = folder_.file("motion.script");
   const CommandRun in_post = plan("0.5,0", "1,1", {"--trajectory", "ros", file});
   EXPECT_EQ(in_post.status, exit_no);
-  EXPECT_TRUE(in_post.told_in_one_sentence()) << in_post.log;
+  EXPECT_TRUE(in_post.complains_in_one_sentence()) << in_post.log;
   EXPECT_NE(in_post.log.find("no trajectory was written"), std::string::npos) << in_post.log;
   expect_refused(plan("-1,0", "1,1", {"--trajectory", "urscript", file}), exit_bad_input,
                  {"urscript", "six revolute", "2 joints"});

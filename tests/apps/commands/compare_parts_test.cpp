@@ -160,7 +160,7 @@ TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
     flags.insert(flags.begin(), {folder_.file("small.yaml"), "--out", folder_.file("out"), "--resume"});
     const CommandRun run = compare(flags);
     EXPECT_EQ(run.status, 2);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
     EXPECT_EQ(text_of(records), before);
   };
@@ -202,7 +202,7 @@ TEST_F(CompareParts, LostDoubledAndForeignShardsAreNamed) {
     arguments.insert(arguments.end(), {"--out", folder_.file("merged")});
     const CommandRun run = compare(arguments);
     EXPECT_EQ(run.status, 2);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
     EXPECT_FALSE(fs::exists(folder_.path() / "merged"));
   };
@@ -231,7 +231,7 @@ TEST_F(CompareParts, OneRunIsRepeatedByItsId) {
   const auto refused = [&](const std::string& id, const std::string& because) {
     const CommandRun wrong = compare({folder_.file("small.yaml"), "--rerun", id});
     EXPECT_EQ(wrong.status, 2);
-    EXPECT_TRUE(wrong.told_in_one_sentence()) << wrong.log;
+    EXPECT_TRUE(wrong.complains_in_one_sentence()) << wrong.log;
     EXPECT_NE(wrong.log.find(because), std::string::npos) << wrong.log;
   };
   refused("swing", "expected EXPERIMENT/PROBLEM/PLANNER");
@@ -244,7 +244,7 @@ TEST_F(CompareParts, FlagsThatContradictAreRefused) {
   const auto refused = [&](const std::vector<std::string>& flags, const std::string& because) {
     const CommandRun run = compare(flags);
     EXPECT_EQ(run.status, 2);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
   };
   const std::string suite = folder_.file("small.yaml"), out = folder_.file("out");

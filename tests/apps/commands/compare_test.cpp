@@ -292,31 +292,32 @@ TEST_F(CompareJob, ThePageHoldsEveryRunAndItsTitleIsText) {
   }
 }
 
-TEST_F(CompareJob, MistakesAreToldBeforeAnythingRuns) {
-  const auto told = [&](const std::string& from, const std::string& to, std::vector<std::string> flags = {}) {
+TEST_F(CompareJob, MistakesAreReportedBeforeAnythingRuns) {
+  const auto refusal = [&](const std::string& from, const std::string& to,
+                           std::vector<std::string> flags = {}) {
     std::string suite = small_suite;
     suite.replace(suite.find(from), from.size(), to);
     flags.insert(flags.begin(),
                  {"compare", folder_->write("bad.yaml", suite), "--out", folder_->file("bad")});
     const CommandRun run = run_command(flags);
     EXPECT_EQ(run.status, 2) << run.log;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_FALSE(fs::exists(folder_->path() / "bad"));
     return run.log;
   };
   const auto expect = [](const std::string& log, const std::string& part) {
     EXPECT_NE(log.find(part), std::string::npos) << log;
   };
-  expect(told("planner: rrtconnect}", "planner: rrtconect}"), "did you mean 'rrtconnect'?");
-  expect(told("width: 1,", "widht: 1,"), "experiment 'round', planner 'beam, k = 1'");
-  expect(told("width: 1,", "width: 0,"), "'width'");
-  expect(told("plots: [profiles", "plots: [profils"), "did you mean 'profiles'?");
-  expect(told("robot: planar2", "robot: plannar2"), "experiment 'swing', field 'robot'");
-  expect(told("start: [2.8, 0.1], goals: [[2.2, 0.4]]", "start: [1], goals: [[2]]"), "experiment 'swing'");
-  expect(told("{default: not_occupied}", "{tool: not_occupied}"), "tool");
-  expect(told("seed: 3", "seed: 3", {"--planners", "beam,rrtconect"}), "did you mean 'rrtconnect'?");
-  expect(told("seed: 3", "seed: 3", {"--experiments", "rond"}), "did you mean 'round'?");
-  expect(told("seed: 3", "seed: 3", {"--jobs", "0"}), "--jobs");
+  expect(refusal("planner: rrtconnect}", "planner: rrtconect}"), "did you mean 'rrtconnect'?");
+  expect(refusal("width: 1,", "widht: 1,"), "experiment 'round', planner 'beam, k = 1'");
+  expect(refusal("width: 1,", "width: 0,"), "'width'");
+  expect(refusal("plots: [profiles", "plots: [profils"), "did you mean 'profiles'?");
+  expect(refusal("robot: planar2", "robot: plannar2"), "experiment 'swing', field 'robot'");
+  expect(refusal("start: [2.8, 0.1], goals: [[2.2, 0.4]]", "start: [1], goals: [[2]]"), "experiment 'swing'");
+  expect(refusal("{default: not_occupied}", "{tool: not_occupied}"), "tool");
+  expect(refusal("seed: 3", "seed: 3", {"--planners", "beam,rrtconect"}), "did you mean 'rrtconnect'?");
+  expect(refusal("seed: 3", "seed: 3", {"--experiments", "rond"}), "did you mean 'round'?");
+  expect(refusal("seed: 3", "seed: 3", {"--jobs", "0"}), "--jobs");
   expect(run_command({"compare", folder_->file("none.yaml"), "--out", folder_->file("bad")}).log,
          "none.yaml");
   folder_->write("file", "");

@@ -150,7 +150,7 @@ TEST_F(GateCommand, JudgesChunksWithWhatIsAttached) {
   const CommandRun legs = gate(
       "", {"--attach", folder_.write("legs.yaml", "{name: rod, box: [1, 1, 1], link: base, legs: [2]}")});
   EXPECT_EQ(legs.status, exit_bad_input);
-  EXPECT_TRUE(legs.told_in_one_sentence()) << legs.log;
+  EXPECT_TRUE(legs.complains_in_one_sentence()) << legs.log;
 }
 
 TEST_F(GateCommand, RefusesAPartThatLeavesTheMapUnlessItIsAllowedByName) {
@@ -167,7 +167,7 @@ TEST_F(GateCommand, RefusesAPartThatLeavesTheMapUnlessItIsAllowedByName) {
     EXPECT_EQ(gate(leaves + "\n", {"--allow-outside", part}).status, exit_done) << part;
   const CommandRun unknown = gate(leaves + "\n", {"--allow-outside", "elbow"});
   EXPECT_EQ(unknown.status, exit_bad_input);
-  EXPECT_TRUE(unknown.told_in_one_sentence()) << unknown.log;
+  EXPECT_TRUE(unknown.complains_in_one_sentence()) << unknown.log;
 }
 
 TEST_F(GateCommand, SaysAtTheStartWhatItsVerdictsRestOn) {
@@ -212,7 +212,7 @@ TEST_F(GateCommand, RefusesFlagsThatFitNothingInOneSentence) {
   for (const auto& flags : wrong) {
     const CommandRun run = gate(pass + "\n", flags);
     EXPECT_EQ(run.status, exit_bad_input) << flags[0];
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_TRUE(run.out.empty()) << run.out;
   }
 }

@@ -112,26 +112,30 @@ TEST_F(Group, APlanThatHoldsAJointElsewhereThanTheUserSaysIsRefused) {
   folder_.write("plan.json", edited.dump());
   const CommandRun outside = check();
   EXPECT_EQ(outside.status, exit_bad_input);
-  EXPECT_TRUE(outside.told_in_one_sentence()) << outside.log;
+  EXPECT_TRUE(outside.complains_in_one_sentence()) << outside.log;
   edited["held"] = {{"grap", 0.01}};
   folder_.write("plan.json", edited.dump());
-  EXPECT_TRUE(check().told_in_one_sentence());
+  EXPECT_TRUE(check().complains_in_one_sentence());
 }
 
-TEST_F(Group, WhatCannotBeReadIsToldInOneSentence) {
-  const auto told = [&](const Arguments& more, const std::string& expected) {
+TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
+  const auto expect_refused = [&](const Arguments& more, const std::string& expected) {
     const CommandRun run = plan(more);
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(expected), std::string::npos) << run.log;
   };
-  told({"--group", "arm", "--start", "hom", "--goal", "ready"}, "half, home, ready");
-  told({"--group", "arm", "--start", "half", "--goal", "ready"}, "says nothing of joint 'shoulder'");
-  told({"--fix", "grip", "--start", "home", "--goal", "ready"}, "--fix: expected JOINT=VALUE, got 'grip'");
-  told({"--fix", "grip=x", "--start", "home", "--goal", "ready"}, "--fix 'grip': 'x' is not a finite number");
-  told({"--fix", "grip=0", "--fix", "grip=0", "--start", "home", "--goal", "ready"}, "given twice");
-  told({"--srdf", folder_.file("no.srdf"), "--start", "home", "--goal", "ready"}, "no.srdf");
-  told({"--package", "a", "--start", "home", "--goal", "ready"}, "--package: expected NAME=DIR, got 'a'");
+  expect_refused({"--group", "arm", "--start", "hom", "--goal", "ready"}, "half, home, ready");
+  expect_refused({"--group", "arm", "--start", "half", "--goal", "ready"},
+                 "says nothing of joint 'shoulder'");
+  expect_refused({"--fix", "grip", "--start", "home", "--goal", "ready"},
+                 "--fix: expected JOINT=VALUE, got 'grip'");
+  expect_refused({"--fix", "grip=x", "--start", "home", "--goal", "ready"},
+                 "--fix 'grip': 'x' is not a finite number");
+  expect_refused({"--fix", "grip=0", "--fix", "grip=0", "--start", "home", "--goal", "ready"}, "given twice");
+  expect_refused({"--srdf", folder_.file("no.srdf"), "--start", "home", "--goal", "ready"}, "no.srdf");
+  expect_refused({"--package", "a", "--start", "home", "--goal", "ready"},
+                 "--package: expected NAME=DIR, got 'a'");
 }
 
 TEST_F(Group, APoseOfTheTipIsReachedWithinTheGroupAndCheckedAsAnyGoal) {
@@ -147,12 +151,12 @@ TEST_F(Group, APoseOfTheTipIsReachedWithinTheGroupAndCheckedAsAnyGoal) {
   EXPECT_EQ(check().status, exit_done);
   const CommandRun far = plan({"--start", "0,0,0", "--goal-pose=5,0,0"});
   EXPECT_EQ(far.status, exit_bad_input);
-  EXPECT_TRUE(far.told_in_one_sentence()) << far.log;
+  EXPECT_TRUE(far.complains_in_one_sentence()) << far.log;
   EXPECT_EQ(plan({"--start", "0,0,0", "--goal", "0,0,0", "--goal-pose=5,0,0"}).status, exit_bad_input);
   EXPECT_EQ(plan({"--start", "0,0,0", "--goal-pose=5,0,0", "--tip", "fingr"}).status, exit_bad_input);
 }
 
-TEST_F(Group, ValuesThatMustBeDegreesAreToldSo) {
+TEST_F(Group, ValuesThatMustBeDegreesAreRefused) {
   const CommandRun run = plan({"--group", "arm", "--start=90,-45", "--goal=0,0"});
   EXPECT_NE(run.status, exit_done);
   EXPECT_NE(run.log.find("--degrees reads it so"), std::string::npos) << run.log;

@@ -130,7 +130,7 @@ TEST(HandOver, AProgramWithoutTheOtherSaysSo) {
   const CommandRun run =
       run_program("simulate miniature_kitchen --out x.rawlog", folder.file("bin/clearway"));
   EXPECT_EQ(run.status, exit_bad_input);
-  EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+  EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
   EXPECT_NE(run.log.find("libexec/clearway-full' cannot be started"), std::string::npos) << run.log;
 }
 

@@ -82,7 +82,7 @@ TEST_F(ReplayMotion, IsTheSameByteForByteWhenDoneAgain) {
   EXPECT_EQ(without_time("one"), without_time("two"));
 }
 
-TEST_F(ReplayMotion, ThatTorquesForbidIsToldInReportAndPage) {
+TEST_F(ReplayMotion, ThatTorquesForbidIsShownInReportAndPage) {
   const CommandRun run = replay("heavy", ", payload: 200");
   ASSERT_EQ(run.status, exit_done) << run.out << run.log;
   EXPECT_FALSE(load_plan(plan_file("heavy")).motion);

@@ -10,7 +10,7 @@
 namespace clearway {
 namespace teach_test {
 
-TEST(Teach, WhatIsWrongIsToldInOneSentence) {
+TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
   const TemporaryFolder folder;
   const std::string recording = "/usr/share/mrpt/datasets/localization_demo.rawlog";
   const auto refusal = [&](const std::string& line) {
@@ -18,13 +18,13 @@ TEST(Teach, WhatIsWrongIsToldInOneSentence) {
     const CommandRun run =
         run_command({"teach", recording, "--events", folder.file("e.jsonl"), "--out", folder.file("out")});
     EXPECT_EQ(run.status, exit_bad_input) << line;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     return run.log;
   };
   const auto expect = [&](const std::string& line, const std::string& part) {
-    const std::string told = refusal(line);
-    EXPECT_NE(told.find(part), std::string::npos) << told;
+    const std::string sentence = refusal(line);
+    EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
   };
   expect("{\"time\": 0}", "e.jsonl', line 1: field 'action'");
   expect("{\"time\": 0, \"action\": \"pant_on\"}", "an action, did you mean 'paint_on'?");
@@ -65,7 +65,7 @@ TEST(Teach, KeysAreReadBeforeTheSessionAndAreForTheWindow) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     const CommandRun run = run_command(arguments);
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     return run.log;
   };
   EXPECT_NE(refusal("{\"key\": \"1\", \"action\": \"robot\", \"robot\": \"no.urdf\"}", {})
@@ -84,7 +84,7 @@ TEST(Teach, ARecordedSessionTakesNoOtherSettings) {
     arguments.insert(arguments.end(), {"--out", folder.file("out")});
     const CommandRun run = run_command(arguments);
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find("is a recorded session"), std::string::npos) << run.log;
   };
   const std::string session = folder.file(".");
@@ -107,7 +107,7 @@ TEST(Teach, NothingIsWrittenOverTheRecordingOrIntoIt) {
                                         "--events", folder.file("e.jsonl"), "--headless", "--out",
                                         folder.file(out), "--video-out", folder.file(video)});
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(part), std::string::npos) << run.log;
   };
   expect("pictures", "pictures/taught", "v.mp4", "lies in the recording");
@@ -135,7 +135,7 @@ TEST(Teach, WhatASessionRecordedGoesWithNoOtherCommand) {
         {"track", folder.write("r.rawlog", ""), "--draw", taught, "--setup", "miniature_kitchen"}}) {
     const CommandRun run = run_command(command);
     EXPECT_EQ(run.status, exit_bad_input) << command[0];
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find("it holds 'approved/plan.yaml', which another command wrote"), std::string::npos)
         << command[0] << ": " << run.log;
   }

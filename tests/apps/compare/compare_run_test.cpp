@@ -144,7 +144,7 @@ TEST(IsolatedRuns, TooMuchMemoryIsTheOutcomeEvenWhenThePlannerHidesIt) {
 }
 #endif
 
-TEST(IsolatedRuns, TablesDatabaseAndLogTellOfThem) {
+TEST(IsolatedRuns, TablesDatabaseAndLogReportThem) {
   const BadCompany company(Deed::crashes);
   CompareResults results;
   results.experiments.push_back(run_experiment(company.suite, company.prepared, company.choice()));

@@ -128,10 +128,10 @@ TEST(TeamResult, NamesTheFirstContactElseWhatCameTooNear) {
   verdict.contact = "left: load touches an occupied voxel";
   verdict.is_apart = verdict.robots_are_apart = false;
   EXPECT_EQ(contact(verdict), "left: load touches an occupied voxel");
-  EXPECT_EQ(contact(apart(0.06)), "") << "nothing to tell of a run that is valid";
+  EXPECT_EQ(contact(apart(0.06)), "") << "nothing to report of a run that is valid";
 }
 
-TEST(TeamResult, TellsTheDistancesThatItsVerdictWasMadeWith) {
+TEST(TeamResult, ReportsTheDistancesThatItsVerdictWasMadeWith) {
   Resting resting;
   for (TeamTrace& trace : resting.run.traces) trace.greatest_motion = 0.01;
   resting.run.traces[1].positions.back() += Eigen::Vector2d(0.3, 0.4);

@@ -47,7 +47,7 @@ TEST(WorkerProcess, CarriesLargeMessagesOfAnyBytes) {
     ASSERT_EQ(replies[0].compare(i * bytes.size(), bytes.size(), bytes), 0) << i;
 }
 
-TEST(WorkerProcess, TellsHowItEnded) {
+TEST(WorkerProcess, ReportsHowItEnded) {
   WorkerProcess crashing([](std::string_view, const WorkerProcess::Reply& reply) {
     reply("before");
     ::raise(SIGSEGV);

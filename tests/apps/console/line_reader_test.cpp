@@ -25,7 +25,7 @@ TEST(LineReader, GivesEachLineAlsoEmptyOnesAndALastOneWithoutItsEnd) {
   EXPECT_EQ(lines_of(std::string("a\0b\n", 4), 10), Lines{std::string("a\0b", 3)});
 }
 
-TEST(LineReader, TellsOfALineThatIsTooLongAndGoesOnBehindIt) {
+TEST(LineReader, ReportsALineThatIsTooLongAndGoesOnBehindIt) {
   EXPECT_EQ(lines_of("1234\n12345\n123\n" + std::string(100000, 'x'), 4),
             (Lines{"1234", "TOO LONG", "123", "TOO LONG"}));
 }

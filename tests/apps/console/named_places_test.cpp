@@ -99,7 +99,7 @@ TEST_F(NamedPlaces, NoCommandOverwritesWhatItReads) {
     std::string line;
     for (const std::string& word : command) line += word + " ";
     EXPECT_EQ(run.status, exit_bad_input) << line << run.out;
-    EXPECT_TRUE(run.told_in_one_sentence()) << line << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << line << run.log;
     EXPECT_NE(run.log.find("is read by "), std::string::npos) << line << run.log;
   }
   EXPECT_EQ(read_file(tree), before);

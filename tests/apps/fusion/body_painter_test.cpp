@@ -54,17 +54,17 @@ TEST(BodyPainter, PaintsOnlyWhereEachJointWasReadItself) {
   const Robot robot = load_robot("arm5");
   std::vector<std::string> rest;
   for (std::size_t i = 1; i < robot.dof(); ++i) rest.push_back(robot.joints[i].name);
-  JointStream told;  // the first joint has a publisher of its own
-  for (const double time : {0.0, 0.4}) told.add(time, {robot.joints[0].name}, {0.0});
-  for (const double time : {0.0, 0.2, 0.4}) told.add(time, rest, std::vector<double>(rest.size(), 0.1));
-  for (const double time : {0.1, 0.2, 0.3}) told.add(time, {"gripper"}, {0.5});
+  JointStream joints;  // the first joint has a publisher of its own
+  for (const double time : {0.0, 0.4}) joints.add(time, {robot.joints[0].name}, {0.0});
+  for (const double time : {0.0, 0.2, 0.4}) joints.add(time, rest, std::vector<double>(rest.size(), 0.1));
+  for (const double time : {0.1, 0.2, 0.3}) joints.add(time, {"gripper"}, {0.5});
   clearway::Setup setup;
   setup.robot = RobotSetup{};
   setup.robot->name = "arm5";
   setup.robot->joint_error = setup.robot->place_error = 0.0;
   setup.robot->paints = {robot.bodies.back().part};
   setup.volumes = {{.label = "led", .critical_parts = {}}};
-  const MovingRobot moving(*setup.robot, told);
+  const MovingRobot moving(*setup.robot, joints);
   EXPECT_EQ(moving.times(), (std::vector<double>{0.0, 0.4}));
   FreeSpaceMap map(MapOptions{});
   map.add_volume("led", {});
@@ -116,14 +116,14 @@ TEST_P(LedRobots, PaintOnlyWhatTheirPartTrulyFilledAndMostOfIt) {
   setup.volumes = {{.label = "led", .critical_parts = {}}};
   std::mt19937 random(8);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  JointStream told;
+  JointStream joints;
   std::vector<LinkPoses> truth;
   std::vector<Eigen::Vector3d> shifts;
   for (int i = 0; i < 12; ++i) {
     const Configuration q = place_at(0.3 * i);
     Configuration is = q;
     for (double& joint : is) joint += robot.joint_error * unit(random);
-    told.add(10.0 + 0.3 * i, names_, {q.begin(), q.end()});
+    joints.add(10.0 + 0.3 * i, names_, {q.begin(), q.end()});
     truth.push_back(forward_kinematics(robot_, is));
     shifts.push_back(robot.place_error *
                      Eigen::Vector3d(unit(random), unit(random), unit(random)).normalized());
@@ -132,7 +132,7 @@ TEST_P(LedRobots, PaintOnlyWhatTheirPartTrulyFilledAndMostOfIt) {
   options.resolution = 0.01;
   FreeSpaceMap map(options);
   map.add_volume("led", {});
-  const MovingRobot moving(robot, told);
+  const MovingRobot moving(robot, joints);
   BodyPainter painter(setup, moving, map);
   painter.paint_until(11.0, 10.0, std::nullopt);
   painter.paint_until(100.0, 10.0, std::nullopt);
@@ -166,15 +166,15 @@ TEST(BodyPainter, PaintsOnlyInTheTimeOfAVolumeOrOfABrush) {
   const Robot robot = load_robot("arm5");
   std::vector<std::string> names;
   for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  JointStream told;
-  for (int i = 0; i <= 10; ++i) told.add(i, names, std::vector<double>(robot.dof(), 0.02 * i));
+  JointStream joints;
+  for (int i = 0; i <= 10; ++i) joints.add(i, names, std::vector<double>(robot.dof(), 0.02 * i));
   clearway::Setup setup;
   setup.robot = RobotSetup{};
   setup.robot->name = "arm5";
   setup.robot->joint_error = 0.0;
   setup.robot->paints = {robot.bodies.back().part};
   setup.volumes = {{.label = "led", .critical_parts = {}, .from = 3.0, .to = 5.0}};
-  const MovingRobot moving(*setup.robot, told);
+  const MovingRobot moving(*setup.robot, joints);
   const auto balls = [&](const std::optional<Brush>& brush) {
     FreeSpaceMap map(MapOptions{});
     map.add_volume("led", {});
@@ -190,23 +190,23 @@ TEST(BodyPainter, PaintsOnlyInTheTimeOfAVolumeOrOfABrush) {
 
 TEST(BodyPainter, NamesAPartThatCannotPaint) {
   const Robot robot = load_robot("arm5");
-  JointStream told;
-  for (const Joint& joint : robot.joints) told.add(0.0, {joint.name}, {0.0});
+  JointStream joints;
+  for (const Joint& joint : robot.joints) joints.add(0.0, {joint.name}, {0.0});
   clearway::Setup setup;
   setup.robot = RobotSetup{};
   setup.robot->name = "arm5";
   const auto complaint_of = [&](const std::string& part, double error) {
     setup.robot->paints = {part};
     setup.robot->place_error = error;
-    const MovingRobot moving(*setup.robot, told);
+    const MovingRobot moving(*setup.robot, joints);
     FreeSpaceMap map(MapOptions{});
     return complaint([&] { const BodyPainter painter(setup, moving, map); });
   };
   EXPECT_NE(complaint_of("elbow_pad", 0.0).find("'elbow_pad' is none of robot"), std::string::npos);
   EXPECT_NE(complaint_of(robot.bodies.back().part, 1.0).find("larger than place_error"), std::string::npos);
-  const std::string told_of_none =
+  const std::string without_joints =
       complaint([] { parse_setup("robot: {name: arm5, paints: [hand]}", "s.yaml"); });
-  EXPECT_NE(told_of_none.find("joint_file or joint_topic"), std::string::npos) << told_of_none;
+  EXPECT_NE(without_joints.find("joint_file or joint_topic"), std::string::npos) << without_joints;
 }
 
 }  // namespace body_painter_test

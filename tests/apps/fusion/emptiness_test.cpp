@@ -27,7 +27,7 @@ class Emptiness : public testing::Test {
                                         "--out", folder_.file("out"), "--no-plan"});
     if (run.status == exit_done) return "";
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
     return run.log;
   }
@@ -48,7 +48,7 @@ class Emptiness : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Emptiness, ACropThatTakesEveryPointIsTold) {
+TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}, {1.0F, 0.5F, 0.0F}});
   EXPECT_NE(refusal("r.rawlog", "map: {crop: [5, 5, 5, 6, 6, 6]}\n")
                 .find("nothing of its 1 scans got into the map: 2 points were taken out by min_range, crop"),
@@ -56,7 +56,7 @@ TEST_F(Emptiness, ACropThatTakesEveryPointIsTold) {
   EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
 }
 
-TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreTold) {
+TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
   write_scan("bare.rawlog", {});
   EXPECT_NE(refusal("bare.rawlog", "{}\n").find("1 scans got into the map: they hold no points"),
             std::string::npos);
@@ -67,29 +67,29 @@ TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreTold) {
             std::string::npos);
 }
 
-TEST_F(Emptiness, ImagesWithoutAProbeAreTold) {
+TEST_F(Emptiness, ImagesWithoutAProbeAreReported) {
   write_stroke();
   const std::string without = small_setup.substr(0, small_setup.find("probe: {board"));
   EXPECT_NE(refusal("r.rawlog", without).find("6 images put nothing into a map without a probe"),
             std::string::npos);
 }
 
-TEST_F(Emptiness, TagsOfOtherBoardsAreToldByTheirIds) {
+TEST_F(Emptiness, TagsOfOtherBoardsAreReportedByTheirIds) {
   write_stroke();
   std::string other = small_setup;
   for (const char* id : {"id: 0,", "id: 1,", "id: 10,", "id: 11,", "id: 12,"})
     other = replaced(other, id, "id: 5" + std::string(id).substr(4));
-  const std::string told = refusal("r.rawlog", other);
-  EXPECT_NE(told.find("none of the tags in its 6 images (ids 0, 1, 10"), std::string::npos) << told;
+  const std::string sentence = refusal("r.rawlog", other);
+  EXPECT_NE(sentence.find("none of the tags in its 6 images (ids 0, 1, 10"), std::string::npos) << sentence;
 }
 
-TEST_F(Emptiness, SamplesThatAreAllRefusedAreToldWithTheFirstReason) {
+TEST_F(Emptiness, SamplesThatAreAllRefusedAreReportedWithTheFirstReason) {
   write_stroke();
   const std::string wrong = replaced(small_setup, "width: 320, height: 240", "width: 640, height: 240");
-  const std::string told = refusal("r.rawlog", wrong);
-  EXPECT_NE(told.find("no ball was painted (image_refused 6; the first: the image has 320 x 240 pixels"),
+  const std::string sentence = refusal("r.rawlog", wrong);
+  EXPECT_NE(sentence.find("no ball was painted (image_refused 6; the first: the image has 320 x 240 pixels"),
             std::string::npos)
-      << told;
+      << sentence;
 }
 
 }  // namespace emptiness_test

@@ -67,7 +67,7 @@ TEST(Fusion, AFolderOfCloudsIsARecordingSeenFromItsViewpoints) {
   EXPECT_EQ(fused(folder / "clouds/10.ply").counts.points.inserted, 1U);
 }
 
-TEST(Fusion, ADamagedCloudAmongOthersIsToldAndTheOthersKept) {
+TEST(Fusion, ADamagedCloudAmongOthersIsReportedAndTheOthersKept) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "clouds");
   write_text(folder / "clouds/a.pcd", format_pcd({ahead}));
@@ -130,7 +130,7 @@ TEST(Fusion, ASensorOnTheRobotIsWhereItsJointsSayAndScansOfFastMotionAreCounted)
   const Robot robot = load_robot("puma560");
   std::string joints = "time";
   for (const Joint& joint : robot.joints) joints += "," + joint.name;
-  // It stands until 100.6 s, goes fast until 101.4 s, and stands again; nobody tells of 102 s.
+  // It stands until 100.6 s, goes fast until 101.4 s, and stands again; nothing is known of 102 s.
   Eigen::VectorXd first(6), second(6);
   first << 0.1, -0.6, 0.3, 0.2, 0.5, -0.3;
   second << 0.9, -0.9, 0.5, -0.2, 0.4, 0.3;

@@ -173,7 +173,7 @@ Eigen::Isometry3d map_from_probe_at(double time) {
 }
 
 /// What exact images at those times say of the boards.
-void tell(BoardPoses& boards, const Setup& setup, const std::vector<double>& times) {
+void show_boards(BoardPoses& boards, const Setup& setup, const std::vector<double>& times) {
   for (const double time : times) {
     TrackedImage tracked;
     tracked.detections.resize(1);
@@ -205,9 +205,9 @@ CapsuleSetup moved(const CapsuleSetup& part, const Eigen::Isometry3d& pose) {
   return {pose * part.from, pose * part.to, part.radius};
 }
 
-class ToldHands : public ::testing::Test {
+class TrackedHands : public ::testing::Test {
  protected:
-  ToldHands() : setup_(parse_setup(setup_text, "s.yaml")), boards_(setup_), held_(setup_, boards_, 0.01) {}
+  TrackedHands() : setup_(parse_setup(setup_text, "s.yaml")), boards_(setup_), held_(setup_, boards_, 0.01) {}
 
   const clearway::Setup setup_;
   BoardPoses boards_;
@@ -216,12 +216,12 @@ class ToldHands : public ::testing::Test {
 
 constexpr double stated_acceleration = 3.0;
 
-TEST_F(ToldHands, FillAllThatTheyMayTrulyFillWithinLatencyAndMargin) {
+TEST_F(TrackedHands, FillAllThatTheyMayTrulyFillWithinLatencyAndMargin) {
   std::vector<double> times;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (double time = 10.0; time < 20.0; time += 0.05 + 0.2 * std::abs(unit(random))) times.push_back(time);
-  tell(boards_, setup_, times);
+  show_boards(boards_, setup_, times);
   const std::vector<CapsuleSetup> parts = parts_of(setup_);
   for (int trial = 0; trial < 20000; ++trial) {
     const double time = 14.5 + 4.0 * unit(random);
@@ -238,10 +238,10 @@ TEST_F(ToldHands, FillAllThatTheyMayTrulyFillWithinLatencyAndMargin) {
   }
 }
 
-TEST_F(ToldHands, FillNothingBeyondTheStatedGrowth) {
+TEST_F(TrackedHands, FillNothingBeyondTheStatedGrowth) {
   std::vector<double> times;
   for (double time = 10.0; time < 20.0; time += 0.1) times.push_back(time);
-  tell(boards_, setup_, times);
+  show_boards(boards_, setup_, times);
   const std::vector<CapsuleSetup> parts = parts_of(setup_);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -268,10 +268,10 @@ TEST_F(ToldHands, FillNothingBeyondTheStatedGrowth) {
   EXPECT_GT(filled, 200U);
 }
 
-TEST_F(ToldHands, AreHiddenWhileNoImageSeesThemForAMomentAndUnseenFarFromAll) {
+TEST_F(TrackedHands, AreHiddenWhileNoImageSeesThemForAMomentAndUnseenFarFromAll) {
   using Sight = HeldBodies::Sight;
   EXPECT_EQ(held_.sight(5.0), Sight::unseen);
-  tell(boards_, setup_, {10.0, 10.1, 10.2, 11.5, 11.6, 20.0, 20.1});
+  show_boards(boards_, setup_, {10.0, 10.1, 10.2, 11.5, 11.6, 20.0, 20.1});
   EXPECT_EQ(held_.sight(10.15), Sight::seen);
   EXPECT_EQ(held_.sight(10.3), Sight::hidden);  // from 10.2 to 11.5 a hand was before the tags
   EXPECT_EQ(held_.sight(11.4), Sight::hidden);

@@ -142,7 +142,7 @@ TEST_P(MovingRobots, TakeOutNothingBeyondTheStatedGrowth) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, MovingRobots, ::testing::Values("puma560", "panda", "arm5"));
 
-TEST(MovingRobot, LeavesAScanAloneAtATimeThatItsJointsDoNotTell) {
+TEST(MovingRobot, LeavesAScanAloneAtATimeThatItsJointsDoNotCover) {
   const Robot robot = load_robot("arm5");
   RobotSetup setup;
   setup.name = "arm5";
@@ -159,9 +159,9 @@ TEST(MovingRobot, NamesAJointThatTheStreamDoesNotHave) {
   setup.name = "arm5";
   JointStream stream;
   stream.add(0.0, {"elbow"}, {0.0});
-  const std::string told = complaint([&] { const MovingRobot robot(setup, stream); });
-  EXPECT_NE(told.find("have no joint 'yaw'"), std::string::npos) << told;
-  EXPECT_NE(told.find("'elbow'"), std::string::npos) << told;
+  const std::string sentence = complaint([&] { const MovingRobot robot(setup, stream); });
+  EXPECT_NE(sentence.find("have no joint 'yaw'"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("'elbow'"), std::string::npos) << sentence;
 }
 
 }  // namespace moving_robot_test

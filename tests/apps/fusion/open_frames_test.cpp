@@ -90,7 +90,7 @@ TEST_F(OpenFrames, PicturesWithoutACameraAreRefusedInOneSentence) {
   const CommandRun run = run_command({"replay", folder_.file("shots"), "--setup",
                                       folder_.file("without.yaml"), "--out", folder_.file("out")});
   EXPECT_EQ(run.status, exit_bad_input);
-  EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+  EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
   EXPECT_NE(run.log.find("expected `camera` in the setup"), std::string::npos) << run.log;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }
@@ -155,7 +155,7 @@ TEST_F(Scans, OfSeveralDamagedOnesTheFirstIsNamedAndTheOthersAreCounted) {
   EXPECT_TRUE(read.damage.ends_with("; 2 more of 5 clouds are damaged, too")) << read.damage;
 }
 
-TEST_F(Scans, NumbersInTheirNamesCountByValueAndClocksOfFineUnitsTellSeconds) {
+TEST_F(Scans, NumbersInTheirNamesCountByValueAndClocksOfFineUnitsBecomeSeconds) {
   for (int i = 1; i <= 21; ++i) scan("scan" + std::to_string(i) + ".pcd");
   const Read counted = read_all(folder_ / "scans");
   ASSERT_EQ(counted.frames.size(), 21U);

@@ -51,7 +51,7 @@ class Inspect : public ::testing::Test {
     all.insert(all.end(), arguments.begin(), arguments.end());
     const CommandRun run = run_command(all);
     EXPECT_EQ(run.status, exit_bad_input) << run.log;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(word), std::string::npos) << run.log;
   }
 
@@ -114,7 +114,7 @@ TEST_F(Inspect, does_not_use_the_provenance_of_another_map) {
   EXPECT_EQ(run_command({"inspect", other_, "--at=0,0,0"}).status, exit_damaged);
 }
 
-TEST_F(Inspect, tells_how_two_maps_differ) {
+TEST_F(Inspect, reports_how_two_maps_differ) {
   const CommandRun same = run_command({"inspect", map_, "--diff", map_, "--json"});
   EXPECT_EQ(same.status, exit_done);
   EXPECT_FALSE(Json::parse(same.out)["diff"]["differ"]);

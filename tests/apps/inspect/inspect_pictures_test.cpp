@@ -145,7 +145,7 @@ TEST_F(InspectPictures, RefuseWhatDoesNotGoTogether) {
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     const CommandRun run = run_command(arguments);
     EXPECT_EQ(run.status, exit_bad_input);
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
   }
 }
 

@@ -26,7 +26,7 @@ std::string dumbbell(const TemporaryFolder& folder) {
   return folder.file("map");
 }
 
-TEST(InspectHoles, TellsVolumeSpacingHolesAndNecksAsJson) {
+TEST(InspectHoles, ReportsVolumeSpacingHolesAndNecksAsJson) {
   const TemporaryFolder folder;
   const CommandRun run = run_command({"inspect", dumbbell(folder), "--holes", "--json"});
   ASSERT_EQ(run.status, exit_done) << run.log;
@@ -50,7 +50,7 @@ TEST(InspectHoles, TellsVolumeSpacingHolesAndNecksAsJson) {
   EXPECT_NEAR(volume["necks"][0]["radius_m"], 0.05, 0.015);
 }
 
-TEST(InspectHoles, TellsTheSameAsText) {
+TEST(InspectHoles, ReportsTheSameAsText) {
   const TemporaryFolder folder;
   const CommandRun run = run_command({"inspect", dumbbell(folder), "--holes"});
   ASSERT_EQ(run.status, exit_done) << run.log;

@@ -121,7 +121,7 @@ TEST(Canvas, random_triangles_are_seen_where_rays_meet_them_first) {
   EXPECT_EQ(wrong, 0);
 }
 
-/// The mean of a pixel's samples is the share of it that is covered, within what four samples can tell.
+/// The mean of a pixel's samples is the share of it that is covered, within what four samples can resolve.
 TEST(Canvas, edges_are_smooth) {
   const Camera camera{200, 150, 150.0, 150.0, 99.5, 74.5, {}};
   std::mt19937 random(2);

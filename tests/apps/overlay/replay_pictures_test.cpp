@@ -103,7 +103,7 @@ TEST_F(ReplayPictures, what_cannot_be_written_or_read_twice_is_refused_before_th
         {"--video-out", folder_->file("no/such/folder/film.mp4"), "no/such/folder"}}) {
     const CommandRun run = replay({flag, value});
     EXPECT_EQ(run.status, exit_bad_input) << flag;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(words), std::string::npos) << run.log;
   }
   EXPECT_THROW(require_pictures({"stills", ""}, "/dev/video0", "map"), std::invalid_argument);

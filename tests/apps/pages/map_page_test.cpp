@@ -47,7 +47,7 @@ TEST(MapPage, TheFirstViewStaysWhereOneIsAmidTheVoxelsOrThereAreNone) {
 
 /// A motion in time, whose corners are not the path's waypoints: what leads away from the goal was a step
 /// along the boundary (the local method always comes nearer).
-TEST(MapPage, TellsOfTheWholeMotionHowThePlannerGotThere) {
+TEST(MapPage, ShowsOfTheWholeMotionHowThePlannerGotThere) {
   const VoxelScene scene{0.05, {box_of(1, -0.6, -0.05, 1.1, 0.9, 0.05)}, {}, {}};
   const ConfigurationSpace space(load_robot("point"), scene.snapshot(),
                                  {.parts = {}, .critical_by_default = false});

@@ -96,7 +96,7 @@ TEST_F(ReportPageInChromium, ShowsAPlanInTimeWithSpeedsAndAccelerationsAgainstTh
   const std::string fast = open(html, "#nowebgl&plan=3&t=" + std::to_string(1.5 / 2.92));
   EXPECT_NE(fast.find("<span id=\"speed-now\" class=\"now bad\">shoulder -1.8 rad/s, 120 %"),
             std::string::npos)
-      << "a speed over its limit is told, and told to be bad";
+      << "a speed over its limit is shown, and marked as bad";
   EXPECT_NE(open(html, "#nowebgl&plan=3&t=1").find("2.92 / 2.92 s"), std::string::npos);
   EXPECT_EQ(attribute(open(html, "#nowebgl&plan=1"), "plots"), "2") << "a plan without time";
 }

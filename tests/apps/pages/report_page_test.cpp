@@ -70,10 +70,10 @@ TEST(ReportPage, GivesBackSpheresPathsPosesAndClearances) {
   ASSERT_EQ(spheres.size(), page.spheres.size() * 5);
   EXPECT_FLOAT_EQ(spheres[5 * 7 + 3], static_cast<float>(page.spheres[7].radius));
   const PagePlan& plan = page.plans[1];
-  const json& told = reader.page["plans"][1];
-  const auto values = reader.array<float>(told["values"]);
-  const auto poses = reader.array<float>(told["poses"]);
-  const auto clearance = reader.array<float>(told["clearance"]);
+  const json& shown = reader.page["plans"][1];
+  const auto values = reader.array<float>(shown["values"]);
+  const auto poses = reader.array<float>(shown["poses"]);
+  const auto clearance = reader.array<float>(shown["clearance"]);
   for (std::size_t i = 0; i < plan.waypoints.size(); ++i) {
     for (std::size_t j = 0; j < 6; ++j)
       EXPECT_FLOAT_EQ(values[j * plan.waypoints.size() + i],

@@ -219,14 +219,14 @@ TEST_F(Import, AppearsWholeOrNotAtAllBesideWhatIsThere) {
 TEST_F(Import, RefusesBeforeTheWorkAFolderThatItCannotWrite) {
   folder_.write("file", "no folder");
   std::filesystem::create_directories(folder_ / "mine/maps");
-  for (const auto& [place, told] :
+  for (const auto& [place, words] :
        {std::pair{"file", "it exists and is not a folder"}, std::pair{"file/out", "is not a folder"},
         std::pair{"mine", "such as 'maps'"}}) {
     const CommandRun run = run_command(
         {"import", "--out", folder_.file(place), "--robot", robot_, "scene", folder_.file("nowhere.scene")});
     EXPECT_EQ(run.status, exit_bad_input) << place;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
-    EXPECT_NE(run.log.find(told), std::string::npos) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(words), std::string::npos) << run.log;
   }
 }
 
@@ -310,36 +310,38 @@ TEST_F(Import, RequestsOfPosesAloneAreNotSaidToBeForAnotherRobot) {
   EXPECT_EQ(run.log, "clearway: import: no request has a goal of joint values, expected at least one\n");
 }
 
-TEST_F(Import, WhatIsWrongIsToldInOneSentence) {
-  const auto told = [&](const std::string& kind, const std::string& name, const std::string& text,
-                        const std::string& expected) {
+TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
+  const auto expect_refused = [&](const std::string& kind, const std::string& name, const std::string& text,
+                                  const std::string& expected) {
     const CommandRun run = import(kind, {folder_.write(name, text)});
     EXPECT_EQ(run.status, exit_bad_input) << name;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(expected), std::string::npos) << run.log;
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/import.json"));
   };
   const std::string object = "world: {collision_objects: [{id: a, ";
-  told("mbm", "a.yaml", "a: [", "a.yaml");
-  told("mbm", "a.yaml", "x: 1", "expected a scene with 'world', or a request");
-  told("mbm", "a.yaml", object + "primitives: [{type: torus, dimensions: [1]}], primitive_poses: [{}]}]}",
-       "torus");
-  told("mbm", "a.yaml", object + "primitives: [{type: box, dimensions: [1, 2]}]}]}", "dimensions");
-  told("mbm", "a.yaml", object + "primitives: [{type: sphere, dimensions: [-1]}]}]}", "dimensions");
-  told("mbm", "a.yaml",
-       object +
-           "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{orientation: [1, 1, 1, 1]}]}]}",
-       "expected a unit quaternion");
-  told("mbm", "a.yaml", object + "meshes: [{resource: no.stl}]}]}", "no.stl");
-  told("mbm", "a.yaml", arm_request, "no file is a scene");
-  told("scene", "a.scene", "name\n* a\n1\nbox\n1 1\n.\n", "line 6: expected a size in metres, got '.'");
-  told("scene", "a.scene", "name\n* a\n1\nbox\n1 1 1\n0 0 0\n0 0 0 1\n0 0 0 0\n",
-       "expected '*' before an object");
-  told("scene", "a.scene", "name\n* a\n1e9\n", "number of shapes");
-  told("json", "a.json", "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": [[1]], \"box\": [{}]}]}}",
-       "position");
-  told("json", "a.json", "{\"problems\": 3}", "problems");
-  told("json", "a.json", "[", "not valid JSON");
+  expect_refused("mbm", "a.yaml", "a: [", "a.yaml");
+  expect_refused("mbm", "a.yaml", "x: 1", "expected a scene with 'world', or a request");
+  expect_refused("mbm", "a.yaml",
+                 object + "primitives: [{type: torus, dimensions: [1]}], primitive_poses: [{}]}]}", "torus");
+  expect_refused("mbm", "a.yaml", object + "primitives: [{type: box, dimensions: [1, 2]}]}]}", "dimensions");
+  expect_refused("mbm", "a.yaml", object + "primitives: [{type: sphere, dimensions: [-1]}]}]}", "dimensions");
+  expect_refused(
+      "mbm", "a.yaml",
+      object +
+          "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{orientation: [1, 1, 1, 1]}]}]}",
+      "expected a unit quaternion");
+  expect_refused("mbm", "a.yaml", object + "meshes: [{resource: no.stl}]}]}", "no.stl");
+  expect_refused("mbm", "a.yaml", arm_request, "no file is a scene");
+  expect_refused("scene", "a.scene", "name\n* a\n1\nbox\n1 1\n.\n",
+                 "line 6: expected a size in metres, got '.'");
+  expect_refused("scene", "a.scene", "name\n* a\n1\nbox\n1 1 1\n0 0 0\n0 0 0 1\n0 0 0 0\n",
+                 "expected '*' before an object");
+  expect_refused("scene", "a.scene", "name\n* a\n1e9\n", "number of shapes");
+  expect_refused("json", "a.json",
+                 "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": [[1]], \"box\": [{}]}]}}", "position");
+  expect_refused("json", "a.json", "{\"problems\": 3}", "problems");
+  expect_refused("json", "a.json", "[", "not valid JSON");
 }
 
 }  // namespace import_test

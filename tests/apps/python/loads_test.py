@@ -30,7 +30,7 @@ class Loads(unittest.TestCase):
         cls.rod = cw.Load("rod", "base", worlds.pose(0.0, 0.0, 0.01), box=[0.05, 1.0, 0.05], mass=2.0)
         cls.flags = ["--map", cls.folder.name, "--robot", "point", "--policy", "not_occupied", "--allow-outside", "all"]
 
-    def told(self, *more):
+    def answer(self, *more):
         return worlds.answer("plan", *self.flags, "--planner", "rrtconnect", "--start=0,0", "--goal=2,0", "--goal=0,0", *more)
 
     def planned(self, **more):
@@ -46,9 +46,9 @@ class Loads(unittest.TestCase):
         for legs, more in (([], ""), ([1], ", legs: [2]")):
             load = cw.Load("rod", "base", worlds.pose(0, 0, 0.01), box=[0.05, 1.0, 0.05], mass=2.0, legs=legs)
             plan = self.planned(loads=[load])
-            told = self.told("--attach", self.file("rod.yaml", "{" + rod + more + "}"))
+            answer = self.answer("--attach", self.file("rod.yaml", "{" + rod + more + "}"))
             self.assertTrue(plan.is_proved, plan.explanation)
-            self.assertEqual(without_times(plan.to_dict()), without_times(told))
+            self.assertEqual(without_times(plan.to_dict()), without_times(answer))
             self.assertEqual(len(plan.legs[0].waypoints) > 2, not legs)
             self.assertGreater(len(plan.legs[1].waypoints), 2)
             self.assertEqual((plan.loads[0].name, plan.loads[0].legs, plan.loads[0].mass), ("rod", legs, 2.0))
@@ -59,10 +59,10 @@ class Loads(unittest.TestCase):
     def test_the_check_is_that_of_the_program_with_the_loads_that_are_stated(self):
         plan, bare = self.planned(loads=[self.rod]), self.planned()
         file = self.file("plan.json", plan.to_json())
-        told = worlds.answer("check", file, *self.flags)
+        answer = worlds.answer("check", file, *self.flags)
         verdict = cw.check_plan(self.space, plan)
         self.assertTrue(verdict.valid, verdict.first_contact)
-        self.assertEqual((told["verdict"], told["min_clearance_m"]), ("valid", verdict.min_clearance))
+        self.assertEqual((answer["verdict"], answer["min_clearance_m"]), ("valid", verdict.min_clearance))
         self.assertGreater(cw.check_plan(self.space, plan, loads=[]).min_clearance, verdict.min_clearance)
         refused = cw.check_plan(self.space, bare, loads=[self.rod])
         self.assertFalse(refused.valid)
@@ -96,7 +96,7 @@ class Loads(unittest.TestCase):
         self.assertLess(trajectory.times[-1], cw.plan_trajectory(self.robot, plan).times[-1])
         csv = pathlib.Path(self.folder.name) / "way.csv"
         rod = self.file("rod.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, pose: [0, 0, 0.01, 0, 0, 0], mass: 2}")
-        self.told("--attach", rod, "--trajectory", "csv", csv)
+        self.answer("--attach", rod, "--trajectory", "csv", csv)
         table = np.loadtxt(csv.read_text().splitlines()[1:], delimiter=",", ndmin=2)
         np.testing.assert_array_equal(table[:, 0], trajectory.times)
         np.testing.assert_array_equal(table[:, 1:3], trajectory.positions)
@@ -104,13 +104,13 @@ class Loads(unittest.TestCase):
 
     def test_a_motion_is_checked_with_the_loads_that_are_stated(self):
         file = self.file("rod.yaml", "{name: rod, box: [0.05, 1, 0.05], link: base, pose: [0, 0, 0.01, 0, 0, 0], mass: 2}")
-        told = self.told("--attach", file, "--motion")
-        plan = cw.parse_plan(json.dumps(told))
+        answer = self.answer("--attach", file, "--motion")
+        plan = cw.parse_plan(json.dumps(answer))
         self.assertEqual(plan.motion.grip_time, 1.0)
         self.assertTrue(cw.check_plan(self.space, plan).valid)
-        bare = self.told("--motion")
-        told["motion"] = {**bare["motion"], "grip_time_s": 1.0}
-        verdict = cw.check_plan(self.space, cw.parse_plan(json.dumps(told)))
+        bare = self.answer("--motion")
+        answer["motion"] = {**bare["motion"], "grip_time_s": 1.0}
+        verdict = cw.check_plan(self.space, cw.parse_plan(json.dumps(answer)))
         self.assertFalse(verdict.valid)
         self.assertIn("motion", verdict.first_contact)
 
@@ -188,12 +188,12 @@ class Picks(unittest.TestCase):
     def test_a_can_is_taken_and_put_down_as_by_the_program(self):
         self.assertTrue(self.plan.is_proved, self.plan.explanation)
         self.assertEqual(len(self.plan.legs), 6)
-        told = worlds.answer("plan", *self.flags, "--start=" + text(self.start), "--pick", self.yaml)
+        answer = worlds.answer("plan", *self.flags, "--start=" + text(self.start), "--pick", self.yaml)
         # Its grasp comes through roll, pitch and yaw, ours as a matrix: equal but for rounding.
-        np.testing.assert_allclose(self.plan.pick.object_from_tip, told["pick"]["grasp"], atol=1e-12)
-        same = cw.Pick(self.can, told["pick"]["pose"], told["pick"]["place"], object_from_tip=told["pick"]["grasp"])
+        np.testing.assert_allclose(self.plan.pick.object_from_tip, answer["pick"]["grasp"], atol=1e-12)
+        same = cw.Pick(self.can, answer["pick"]["pose"], answer["pick"]["place"], object_from_tip=answer["pick"]["grasp"])
         plan = cw.plan(self.space, self.start, pick=same, allow_outside=["all"])
-        self.assertEqual(without_times(plan.to_dict()), without_times(told))
+        self.assertEqual(without_times(plan.to_dict()), without_times(answer))
         self.assertEqual(plan.loads[0].legs, [2, 3, 4])
         # The can goes with the tip: where the leg `carry` ends it is above its place.
         above = self.robot.tip_pose(plan.legs[3].waypoints[-1]) @ np.linalg.inv(plan.pick.object_from_tip)
@@ -202,10 +202,10 @@ class Picks(unittest.TestCase):
     def test_the_check_takes_the_pick_from_whoever_states_it(self):
         file = pathlib.Path(self.folder.name) / "plan.json"
         self.plan.save(file)
-        told = worlds.answer("check", file, *self.flags, "--pick", self.yaml)
+        answer = worlds.answer("check", file, *self.flags, "--pick", self.yaml)
         verdict = cw.check_plan(self.space, self.plan, pick=self.pick)
         self.assertTrue(verdict.valid, verdict.first_contact)
-        self.assertEqual((told["verdict"], told["min_clearance_m"]), ("valid", verdict.min_clearance))
+        self.assertEqual((answer["verdict"], answer["min_clearance_m"]), ("valid", verdict.min_clearance))
         with self.assertRaisesRegex(ValueError, "^pick: expected what the plan may pick"):
             cw.check_plan(self.space, self.plan)
         with self.assertRaisesRegex(ValueError, "^pick: "):

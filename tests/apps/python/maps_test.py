@@ -256,10 +256,10 @@ class Answers(unittest.TestCase):
     def test_the_program_says_the_same_of_a_saved_map_bit_for_bit(self):
         with worlds.folder() as folder:
             self.map.save(folder)
-            told = worlds.answer("inspect", folder)
-            self.assertEqual(told["resolution"], self.map.resolution)
-            self.assertEqual(told["voxels"], self.map.counts().as_dict())
-            self.assertEqual([told["bounds"]["min"], told["bounds"]["max"]], self.map.bounds.tolist())
+            answer = worlds.answer("inspect", folder)
+            self.assertEqual(answer["resolution"], self.map.resolution)
+            self.assertEqual(answer["voxels"], self.map.counts().as_dict())
+            self.assertEqual([answer["bounds"]["min"], answer["bounds"]["max"]], self.map.bounds.tolist())
             loaded = cw.load_map(folder)
             self.assertEqual(self.map.difference(loaded)["states"], {})
             for point in np.random.default_rng(9).uniform(-0.9, 0.9, (5, 3)):

@@ -117,7 +117,7 @@ class Docstrings(unittest.TestCase):
             if inspect.isclass(value):
                 self.assertEqual(value.__module__, "clearway", name)
 
-    def test_values_tell_what_they_are(self):
+    def test_values_describe_themselves(self):
         fused = worlds.scanned_room()
         snapshot = fused.snapshot()
         self.assertEqual(repr(snapshot.counts())[:21], "VoxelCounts(painted=" + str(snapshot.counts().painted)[:1])
@@ -136,9 +136,9 @@ class Page(unittest.TestCase):
             names = {}
             exec(blocks[0], names)  # noqa: S102
             self.assertTrue(cw.load_plan("plan.json").is_proved)
-            told = worlds.answer("check", "plan.json", "--map", "map", "--robot", "puma560", "--policy", "not_occupied",
+            answer = worlds.answer("check", "plan.json", "--map", "map", "--robot", "puma560", "--policy", "not_occupied",
                                  "--allow-outside", "all")
-            self.assertEqual(told["verdict"], "valid")
+            self.assertEqual(answer["verdict"], "valid")
         self.assertEqual(names["snapshot"].state([0.3, 0.0, 0.4]), cw.VoxelState.painted)
 
 
@@ -246,7 +246,7 @@ class Hostile(unittest.TestCase):
         with self.assertRaises(AttributeError):
             snapshot.resolution = 0.1
 
-    def test_damaged_files_are_told_and_nothing_of_them_is_used(self):
+    def test_damaged_files_are_reported_and_nothing_of_them_is_used(self):
         with worlds.folder() as folder:
             worlds.scanned_room().snapshot().save(folder)
             file = pathlib.Path(folder) / "map.ot"

@@ -64,8 +64,8 @@ class Motions(unittest.TestCase):
         trajectory = cw.trajectory_of(motion)
         np.testing.assert_array_equal(trajectory.positions, motion.positions)
         np.testing.assert_array_equal(trajectory.accelerations, motion.accelerations)
-        told = json.loads(cw.export_trajectory(self.robot, self.plan, trajectory, "ros-json"))
-        points = told["points"] if "points" in told else told["trajectory"]["points"]
+        answer = json.loads(cw.export_trajectory(self.robot, self.plan, trajectory, "ros-json"))
+        points = answer["points"] if "points" in answer else answer["trajectory"]["points"]
         np.testing.assert_array_equal([point["positions"] for point in points], motion.positions)
         np.testing.assert_array_equal([point["velocities"] for point in points], motion.velocities)
         table = list(csv.reader(io.StringIO(cw.export_trajectory(self.robot, self.plan, trajectory, "csv"))))
@@ -90,19 +90,19 @@ class Motions(unittest.TestCase):
             self.map.save(folder)
             space = cw.ConfigurationSpace(self.robot, cw.load_map(folder))
             text = [",".join(map(repr, q.tolist())) for q in (self.start, self.goal)]
-            told = worlds.answer("plan", "--map", folder, "--robot", "puma560", "--planner", "rrtconnect",
+            answer = worlds.answer("plan", "--map", folder, "--robot", "puma560", "--planner", "rrtconnect",
                                  "--start=" + text[0], "--goal=" + text[1], "--motion")
-            self.assertEqual(told["motion"]["verdict"], "valid")
-            self.assertTrue(cw.require_proved(cw.parse_plan(json.dumps(told)), space).is_proved)
-            knots = told["motion"]["positions"]
+            self.assertEqual(answer["motion"]["verdict"], "valid")
+            self.assertTrue(cw.require_proved(cw.parse_plan(json.dumps(answer)), space).is_proved)
+            knots = answer["motion"]["positions"]
             for knot in knots[len(knots) // 4 : -len(knots) // 4]:
                 knot[0] += 1.0  # a leap
-            leaping = cw.parse_plan(json.dumps(told))
+            leaping = cw.parse_plan(json.dumps(answer))
             with self.assertRaisesRegex(cw.PathRefused, "the motion: "):
                 cw.require_proved(leaping, space)
-            told["motion"]["verdict"] = "refused"
+            answer["motion"]["verdict"] = "refused"
             with self.assertRaisesRegex(ValueError, "motion"):
-                cw.plan_trajectory(self.robot, cw.parse_plan(json.dumps(told)))
+                cw.plan_trajectory(self.robot, cw.parse_plan(json.dumps(answer)))
 
     def test_edges_without_blends_stay_on_the_path(self):
         waypoints = self.plan.waypoints
@@ -165,15 +165,15 @@ class Gates(unittest.TestCase):
             lines = "\n".join(json.dumps({"times": t.tolist(), "positions": p.tolist()}) for t, p in chunks) + "\n"
             flags = ["gate", "--map", folder, "--robot", "puma560", "--policy", "not_occupied"]
             done = subprocess.run([os.environ["CLEARWAY_BINARY"], *flags], input=lines, capture_output=True, text=True)
-            told = [json.loads(line) for line in done.stdout.splitlines()]
-            self.assertGreaterEqual(len(told), len(chunks), done.stderr)
+            answer = [json.loads(line) for line in done.stdout.splitlines()]
+            self.assertGreaterEqual(len(answer), len(chunks), done.stderr)
         gate = cw.Gate()
         self.assertEqual(gate.judge(*chunks[0]).reason, "no_map")
         gate = cw.Gate()
         gate.publish(cw.ConfigurationSpace(robot, fused.snapshot(), "not_occupied"))
         verdicts = [gate.judge(times, np.asfortranarray(positions)) for times, positions in chunks]
         self.assertGreater(len({verdict.reason for verdict in verdicts}), 2)
-        for verdict, line in zip(verdicts, told):
+        for verdict, line in zip(verdicts, answer):
             self.assertEqual(line["passed"], verdict.is_passed, line)
             if not verdict.is_passed:
                 self.assertEqual(line["reason"], verdict.reason)

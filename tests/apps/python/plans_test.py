@@ -30,13 +30,13 @@ class Arm(unittest.TestCase):
     def test_plans_are_those_of_the_program_bit_for_bit(self):
         for planner, options in (("rrtconnect", {"shortcuts": 20}), ("beam", {"width": 5, "step_deg": 2.0}), ("auto", {})):
             sets = [word for name, value in options.items() for word in ("--set", f"{name}={value}")]
-            told = worlds.answer("plan", *self.flags, "--planner", planner, *sets, "--seed", 3,
+            answer = worlds.answer("plan", *self.flags, "--planner", planner, *sets, "--seed", 3,
                                  "--start=" + text(self.start), "--goal=" + text(self.goal), "--goal=" + text(self.start))
             plan = cw.plan(self.space, self.start, [self.goal, self.start], planner=planner, seed=3, **options)
             self.assertTrue(plan.is_proved, plan.explanation)
-            self.assertEqual(without_times(plan.to_dict()), without_times(told))
-            self.assertEqual(plan.waypoints.tolist(), told["waypoints"])
-            self.assertEqual(plan.validation.min_clearance, told["validation"]["min_clearance_m"])
+            self.assertEqual(without_times(plan.to_dict()), without_times(answer))
+            self.assertEqual(plan.waypoints.tolist(), answer["waypoints"])
+            self.assertEqual(plan.validation.min_clearance, answer["validation"]["min_clearance_m"])
             cost = sum(self.robot.path_cost(leg.waypoints) for leg in plan.legs)
             self.assertAlmostEqual(plan.cost, cost, delta=1e-3 * cost)  # a beam's steps are shorter
 
@@ -45,16 +45,16 @@ class Arm(unittest.TestCase):
         with worlds.folder() as folder:
             file = pathlib.Path(folder) / "plan.json"
             plan.save(file)
-            told = worlds.answer("check", file, *self.flags)
+            answer = worlds.answer("check", file, *self.flags)
             self.assertEqual(file.read_text(), plan.to_json())
             again = cw.load_plan(file)
         verdict = self.space.check_path(plan.waypoints)
-        self.assertEqual(told["verdict"], "valid")
+        self.assertEqual(answer["verdict"], "valid")
         self.assertTrue(verdict.valid)
-        self.assertEqual(told["min_clearance_m"], verdict.min_clearance)
-        self.assertEqual(told["policy"], self.space.policies)
-        self.assertEqual(told["padding_m"], self.space.padding)
-        self.assertEqual(told["swept"], self.space.survey_path(plan.waypoints)["swept"])
+        self.assertEqual(answer["min_clearance_m"], verdict.min_clearance)
+        self.assertEqual(answer["policy"], self.space.policies)
+        self.assertEqual(answer["padding_m"], self.space.padding)
+        self.assertEqual(answer["swept"], self.space.survey_path(plan.waypoints)["swept"])
         self.assertEqual(again.to_json(), cw.parse_plan(plan.to_json()).to_json())
         np.testing.assert_array_equal(again.waypoints, plan.waypoints)
 
@@ -71,13 +71,13 @@ class Arm(unittest.TestCase):
         with worlds.folder() as folder:
             file = pathlib.Path(folder) / "plan.json"
             file.write_text(json.dumps(bent))
-            told = worlds.answer("check", file, *self.flags)
-        self.assertEqual(told["verdict"], "refused")
+            answer = worlds.answer("check", file, *self.flags)
+        self.assertEqual(answer["verdict"], "refused")
         # Its own words are not taken for the proof.
         with self.assertRaises(cw.PathRefused):
             cw.require_proved(cw.parse_plan(json.dumps(bent)), self.space)
         self.assertIs(cw.require_proved(plan, self.space), plan)
-        self.assertEqual((told["first_contact"], told["edge"], told["parameter"]),
+        self.assertEqual((answer["first_contact"], answer["edge"], answer["parameter"]),
                          (verdict.first_contact, verdict.edge, verdict.parameter))
 
     def test_goals_may_be_poses(self):
@@ -88,9 +88,9 @@ class Arm(unittest.TestCase):
         x, y, z = pose[:3, 3]
         pitch = -np.arcsin(pose[2, 0])
         roll, yaw = np.arctan2(pose[2, 1], pose[2, 2]), np.arctan2(pose[1, 0], pose[0, 0])
-        told = worlds.answer("plan", *self.flags, "--planner", "rrtconnect", "--start=" + text(self.start),
+        answer = worlds.answer("plan", *self.flags, "--planner", "rrtconnect", "--start=" + text(self.start),
                              "--goal-pose=" + text([x, y, z, roll, pitch, yaw]))
-        np.testing.assert_allclose(plan.goals, told["goals"], atol=1e-6)
+        np.testing.assert_allclose(plan.goals, answer["goals"], atol=1e-6)
 
     def test_single_questions_and_arrays_agree_and_edges_hold_at_samples(self):
         dice = np.random.default_rng(5)

@@ -104,7 +104,7 @@ class Facts(unittest.TestCase):
             self.assertEqual(sorted({body.part for body in robot.bodies}), robot.parts)
             self.assertIn(robot.name, repr(robot))
 
-    def test_limits_are_told_in_a_sentence(self):
+    def test_limits_are_reported_in_a_sentence(self):
         robot = cw.load_robot("puma560")
         self.assertEqual(robot.limit_violation(np.zeros(6)), "")
         self.assertIn(robot.joint_names[2], robot.limit_violation([0, 0, 50, 0, 0, 0]))

@@ -39,9 +39,9 @@ class Teams(unittest.TestCase):
             suite.write_text(SUITE)
             status, _, err = worlds.run("compare", suite, "--out", pathlib.Path(folder) / "out")
             self.assertEqual(status, 0, err)
-            told = [json.loads(file.read_text()) for file in sorted(pathlib.Path(folder).glob("out/teams/**/*.json"))]
-        self.assertEqual([team["planner"] for team in told], ["boundary", "constraint"])
-        for team in told:
+            written = [json.loads(file.read_text()) for file in sorted(pathlib.Path(folder).glob("out/teams/**/*.json"))]
+        self.assertEqual([team["planner"] for team in written], ["boundary", "constraint"])
+        for team in written:
             run = cw.run_team(self.robots, [self.ball], planner=team["planner"], duration=20.0)
             self.assertEqual(run.status, team["status"])
             self.assertEqual(run.period, team["period_s"])
@@ -72,7 +72,7 @@ class Teams(unittest.TestCase):
         alone = cw.check_team(self.robots, run)
         self.assertEqual(alone.least_separation, verdict.between_robots)
 
-    def test_who_is_run_over_is_told(self):
+    def test_who_is_run_over_is_named(self):
         train = cw.MovingObstacle("train", [0, 1], [worlds.pose(3), worlds.pose(-3)], box=[0.4, 4, 0.4])
         self.assertAlmostEqual(train.greatest_speed, 6.0)
         slow = [cw.TeamRobot("slow", self.space, [0, 0], [0, 0.5])]

@@ -34,7 +34,7 @@ TEST(Query, AnOptionIsGivenOnceAndWithAValue) {
             "--set: option 'width' is given twice, as '5' and as '6', expected it once");
 }
 
-TEST(Query, AWrongPolicyIsToldWithItsFlagItsPartAndThoseThatThereAre) {
+TEST(Query, AWrongPolicyIsRefusedWithItsFlagItsPartAndThoseThatThereAre) {
   const Robot robot = load_robot("point");
   EXPECT_EQ(complaint([&] { choose_policies({"base=free"}, robot); }),
             "--policy base=free: unknown policy 'free': expected painted, known_free or not_occupied");
@@ -42,7 +42,7 @@ TEST(Query, AWrongPolicyIsToldWithItsFlagItsPartAndThoseThatThereAre) {
             "--policy free: unknown policy 'free': expected painted, known_free or not_occupied");
 }
 
-TEST(Query, AGoalThatABeamComesNearAndDoesNotReachIsToldBesideTheVerdict) {
+TEST(Query, AGoalThatABeamComesNearAndDoesNotReachIsReportedBesideTheVerdict) {
   Policies policies;
   policies.critical_by_default = false;
   const Robot robot = load_robot("planar2");

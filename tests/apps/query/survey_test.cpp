@@ -114,7 +114,7 @@ TEST_F(Survey, in_a_map_of_obstacles_alone_it_says_that_unknown_counts_as_free) 
   EXPECT_EQ(plan(wall_, {"--policy", "known_free"}).status, exit_no);
 }
 
-TEST_F(Survey, what_was_seen_once_is_told_apart_from_what_was_seen_more_often) {
+TEST_F(Survey, what_was_seen_once_is_distinguished_from_what_was_seen_more_often) {
   for (const int looks : {1, 3}) {
     const Json json = Json::parse(plan(seen_room(1.0, looks)).out);
     const Json& swept = json["validation"]["swept"];
@@ -136,7 +136,7 @@ TEST_F(Survey, a_robot_that_left_the_map_is_refused_unless_allowed_by_name) {
     EXPECT_EQ(plan(wall_, {base, "--allow-outside", "all"}).status, exit_done);
     const CommandRun misspelt = plan(wall_, {base, "--allow-outside", "bom"});
     EXPECT_EQ(misspelt.status, exit_bad_input);
-    EXPECT_TRUE(misspelt.told_in_one_sentence()) << misspelt.log;
+    EXPECT_TRUE(misspelt.complains_in_one_sentence()) << misspelt.log;
   }
 }
 
@@ -155,9 +155,9 @@ TEST_F(Survey, check_refuses_what_leaves_the_map_too) {
 TEST_F(Survey, bodies_that_stand_in_obstacles_are_counted_and_refused_only_with_strict) {
   const std::string floor = folder_.write(
       "floor.pcd", cloud({Eigen::Vector3d(-0.3, -0.3, 0.12), Eigen::Vector3d(0.3, 0.3, 0.12)}, 0.05));
-  const CommandRun told = plan(floor);
-  ASSERT_EQ(told.status, exit_done) << told.out << told.log;
-  const Json standing = Json::parse(told.out)["validation"]["standing_in_occupied"];
+  const CommandRun run = plan(floor);
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  const Json standing = Json::parse(run.out)["validation"]["standing_in_occupied"];
   ASSERT_EQ(standing.size(), 1u);
   EXPECT_EQ(standing[0]["part"], "column");
   EXPECT_GT(standing[0]["voxels"], 4);

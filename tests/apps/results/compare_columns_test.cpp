@@ -1,4 +1,4 @@
-// What the database tells of local planners and of teams, read back with SQLite, against the JSON of each
+// What the database holds of local planners and of teams, read back with SQLite, against the JSON of each
 // run.
 
 #include <gtest/gtest.h>
@@ -126,7 +126,7 @@ TEST_F(CompareColumns, HaveNamesOfTheirOwn) {
   for (const RunColumn& column : run_columns()) EXPECT_TRUE(names.insert(column.name).second) << column.name;
 }
 
-TEST_F(CompareColumns, TellOfLocalPlannersWhatTheirPlansTell) {
+TEST_F(CompareColumns, HoldOfLocalPlannersWhatTheirPlansHold) {
   const auto found = runs("experiments.name = 'alone' AND planner != 'rrtconnect'");
   ASSERT_EQ(found.size(), 8U);
   for (const Record& run : found) {
@@ -170,7 +170,7 @@ TEST_F(CompareColumns, TellOfLocalPlannersWhatTheirPlansTell) {
   EXPECT_GT(found[1].at("deadlocks"), 0) << "boundary";
 }
 
-TEST_F(CompareColumns, TellWhetherBoundaryPlusHandedOverToTrees) {
+TEST_F(CompareColumns, ShowWhetherBoundaryPlusHandedOverToTrees) {
   const auto with_planes = runs("label = 'no trees'"), without = runs("label = 'no planes'");
   for (const Record& run : with_planes) {
     EXPECT_EQ(run.at("handed_over"), 0);
@@ -184,7 +184,7 @@ TEST_F(CompareColumns, TellWhetherBoundaryPlusHandedOverToTrees) {
   for (const Record& run : runs("planner = 'rrtconnect'")) EXPECT_TRUE(run.at("handed_over").is_null());
 }
 
-TEST_F(CompareColumns, TellOfTeamsWhatTheirFilesTell) {
+TEST_F(CompareColumns, HoldOfTeamsWhatTheirFilesHold) {
   const auto found = runs("problems.name = 'past each other'");
   ASSERT_EQ(found.size(), 1U);
   const Record& run = found[0];

@@ -105,7 +105,7 @@ TEST(CompareDiff, RunsLostToNoClockAreWorseAloneAndAShuffleIsNot) {
   EXPECT_FALSE(shuffled.is_worse());
 }
 
-TEST(CompareDiff, CountsOtherPathsAndTellsWhatCannotBeCompared) {
+TEST(CompareDiff, CountsOtherPathsAndNamesWhatCannotBeCompared) {
   const TemporaryFolder folder;
   CompareResults before = results_with([](std::size_t, CompareRun&) {}), after = before;
   after.experiments[0].problems[0].runs[0].length = 3.0;

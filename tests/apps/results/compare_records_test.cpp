@@ -102,7 +102,7 @@ TEST(CompareRecords, HalfALastLineIsLeftOutAndAWrongOneNamed) {
   text.resize(text.rfind('\n'));  // the line of the time
   const TemporaryFolder folder;
   EXPECT_EQ(CompareRecords::read(folder.write("cut.jsonl", text)).count(), 2U);
-  const auto told = [&](const std::string& wrong) -> std::string {
+  const auto complaint_of = [&](const std::string& wrong) -> std::string {
     try {
       CompareRecords::read(folder.write("wrong.jsonl", wrong));
     } catch (const std::invalid_argument& error) {
@@ -110,11 +110,11 @@ TEST(CompareRecords, HalfALastLineIsLeftOutAndAWrongOneNamed) {
     }
     return "";
   };
-  EXPECT_NE(told(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n").find("wrong.jsonl', line 6"),
+  EXPECT_NE(complaint_of(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n").find("wrong.jsonl', line 6"),
             std::string::npos)
-      << told(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n");
-  EXPECT_NE(told("nonsense\n").find("line 1"), std::string::npos);
-  EXPECT_NE(told("").find("line 1"), std::string::npos);
+      << complaint_of(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n");
+  EXPECT_NE(complaint_of("nonsense\n").find("line 1"), std::string::npos);
+  EXPECT_NE(complaint_of("").find("line 1"), std::string::npos);
 }
 
 TEST(CompareRecords, FilesElsewhereAndWhatIsNoFileAreRefused) {
@@ -147,7 +147,7 @@ TEST(CompareRecords, FilesElsewhereAndWhatIsNoFileAreRefused) {
                std::invalid_argument);
 }
 
-TEST(CompareRecords, TellsWhatTwoComparisonsDoNotShare) {
+TEST(CompareRecords, NamesWhatTwoComparisonsDoNotShare) {
   const auto with = [](const auto& change) {
     CompareAsked other = asked();
     change(other);

@@ -57,7 +57,7 @@ TEST(CompareSummaryOfTeams, ATeamThatKeptItsDistanceFallsShortByNothing) {
   EXPECT_TRUE(std::isnan(none.least_separation));
 }
 
-TEST(CompareSummary, TellsMediansOfValidRunsAndTimesOfSolvedOnes) {
+TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   std::vector<CompareRun> runs;
   for (int i = 1; i <= 5; ++i) {  // 1, 4, 9, 16, 25: no quantile is the mean of others
     CompareRun run;

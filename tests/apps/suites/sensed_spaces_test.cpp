@@ -221,7 +221,7 @@ TEST(SensedSpaces, NothingIsLeftOfWhatLayAgainstAWall) {
   EXPECT_EQ(left_over(made, -0.64), 0U);
 }
 
-TEST(SensedSpaces, WhatIsSeenAnewIsToldChangeByChange) {
+TEST(SensedSpaces, WhatIsSeenAnewIsReportedChangeByChange) {
   const Passing scene;
   SensedSpaces spaces(scene.team, scene.given.moving, scene.sensing, {}, empty_map(), scene.policies);
   const auto is_seen = [&](const SeenAnew& seen, double x) {

@@ -59,7 +59,7 @@ TEST(SuiteTeams, RandomTeamsKeepTheSecurityDistanceByTheIndependentCheck) {
   EXPECT_GE(counted, 8);
 }
 
-TEST(SuiteTeams, ATeamThatDoesNotFitItsRobotsIsToldWithTeamAndRobot) {
+TEST(SuiteTeams, ATeamThatDoesNotFitItsRobotsIsRefusedWithTeamAndRobot) {
   SuiteTeam team;
   team.name = "pair";
   team.robots.push_back({"left", "arm5", {}, 0.0, {}, {0.0, 0.0}, {0.0, 0.0}});

@@ -23,7 +23,7 @@ class Draw {
   std::mt19937_64 random_;
 };
 
-/// A ball led over a table and round something: its centre is told as wrong as the bound allows.
+/// A ball led over a table and round something: its centre is off by as much as the bound allows.
 std::vector<MarkingBall> stroke(Draw& draw, double table) {
   std::vector<MarkingBall> balls;
   const Eigen::Vector2d middle(draw(-1, 1), draw(-1, 1));

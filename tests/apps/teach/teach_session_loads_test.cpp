@@ -53,7 +53,7 @@ TEST_F(TeachSessionOf, ALoadOfTwoQueriesIsTakenOnlyWhereBothMeanTheSame) {
   EXPECT_EQ(act(TeachAction::attach, "can"), "");
 }
 
-/// The paint is a ball of 3 m, the arm's reach 2.05 m: whether the load stays inside is told by its corners.
+/// The paint is a ball of 3 m, the arm's reach 2.05 m: the load's corners decide whether it stays inside.
 TEST_F(TeachSessionOf, PlacesAreRefusedWhereTheLoadLeavesThePaint) {
   paint_everything();
   for (const double length : {0.2, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6}) {
@@ -97,8 +97,9 @@ TEST_F(TeachSessionOf, ALegCarriesWhatIsHeldWhenItsEndIsPicked) {
   EXPECT_EQ(taught.plan.loads[0].legs, (std::vector<int>{1, 2}));
   EXPECT_EQ(taught.plan.loads[1].legs, (std::vector<int>{2, 3}));
   EXPECT_EQ(taught.plan.policies.at("rod"), taught.plan.policies.at("forearm"));
-  const auto planned = std::find_if(session_.events().begin(), session_.events().end(),
-                                    [](const auto& told) { return told.event.action == TeachAction::plan; });
+  const auto planned =
+      std::find_if(session_.events().begin(), session_.events().end(),
+                   [](const auto& entry) { return entry.event.action == TeachAction::plan; });
   EXPECT_NE(planned->remark.find("carries rod on forearm, legs 2, 3"), std::string::npos) << planned->remark;
   // Along what is played, each leg shows its own loads.
   std::vector<std::size_t> seen;

@@ -120,7 +120,7 @@ TEST_F(ImagePosesOfAStroke, ATagAloneHasThePoseThatItsBoardGivesIt) {
   EXPECT_GT(seen, 3);
 }
 
-TEST_F(ImagePosesOfAStroke, CsvJsonAndTumTellTheSamePosesOnAnyThreads) {
+TEST_F(ImagePosesOfAStroke, CsvJsonAndTumHoldTheSamePosesOnAnyThreads) {
   const CommandRun run = track({"--csv", folder_.file("p.csv"), "--json", folder_.file("p.json"),
                                 "--tum-probe", folder_.file("probe.txt"), "--tum-camera",
                                 folder_.file("camera.txt"), "--draw", folder_.file("drawn")});
@@ -144,9 +144,9 @@ TEST_F(ImagePosesOfAStroke, CsvJsonAndTumTellTheSamePosesOnAnyThreads) {
           pose["status"] != "accepted")
         continue;
       ++accepted;
-      const auto told = probe.nearest(image["time"]);
-      ASSERT_TRUE(told);
-      EXPECT_LT((told->translation() - pose_of(pose["pose"]).translation()).norm(), 1e-9);
+      const auto pose_then = probe.nearest(image["time"]);
+      ASSERT_TRUE(pose_then);
+      EXPECT_LT((pose_then->translation() - pose_of(pose["pose"]).translation()).norm(), 1e-9);
     }
   }
   EXPECT_FALSE(std::getline(lines, line));
@@ -233,15 +233,15 @@ TEST_F(ImagePosesOfAStroke, BadInputIsOneSentenceAndWritesNothing) {
   folder_.write("bare.yaml", "title: none\n");
   folder_.write("small.yaml", "camera: {width: 64, height: 48, fx: 60, fy: 60, cx: 32, cy: 24}\n" +
                                   setup_.substr(setup_.find("boards:")));
-  for (const auto& [flags, told] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+  for (const auto& [flags, words] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--setup", folder_.file("bare.yaml")}, "expected `boards`"},
            {{"--csv", folder_.file("r.rawlog")}, "is read by SOURCE"},
            {{"--csv", folder_.file("no/where.csv")}, "no/where.csv"},
            {{"--setup", folder_.file("nowhere.yaml")}, "nowhere.yaml"}}) {
     const CommandRun run = track(flags);
-    EXPECT_EQ(run.status, exit_bad_input) << told;
-    EXPECT_TRUE(run.told_in_one_sentence()) << run.log;
-    EXPECT_NE(run.log.find(told), std::string::npos) << run.log;
+    EXPECT_EQ(run.status, exit_bad_input) << words;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(words), std::string::npos) << run.log;
   }
   const CommandRun run = track({"--setup", folder_.file("small.yaml")});
   EXPECT_EQ(run.status, exit_no);

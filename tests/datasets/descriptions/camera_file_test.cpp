@@ -47,7 +47,7 @@ std::string refusal_of(const std::string& text, const std::string& camera = "") 
   return "";
 }
 
-TEST(CameraFile, kalibr_and_ros_tell_the_same_camera) {
+TEST(CameraFile, kalibr_and_ros_describe_the_same_camera) {
   const CameraIntrinsics expected{752, 480, 458.6, 457.2, 367.2, 248.3, {-0.28, 0.07, 0.0001, -0.0002, 0}};
   EXPECT_EQ(parse_camera_file(kalibr, "c.yaml", ""), expected);
   EXPECT_EQ(parse_camera_file(kalibr, "c.yaml", "cam0"), expected);
@@ -65,7 +65,7 @@ TEST(CameraFile, a_setup_takes_it_relative_to_its_own_folder) {
 }
 
 TEST(CameraFile, other_lenses_and_damaged_files_are_refused_in_a_sentence) {
-  for (const auto& [text, told] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
            {with(kalibr, "radtan", "equidistant"), "the lens 'equidistant' is not known"},
            {with(kalibr, "model: pinhole", "model: omni"), "the lens 'omni' is not known"},
            {with(ros, "plumb_bob", "fisheye"), "the lens 'fisheye' is not known"},
@@ -77,7 +77,7 @@ TEST(CameraFile, other_lenses_and_damaged_files_are_refused_in_a_sentence) {
            {kalibr + with(kalibr, "cam0:", "cam1:"), "it has 2 cameras"},
            {"title: a\n", "expected kalibr's camchain"}}) {
     const std::string sentence = refusal_of(text);
-    EXPECT_NE(sentence.find(told), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find(words), std::string::npos) << sentence;
     EXPECT_NE(sentence.find("c.yaml"), std::string::npos) << sentence;
   }
   EXPECT_EQ(refusal_of(kalibr + with(kalibr, "cam0:", "cam1:"), "cam1"), "");

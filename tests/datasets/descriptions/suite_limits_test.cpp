@@ -17,13 +17,13 @@ std::string complaint_of(const std::string& world, const std::string& more = "")
 }
 
 TEST(SuiteLimits, a_box_of_65_km_is_refused_with_its_field_its_figure_and_the_limit) {
-  const std::string told =
+  const std::string sentence =
       complaint_of("resolution: 0.02, sensors: [[0, 0, 1]], solids: [{name: s, box: [65000, 65000, 65000]}]");
-  EXPECT_NE(told.find("suite 's.yaml', line 1, worlds[0].solids[0].box: expected"), std::string::npos)
-      << told;
-  EXPECT_NE(told.find("at most 2.5e+07 points half a voxel (0.01 m) apart on them, got 2.535e+14"),
+  EXPECT_NE(sentence.find("suite 's.yaml', line 1, worlds[0].solids[0].box: expected"), std::string::npos)
+      << sentence;
+  EXPECT_NE(sentence.find("at most 2.5e+07 points half a voxel (0.01 m) apart on them, got 2.535e+14"),
             std::string::npos)
-      << told;
+      << sentence;
 }
 
 TEST(SuiteLimits, every_extent_that_asks_for_more_than_a_gigabyte_is_refused) {
@@ -48,11 +48,11 @@ TEST(SuiteLimits, every_extent_that_asks_for_more_than_a_gigabyte_is_refused) {
 TEST(SuiteLimits, an_exact_world_of_too_many_voxels_is_refused) {
   EXPECT_EQ(complaint_of("resolution: 0.01, exact: true, solids: [{name: s, box: [2, 2, 2]}]"), "");
   for (const std::string solid : {"box: [3, 3, 3]", "sphere: 1.5", "cylinder: [1.5, 3]"}) {
-    const std::string told =
+    const std::string sentence =
         complaint_of("resolution: 0.01, exact: true, solids: [{name: s, " + solid + "}]");
-    EXPECT_NE(told.find("worlds[0].solids: expected at most 2.5e+07 voxels of 0.01 m"), std::string::npos)
-        << solid << told;
-    EXPECT_NE(told.find("up to 's'"), std::string::npos) << told;
+    EXPECT_NE(sentence.find("worlds[0].solids: expected at most 2.5e+07 voxels of 0.01 m"), std::string::npos)
+        << solid << sentence;
+    EXPECT_NE(sentence.find("up to 's'"), std::string::npos) << sentence;
   }
 }
 

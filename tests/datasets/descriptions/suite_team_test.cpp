@@ -71,7 +71,7 @@ void expect_refused(const std::string& text, const std::string& part) {
   EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
 }
 
-TEST(SuiteTeam, BadTeamsAreToldInASentence) {
+TEST(SuiteTeam, BadTeamsAreRefusedInASentence) {
   const std::string one = "\n      robots:\n        - {name: a, robot: arm5, start: [0, 0]";
   expect_refused(suite_with(one + "}\n"), "expected where robot 'a' shall go");
   expect_refused(

@@ -125,13 +125,15 @@ TEST(Suite, AnExactWorldIsItsSolidsAlone) {
   EXPECT_TRUE(suite.worlds.at(0).is_exact);
   EXPECT_EQ(suite.worlds[0].solids.size(), 1u);
   EXPECT_FALSE(parse_suite(full, "two.yaml").worlds[1].is_exact);
-  const auto told = [&](const std::string& more) {
+  const auto complaint_of = [&](const std::string& more) {
     return complaint([&] { parse_suite(world(more), "s.yaml"); });
   };
-  EXPECT_EQ(told("resolution: 0.1"), "suite 's.yaml', line 1, worlds[0].solids: expected at least one.");
+  EXPECT_EQ(complaint_of("resolution: 0.1"),
+            "suite 's.yaml', line 1, worlds[0].solids: expected at least one.");
   for (const std::string key : {"sensors: [[0, 0, 1]]", "pockets: [[0, 0, 0, 1]]", "sensor_range: 2"})
-    EXPECT_NE(told(key + ", solids: [{name: s, box: [1, 1, 1]}]").find("an exact world is its solids"),
-              std::string::npos)
+    EXPECT_NE(
+        complaint_of(key + ", solids: [{name: s, box: [1, 1, 1]}]").find("an exact world is its solids"),
+        std::string::npos)
         << key;
 }
 
@@ -232,7 +234,7 @@ TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
   }
 }
 
-TEST(Suite, AWorldThatIsAskedForWhereNoneIsDefinedIsToldSo) {
+TEST(Suite, AWorldThatIsAskedForWhereNoneIsDefinedIsRefused) {
   const std::string text =
       "experiments: [{name: a, robot: arm5, world: w, problems: [{name: p, start: [0], goals: [[1]]}]}]";
   EXPECT_NE(complaint([&] {

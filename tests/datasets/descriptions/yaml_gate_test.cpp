@@ -41,7 +41,7 @@ TEST(YamlGate, deep_nesting_is_refused_whichever_way_it_is_written) {
     EXPECT_NE(refusal(text).find("at most 32 lists and maps inside each other"), std::string::npos);
 }
 
-TEST(YamlGate, tells_line_column_and_what_was_expected_in_our_words) {
+TEST(YamlGate, names_line_column_and_what_was_expected_in_our_words) {
   EXPECT_EQ(refusal("a: [1, 2\n"), "suite 's', line 2, column 1: not valid YAML, expected ',' or ']'.");
   EXPECT_EQ(
       refusal("a: b: c\n"),

@@ -12,7 +12,7 @@ namespace depth_folder_test {
 
 const CameraIntrinsics camera{48, 36, 50, 52, 24, 18, {}};
 
-/// A wall straight ahead, with one pixel that stands out and two that tell nothing.
+/// A wall straight ahead, with one pixel that stands out and two that hold no depth.
 std::string depth_png(std::uint16_t units) {
   cv::Mat depth(36, 48, CV_16UC1, cv::Scalar(units));
   depth.at<std::uint16_t>(10, 34) = static_cast<std::uint16_t>(units / 2);
@@ -99,7 +99,7 @@ TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
   EXPECT_NE(source->warnings().at(0).find("1 of 2 depth pictures"), std::string::npos);
 }
 
-TEST_F(DepthFolders, RefusesWhatTellsNoCameraOrNoPoses) {
+TEST_F(DepthFolders, RefusesWhatNamesNoCameraOrNoPoses) {
   make("depth");
   folder_.write("depth/1.png", depth_png(1000));
   EXPECT_NE(complaint([&] { open({}); }).find("expected `camera`"), std::string::npos);

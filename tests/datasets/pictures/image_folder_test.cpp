@@ -37,7 +37,7 @@ TEST(ImageFolder, GivesEachPictureWithItsTimeItsNameAndTheSetupsCamera) {
   EXPECT_EQ(source->progress(), 1.0);
 }
 
-TEST(ImageFolder, DamagedPicturesAreToldAndTheOthersKept) {
+TEST(ImageFolder, DamagedPicturesAreReportedAndTheOthersKept) {
   const TemporaryFolder folder;
   std::vector<std::filesystem::path> files;
   for (int i = 0; i < 6; ++i) {

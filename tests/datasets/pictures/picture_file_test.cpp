@@ -69,7 +69,7 @@ TEST(PictureFile, RefusesSidesThatNoCameraHas) {
   EXPECT_NE(refusal("no picture"), "");
 }
 
-TEST(PictureFile, ExifTellsWhenItWasTaken) {
+TEST(PictureFile, ExifStatesWhenItWasTaken) {
   // 2001-09-09 01:46:40 UTC is 1,000,000,000 s after 1970.
   EXPECT_NEAR(exif_time(jpeg_taken("2001:09:09 01:46:40", "250")), 1e9 + 0.25, 1e-6);
   EXPECT_LT(exif_time(jpeg_taken("2001:19:09 01:46:40", "250")), 0.0);

@@ -59,7 +59,7 @@ TEST(MakeSeconds, TakesADateForNoClock) {
   EXPECT_NEAR(ends[1], 9.9e9, 1e-3);
 }
 
-TEST_F(PictureTimes, ExifCountsBeforeNamesWhenItTellsEveryPictureApart) {
+TEST_F(PictureTimes, ExifCountsBeforeNamesWhenItDistinguishesAllPictures) {
   add("1.jpg", jpeg_taken("2001:09:09 01:46:42", "500"));
   add("2.jpg", jpeg_taken("2001:09:09 01:46:40", "250"));
   EXPECT_EQ(times(), (Names{{"2.jpg", 1e9 + 0.25}, {"1.jpg", 1e9 + 2.5}}));
@@ -67,7 +67,7 @@ TEST_F(PictureTimes, ExifCountsBeforeNamesWhenItTellsEveryPictureApart) {
   EXPECT_EQ(times(), (Names{{"1.jpg", 1}, {"2.jpg", 2}, {"3.jpg", 3}}));
 }
 
-TEST_F(PictureTimes, ATableBesideThemCountsFirstAndWhatItDoesNotNameIsToldAndLeftOut) {
+TEST_F(PictureTimes, ATableBesideThemCountsFirstAndWhatItDoesNotNameIsReportedAndLeftOut) {
   for (const char* name : {"1.png", "2.png", "3.png"}) add(name);
   folder_.write("shots/times.csv",
                 "time,file\n# by hand\n20.5,1.png\n \"10.25\" , \"2.png\" \n30,gone.png\n");

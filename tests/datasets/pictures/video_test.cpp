@@ -12,7 +12,7 @@
 namespace clearway {
 namespace video_test {
 
-/// Ten pictures a second, each of another grey, with a bright square whose place tells its number.
+/// Ten pictures a second, each of another grey, with a bright square whose place encodes its number.
 void write_video(const std::filesystem::path& file, int count) {
   cv::VideoWriter writer(file.string(), cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
                          10.0, {160, 96});

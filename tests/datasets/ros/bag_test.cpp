@@ -131,7 +131,7 @@ TEST(Bag, AFileWithoutAnEndIsReadUpToThere) {
   EXPECT_NE(reading.damage->find("ends early"), std::string::npos) << *reading.damage;
 }
 
-TEST(Bag, AFlippedByteOfAChunkCostsThatChunkAndIsTold) {
+TEST(Bag, AFlippedByteOfAChunkCostsThatChunkAndIsReported) {
   const TemporaryFolder folder;
   std::ifstream in(bag("cdr_zstd.mcap"), std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(in), {}};
@@ -168,7 +168,7 @@ TEST(Bag, SaysWhatItHasWhereATopicIsMissingOrOfAnotherType) {
             std::string::npos);
 }
 
-TEST(Bag, FramesWithoutAPoseAreLeftOutAndTold) {
+TEST(Bag, FramesWithoutAPoseAreLeftOutAndReported) {
   SourceOptions options = all_topics();
   options.bag.fixed_frame = "moon";
   const Reading reading = read(bag("cdr_none.mcap"), options);

@@ -27,7 +27,7 @@ std::vector<Surface> wall() {
 
 double middle_range(const DepthImage& image) { return image.ranges[24 * 64 + 32]; }
 
-TEST(DeliveredDepth, WithoutErrorsEveryPassTellsTheTruePosesInOrder) {
+TEST(DeliveredDepth, WithoutErrorsEveryPassDeliversTheTruePosesInOrder) {
   SceneDepth depth = straight_way(7);
   depth.passes = 3;
   const auto deliveries = deliver_depth(depth, 1);
@@ -39,7 +39,7 @@ TEST(DeliveredDepth, WithoutErrorsEveryPassTellsTheTruePosesInOrder) {
   }
 }
 
-TEST(DeliveredDepth, AClockOffsetTellsThePoseOfThatMuchLater) {
+TEST(DeliveredDepth, AClockOffsetDeliversThePoseOfThatMuchLater) {
   SceneDepth depth = straight_way(50);
   depth.errors.clock_offset = 0.025;  // a quarter of the way to the next pose
   const auto deliveries = deliver_depth(depth, 1);
@@ -96,8 +96,8 @@ TEST(DeliveredDepth, RangesAreLongerByScaleAndQuadraticErrorAndTheCameraIsTheSta
   const auto surfaces = wall();
   const double exact = middle_range(photograph_depth(depth, 0, surfaces, 1));
   depth.errors = {.depth_scale = 0.01, .depth_quadratic = 0.002};
-  const double told = middle_range(photograph_depth(depth, 0, surfaces, 1));
-  EXPECT_NEAR(told, exact * 1.01 + 0.002 * exact * exact, 2.5e-4);
+  const double range = middle_range(photograph_depth(depth, 0, surfaces, 1));
+  EXPECT_NEAR(range, exact * 1.01 + 0.002 * exact * exact, 2.5e-4);
   depth.errors = {.focal_error = 0.02, .centre_error = 1.5};
   const DepthImage image = photograph_depth(depth, 0, surfaces, 1);
   EXPECT_DOUBLE_EQ(image.intrinsics.fx, 61.2);

@@ -204,18 +204,18 @@ TEST(Simulate, AFingerHidesItsTagAndThePictureShowsTheRestWhereTheTruthSays) {
     const auto* image = std::get_if<ImageFrame>(&frame.content);
     if (!image) continue;
     EXPECT_EQ(image->intrinsics, *scene.setup.camera);  // as stated, not as it is
-    const Json& told = truth["frames"][index++];
-    EXPECT_NEAR(told["time"], frame.time, 1e-6);
+    const Json& expected = truth["frames"][index++];
+    EXPECT_NEAR(expected["time"], frame.time, 1e-6);
     auto found = detected(image->image);
-    const bool is_covered = told.contains("covered");
+    const bool is_covered = expected.contains("covered");
     if (is_covered) {
-      EXPECT_EQ(told["covered"], Json::array({11}));
+      EXPECT_EQ(expected["covered"], Json::array({11}));
       EXPECT_FALSE(found.contains(11));
       ++covered;
     } else {
       seen_while_free += found.contains(11);
     }
-    for (const auto& tag : told["tags"]) {
+    for (const auto& tag : expected["tags"]) {
       if (is_covered && tag["id"] == 11) {
         EXPECT_FALSE(tag["fully_visible"]);
       }

@@ -48,15 +48,15 @@ TEST(JointStream, ReadsATableAndNamesTheLineThatIsWrong) {
       parse_joint_states("# recorded\ntime, shoulder, elbow\n1, 0.5, -1\n\n2,0.6,-1.5\r\n", "j.csv", 2.0);
   EXPECT_EQ(stream.names(), (std::vector<std::string>{"elbow", "shoulder"}));
   EXPECT_DOUBLE_EQ(stream.at({"elbow"}, 1.5)->at(0), -1.25);
-  const auto told = [](const std::string& text) {
+  const auto complaint_of = [](const std::string& text) {
     return complaint([&] { parse_joint_states(text, "j.csv", 2.0); });
   };
-  EXPECT_NE(told("1,2,3\n").find("line 1: expected 'time' and the names"), std::string::npos);
-  EXPECT_NE(told("time,a\n1,x\n").find("line 2: expected finite numbers"), std::string::npos);
-  EXPECT_NE(told("time,a\n1,nan\n").find("line 2"), std::string::npos);
-  EXPECT_NE(told("time,a,b\n1,2\n").find("expected 3 numbers, got 2"), std::string::npos);
-  EXPECT_NE(told("time,a,a\n").find("a name of its own"), std::string::npos);
-  EXPECT_NE(told("time,a\n").find("holds no joint positions"), std::string::npos);
+  EXPECT_NE(complaint_of("1,2,3\n").find("line 1: expected 'time' and the names"), std::string::npos);
+  EXPECT_NE(complaint_of("time,a\n1,x\n").find("line 2: expected finite numbers"), std::string::npos);
+  EXPECT_NE(complaint_of("time,a\n1,nan\n").find("line 2"), std::string::npos);
+  EXPECT_NE(complaint_of("time,a,b\n1,2\n").find("expected 3 numbers, got 2"), std::string::npos);
+  EXPECT_NE(complaint_of("time,a,a\n").find("a name of its own"), std::string::npos);
+  EXPECT_NE(complaint_of("time,a\n").find("holds no joint positions"), std::string::npos);
 }
 
 }  // namespace joint_stream_test

@@ -93,7 +93,7 @@ TEST(RecordingReader, ReportsACutAtAnyLengthAndKeepsTheFramesBefore) {
   EXPECT_FALSE(read_bytes(folder, log.gz).damage);
 }
 
-TEST(RecordingReader, TellsFileObjectAndPlaceOfDamage) {
+TEST(RecordingReader, NamesFileObjectAndPlaceOfDamage) {
   const TemporaryFolder folder;
   const SmallLog log = small_log(folder);
   const auto damage = *read_bytes(folder, log.gz.substr(0, log.ends[1] + 20)).damage;

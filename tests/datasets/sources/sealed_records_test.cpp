@@ -61,7 +61,7 @@ TEST(SealedRecords, a_whole_recording_is_read_whole_and_ends_with_its_seal) {
   EXPECT_EQ(whole.damage, "");
 }
 
-TEST(SealedRecords, a_flipped_bit_costs_one_record_which_is_told_by_number_and_time) {
+TEST(SealedRecords, a_flipped_bit_costs_one_record_which_is_named_by_number_and_time) {
   const TemporaryFolder folder;
   std::vector<size_t> begins;
   std::string bytes = recording(folder, begins);

@@ -175,9 +175,9 @@ TEST(MapLeaves, OfDamagedFilesAreRefusedAsLoadMapRefusesThem) {
 
 // What a sanitizer keeps about memory is no cost of the reader.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool memory_tells = false;
+constexpr bool memory_is_measured = false;
 #else
-constexpr bool memory_tells = true;
+constexpr bool memory_is_measured = true;
 #endif
 
 /// The file of a map of 1.1 million nodes.
@@ -197,7 +197,7 @@ std::string large_map() {
 
 /// The file alone has more than the process may still allocate.
 TEST(MapLeaves, OfAFileTakeNoMemoryThatGrowsWithIt) {
-  if (!memory_tells) GTEST_SKIP();
+  if (!memory_is_measured) GTEST_SKIP();
   const TemporaryFolder folder;
   const auto result = [](const std::function<std::string()>& step, std::size_t memory) {
     const ChildOutcome outcome =

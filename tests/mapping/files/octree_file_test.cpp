@@ -276,7 +276,7 @@ TEST(OctreeFile, RefusesAHeaderThatMakesNoSense) {
   EXPECT_TRUE(is_refused(""));
 }
 
-TEST(OctreeFile, AColorTreeTellsStockProgramsWhatIsOccupied) {
+TEST(OctreeFile, AColorTreeShowsStockProgramsWhatIsOccupied) {
   const Snapshot map = worlds::random_map(8).snapshot();
   std::istringstream stream(format_color_tree(map.tree()));
   ::testing::internal::CaptureStderr();
@@ -293,7 +293,7 @@ TEST(OctreeFile, AColorTreeTellsStockProgramsWhatIsOccupied) {
   });
 }
 
-TEST(OctreeFile, ABinaryTreeTellsStockProgramsWhatIsOccupied) {
+TEST(OctreeFile, ABinaryTreeShowsStockProgramsWhatIsOccupied) {
   const Snapshot map = worlds::random_map(9).snapshot();
   std::istringstream stream(format_binary_tree(map.tree()));
   octomap::OcTree tree(0.1);

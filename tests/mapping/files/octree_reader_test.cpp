@@ -22,14 +22,14 @@ std::string file_of(bool binary, const std::string& size, const std::string& dat
 
 // What a sanitizer keeps about memory is no cost of the reader.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool memory_tells = false;
+constexpr bool memory_is_measured = false;
 #else
-constexpr bool memory_tells = true;
+constexpr bool memory_is_measured = true;
 #endif
 
-/// Zero where memory tells nothing.
+/// Zero where memory is not measured.
 long most_memory_kib() {
-  if (!memory_tells) return 0;
+  if (!memory_is_measured) return 0;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss;

@@ -122,7 +122,7 @@ TEST(PaintedCsv, SurvivesRandomDamage) {
   }
 }
 
-TEST(PaintedCsv, beside_our_own_map_it_is_a_copy_and_whoever_changes_it_is_told_that_it_is_not_used) {
+TEST(PaintedCsv, beside_our_own_map_it_is_a_copy_and_whoever_changes_it_is_warned_that_it_is_not_used) {
   const TemporaryFolder folder;
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("tool", {"hand"});

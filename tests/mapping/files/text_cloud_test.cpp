@@ -34,9 +34,9 @@ class TextCloud : public testing::Test {
     try {
       points_ = read_cloud(file);
     } catch (const DamagedFile& error) {
-      const std::string begin = "'" + file + "' is damaged: ", told = error.what();
-      EXPECT_EQ(told.substr(0, begin.size()), begin);
-      return told.substr(begin.size());
+      const std::string begin = "'" + file + "' is damaged: ", sentence = error.what();
+      EXPECT_EQ(sentence.substr(0, begin.size()), begin);
+      return sentence.substr(begin.size());
     }
     return "";
   }
@@ -44,11 +44,12 @@ class TextCloud : public testing::Test {
   std::vector<Eigen::Vector3f> points_;
 };
 
-TEST_F(TextCloud, AWordThatIsNoNumberIsDamageAndItsLineIsTold) {
+TEST_F(TextCloud, AWordThatIsNoNumberIsDamageAndItsLineIsNamed) {
   for (const std::string word : {"2m", "1,5", "abc", "1e39", "0x10", "1.5f", "--1", "1e", "+-1", "1.#QNAN"}) {
-    const std::string data = "1 2 3 4\n5 " + word + " 7 8\n", told = "has '" + word + "', expected a number";
-    EXPECT_EQ(refusal("a.pcd", pcd(data, 2)), "line 13 " + told);
-    EXPECT_EQ(refusal("a.PLY", ply(data, 2)), "line 12 " + told);
+    const std::string data = "1 2 3 4\n5 " + word + " 7 8\n",
+                      sentence = "has '" + word + "', expected a number";
+    EXPECT_EQ(refusal("a.pcd", pcd(data, 2)), "line 13 " + sentence);
+    EXPECT_EQ(refusal("a.PLY", ply(data, 2)), "line 12 " + sentence);
   }
   EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 four\n", 1)), "line 12 has 'four', expected a number");
 }

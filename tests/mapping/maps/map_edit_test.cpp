@@ -129,7 +129,7 @@ TEST(Merge, OneScanOfAThingInPaintThatWasSeenFreeForLongMakesConflicts) {
   EXPECT_EQ(merge(newest.snapshot(), old.snapshot()).counts().conflict, hit);
 }
 
-/// True when two maps say the same of random voxels, their volumes told by label.
+/// True when two maps say the same of random voxels, their volumes matched by label.
 void expect_same(const Snapshot& a, const Snapshot& b) {
   EXPECT_FALSE(difference(a, b).any());
   for_random_cells(30, 10000, [&](const Eigen::Vector3i& cell) {

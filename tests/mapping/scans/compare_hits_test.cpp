@@ -65,7 +65,7 @@ TEST(CompareHits, CountsHitsInStablePlacesThatTheMapCalledFree) {
   }
 }
 
-TEST(CompareHits, AMapTellsItsShareAndAFileKeepsIt) {
+TEST(CompareHits, AMapReportsItsShareAndAFileKeepsIt) {
   FreeSpaceMap map({.resolution = 0.02});
   map.insert(look_at_wall(0.0));
   EXPECT_EQ(map.snapshot().tree().agreement(), ScanAgreement{}) << "no map before the first scan";
@@ -74,11 +74,11 @@ TEST(CompareHits, AMapTellsItsShareAndAFileKeepsIt) {
   EXPECT_EQ(map.snapshot().tree().agreement().called_free, 0U);
   for (int i = 0; i < 3; ++i) map.insert(look_at_wall(0.06));  // frees beside the wall
   for (int i = 0; i < 3; ++i) map.insert(look_at_wall(-0.02));
-  const ScanAgreement told = map.snapshot().tree().agreement();
+  const ScanAgreement agreement = map.snapshot().tree().agreement();
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("clearway_compare_hits_" + std::to_string(getpid()));
   save_map(map.snapshot(), folder);
-  EXPECT_EQ(load_map(folder).tree().agreement(), told);
+  EXPECT_EQ(load_map(folder).tree().agreement(), agreement);
   std::filesystem::remove_all(folder);
 }
 

@@ -24,7 +24,7 @@ TEST(ChildProcess, BringsBackWhatTheWorkReturned) {
   EXPECT_TRUE(run_in_child([] { return std::string(); }, roomy).finished);
 }
 
-TEST(ChildProcess, TellsTheTextOfAnException) {
+TEST(ChildProcess, ReportsTheTextOfAnException) {
   const ChildOutcome outcome =
       run_in_child([]() -> std::string { throw std::runtime_error("no such field"); }, roomy);
   EXPECT_FALSE(outcome.finished);

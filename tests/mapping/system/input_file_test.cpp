@@ -69,7 +69,7 @@ TEST(InputFile, a_file_that_is_too_large_is_refused_before_it_is_read) {
   EXPECT_NE(refusal("/nonexistent/x").find("No such file"), std::string::npos);
 }
 
-TEST(InputFile, the_case_of_an_extension_tells_nothing) {
+TEST(InputFile, the_case_of_an_extension_means_nothing) {
   EXPECT_EQ(extension_of("a/scan.PCD"), ".pcd");
   EXPECT_EQ(extension_of("A.b.Ply"), ".ply");
   EXPECT_EQ(extension_of("a.d/scan"), "");

@@ -197,7 +197,7 @@ TEST(PaintedSpace, NothingIsInsideWhereNothingIsPaintedAndABodyMustBeOne) {
   EXPECT_THROW(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 1}, 0.1}, 0.0), std::invalid_argument);
 }
 
-TEST(UnionContains, TellsWhatFormulasTell) {
+TEST(UnionContains, AgreesWithFormulas) {
   const std::vector<Sphere> one{{{0, 0, 0}, 1.0}};
   // A cylinder about the centre fits when its rim does: (l / 2)^2 + r^2 <= 1.
   EXPECT_EQ(union_contains(one, Cylinder{{0, 0, -0.599}, {0, 0, 0.599}, 0.799}, 1e-4), Containment::inside);

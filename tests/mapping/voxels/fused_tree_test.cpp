@@ -72,7 +72,7 @@ TEST(FusedTree, ANodeCostsNoMoreBytesThanAStockNode) {
   EXPECT_EQ(sizeof(FusedNode), sizeof(octomap::OcTreeNode));
 }
 
-TEST(FusedTree, InnerNodesTellTheMaximumOfObservedChildrenAndTheCommonPaint) {
+TEST(FusedTree, InnerNodesHoldTheMaximumOfObservedChildrenAndTheCommonPaint) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const FusedTree tree = random_tree(seed);
     expect_consistent(tree, *tree.getRoot());

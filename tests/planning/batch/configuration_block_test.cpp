@@ -24,17 +24,17 @@ void look_at(const SphereRobot& robot, std::span<const Configuration> qs, Config
   look(robot, block);
 }
 
-struct Told {
+struct Counts {
   int clear = 0, blocked = 0, open = 0, clear_bodies = 0, open_bodies = 0;
 };
 
 /// What is clear is free by shapes, member by member, and what is blocked is not.
-Told judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t count) {
+Counts judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t count) {
   const CollisionModel& model = space.collision_model();
   ConfigurationBlock block(*model.spheres);
   const std::vector<Configuration> qs = draw(model.robot, seed, count);
   look_at(*model.spheres, qs, block);
-  Told told;
+  Counts counts;
   for (std::size_t i = 0; i < qs.size(); ++i) {
     const bool is_blocked = ConfigurationBlock::holds(block.blocked, i);
     const LinkPoses poses = forward_kinematics(model.robot, qs[i]);
@@ -48,16 +48,16 @@ Told judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t coun
       EXPECT_TRUE(clear || failed || is_blocked) << model.robot.name << " member " << member;
       is_free = is_free && clear;
       is_open = is_open || failed;
-      (failed ? told.open_bodies : told.clear_bodies)++;
+      (failed ? counts.open_bodies : counts.clear_bodies)++;
     }
     EXPECT_FALSE(is_free && is_blocked) << model.robot.name << ": " << qs[i].transpose();
-    (is_blocked ? told.blocked : is_open ? told.open : told.clear)++;
+    (is_blocked ? counts.blocked : is_open ? counts.open : counts.clear)++;
   }
-  return told;
+  return counts;
 }
 
 TEST(ConfigurationBlock, WhatIsClearIsFreeAndWhatIsBlockedIsNot) {
-  Told all;
+  Counts all;
   for (Robot robot : worlds::robots_of_all_kinds()) {
     Random random(5);
     robot.map_from_base = random.pose(2.0);
@@ -67,8 +67,8 @@ TEST(ConfigurationBlock, WhatIsClearIsFreeAndWhatIsBlockedIsNot) {
           Policies{.other = Policy::painted, .critical_by_default = false}}) {
       for (const double padding : {0.0, 0.02}) {
         const ConfigurationSpace space(robot, map, policies, {.padding = padding, .max_distance = 0.1});
-        const Told told = judge(space, 6, ConfigurationBlock::most);
-        all.clear += told.clear, all.blocked += told.blocked, all.open += told.open;
+        const Counts counts = judge(space, 6, ConfigurationBlock::most);
+        all.clear += counts.clear, all.blocked += counts.blocked, all.open += counts.open;
       }
     }
   }
@@ -78,19 +78,20 @@ TEST(ConfigurationBlock, WhatIsClearIsFreeAndWhatIsBlockedIsNot) {
 }
 
 TEST(ConfigurationBlock, MostIsDecided) {
-  const auto told_of = [](const Robot& robot) {
+  const auto counts_of = [](const Robot& robot) {
     const ConfigurationSpace space(robot, worlds::voxels_about(robot, 2, 0.02),
                                    {.critical_by_default = false});
     return judge(space, 7, ConfigurationBlock::most);
   };
   for (const char* name : {"puma560", "arm6"}) {
-    const Told told = told_of(load_robot(name));
-    EXPECT_LT(8 * told.open, told.clear + told.blocked) << name;
-    EXPECT_GT(told.clear_bodies, 50 * told.open_bodies) << name;
+    const Counts counts = counts_of(load_robot(name));
+    EXPECT_LT(8 * counts.open, counts.clear + counts.blocked) << name;
+    EXPECT_GT(counts.clear_bodies, 50 * counts.open_bodies) << name;
   }
-  const Told told = told_of(worlds::of_hulls(load_robot("puma560")));  // spheres stand far out of long hulls
-  EXPECT_LT(2 * told.open, told.clear + told.blocked);
-  EXPECT_GT(told.blocked, 0);
+  const Counts counts =
+      counts_of(worlds::of_hulls(load_robot("puma560")));  // spheres stand far out of long hulls
+  EXPECT_LT(2 * counts.open, counts.clear + counts.blocked);
+  EXPECT_GT(counts.blocked, 0);
 }
 
 TEST(ConfigurationBlock, AllRegistersFindTheSame) {

@@ -81,21 +81,21 @@ TEST(CoreLanes, AllRegistersFindTheSameAndPlaceTheFramesAsTheLookDoes) {
   }
 }
 
-TEST(CoreLanes, LanesThatAreNotActiveAreNotTold) {
+TEST(CoreLanes, LanesThatAreNotActiveAreNotReported) {
   const Robot robot = load_robot("puma560");
   const ConfigurationSpace space(robot, worlds::voxels_about(robot, 2), {.critical_by_default = false});
   const SphereRobot& spheres = *space.collision_model().spheres;
   PieceLanes pieces(spheres);
   Random random(4);
-  int told = 0;
+  int touching = 0;
   for (int round = 0; round < 50; ++round) {
     draw(random, robot, pieces);
     const PieceLanes::Lanes found = touching_lanes(spheres, pieces, none);
     pieces.active = 0x0f3c;
     EXPECT_EQ(touching_lanes(spheres, pieces, none), found & 0x0f3c);
-    told += found != 0;
+    touching += found != 0;
   }
-  EXPECT_GT(told, 10);
+  EXPECT_GT(touching, 10);
 }
 
 }  // namespace core_lanes_test

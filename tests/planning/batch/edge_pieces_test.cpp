@@ -81,7 +81,7 @@ TEST(EdgePieces, WhatTheyProveIsFreeAndWhatTheyRefuseCannotBeProved) {
 }
 
 TEST(EdgePieces, WhoNeedsLessOfAnEdgeHearsTheSameOfTheRest) {
-  int told = 0, left_out = 0;
+  int kept = 0, left_out = 0;
   for (const Robot& robot : worlds::robots_of_all_kinds()) {
     const ConfigurationSpace space(robot, worlds::voxels_about(robot, 4), {.critical_by_default = false});
     const CollisionModel& model = space.collision_model();
@@ -96,12 +96,12 @@ TEST(EdgePieces, WhoNeedsLessOfAnEdgeHearsTheSameOfTheRest) {
         EXPECT_EQ(pieces.examine(from, to, least), finding) << robot.name << " edge " << i;
         const double of_use = pieces.proved_share();
         EXPECT_TRUE(of_use == share || (share < least && of_use == 0.0)) << robot.name << " edge " << i;
-        told += finding == EdgePieces::Finding::blocked && of_use > 0.0;
+        kept += finding == EdgePieces::Finding::blocked && of_use > 0.0;
         left_out += of_use < share;
       }
     }
   }
-  EXPECT_GT(told, 50);
+  EXPECT_GT(kept, 50);
   EXPECT_GT(left_out, 50);
 }
 

@@ -47,13 +47,14 @@ TEST(PairTable, WhereItSaysApartTheBodiesAreWhateverTheOtherJointsDo) {
         const Configuration q = random.configuration(robot);
         const LinkPoses poses = forward_kinematics(robot, q);
         const auto [first, second] = table->joints();
-        const bool told = table->is_apart({q[first], second < 0 ? 0.0 : q[second]});
+        const bool is_proved = table->is_apart({q[first], second < 0 ? 0.0 : q[second]});
         const bool are_apart = std::all_of(pairs.begin(), pairs.end(), [&](const BodyPair& pair) {
           return is_apart(robot, pair, poses, 0.0);
         });
-        EXPECT_TRUE(are_apart || !told) << robot.name << " links " << links.first << ", " << links.second;
-        said += told;
-        missed += are_apart && !told;
+        EXPECT_TRUE(are_apart || !is_proved)
+            << robot.name << " links " << links.first << ", " << links.second;
+        said += is_proved;
+        missed += are_apart && !is_proved;
       }
     }
   }

@@ -81,14 +81,14 @@ TEST(PieceLanes, SpheresAreWhereKinematicsHaveThemButForATenthOfTheSlack) {
 }
 
 /// What was proved free in the middle is free by shapes, and what is blocked is not.
-struct Told {
+struct Counts {
   int proved = 0, blocked = 0, open = 0;
 };
-Told judge(const ConfigurationSpace& space, std::uint64_t seed, int rounds) {
+Counts judge(const ConfigurationSpace& space, std::uint64_t seed, int rounds) {
   const CollisionModel& model = space.collision_model();
   PieceLanes pieces(*model.spheres);
   Random random(seed);
-  Told told;
+  Counts counts;
   for (int round = 0; round < rounds; ++round) {
     draw(random, model.robot, 0.0, pieces);
     look(*model.spheres, pieces);
@@ -100,24 +100,24 @@ Told judge(const ConfigurationSpace& space, std::uint64_t seed, int rounds) {
         const bool clear = model.bodies[i].is_clear(model.pose(poses, i), model.options.padding);
         EXPECT_TRUE(clear || is_open(i)) << model.robot.name << " " << model.bodies[i].body().part;
         is_free = is_free && clear;
-        (is_open(i) ? told.open : told.proved)++;
+        (is_open(i) ? counts.open : counts.proved)++;
       }
       for (std::size_t i = 0; i < model.pairs.size(); ++i) {
         const bool apart = is_apart(model.robot, model.pairs[i], poses, 0.0);
         EXPECT_TRUE(apart || is_open(model.bodies.size() + i)) << model.robot.name << " pair " << i;
         is_free = is_free && apart;
-        (is_open(model.bodies.size() + i) ? told.open : told.proved)++;
+        (is_open(model.bodies.size() + i) ? counts.open : counts.proved)++;
       }
       if ((pieces.blocked >> lane & 1U) == 0) continue;
       EXPECT_FALSE(is_free) << model.robot.name;
-      ++told.blocked;
+      ++counts.blocked;
     }
   }
-  return told;
+  return counts;
 }
 
 TEST(PieceLanes, WhatIsProvedFreeIsFreeAndWhatIsBlockedIsNot) {
-  Told all;
+  Counts all;
   for (Robot robot : worlds::robots_of_all_kinds()) {
     Random random(5);
     robot.map_from_base.translation() = random.point(2.0);
@@ -127,8 +127,8 @@ TEST(PieceLanes, WhatIsProvedFreeIsFreeAndWhatIsBlockedIsNot) {
           Policies{.other = Policy::painted, .critical_by_default = false}}) {
       for (const double padding : {0.0, 0.02}) {
         const ConfigurationSpace space(robot, map, policies, {.padding = padding, .max_distance = 0.1});
-        const Told told = judge(space, 6, 30);
-        all.proved += told.proved, all.open += told.open, all.blocked += told.blocked;
+        const Counts counts = judge(space, 6, 30);
+        all.proved += counts.proved, all.open += counts.open, all.blocked += counts.blocked;
       }
     }
   }
@@ -140,8 +140,8 @@ TEST(PieceLanes, WhatIsProvedFreeIsFreeAndWhatIsBlockedIsNot) {
 TEST(PieceLanes, MostOfWhatIsFreeIsProved) {
   const Robot robot = load_robot("puma560");
   const ConfigurationSpace space(robot, worlds::voxels_about(robot, 2, 0.02), {.critical_by_default = false});
-  const Told told = judge(space, 7, 100);
-  EXPECT_GT(told.proved, 20 * told.open);
+  const Counts counts = judge(space, 7, 100);
+  EXPECT_GT(counts.proved, 20 * counts.open);
 }
 
 TEST(PieceLanes, AllRegistersFindTheSame) {

@@ -26,7 +26,7 @@ TEST(Beam, RefusesAJointThatMovesLessThanItsStep) {
   }
 }
 
-/// What a user is told; empty when nothing is refused.
+/// The sentence that a user reads; empty when nothing is refused.
 std::string refusal(const std::function<void()>& act) {
   try {
     act();
@@ -38,10 +38,10 @@ std::string refusal(const std::function<void()>& act) {
 
 TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
   const BeamWorld world(load_robot("point"), VoxelScene{});
-  const auto told = [&](const PlannerOptions& options) {
+  const auto refusal_of = [&](const PlannerOptions& options) {
     return refusal([&] { world.plan("beam", vector_of({0.0, 0.0}), vector_of({1.0, 0.0}), options); });
   };
-  EXPECT_EQ(told({{"step", "0.1"}}), "");
+  EXPECT_EQ(refusal_of({{"step", "0.1"}}), "");
   for (const auto& [option, value] :
        std::vector<std::pair<std::string, std::string>>{{"width", "0"},
                                                         {"width", "-3"},
@@ -53,7 +53,7 @@ TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
                                                         {"step", "0.1,0.1,0.1"},
                                                         {"max_steps", "0"},
                                                         {"prismatic_scale", "-1"}}) {
-    const std::string sentence = told({{option, value}});
+    const std::string sentence = refusal_of({{option, value}});
     EXPECT_NE(sentence.find("beam"), std::string::npos) << option << " " << value << ": " << sentence;
     EXPECT_NE(sentence.find("'" + option + "'"), std::string::npos) << sentence;
     EXPECT_NE(sentence.find("expected"), std::string::npos) << sentence;
@@ -61,7 +61,7 @@ TEST(Beam, RefusesBadOptionsInOneSentenceThatNamesThem) {
   }
 }
 
-TEST(Beam, StartAndGoalPastALimitAreToldWithTheJoint) {
+TEST(Beam, StartAndGoalPastALimitAreReportedWithTheJoint) {
   Robot robot = load_robot("point");
   robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;
   const BeamWorld world(robot, VoxelScene{});

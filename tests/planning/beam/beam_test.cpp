@@ -278,7 +278,7 @@ TEST(Beam, JointLimitsAreKept) {
   for (const Configuration& q : result.waypoints) EXPECT_TRUE(std::abs(q[1]) <= 0.3);
 }
 
-TEST(Beam, InvalidEndsAreToldInASentence) {
+TEST(Beam, InvalidEndsAreReportedInASentence) {
   const BeamWorld world(load_robot("point"), pocket());
   const Configuration free = vector_of({0.0, 0.0}), blocked = vector_of({1.05, 0.0}),
                       outside = vector_of({0.0, 500.0});

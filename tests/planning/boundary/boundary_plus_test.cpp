@@ -111,7 +111,7 @@ TEST(BoundaryPlus, NeedsNoSamplesWhereTheLocalMethodOrAPlaneIsEnough) {
     return std::count_if(plan.origins.begin(), plan.origins.end(),
                          [](const WaypointOrigin& origin) { return origin.phase == PathPhase::boundary; });
   };
-  EXPECT_GT(with_shortcuts("0"), 5) << "what the search found tells where it followed the boundary";
+  EXPECT_GT(with_shortcuts("0"), 5) << "what the search found shows where it followed the boundary";
   EXPECT_LT(with_shortcuts("200"), with_shortcuts("0"));
 }
 

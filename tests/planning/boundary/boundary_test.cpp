@@ -67,7 +67,7 @@ int count_of(const PlanResult& result, PathPhase phase) {
 
 /// The local method always comes nearer to the goal (section 3.3): what leads away is a step along a
 /// boundary.
-TEST(Boundary, TellsOfEachWaypointWhetherABoundaryWasFollowed) {
+TEST(Boundary, MarksTheWaypointsWhereABoundaryWasFollowed) {
   const Field field(load_robot("point"), walls({box_of(1, -0.6, -0.05, 1.1, 0.9, 0.05)}));
   const Vector2d goal(2.5, 0.05);
   for (const PlannerOptions& options : {unanticipated, anticipated}) {
@@ -359,7 +359,7 @@ TEST(Boundary, StopsWhenOutOfTimeAndAtMaxSteps) {
   }
 }
 
-TEST(Boundary, InvalidEndsAreToldInASentence) {
+TEST(Boundary, InvalidEndsAreReportedInASentence) {
   const Field field(load_robot("point"), figure_11());
   for (const char* planner : {"boundary", "boundary_sides", "constraint"}) {
     EXPECT_EQ(field.plan(planner, Vector2d(1.05, 0), Vector2d(0, 0)).status, PlanStatus::start_invalid);

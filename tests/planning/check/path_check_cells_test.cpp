@@ -91,7 +91,7 @@ TEST(PathCheckCells, ABlockThatIsNotNearIsLeftOutWithAllOfItsVoxels) {
   }
 }
 
-TEST(PathCheckCells, ARobotFarOffTheMapIsToldAsSuch) {
+TEST(PathCheckCells, ARobotFarOffTheMapIsReportedAsSuch) {
   const Snapshot map = FreeSpaceMap({.resolution = 0.005}).snapshot();
   const auto sentence = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) -> std::string {
     try {

@@ -122,7 +122,7 @@ TEST(PathCheckUrdf, AMimicJointsLimitsBindItsMaster) {
       << contact(wide);
 }
 
-TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsTold) {
+TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsReported) {
   const UrdfRobot whip = worlds::whip();
   const Robot robot = whip.robot();
   ASSERT_EQ(contact(robot), "");

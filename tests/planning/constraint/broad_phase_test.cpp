@@ -16,7 +16,7 @@ TEST(BroadPhase, AreAllThatAreWithinReachAndNoneThatTheFieldProvesToBeFar) {
   Random random(2);
   FreeSpaceMap map({.resolution = edge});
   for (int i = 0; i < 300; ++i) occupy(map, ((random.point(0.9) / edge).array().floor() + 0.5) * edge);
-  for (const double field_ends : {0.12, 0.5}) {  // the first field tells of no sphere that it is out of reach
+  for (const double field_ends : {0.12, 0.5}) {  // the first field proves no sphere out of reach
     const auto space = map.snapshot().blocked_space(
         {Policy::not_occupied}, {Eigen::Vector3d::Constant(-1.5), Eigen::Vector3d::Constant(1.5)},
         field_ends);

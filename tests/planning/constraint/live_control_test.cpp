@@ -38,7 +38,7 @@ FreeSpaceMap wall(double ahead) {
   return map;
 }
 
-/// Tells where each tree that it watches is taken apart, and how many are alive at once.
+/// Reports where each tree that it watches is taken apart, and how many are alive at once.
 class TreeWatch {
  public:
   Snapshot watched(const Snapshot& map) {

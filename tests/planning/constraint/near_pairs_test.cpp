@@ -51,7 +51,7 @@ TEST(NearPairs, AreThoseWhoseDistanceIsWithinTheReachOfEach) {
   }
 }
 
-TEST(NearPairs, TellsBoxesAndHullsByTheirSpheresAlone) {
+TEST(NearPairs, JudgesBoxesAndHullsByTheirSpheresAlone) {
   Robot robot = load_robot("puma560");
   robot.bodies[4].shape = Shape::box({0.08, 0.06, 0.12});
   robot.bodies[7].shape = Shape::convex({{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0.02, 0.02, 0.15}});

@@ -130,7 +130,7 @@ TEST(ObstacleConstraints, GradientAndApproachSpeedAreTheNumericRateOfApproach) {
   EXPECT_GT(seen, 100);
 }
 
-TEST(ObstacleConstraints, BodiesOfAnotherRobotMoveAsItsJointsTellThem) {
+TEST(ObstacleConstraints, BodiesOfAnotherRobotMoveAsItsJointsMoveThem) {
   const Robot robot = load_robot("puma560");
   Random random(3);
   constexpr double h = 1e-6;

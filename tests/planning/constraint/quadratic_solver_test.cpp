@@ -182,11 +182,11 @@ TEST(QuadraticSolver, NeverCallsSolvedWhatRoundingLost) {
     }
     const QuadraticSolution s = solve(p);
     ASSERT_TRUE(s.x.allFinite() && s.multipliers.allFinite()) << trial;
-    const bool is_told = s.feasible || !s.multipliers.isZero(0.0);
-    if (is_told) {
+    const bool is_decided = s.feasible || !s.multipliers.isZero(0.0);
+    if (is_decided) {
       EXPECT_LE(bench::judge(p, s).relative, 1e-9) << trial;
     }
-    ++(s.feasible ? feasible : is_told ? proved : given_up);
+    ++(s.feasible ? feasible : is_decided ? proved : given_up);
   }
   EXPECT_GT(feasible, 3000);
   EXPECT_GT(proved, 3000);

@@ -9,7 +9,7 @@
 namespace clearway {
 namespace voxel_key_test {
 
-TEST(VoxelKey, TellsItsVoxelAndAddsUpAsVoxelsDo) {
+TEST(VoxelKey, NamesItsVoxelAndAddsUpAsVoxelsDo) {
   Random random(1);
   const int most = voxel_key_bias - 200;
   const auto voxel = [&](int half) -> Eigen::Vector3i {

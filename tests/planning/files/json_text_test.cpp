@@ -23,7 +23,7 @@ std::string at(int line, int column, const std::string& expected) {
          ": expected " + expected;
 }
 
-TEST(JsonText, tells_the_place_and_what_should_have_come_there) {
+TEST(JsonText, names_the_place_and_what_should_have_come_there) {
   EXPECT_EQ(refusal(""), at(1, 1, "a value"));
   EXPECT_EQ(refusal("{\"a\": 1,\n \"b\" 2}"), at(2, 6, "':' and a value"));
   EXPECT_EQ(refusal("{\"a\": }"), at(1, 7, "a value"));
@@ -35,7 +35,7 @@ TEST(JsonText, tells_the_place_and_what_should_have_come_there) {
   EXPECT_EQ(refusal("[1e999]"), at(1, 2, "a number that is not too large"));
 }
 
-TEST(JsonText, bytes_that_are_no_utf8_are_told_where_they_are) {
+TEST(JsonText, bytes_that_are_no_utf8_are_located) {
   EXPECT_EQ(refusal("{\"a\": \"caf\xe9\"}"), at(1, 11, "text in UTF-8"));
   EXPECT_EQ(refusal("{\n\"\xff\": 1}"), at(2, 2, "text in UTF-8"));
   EXPECT_EQ(refusal("[\"caf\xc3\xa9\", ]"), at(1, 11, "a value"));

@@ -142,13 +142,13 @@ TEST(PlanFile, PhasesThatDoNotFitTheWaypointsAreLeftOutAndOthersRefused) {
     EXPECT_TRUE(read.legs[0].origins.empty());
     EXPECT_EQ(read.waypoints(), plan.waypoints());
   }
-  const auto expect_told = [&](const std::function<void(Json&)>& change, const std::string& field) {
+  const auto expect_named = [&](const std::function<void(Json&)>& change, const std::string& field) {
     const std::string sentence = refusal(changed(change));
     EXPECT_NE(sentence.find(field), std::string::npos) << sentence;
   };
-  expect_told([](Json& leg) { leg["phases"][0]["phase"] = "dreaming"; }, "phases[0].phase");
-  expect_told([](Json& leg) { leg["phases"][0]["to"] = -1; }, "phases[0].to");
-  expect_told([](Json& leg) { leg["steps"][0] = 0.5; }, "steps[0]");
+  expect_named([](Json& leg) { leg["phases"][0]["phase"] = "dreaming"; }, "phases[0].phase");
+  expect_named([](Json& leg) { leg["phases"][0]["to"] = -1; }, "phases[0].to");
+  expect_named([](Json& leg) { leg["steps"][0] = 0.5; }, "steps[0]");
 }
 
 TEST(PlanFile, KeepsEveryBitOfRandomWaypoints) {

@@ -78,7 +78,7 @@ TEST(Gate, TheReactionTimeIsDrivenOn) {
   }
 }
 
-TEST(Gate, TellsPieceBodyVoxelAndHowFarTheArmMayStillGo) {
+TEST(Gate, NamesPieceBodyVoxelAndHowFarTheArmMayStillGo) {
   Gate gate(with_limits(5.0));
   gate.publish(before_wall());
   const GateVerdict verdict = gate.judge(along_x({0.0, 0.3, 0.6, 0.9, 1.2}));  // 3 m/s: stands after 0.9 m
@@ -254,7 +254,7 @@ TEST(Gate, RefusesOptionsAndRobotsThatDoNotFitAndKeepsItsMap) {
   EXPECT_THROW(aged.publish(before_wall(), std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
 }
 
-TEST(Gate, TellsWhichScanAndStrokeMadeTheVoxelThatBlocks) {
+TEST(Gate, NamesTheScanAndStrokeThatMadeTheVoxelThatBlocks) {
   FreeSpaceMap map({.resolution = 0.05});
   map.keep_scans();
   const int volume = map.add_volume("lane", {"base"});

@@ -47,7 +47,7 @@ TEST(VoxelEvidence, WithoutAHistorySaysWhatTheSnapshotKnows) {
   EXPECT_NE(painted.sentence().find("; painted into 'lane'"), std::string::npos) << painted.sentence();
 }
 
-TEST(VoxelEvidence, TellsWhatWasPaintedAndErased) {
+TEST(VoxelEvidence, ListsWhatWasPaintedAndErased) {
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("lane", {});
   map.begin_stroke("there", "probe");

@@ -43,7 +43,7 @@ struct Tally {
   double worst_lower = 0.0, worst_upper = 0.0, worst_gap = 0.0;
 };
 
-/// Compares one pair with FCL. What FCL's own tolerance cannot tell is allowed for: 1e-6 m.
+/// Compares one pair with FCL. FCL's own tolerance is allowed for: 1e-6 m.
 void compare(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b, const Eigen::Isometry3d& pose_b,
              Tally& tally) {
   const DistanceBounds bounds = distance(a, pose_a, b, pose_b);
@@ -235,7 +235,7 @@ TEST(Distance, OfASweptBodyIsThatOfTheHullOfItsCornersAtBothPoses) {
   EXPECT_LT(apart, 1900);
 }
 
-TEST(Distance, WhetherASweepIsBeyondAMarginIsWhatItsDistanceTells) {
+TEST(Distance, WhetherASweepIsBeyondAMarginFollowsFromItsDistance) {
   Random random(11);
   int beyond = 0;
   for (int i = 0; i < 4000; ++i) {

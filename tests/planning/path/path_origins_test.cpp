@@ -31,9 +31,9 @@ TEST(PathOrigins, AreNoneWhereNoneAreKnown) {
   EXPECT_TRUE(origins_after(corner, corner_origins, {}).empty());
 }
 
-/// Points drawn along a random path, near it: each is told to be on the edge that it was drawn on, or on a
+/// Points drawn along a random path, near it: each is reported on the edge that it was drawn on, or on a
 /// neighbour that begins or ends within the noise.
-TEST(PathOrigins, TellOnWhichEdgeAMotionIs) {
+TEST(PathOrigins, NameTheEdgeThatAMotionIsOn) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (int round = 0; round < 50; ++round) {

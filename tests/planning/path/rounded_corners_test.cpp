@@ -106,7 +106,7 @@ TEST(RoundedCorners, WithoutTimeAPathStaysAsItIs) {
   EXPECT_EQ(scene.edges, 0u);
 }
 
-TEST(RoundedCorners, WhereWeightsTellPointsHardlyApartEveryEdgeIsCertified) {
+TEST(RoundedCorners, WhereWeightsHardlySeparatePointsEveryEdgeIsCertified) {
   Corner corner(box_of(9.9, 5.9, -0.05, 10.1, 6.1, 0.05));
   corner.weight.setConstant(9e-11);  // nine metres are next to nothing
   corner.path = {Vector2d(-1.0, -1.0), Vector2d(0.0, 0.0), Vector2d(0.0, 9.0), Vector2d(30.0, 9.0),

@@ -64,7 +64,7 @@ TEST(OptionReader, NamesOptionValueAndRange) {
   EXPECT_NE(message_of([&] { reader.number("n", 1, 0, 9); }), "nothing thrown");
 }
 
-TEST(OptionReader, TellsLargeBoundsDigitByDigit) {
+TEST(OptionReader, PrintsLargeBoundsDigitByDigit) {
   OptionReader reader("beam", {{"width", "0"}, {"max_steps", "1.5"}, {"scale", "-1"}, {"step", "0.1,99"}});
   EXPECT_EQ(message_of([&] { reader.integer("width", 10, 1, 100000); }),
             "beam: option 'width' is '0': expected a whole number from 1 to 100000");

@@ -113,7 +113,7 @@ TEST_P(EveryPlanner, StopsWhenOutOfTime) {
 INSTANTIATE_TEST_SUITE_P(Table, EveryPlanner, testing::ValuesIn(planner_names()),
                          [](const auto& planner) { return planner.param; });
 
-TEST(Planner, AnEndPastALimitIsToldWithValueLimitAndTheUnitOfItsJoint) {
+TEST(Planner, AnEndPastALimitIsReportedWithValueLimitAndTheUnitOfItsJoint) {
   Robot robot = load_robot("planar2");  // the second joint slides along the first link
   robot.joints[0].lower = -1.0, robot.joints[0].upper = 1.0;
   robot.joints[1].kind = JointKind::prismatic;

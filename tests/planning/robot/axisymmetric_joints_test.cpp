@@ -151,10 +151,10 @@ TEST(AxisymmetricJoints, BodiesThatAlwaysTouchAreRefusedAlsoWhenAxisymmetricJoin
       EXPECT_EQ(space.is_free(q), apart);
       EXPECT_EQ(space.check(q).is_free(), apart);
       EXPECT_EQ(space.is_edge_free(q, to), apart);
-      const std::string told = space.check(q).sentence();
+      const std::string sentence = space.check(q).sentence();
       if (!apart) {
-        EXPECT_NE(told.find("link3"), std::string::npos) << told;
-        EXPECT_NE(told.find("link5"), std::string::npos) << told;
+        EXPECT_NE(sentence.find("link3"), std::string::npos) << sentence;
+        EXPECT_NE(sentence.find("link5"), std::string::npos) << sentence;
       }
     }
   }

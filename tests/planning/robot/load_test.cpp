@@ -117,7 +117,7 @@ TEST(Load, RidesOnItsLegsAlone) {
   EXPECT_EQ(robot_of_leg(robot, {{can("hand"), {}}}, 7).loads.size(), 1U);
 }
 
-/// What is wrong is told in a sentence that names it.
+/// A sentence names what is wrong.
 TEST(Load, RefusesWhatNoRobotCanCarry) {
   const Robot robot = load_robot("arm6");
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -135,10 +135,10 @@ TEST_F(MeshFile, AMeshThatShrinksToAPointIsNoBody) {
   EXPECT_EQ(failure("m.dae", empty), "'m.dae' is damaged: it cannot be read as .dae");
   std::string unit = as_dae(sample_);
   unit.replace(unit.find("meter='1'"), 9, "meter='0'");
-  const std::string told = "' is damaged: its <unit> has meter '0', expected metres in [0.000001, 1000]";
-  EXPECT_EQ(failure("m.dae", unit), "'m.dae" + told);
+  const std::string damage = "' is damaged: its <unit> has meter '0', expected metres in [0.000001, 1000]";
+  EXPECT_EQ(failure("m.dae", unit), "'m.dae" + damage);
   const fs::path file = folder_.write("m.dae", unit);
-  EXPECT_EQ(read_mesh_triangles({file}).failure, "'" + file.string() + told);
+  EXPECT_EQ(read_mesh_triangles({file}).failure, "'" + file.string() + damage);
 }
 
 TEST_F(MeshFile, WhatAMeshRefersToIsNotRead) {

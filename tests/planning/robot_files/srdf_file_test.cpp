@@ -225,7 +225,7 @@ TEST_F(SrdfFile, ANumberOfPairsIsTheMost) {
   EXPECT_THROW(read_srdf(folder_.write("more.srdf", of(100'001))), std::invalid_argument);
 }
 
-TEST_F(SrdfFile, WhatIsWrongIsToldInOneSentence) {
+TEST_F(SrdfFile, WhatIsWrongIsReportedInOneSentence) {
   const auto asked = [&](const std::string& group) { return refusal(RobotRequest{urdf_, {}, group}); };
   EXPECT_EQ(asked("lefd"),
             "two.srdf: there is no group 'lefd', expected one of across, all, empty, hand, left, links, "

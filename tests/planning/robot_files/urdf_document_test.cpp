@@ -36,8 +36,8 @@ TEST_F(UrdfDocumentFile, AnAxisThatNormalisesToNothingIsRefused) {
   const std::string rest = ", expected a direction of length 1, at least 0.001 and at most 1000";
   for (const std::string& axis :
        {std::string("0 0 1e200"), std::string("1e-200 0 0"), std::string("0 1e-5 0")}) {
-    const std::string told = with_joint("revolute", "<axis xyz='" + axis + "'/>" + limit_);
-    EXPECT_EQ(told.find("r.urdf: joint 'j': <axis> has xyz '" + axis + "', expected"), 0u) << told;
+    const std::string sentence = with_joint("revolute", "<axis xyz='" + axis + "'/>" + limit_);
+    EXPECT_EQ(sentence.find("r.urdf: joint 'j': <axis> has xyz '" + axis + "', expected"), 0u) << sentence;
   }
   EXPECT_EQ(with_joint("revolute", "<axis xyz='0 0 -5000'/>" + limit_),
             "r.urdf: joint 'j': <axis> has xyz '0 0 -5000'" + rest);
@@ -152,15 +152,15 @@ TEST_F(UrdfDocumentFile, EndlessFilesEndInASentenceSoon) {
 
 TEST_F(UrdfDocumentFile, WhatIsEchoedFromTheFileIsShortAndPlain) {
   const std::string name = std::string(5'000, 'n') + "\x1b[2J";
-  const std::string told =
+  const std::string sentence =
       folder_.refusal("<robot name='r'><link name='" + name + "'/><link name='" + name + "'/></robot>");
-  EXPECT_LT(told.size(), 200u);
-  EXPECT_EQ(told.find('\x1b'), std::string::npos);
+  EXPECT_LT(sentence.size(), 200u);
+  EXPECT_EQ(sentence.find('\x1b'), std::string::npos);
   EXPECT_LT(with_joint("revolute", "<origin xyz='" + std::string(5'000, '1') + "'/>" + free_turn()).size(),
             250u);
 }
 
-TEST_F(UrdfDocumentFile, ADamagedMeshIsToldWithItsLinkAndAsDamage) {
+TEST_F(UrdfDocumentFile, ADamagedMeshIsReportedWithItsLinkAndAsDamage) {
   folder_.write("m.stl", as_stl(ellipsoid(6, 8, {1, 1, 1})).substr(0, 300));
   EXPECT_EQ(with_shape("<mesh filename='m.stl'/>"),
             "damaged: r.urdf: link 'arm': 'm.stl' is damaged: it cannot be read as .stl");

@@ -39,7 +39,7 @@ TEST(UrdfSpelling, NamesThatWouldDisappearInSilenceAreRefusedWithWhatWasMeant) {
       "revolute", "<origin xyz='1 0 0'/>" + free_turn());
   ASSERT_EQ(folder.refusal(whole), "accepted");
   struct Slip {
-    std::string right, wrong, told;
+    std::string right, wrong, sentence;
   };
   for (const Slip& slip : std::vector<Slip>{
            {"<collision><geometry><sphere radius='0.1'/></geometry></collision>",
@@ -66,7 +66,7 @@ TEST(UrdfSpelling, NamesThatWouldDisappearInSilenceAreRefusedWithWhatWasMeant) {
             "unknown element <lnk> in <robot>, did you mean <link>?"}}) {
     std::string text = whole;
     text.replace(text.find(slip.right), slip.right.size(), slip.wrong);
-    EXPECT_EQ(folder.refusal(text), "r.urdf: " + slip.told);
+    EXPECT_EQ(folder.refusal(text), "r.urdf: " + slip.sentence);
   }
 }
 

@@ -51,7 +51,7 @@ TEST_F(XacroFile, WhatTheProgramMakesIsTheRobotForPlannersAndCheck) {
   EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
 }
 
-TEST_F(XacroFile, ARefusalOrAMissingProgramIsToldInOurWords) {
+TEST_F(XacroFile, ARefusalOrAMissingProgramIsReportedInOurWords) {
   make_program("echo 'Traceback'; echo 'Traceback' >&2; exit 2");
   EXPECT_NE(refusal().find("xacro could not expand it, expected"), std::string::npos) << refusal();
   make_program("yes '<robot>'");  // without end

@@ -28,7 +28,7 @@ VoxelScene stroke(const Robot& robot, double gap) {
   return scene;
 }
 
-TEST(PaintedParts, StartAndGoalInDifferentPiecesOfTheVolumeIsTold) {
+TEST(PaintedParts, StartAndGoalInDifferentPiecesOfTheVolumeAreReported) {
   const Robot robot = painted_point();
   const PathCost cost(robot);
   for (const double gap : {0.0, 0.2}) {
@@ -80,7 +80,7 @@ TEST(PaintedParts, OutOfTimeItSaysNothing) {
   EXPECT_EQ(parted_volume_sentence(problem), "");
 }
 
-TEST(PaintedParts, AVolumeWithoutASphereIsToldInPlaceOfTheFirstBlockedVoxel) {
+TEST(PaintedParts, AVolumeWithoutASphereIsReportedInPlaceOfTheFirstBlockedVoxel) {
   const Robot robot = painted_point();
   const PathCost cost(robot);
   FreeSpaceMap map({.resolution = 0.05});
@@ -100,7 +100,7 @@ TEST(PaintedParts, AVolumeWithoutASphereIsToldInPlaceOfTheFirstBlockedVoxel) {
   EXPECT_EQ(empty_volume_sentence(painted), "");
 }
 
-TEST(PaintedParts, APaintedPolicyInAMapWithoutPaintIsTold) {
+TEST(PaintedParts, APaintedPolicyInAMapWithoutPaintIsReported) {
   const Robot robot = painted_point();
   Policies policies;
   policies.parts[robot.critical_parts[0]] = Policy::painted;

@@ -61,7 +61,7 @@ TEST(BidirectionalTrees, TracesAreJoinedWhereTheySeeEachOther) {
   EXPECT_EQ(trees.sampled_share(), 0.0);
 }
 
-TEST(BidirectionalTrees, TellWhereEachEdgeOfThePathIsFrom) {
+TEST(BidirectionalTrees, NameTheOriginOfEachEdgeOfThePath) {
   const Wall scene;
   BidirectionalTrees trees = scene.trees();
   const WaypointOrigin first{PathPhase::free_motion, {}, 1}, second{PathPhase::boundary, "disc", 2},
@@ -89,7 +89,7 @@ TEST(BidirectionalTrees, TellWhereEachEdgeOfThePathIsFrom) {
   }
 }
 
-TEST(BidirectionalTrees, SamplesGrowFromTracesAndTheirShareIsTold) {
+TEST(BidirectionalTrees, SamplesGrowFromTracesAndTheirShareIsReported) {
   const Wall scene;
   BidirectionalTrees trees = scene.trees();
   trees.add_trace(BidirectionalTrees::start, 0,

@@ -184,14 +184,14 @@ TEST(ConfigurationSpace, AClearanceUpToALimitIsTheLesserOfBoth) {
   int cut = 0, kept = 0;
   for (const Configuration& q : touching_zone(space, random, 300)) {
     const double whole = space.clearance(q), limit = random.between(0.0, 0.1);
-    const double told = space.clearance(q, limit);
-    ASSERT_LE(told, limit);
+    const double limited = space.clearance(q, limit);
+    ASSERT_LE(limited, limit);
     if (whole >= limit) {
-      EXPECT_EQ(told, limit);
+      EXPECT_EQ(limited, limit);
       ++cut;
     } else {
-      EXPECT_LE(told, whole + 1e-9);  // what is near is looked at closely: by the same shapes
-      EXPECT_EQ(told > 0.0, whole > 0.0);
+      EXPECT_LE(limited, whole + 1e-9);  // what is near is looked at closely: by the same shapes
+      EXPECT_EQ(limited > 0.0, whole > 0.0);
       ++kept;
     }
   }

@@ -235,10 +235,10 @@ TEST(ConfigurationSpace, ASlideWithoutLimitsBelowATurningJointIsRefused) {
     try {
       ConfigurationSpace(unlimited, Snapshot(), not_occupied());
       FAIL() << "expected a refusal";
-    } catch (const std::invalid_argument& told) {
-      EXPECT_NE(std::string(told.what()).find("'" + robot.joints[1].name + "' slides without limits"),
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("'" + robot.joints[1].name + "' slides without limits"),
                 std::string::npos)
-          << told.what();
+          << error.what();
     }
   }
   robot.joints[0].lower = -std::numeric_limits<double>::infinity();  // turning without limits is no harm

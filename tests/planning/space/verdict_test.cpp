@@ -7,7 +7,7 @@
 namespace clearway {
 namespace verdict_test {
 
-TEST(Verdict, TellsEachObstructionInASentenceOfItsOwn) {
+TEST(Verdict, DescribesEachObstructionInASentenceOfItsOwn) {
   const auto sentence = [](Obstruction obstruction) {
     return Verdict{obstruction, "tool", "hand", {0.5, -0.25, 1.0}, 0.0125}.sentence();
   };

@@ -53,7 +53,7 @@ TEST(PathSurvey, allows_what_is_allowed_by_name) {
   EXPECT_TRUE(refusal(away, {.allow_outside = {"tool"}}));
 }
 
-TEST(PathSurvey, a_part_that_must_be_in_known_space_is_not_told_to_leave) {
+TEST(PathSurvey, a_part_that_must_be_in_known_space_is_not_reported_to_leave) {
   for (const Policy policy : {Policy::known_free, Policy::painted}) {
     const PathSurvey survey = survey_path(load_robot("point"), seen_line(), {{"base", policy}}, {at(0, 5)});
     EXPECT_TRUE(survey.leaving.empty());
@@ -89,7 +89,7 @@ TEST(PathSurvey, an_empty_map_has_no_inside) {
 TEST(PathSurvey, bodies_that_no_joint_moves_are_refused_only_when_asked) {
   const Robot robot = load_robot("puma560");
   const Snapshot map = VoxelScene{0.05, {box_of(-0.2, -0.2, 0.0, 0.2, 0.2, 0.2)}, {}, {}}.snapshot();
-  const PathSurvey survey = survey_path(robot, map, {}, {});  // told of without a path, too
+  const PathSurvey survey = survey_path(robot, map, {}, {});  // reported without a path, too
   EXPECT_FALSE(survey.swept);
   ASSERT_EQ(survey.standing.size(), 1u);
   EXPECT_EQ(survey.standing[0].part, "base");

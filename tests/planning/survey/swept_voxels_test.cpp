@@ -160,7 +160,7 @@ TEST(SweptVoxels, of_a_disc_that_slides_are_those_of_the_strip_that_it_covers) {
   EXPECT_NEAR(twice->share(twice->unknown) + twice->share(twice->seen_free), 1.0, 1e-12);
 }
 
-TEST(SweptVoxels, tell_paint_obstacles_and_what_lies_beyond_the_map_apart) {
+TEST(SweptVoxels, distinguish_paint_obstacles_and_what_lies_beyond_the_map) {
   const Robot robot = load_robot("point");
   const double edge = 0.05;
   const Snapshot map = VoxelScene{
@@ -224,15 +224,15 @@ TEST(StandingContacts, count_each_voxel_of_a_pruned_leaf) {
     const auto contacts = standing_contacts(robot, map);
     std::set<Key> touched;
     const LinkPoses poses = forward_kinematics(robot, Configuration::Zero(6));
-    std::size_t told = 0, occupied = 0;
-    for (const StandingContact& contact : contacts) told += contact.voxels;
+    std::size_t counted = 0, occupied = 0;
+    for (const StandingContact& contact : contacts) counted += contact.voxels;
     for (const Body& body : robot.bodies) {
       if (robot.links[static_cast<std::size_t>(body.link)].parent >= 0) continue;
       mark_slowly(body.shape, poses[0] * body.link_from_shape, edge, 0.0, touched);
     }
     for (const Key& key : touched) occupied += map.state(center_of(key, edge)) == VoxelState::occupied;
-    EXPECT_EQ(told, occupied);
-    EXPECT_GT(told, 10u);
+    EXPECT_EQ(counted, occupied);
+    EXPECT_GT(counted, 10u);
   }
 }
 

@@ -182,7 +182,7 @@ TEST(Team, WallsThatWereKnownAreNoExcuseWhileSensorsLook) {
   EXPECT_NE(anew.outrun.find("what sensors saw"), std::string::npos) << anew.outrun;
 }
 
-TEST(Team, InvalidEndsAreToldWithRobotAndBody) {
+TEST(Team, InvalidEndsAreReportedWithRobotAndBody) {
   Team team = two_arms();
   team.robots[1].start = values({0.0, 0.5, 0.0, 0.0, 0.0});
   team.robots[0].start = values({0.0, 0.5, 0.0, 0.0, 0.0});
@@ -213,7 +213,7 @@ std::string refusal(const Team& team, const TeamOptions& chosen) {
   return "";
 }
 
-TEST(Team, BadInputIsToldInOneSentence) {
+TEST(Team, BadInputIsRefusedInOneSentence) {
   Team team = two_arms();
   team.robots[1].name = "left";
   EXPECT_EQ(refusal(team, options(true)), "two robots are called 'left': expected names that differ");

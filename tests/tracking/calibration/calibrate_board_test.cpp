@@ -10,7 +10,7 @@ namespace clearway {
 namespace calibrate_board_test {
 
 struct DrawnBoard {
-  TagBody told, actual;
+  TagBody stated, actual;
   std::vector<BoardView> views;
 };
 
@@ -18,9 +18,9 @@ DrawnBoard draw_board(unsigned seed, std::size_t count, double wrong_size = 1.0)
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   DrawnBoard drawn;
-  drawn.told = scene::board("base", 0, 3, 2, 0.05, 0.07);
-  drawn.told.errors = {0.0, 0.002, 0.002, 0.01};
-  drawn.actual = scene::true_body(drawn.told, random);
+  drawn.stated = scene::board("base", 0, 3, 2, 0.05, 0.07);
+  drawn.stated.errors = {0.0, 0.002, 0.002, 0.01};
+  drawn.actual = scene::true_body(drawn.stated, random);
   drawn.actual.tags.at(3).size *= wrong_size;
   while (drawn.views.size() < count) {
     const Eigen::Isometry3d pose = scene::tag_before_camera(
@@ -43,7 +43,7 @@ TEST(CalibrateBoard, places_relative_to_each_other_are_within_the_sigmas_of_draw
   double size = 0.0, distance = 0.0, before = 0.0, after = 0.0;
   for (unsigned seed = 1; seed <= trials; ++seed) {
     const DrawnBoard drawn = draw_board(seed, 20);
-    const BoardCalibration found = calibrate_board(exact_camera(), drawn.told, drawn.views);
+    const BoardCalibration found = calibrate_board(exact_camera(), drawn.stated, drawn.views);
     ASSERT_EQ(found.refusal, "") << seed;
     for (const TagChange& tag : found.tags) {
       const double ratio = found.board.tags.at(tag.id).size / drawn.actual.tags.at(tag.id).size;
@@ -56,7 +56,7 @@ TEST(CalibrateBoard, places_relative_to_each_other_are_within_the_sigmas_of_draw
     };
     distance += std::pow((way(found.board) - way(drawn.actual)) / found.tags.back().place_sigma, 2);
     after += std::pow(way(found.board) - way(drawn.actual), 2);
-    before += std::pow(way(drawn.told) - way(drawn.actual), 2);
+    before += std::pow(way(drawn.stated) - way(drawn.actual), 2);
   }
   EXPECT_LT(size, 87.0);  // chi-square of 50: above 86.7 once in a thousand
   EXPECT_LT(distance, 87.0);
@@ -67,7 +67,7 @@ TEST(CalibrateBoard, places_relative_to_each_other_are_within_the_sigmas_of_draw
 TEST(CalibrateBoard, names_the_one_tag_whose_size_is_wrong_and_finds_its_size) {
   for (const double wrong : {0.9, 1.05, 1.3}) {
     const DrawnBoard drawn = draw_board(77, 25, wrong);
-    const BoardCalibration found = calibrate_board(exact_camera(), drawn.told, drawn.views);
+    const BoardCalibration found = calibrate_board(exact_camera(), drawn.stated, drawn.views);
     ASSERT_EQ(found.refusal, "") << wrong;
     for (const TagChange& tag : found.tags)
       EXPECT_EQ(tag.is_size_wrong, tag.id == 3) << wrong << ' ' << tag.id;
@@ -78,10 +78,10 @@ TEST(CalibrateBoard, names_the_one_tag_whose_size_is_wrong_and_finds_its_size) {
 TEST(CalibrateBoard, few_views_and_tags_apart_are_refused_with_the_reason) {
   DrawnBoard drawn = draw_board(3, 20);
   std::vector<BoardView> few(drawn.views.begin(), drawn.views.begin() + 4);
-  EXPECT_NE(calibrate_board(exact_camera(), drawn.told, few).refusal.find("4 images"), std::string::npos);
+  EXPECT_NE(calibrate_board(exact_camera(), drawn.stated, few).refusal.find("4 images"), std::string::npos);
   for (BoardView& view : drawn.views)
     std::erase_if(view.tags, [](const TagDetection& tag) { return tag.id == 4; });
-  EXPECT_NE(calibrate_board(exact_camera(), drawn.told, drawn.views).refusal.find("tag 4 is in no image"),
+  EXPECT_NE(calibrate_board(exact_camera(), drawn.stated, drawn.views).refusal.find("tag 4 is in no image"),
             std::string::npos);
 }
 

@@ -20,7 +20,7 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_n
     CameraCalibrationOptions options;
     options.folds = 2;
     const CameraCalibration found =
-        calibrate_camera(truth.width, truth.height, drawn.told_board, drawn.views, options);
+        calibrate_camera(truth.width, truth.height, drawn.stated_board, drawn.views, options);
     ASSERT_EQ(found.refusal, "") << seed;
     Eigen::Vector4d off(std::log(found.camera.fx * found.camera.fy / (truth.fx * truth.fy)) / 2.0,
                         std::log(found.camera.fx / found.camera.fy * truth.fy / truth.fx),
@@ -48,7 +48,7 @@ TEST(CalibrateCamera, stated_errors_cover_how_the_image_moves) {
   for (unsigned seed = 101; seed <= 110; ++seed) {
     const DrawnViews drawn = scene::draw_views(seed, 16);
     const CameraCalibration found =
-        calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.told_board, drawn.views);
+        calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.stated_board, drawn.views);
     ASSERT_EQ(found.refusal, "") << seed;
     for (int i = 0; i < 49; ++i) {
       const Eigen::Vector2d pixel(drawn.camera.width * (0.08 + 0.14 * (i % 7)),
@@ -75,7 +75,7 @@ TEST(CalibrateCamera, moved_images_and_wrong_tags_are_left_out_and_named) {
       for (Eigen::Vector2d& corner : tag.corners) corner += Eigen::Vector2d(smear(random), smear(random));
   drawn.views[5].tags[1].corners[2].x() += 25.0;
   const CameraCalibration found =
-      calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.told_board, drawn.views);
+      calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.stated_board, drawn.views);
   ASSERT_EQ(found.refusal, "");
   std::set<std::string> names;
   for (const RefusedView& view : found.refused) names.insert(view.name);
@@ -87,7 +87,7 @@ TEST(CalibrateCamera, moved_images_and_wrong_tags_are_left_out_and_named) {
 TEST(CalibrateCamera, frontal_views_few_views_one_corner_and_cubes_are_refused_with_the_reason) {
   const DrawnViews frontal = scene::draw_views(9, 24, {.tilt = 0.02});
   const auto refusal = [](const DrawnViews& drawn) {
-    return calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.told_board, drawn.views).refusal;
+    return calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.stated_board, drawn.views).refusal;
   };
   EXPECT_NE(refusal(frontal).find("focal length"), std::string::npos) << refusal(frontal);
   EXPECT_NE(refusal(frontal).find("tilt it by 20 to 45 degrees"), std::string::npos) << refusal(frontal);

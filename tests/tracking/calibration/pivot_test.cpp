@@ -31,9 +31,10 @@ struct Turning {
       const Eigen::Vector3d slip =
           unit(random) < 2.0 * slips - 1.0 ? Eigen::Vector3d(0.03, -0.02, 0.0) : Eigen::Vector3d::Zero();
       base_from_probe.translation() = place + slip - base_from_probe.linear() * ball;
-      const auto see = [&](const TagBody& told, const TagBody& body, const Eigen::Isometry3d& pose) {
+      const auto see = [&](const TagBody& stated, const TagBody& body, const Eigen::Isometry3d& pose) {
         const auto seen = scene::look_at_body(camera, body, pose, 0.2, random);
-        return seen.size() < 2 ? std::nullopt : estimate_body_pose(told, seen, camera, {.pixel_noise = 0.2});
+        return seen.size() < 2 ? std::nullopt
+                               : estimate_body_pose(stated, seen, camera, {.pixel_noise = 0.2});
       };
       const auto base_pose = see(base, base, camera_from_base);
       const Eigen::Isometry3d fixed = scene::tag_before_camera(0.6, 0.75, 1.2);

@@ -22,8 +22,8 @@ Eigen::Isometry3d drawn_pose(std::mt19937& random, double reach) {
 /// A robot whose tip carries the camera, or a board before a camera that stands still.
 struct Cell {
   Camera camera = scene::plain_camera();
-  TagBody told = scene::board("base", 0, 3, 2, 0.05, 0.07), fixed = told;
-  TagBody told_on_tip = scene::board("tip", 30, 3, 2, 0.03, 0.042), on_tip = told_on_tip;
+  TagBody stated_board = scene::board("base", 0, 3, 2, 0.05, 0.07), fixed = stated_board;
+  TagBody stated_on_tip = scene::board("tip", 30, 3, 2, 0.03, 0.042), on_tip = stated_on_tip;
   Eigen::Isometry3d world_from_board, world_from_base, tip_from_rider;
   bool carries_camera = true;
   bool turns_about_one_axis = false;
@@ -45,7 +45,7 @@ struct Cell {
   }
 
   /// What the joints say of a tip that is elsewhere by the robot's own error.
-  Eigen::Isometry3d told_tip(const Eigen::Isometry3d& world_from_rider, std::mt19937& random) const {
+  Eigen::Isometry3d measured_tip(const Eigen::Isometry3d& world_from_rider, std::mt19937& random) const {
     std::normal_distribution<double> normal;
     Vector6d error;
     for (int i = 0; i < 6; ++i) error[i] = (i < 3 ? tip_error : tip_turn) * normal(random);
@@ -67,18 +67,18 @@ struct Cell {
                                          0.06 * unit(random));
       const bool has_slipped = unit(random) < 2.0 * slips - 1.0;
       const auto add = [&](const Eigen::Isometry3d& world_from_rider, auto&& look_of) {
-        Eigen::Isometry3d tip = told_tip(world_from_rider, random);
+        Eigen::Isometry3d tip = measured_tip(world_from_rider, random);
         if (has_slipped) tip.translation() += Eigen::Vector3d(0.05, -0.04, 0.02);
         looks.push_back(look_of(tip));
       };
       if (carries_camera) {
-        if (const auto base = see(told, fixed, before, random))
+        if (const auto base = see(stated_board, fixed, before, random))
           add(world_from_board * before.inverse(),
               [&](const auto& tip) { return look_from_tip(tip, *base, world_from_board); });
         continue;
       }
-      const auto base = see(told, fixed, still, random);
-      const auto rider = see(told_on_tip, on_tip, before, random);
+      const auto base = see(stated_board, fixed, still, random);
+      const auto rider = see(stated_on_tip, on_tip, before, random);
       if (base && rider)
         add(world_from_board * still.inverse() * before,
             [&](const auto& tip) { return look_at_tip(tip, *rider, *base, world_from_board); });
@@ -99,9 +99,9 @@ TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
     std::mt19937 random(static_cast<unsigned>(seed));
     Cell cell(random);
     cell.carries_camera = seed % 2 == 0;
-    cell.told.errors = cell.told_on_tip.errors = {0.0, 0.001, 0.0002, 0.002};
-    cell.fixed = scene::true_body(cell.told, random);
-    cell.on_tip = scene::true_body(cell.told_on_tip, random);
+    cell.stated_board.errors = cell.stated_on_tip.errors = {0.0, 0.001, 0.0002, 0.002};
+    cell.fixed = scene::true_body(cell.stated_board, random);
+    cell.on_tip = scene::true_body(cell.stated_on_tip, random);
     const RobotWorldCalibration found = calibrate_robot_world(cell.looks(30, random), {.most_sigma = 0.03});
     ASSERT_EQ(found.refusal, "") << seed;
     base += squares(found.world_from_base, cell.world_from_base);
@@ -161,10 +161,10 @@ TEST(RobotWorld, looks_with_the_joints_of_another_moment_are_left_out) {
   EXPECT_LT((found.tip_from_rider.pose.translation() - cell.tip_from_rider.translation()).norm(), 0.004);
 }
 
-TEST(RobotWorld, tags_of_another_size_are_told_by_the_motion) {
+TEST(RobotWorld, the_motion_reveals_tags_of_another_size) {
   std::mt19937 random(6);
   Cell cell(random);
-  for (auto& [id, tag] : cell.told.tags) {
+  for (auto& [id, tag] : cell.stated_board.tags) {
     tag.size *= 0.95;
     tag.body_from_tag.translation() *= 0.95;
   }
