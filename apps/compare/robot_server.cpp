@@ -101,6 +101,7 @@ CompareRun run_of(const Plan& plan, const PlanQuery& query) {
   run.check_time = plan.check_s;
   run.check_cpu = plan.check_cpu_s;
   run.statistics = column_statistics(plan.legs);
+  run.solved_by = solving_stage(plan.legs);
   add_motion(plan, space, run);
   for (const PlanResult& leg : plan.legs) {
     run.legs += leg.status == PlanStatus::solved;

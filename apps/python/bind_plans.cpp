@@ -142,7 +142,8 @@ void bind_results(py::module_& module) {
       .field("configurations_checked", &PlanResult::configurations_checked,
              "Configurations that the planner asked about.")
       .field("edges_checked", &PlanResult::edges_checked, "Edges that the planner asked about.")
-      .field("statistics", &PlanResult::statistics);
+      .computed("statistics",
+                [](const PlanResult& self) { return with_stage(self.statistics, self.solved_by); });
   Record<PaintHint>(module, "PaintHint")
       .computed(
           "center", [](const PaintHint& self) { return to_array(self.sphere.center); }, "Map frame, metres.")

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "planning/boundary/boundary_plus.hpp"
-
 namespace clearway {
 namespace {
 
@@ -130,11 +128,10 @@ RunColumn of_statistic(const Statistic& statistic) {
 }
 
 /// Which stage of `boundary_plus` joined start and goal, of several legs the last one that was needed.
-RunColumn solving_stage() {
+RunColumn stage_column() {
   return {"solved_by", "TEXT", [](const Run& run, const Who&) -> Cell {
-            const auto stage = solved_by(run.statistics);
-            if (!stage) return {};
-            return std::string(to_string(*stage));
+            if (!run.solved_by) return {};
+            return std::string(to_string(*run.solved_by));
           }};
 }
 
@@ -165,7 +162,7 @@ const std::vector<RunColumn>& run_columns() {
     for (RunColumn& column : motion_columns()) all.push_back(std::move(column));
     for (RunColumn& column : team_columns()) all.push_back(std::move(column));
     for (const Statistic& statistic : statistics) all.push_back(of_statistic(statistic));
-    all.push_back(solving_stage());
+    all.push_back(stage_column());
     all.push_back(handed_over());
     return all;
   }();
@@ -174,12 +171,15 @@ const std::vector<RunColumn>& run_columns() {
 
 std::map<std::string, double> column_statistics(const std::vector<PlanResult>& legs) {
   std::map<std::string, double> all;
-  for (const PlanResult& leg : legs) {
+  for (const PlanResult& leg : legs)
     for (const Statistic& statistic : statistics) join(all, statistic, leg);
-    const auto stage = solved_by(leg.statistics), before = solved_by(all);
-    if (stage && (!before || *stage > *before)) set_solved_by(*stage, all);
-  }
   return all;
+}
+
+std::optional<BoundaryPlusStage> solving_stage(const std::vector<PlanResult>& legs) {
+  std::optional<BoundaryPlusStage> last;
+  for (const PlanResult& leg : legs) last = std::max(last, leg.solved_by);
+  return last;
 }
 
 }  // namespace clearway

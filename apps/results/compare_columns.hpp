@@ -31,4 +31,7 @@ const std::vector<RunColumn>& run_columns();
 /// the least, all else is the largest.
 std::map<std::string, double> column_statistics(const std::vector<PlanResult>& legs);
 
+/// The last stage that was needed, none of another planner.
+std::optional<BoundaryPlusStage> solving_stage(const std::vector<PlanResult>& legs);
+
 }  // namespace clearway

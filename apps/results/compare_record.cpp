@@ -123,7 +123,8 @@ Json record_of(const CompareRun& run) {
                  {"edges", run.edges},         {"plan_file", run.plan_file}};
   for (const RunFigure& figure : run_figures) record[figure.name] = real_record(run.*figure.value);
   Json& statistics = record["statistics"] = Json::object();
-  for (const auto& [name, value] : run.statistics) statistics[name] = real_record(value);
+  for (const auto& [name, value] : with_stage(run.statistics, run.solved_by))
+    statistics[name] = real_record(value);
   if (run.motion)
     record["motion"] = {real_record(run.motion->time), real_record(run.motion->speed),
                         real_record(run.motion->acceleration), real_record(run.motion->jerk),
@@ -150,6 +151,7 @@ CompareRun run_of_record(const Json& record) {
   record.at("plan_file").get_to(run.plan_file);
   for (const RunFigure& figure : run_figures) run.*figure.value = real_of(record.at(figure.name));
   for (const auto& [name, value] : record.at("statistics").items()) run.statistics[name] = real_of(value);
+  run.solved_by = take_stage(run.statistics);
   if (record.contains("motion")) {
     const Json& motion = record.at("motion");
     run.motion = CompareMotion{real_of(motion.at(0)), real_of(motion.at(1)), real_of(motion.at(2)),

@@ -64,8 +64,9 @@ struct CompareRun {
   double motion_cpu = 0.0;                   ///< s, after: giving the path its motion, and the check of that
   std::string plan_file;                     ///< below the folder of results
   std::map<std::string, double> statistics;  ///< of those with columns of their own (compare_columns)
-  std::optional<CompareMotion> motion;       ///< of a valid path, or of a team
-  std::optional<CompareTeamRun> team;        ///< teams: then min_clearance is the least separation
+  std::optional<BoundaryPlusStage> solved_by;  ///< of several legs the last stage that was needed
+  std::optional<CompareMotion> motion;         ///< of a valid path, or of a team
+  std::optional<CompareTeamRun> team;          ///< teams: then min_clearance is the least separation
 
   bool is_solved() const { return ended.empty() && status == PlanStatus::solved; }
   bool is_valid() const { return is_solved() && check == "valid"; }

@@ -14,10 +14,6 @@
 namespace clearway {
 namespace {
 
-constexpr const char* stage_statistic = "solved_by";
-constexpr std::array solving_stages = {BoundaryPlusStage::straight_edge, BoundaryPlusStage::local_method,
-                                       BoundaryPlusStage::plane, BoundaryPlusStage::hand_over};
-
 /// As for `constraint`, but the automatic influence is shorter (constraints cost as many voxels as they look
 /// at) and the automatic step longer.
 DamperOptions damper_of(const BoundaryPlusOptions& options, const PlanProblem& problem) {
@@ -70,34 +66,6 @@ void add_figures(const DamperOptions& damper, PlanResult& result) {
 
 }  // namespace
 
-std::string_view to_string(BoundaryPlusStage stage) {
-  switch (stage) {
-    case BoundaryPlusStage::straight_edge:
-      return "straight edge";
-    case BoundaryPlusStage::local_method:
-      return "local method";
-    case BoundaryPlusStage::plane:
-      return "plane";
-    case BoundaryPlusStage::hand_over:
-      return "hand-over";
-    case BoundaryPlusStage::none:
-      break;
-  }
-  return "none";
-}
-
-std::optional<BoundaryPlusStage> solved_by(const std::map<std::string, double>& statistics) {
-  const auto found = statistics.find(stage_statistic);
-  if (found == statistics.end()) return {};
-  for (const BoundaryPlusStage stage : solving_stages)
-    if (found->second == static_cast<double>(stage)) return stage;
-  return BoundaryPlusStage::none;
-}
-
-void set_solved_by(BoundaryPlusStage stage, std::map<std::string, double>& statistics) {
-  statistics[stage_statistic] = static_cast<double>(stage);
-}
-
 BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initial) {
   return {.local = read_damper_options(reader, initial.local),
           .stride = reader.number("stride", initial.stride, 0.1, 10.0),
@@ -124,7 +92,7 @@ PlanResult BoundaryPlus::plan(const PlanProblem& problem) const {
   search.add_statistics(result);
   add_figures(damper, result);
   if (stage == BoundaryPlusStage::none) return failed(problem, search, std::move(result));
-  set_solved_by(stage, result.statistics);
+  result.solved_by = stage;
   const std::vector<Configuration> found = search.trees().path();
   std::vector<Configuration> path =
       shortcut(problem.space, found, damper.weight, problem.seed, options_.shortcuts, problem.out_of_time);

@@ -1,22 +1,9 @@
 #pragma once
 
-#include <optional>
-
 #include "planning/constraint/local_step.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
-
-/// What joined start and goal.
-enum class BoundaryPlusStage { straight_edge, local_method, plane, hand_over, none };
-/// "straight edge", "local method", "plane", "hand-over" or "none".
-std::string_view to_string(BoundaryPlusStage stage);
-
-/// The stage that solved a leg, from its statistics; of several legs, joined, the last stage that was needed.
-/// Nothing for a leg of another planner and for one that is not solved; `none` for a number that is no stage.
-/// Statistics are numbers in files: that of the stage is called `solved_by`, and only these two know it.
-std::optional<BoundaryPlusStage> solved_by(const std::map<std::string, double>& statistics);
-void set_solved_by(BoundaryPlusStage stage, std::map<std::string, double>& statistics);
 
 /// What boundary_plus may spend on each of its stages.
 struct BoundaryPlusOptions {
@@ -37,7 +24,7 @@ BoundaryPlusOptions read_options(OptionReader& reader, BoundaryPlusOptions initi
 /// samples, which answer most queries in less time than the local method's first steps take; then that method
 /// from the start and from the goal; where both are stuck, bypasses in several planes; then a hand-over to
 /// trees that grow from all traces, and back to the local method. Every edge of the result is certified. The
-/// statistic `solved_by` (see BoundaryPlusStage) and the explanation name the stage that solved.
+/// result's `solved_by` and the explanation name the stage that solved.
 class BoundaryPlus : public Planner {
  public:
   using Options = BoundaryPlusOptions;

@@ -79,7 +79,7 @@ Json leg_json(const PlanResult& leg, std::size_t first) {
   json["search_steps"] = leg.search_steps;
   json["checks"] = leg.configurations_checked;
   json["edges_checked"] = leg.edges_checked;
-  json["statistics"] = leg.statistics;
+  json["statistics"] = with_stage(leg.statistics, leg.solved_by);
   add_origins(leg.origins, json);
   return json;
 }

@@ -76,6 +76,7 @@ PlanResult leg(const JsonField& field, const std::vector<Configuration>& whole, 
   result.origins = origins(field, has_path ? result.waypoints.size() : result.explored.size());
   if (!field.has("statistics")) return result;
   for (const auto& [name, value] : field.at("statistics").members()) result.statistics[name] = value.number();
+  result.solved_by = take_stage(result.statistics);
   return result;
 }
 

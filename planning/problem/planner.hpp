@@ -4,11 +4,13 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "planning/problem/boundary_plus_stage.hpp"
 #include "planning/problem/path_cost.hpp"
 #include "planning/problem/waypoint_origin.hpp"
 #include "planning/space/configuration_space.hpp"
@@ -47,7 +49,8 @@ struct PlanResult {
   int search_steps = 0;         ///< edges, the last segment not counted
   std::uint64_t configurations_checked = 0;
   std::uint64_t edges_checked = 0;
-  std::map<std::string, double> statistics;  ///< planner's own figures, by name
+  std::map<std::string, double> statistics;    ///< planner's own figures, by name
+  std::optional<BoundaryPlusStage> solved_by;  ///< none of another planner, and unless solved
 };
 
 /// Options in their text form, by name: as --set gives them, --print-options prints them and plan.json stores

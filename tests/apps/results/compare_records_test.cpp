@@ -45,6 +45,7 @@ CompareRun run(std::size_t planner, int number) {
   found.length = std::numeric_limits<double>::quiet_NaN();
   found.explanation = "Line one.\nLine \"two\": äöü";
   found.statistics = {{"xi_m", 1e-17}};
+  found.solved_by = BoundaryPlusStage::none;
   found.motion = CompareMotion{1.0, 2.0, 3.0};
   found.team = CompareTeamRun{1, 2, 3, 4, "who"};
   found.ended = number == 2 ? "hung" : "";
@@ -75,6 +76,8 @@ TEST(CompareRecords, ReadBackAreWhatWasWrittenBitForBit) {
   EXPECT_TRUE(std::isinf(first.min_clearance));
   EXPECT_EQ(first.explanation, run(0, 1).explanation);
   EXPECT_EQ(first.team->outrun, "who");
+  EXPECT_EQ(first.statistics, run(0, 1).statistics);
+  EXPECT_EQ(first.solved_by, BoundaryPlusStage::none);
   EXPECT_EQ(found.problems[0].goals[0][1], 1e-300);
   EXPECT_TRUE(std::signbit(found.problems[0].start[1]));
   EXPECT_TRUE(std::isinf(found.time_limit));

@@ -63,7 +63,7 @@ TEST(BoundaryPlus, GoesFromWindowToWindowWhereThePublishedPlaneFails) {
     const PathVerdict verdict =
         check_path(scene.robot, scene.map, scene.space.policies(), 0.0, result.waypoints);
     EXPECT_TRUE(verdict.valid) << verdict.first_contact;
-    EXPECT_EQ(solved_by(result.statistics), BoundaryPlusStage::hand_over) << result.explanation;
+    EXPECT_EQ(result.solved_by, BoundaryPlusStage::hand_over) << result.explanation;
     EXPECT_GT(result.statistics.at("samples"), 0.0);
     EXPECT_GT(result.statistics.at("sampled_share"), 0.0);
   }
@@ -72,17 +72,19 @@ TEST(BoundaryPlus, GoesFromWindowToWindowWhereThePublishedPlaneFails) {
 
 TEST(BoundaryPlus, StatisticsKeepTheStageAsTheNumberOfItsPlace) {
   std::map<std::string, double> statistics{{"samples", 3.0}};
-  EXPECT_FALSE(solved_by(statistics));
+  EXPECT_FALSE(take_stage(statistics));
   const auto stages = {BoundaryPlusStage::straight_edge, BoundaryPlusStage::local_method,
                        BoundaryPlusStage::plane, BoundaryPlusStage::hand_over};
   double place = 0.0;
   for (const BoundaryPlusStage stage : stages) {
-    set_solved_by(stage, statistics);
-    EXPECT_EQ(statistics.at("solved_by"), place++) << "as in files: 0 to 3";
-    EXPECT_EQ(solved_by(statistics), stage);
+    std::map<std::string, double> in_file = with_stage(statistics, stage);
+    EXPECT_EQ(in_file.at("solved_by"), place++) << "as in files: 0 to 3";
+    EXPECT_EQ(take_stage(in_file), stage);
+    EXPECT_EQ(in_file, statistics);
   }
+  EXPECT_EQ(with_stage(statistics, {}), statistics);
   statistics["solved_by"] = 7.0;
-  EXPECT_EQ(solved_by(statistics), BoundaryPlusStage::none);
+  EXPECT_EQ(take_stage(statistics), BoundaryPlusStage::none);
 }
 
 TEST(BoundaryPlus, NeedsNoSamplesWhereTheLocalMethodOrAPlaneIsEnough) {
@@ -99,7 +101,7 @@ TEST(BoundaryPlus, NeedsNoSamplesWhereTheLocalMethodOrAPlaneIsEnough) {
   EXPECT_EQ(make_planner("constraint", {})->plan(problem).status, PlanStatus::no_path);
   const PlanResult result = make_planner("boundary_plus", {{"max_samples", "0"}})->plan(problem);
   ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
-  EXPECT_EQ(solved_by(result.statistics), BoundaryPlusStage::plane) << result.explanation;
+  EXPECT_EQ(result.solved_by, BoundaryPlusStage::plane) << result.explanation;
   EXPECT_EQ(result.statistics.at("samples"), 0.0);
   EXPECT_EQ(result.statistics.at("sampled_share"), 0.0);
   EXPECT_GT(result.statistics.at("steps_boundary"), 0.0);

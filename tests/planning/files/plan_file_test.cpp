@@ -28,6 +28,7 @@ PlanResult leg_between(double from, double to) {
   leg.edges_checked = 5;
   leg.final_distance = 0.0075;
   leg.statistics = {{"heads", 20.0}};
+  leg.solved_by = BoundaryPlusStage::plane;
   return leg;
 }
 
@@ -100,6 +101,9 @@ TEST(PlanFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(to_json(read), to_json(plan));
   EXPECT_EQ(read.waypoints(), plan.waypoints());
   EXPECT_EQ(read.legs[1].waypoints, plan.legs[1].waypoints);
+  EXPECT_EQ(read.legs[1].statistics, plan.legs[1].statistics);
+  EXPECT_EQ(read.legs[1].solved_by, BoundaryPlusStage::plane);
+  EXPECT_EQ(Json::parse(to_json(read))["legs"][1]["statistics"].dump(), R"({"heads":20.0,"solved_by":2.0})");
   EXPECT_EQ(read.policies, plan.policies);
   EXPECT_EQ(read.payload, plan.payload);
   EXPECT_EQ(read.gravity, plan.gravity);
