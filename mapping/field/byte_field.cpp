@@ -1,6 +1,8 @@
 #include "mapping/field/byte_field.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "mapping/field/blocked_field.hpp"
@@ -33,14 +35,15 @@ std::vector<std::uint8_t> numbers_of(int cap, int units) {
 
 ByteField::ByteField(const BlockedField& field)
     : size(field.cells().size),
+      tiles(field.distances()->tile_counts()),
       low(field.cells().first.cast<double>() * field.resolution()),
       resolution(field.resolution()),
       step(resolution / units(field)),
       outside_blocked(field.is_outside_blocked()),
       distances_(field.distances()),
       numbers_(numbers_of(distances_->cap(), units(field))),
-      memory_(zero_memory(size.cast<std::size_t>().prod() + beyond)),
-      is_known_(std::make_unique<std::atomic<bool>[]>(distances_->tile_counts().cast<std::size_t>().prod())) {
+      memory_(zero_memory(tiles.cast<std::size_t>().prod() * DistanceTiles::tile_cells + beyond)),
+      is_known_(std::make_unique<std::atomic<bool>[]>(tiles.cast<std::size_t>().prod())) {
   cells = memory_;
   end = numbers_.back();
 }
@@ -48,26 +51,23 @@ ByteField::ByteField(const BlockedField& field)
 ByteField::~ByteField() { free_zero_memory(memory_); }
 
 void ByteField::know(std::size_t cell) const {
-  const auto nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y());
-  const auto x = static_cast<int>(cell % nx), y = static_cast<int>(cell / nx % ny);
-  const std::size_t tile = distances_->tile(x >> 5, y, static_cast<int>(cell / nx / ny));
+  const std::size_t tile = cell / DistanceTiles::tile_cells;
   if (!is_known_[tile].load(std::memory_order_acquire)) make(tile);
 }
 
+/// Others may be reading: each byte is written once, whole.
 void ByteField::make(std::size_t tile) const {
+  using Word = std::uint64_t;
   const std::lock_guard lock(making_);
   if (is_known_[tile].load(std::memory_order_relaxed)) return;
-  const DistanceTiles::Box box = distances_->box_of(distances_->place(tile));
-  for (int z = box.low.z(); z < box.high.z(); ++z) {
-    for (int y = box.low.y(); y < box.high.y(); ++y) {
-      const std::uint16_t* squared = distances_->line(box.low.x() >> 5, y, z);
-      const auto row =
-          static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y);
-      std::uint8_t* out =
-          &memory_[row * static_cast<std::size_t>(size.x()) + static_cast<std::size_t>(box.low.x())];
-      for (int i = 0; i < box.high.x() - box.low.x(); ++i)  // others may be reading: each byte once, whole
-        std::atomic_ref(out[i]).store(numbers_[squared[i]], std::memory_order_relaxed);
-    }
+  const Eigen::Vector3i first = distances_->box_of(distances_->place(tile)).low;
+  const std::uint16_t* squared = distances_->line(first.x() >> 5, first.y(), first.z());
+  std::uint8_t* out = &memory_[tile * DistanceTiles::tile_cells];
+  for (std::size_t cell = 0; cell < DistanceTiles::tile_cells; cell += sizeof(Word)) {
+    std::array<std::uint8_t, sizeof(Word)> some;
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = numbers_[squared[cell + i]];
+    std::atomic_ref(reinterpret_cast<Word&>(out[cell]))
+        .store(std::bit_cast<Word>(some), std::memory_order_relaxed);
   }
   is_known_[tile].store(true, std::memory_order_release);
 }

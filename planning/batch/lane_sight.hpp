@@ -71,6 +71,19 @@ HWY_INLINE Whole number_of(const ByteField& bytes, Whole cell) {
   return hn::And(hn::GatherOffset(WholeTag(), first, cell), byte);
 }
 
+/// ByteField::index.
+HWY_INLINE Whole index_of(const ByteField& bytes, Whole x, Whole y, Whole z) {
+  const auto low_bits = [](Whole value, int bits)
+                            HWY_ATTR { return hn::And(value, hn::Set(WholeTag(), bits)); };
+  const auto times = [](Whole value, int factor)
+                         HWY_ATTR { return hn::Mul(value, hn::Set(WholeTag(), factor)); };
+  const Whole row = hn::Add(times(hn::ShiftRight<3>(z), bytes.tiles[1]), hn::ShiftRight<3>(y));
+  const Whole tile = hn::Add(times(row, bytes.tiles[0]), hn::ShiftRight<5>(x));
+  const Whole in_slice = hn::Or(hn::ShiftLeft<5>(low_bits(y, 7)), low_bits(x, 31));
+  const Whole in_tile = hn::Or(hn::ShiftLeft<8>(low_bits(z, 7)), in_slice);
+  return hn::Or(hn::ShiftLeft<11>(tile), in_tile);
+}
+
 /// How many steps of distance the cell that holds a point of the field has, and where that cell's middle is.
 HWY_INLINE Vector units_at(const ByteField& bytes, const Point& inside, Point& middle) {
   const auto axis = [&](Vector at, int i, Vector& to) HWY_ATTR {
@@ -81,10 +94,7 @@ HWY_INLINE Vector units_at(const ByteField& bytes, const Point& inside, Point& m
   const auto x = axis(inside.x, 0, middle.x);
   const auto y = axis(inside.y, 1, middle.y);
   const auto z = axis(inside.z, 2, middle.z);
-  const auto cell = hn::Add(
-      hn::Mul(hn::Add(hn::Mul(z, hn::Set(WholeTag(), bytes.size[1])), y), hn::Set(WholeTag(), bytes.size[0])),
-      x);
-  return hn::Sub(hn::ConvertTo(Tag(), number_of(bytes, cell)), all(1.0F));
+  return hn::Sub(hn::ConvertTo(Tag(), number_of(bytes, index_of(bytes, x, y, z))), all(1.0F));
 }
 
 /// What one cell says of a point: its distance, less and more by how far the point is from its middle.

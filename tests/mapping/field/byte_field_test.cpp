@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "mapping/snapshot.hpp"
 #include "tests/worlds/random_map.hpp"
 
@@ -14,18 +16,22 @@ namespace byte_field_test {
 void expect_bounds(const BlockedSpace& space) {
   const ByteField& bytes = space.byte_field();
   EXPECT_EQ(&space.byte_field(), &bytes);
-  ASSERT_EQ(bytes.cells.size(), bytes.size.cast<std::size_t>().prod() + 3);
+  std::vector<bool> is_taken(bytes.cells.size() - 3, false);
   const Eigen::Vector3i first = (bytes.low / bytes.resolution).array().round().cast<int>();
-  std::size_t index = 0, below_end = 0;
+  std::size_t count = 0, below_end = 0;
   for (int z = 0; z < bytes.size.z(); ++z) {
     for (int y = 0; y < bytes.size.y(); ++y) {
-      for (int x = 0; x < bytes.size.x(); ++x, ++index) {
+      for (int x = 0; x < bytes.size.x(); ++x, ++count) {
         const Eigen::Vector3i voxel = first + Eigen::Vector3i(x, y, z);
         const Eigen::Array3i from_border =
             Eigen::Array3i(x, y, z).min(bytes.size.array() - 1 - Eigen::Array3i(x, y, z));
         const double distance = std::sqrt(space.squared_around(voxel)[0]) / 2 * bytes.resolution;
         const double border = (from_border.minCoeff() + 0.5) * bytes.resolution;
         const bool is_of_border = bytes.outside_blocked && border <= distance;  // looked at elsewhere
+        const std::size_t index = bytes.index(x, y, z);
+        ASSERT_LT(index, is_taken.size());
+        ASSERT_FALSE(is_taken[index]) << "of two cells";
+        is_taken[index] = true;
         if (bytes.cells[index] == 0) bytes.know(index);
         const int number = bytes.cells[index];
         ASSERT_GE(number, 1);
@@ -37,7 +43,7 @@ void expect_bounds(const BlockedSpace& space) {
       }
     }
   }
-  EXPECT_GT(below_end, index / 10);
+  EXPECT_GT(below_end, count / 10);
 }
 
 TEST(ByteField, EachNumberIsTheDistanceRoundedDown) {
