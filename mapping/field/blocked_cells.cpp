@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "mapping/system/parallel.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -41,6 +42,22 @@ void BlockedCells::fill(const Eigen::Vector3i& low, const Eigen::Vector3i& high,
 
 void BlockedCells::block_where_both(const BlockedCells& a, const BlockedCells& b) {
   for (std::size_t i = 0; i < words_.size(); ++i) words_[i] |= a.words_[i] & b.words_[i];
+}
+
+std::vector<CellBox> BlockedCells::differing(const BlockedCells& other) const {
+  std::vector<CellBox> boxes;
+  for (int lane = 0; lane < lanes_; ++lane) {
+    for (int z = 0; z < size_.z(); ++z) {
+      const std::uint32_t *here = row(lane, z), *there = other.row(lane, z);
+      for (int y = 0; y < size_.y(); ++y) {
+        const std::uint32_t bits = here[y] ^ there[y];
+        if (bits == 0) continue;
+        boxes.push_back({{32 * lane + std::countr_zero(bits), y, z},
+                         {32 * lane + 32 - std::countl_zero(bits), y + 1, z + 1}});
+      }
+    }
+  }
+  return boxes;
 }
 
 std::size_t BlockedCells::count() const {
@@ -90,7 +107,10 @@ class TreeReader {
   }
 
   /// Fills in what differs between two versions of the tree.
-  void follow(const FusedNode* before, const FusedNode* now) { follow(before, now, CellCube{}, false); }
+  std::vector<CellBox> follow(const FusedNode* before, const FusedNode* now) {
+    follow(before, now, CellCube{}, false);
+    return std::move(filled_);
+  }
 
  private:
   /// @param inside known to lie in the block, here and below.
@@ -120,7 +140,7 @@ class TreeReader {
     const bool before_splits = before != nullptr && !was_allowed && before->has_children();
     const bool now_splits = now != nullptr && !allowed && now->has_children();
     if (!before_splits && !now_splits) {
-      if (was_allowed != allowed) fill(cube, !allowed);
+      if (was_allowed != allowed) filled_.push_back(fill(cube, !allowed));
       return;
     }
     // Where one version is allowed as a whole it stands for each of its parts.
@@ -158,10 +178,15 @@ class TreeReader {
     return says_for_all && allows(requirement_, tree_.state(node), node.painted());
   }
 
-  void fill(const CellCube& cube, bool blocked) {
+  /// @returns the part of the cube that lies in the block
+  CellBox fill(const CellCube& cube, bool blocked) {
     const Eigen::Vector3i corner = cube.corner - first_;
-    if (cube.edge == 1) return cells_.set(corner.x(), corner.y(), corner.z(), blocked);
-    cells_.fill(corner.cwiseMax(low_), (corner.array() + cube.edge).matrix().cwiseMin(high_), blocked);
+    const CellBox box{corner.cwiseMax(low_), (corner.array() + cube.edge).matrix().cwiseMin(high_)};
+    if (cube.edge == 1)
+      cells_.set(corner.x(), corner.y(), corner.z(), blocked);
+    else
+      cells_.fill(box.low, box.high, blocked);
+    return box;
   }
 
   const FusedTree& tree_;
@@ -169,6 +194,7 @@ class TreeReader {
   bool unknown_blocked_;
   Eigen::Vector3i first_, low_, high_;
   BlockedCells& cells_;
+  std::vector<CellBox> filled_;  ///< by follow()
 };
 
 /// Reads with so many threads, each a part of the lanes.
@@ -182,7 +208,7 @@ void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eig
     low.x() = 32 * (part * lanes / parts);
     high.x() = std::min(32 * ((part + 1) * lanes / parts), high.x());
     TreeReader reader(tree, requirement, first, low, high, cells);
-    read(reader);
+    read(reader, i);
   });
 }
 
@@ -191,7 +217,8 @@ void read_lanes(const FusedTree& tree, const Requirement& requirement, const Eig
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads) {
   BlockedCells cells(size, !allows(requirement, VoxelState::unknown, 0));
-  read_lanes(tree, requirement, first, cells, threads, [](TreeReader& reader) { reader.read(); });
+  read_lanes(tree, requirement, first, cells, threads,
+             [](TreeReader& reader, std::size_t) { reader.read(); });
   return cells;
 }
 
@@ -201,10 +228,17 @@ void read_blocked_cells(const FusedTree& tree, const Requirement& requirement, c
   TreeReader(tree, requirement, first, low, high, cells).read();
 }
 
-void follow_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
-                          const FusedTree& before, BlockedCells& cells, int threads) {
-  read_lanes(tree, requirement, first, cells, threads,
-             [&](TreeReader& reader) { reader.follow(before.getRoot(), tree.getRoot()); });
+std::vector<CellBox> follow_blocked_cells(const FusedTree& tree, const Requirement& requirement,
+                                          const Eigen::Vector3i& first, const FusedTree& before,
+                                          BlockedCells& cells, int threads) {
+  std::vector<std::vector<CellBox>> of_parts(static_cast<std::size_t>(std::max(threads, 1)));
+  read_lanes(tree, requirement, first, cells, threads, [&](TreeReader& reader, std::size_t part) {
+    of_parts[part] = reader.follow(before.getRoot(), tree.getRoot());
+  });
+  std::vector<CellBox> changed = std::move(of_parts.front());
+  for (std::size_t i = 1; i < of_parts.size(); ++i)
+    changed.insert(changed.end(), of_parts[i].begin(), of_parts[i].end());
+  return changed;
 }
 
 BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement,

@@ -12,6 +12,11 @@ namespace clearway {
 class FusedTree;
 class SeenStamps;
 
+/// Cells low to high (exclusive) of a block.
+struct CellBox {
+  Eigen::Vector3i low, high;
+};
+
 /// One bit a cell of a block: does a requirement forbid the voxel? Kept as words of 32 neighbours along x,
 /// for each 32 columns of x all of z and y, y fastest: the order in which the distance transform reads them.
 class BlockedCells {
@@ -48,6 +53,9 @@ class BlockedCells {
   std::ptrdiff_t count_beyond(const BlockedCells& other) const;
   std::size_t bytes() const { return words_.size() * sizeof(std::uint32_t); }
 
+  /// Boxes outside of which this version of a block is the same as another one.
+  std::vector<CellBox> differing(const BlockedCells& other) const;
+
   friend bool operator==(const BlockedCells&, const BlockedCells&) = default;
 
  private:
@@ -73,8 +81,11 @@ void read_blocked_cells(const FusedTree& tree, const Requirement& requirement, c
 
 /// Brings the cells of an earlier version of the tree, with the same occupancy threshold, up to date. Reads
 /// only what the two versions do not share.
-void follow_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
-                          const FusedTree& before, BlockedCells& cells, int threads = 1);
+/// @returns boxes outside of which the cells stay as they are: cubes of which each cell changed, if `cells`
+///          were those of `before`
+std::vector<CellBox> follow_blocked_cells(const FusedTree& tree, const Requirement& requirement,
+                                          const Eigen::Vector3i& first, const FusedTree& before,
+                                          BlockedCells& cells, int threads = 1);
 
 /// The same for the size of `cells_before`, which are those of an earlier version of the tree, with the same
 /// occupancy threshold. Reads only what the two versions do not share.

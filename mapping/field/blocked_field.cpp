@@ -97,7 +97,7 @@ BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, 
     return;
   }
   const auto follow = [&](BlockedCells& cells) {
-    follow_blocked_cells(tree, requirement_, cells_.first, tree_before, cells);
+    return follow_blocked_cells(tree, requirement_, cells_.first, tree_before, cells);
   };
   tiles_ = std::make_shared<const DistanceTiles>(*before.tiles_, follow, reader(tree, requirement_, cells_));
 }

@@ -1,7 +1,6 @@
 #include "mapping/field/distance_tiles.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -27,6 +26,14 @@ void find_nearest(const std::vector<std::uint8_t>& useful, int far, std::vector<
 }
 
 std::size_t count_of(const Eigen::Vector3i& counts) { return counts.cast<std::size_t>().prod(); }
+
+/// The least squared distance, in half voxels, from cells of one box to cells of the other.
+int least_between(const CellBox& a, const CellBox& b) {
+  const Eigen::Array3i steps = (b.low - a.high).cwiseMax(a.low - b.high).array() + 1;
+  int sum = 0;
+  for (const int along : steps) sum += gap_squared(std::max(along, 0));
+  return sum;
+}
 
 }  // namespace
 
@@ -187,8 +194,7 @@ DistanceTiles::DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, Rea
   allocate();
 }
 
-DistanceTiles::DistanceTiles(const DistanceTiles& before, const std::function<void(BlockedCells&)>& follow,
-                             ReadCells read)
+DistanceTiles::DistanceTiles(const DistanceTiles& before, const FollowCells& follow, ReadCells read)
     : axes_(before.axes_),
       blocked_(before.size(), false),
       read_(std::move(read)),
@@ -196,18 +202,22 @@ DistanceTiles::DistanceTiles(const DistanceTiles& before, const std::function<vo
       all_(before.all_) {
   allocate();
   {
-    const std::lock_guard lock(before.computing_);
+    const std::lock_guard lock(before.computing_);  // others go on reading cells into those of `before`
     blocked_ = before.blocked_;
     tiles_ = before.tiles_;
     for (std::size_t i = 0; i < tiles_.size(); ++i) is_read_[i] = before.is_read_[i].load();
   }
-  const BlockedCells was = blocked_;  // others go on reading cells into those of `before`
-  follow(blocked_);
-  share(before, was);
+  share(before, follow(blocked_));
 }
 
 DistanceTiles::DistanceTiles(const DistanceTiles& before, BlockedCells blocked)
-    : DistanceTiles(before, [&](BlockedCells& cells) { cells = std::move(blocked); }, {}) {}
+    : DistanceTiles(before,
+                    [&](BlockedCells& cells) {
+                      std::vector<Box> changes = blocked.differing(cells);
+                      cells = std::move(blocked);
+                      return changes;
+                    },
+                    {}) {}
 
 DistanceTiles::~DistanceTiles() = default;
 
@@ -230,8 +240,8 @@ void DistanceTiles::allocate() {
 }
 
 /// Keeps the tiles that no change reaches.
-void DistanceTiles::share(const DistanceTiles& before, const BlockedCells& was) {
-  std::vector<bool> is_outdated = reached_by_changes(was);
+void DistanceTiles::share(const DistanceTiles& before, const std::vector<Box>& changes) {
+  std::vector<bool> is_outdated = reached_by_changes(changes);
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     if (tiles_[i] == nullptr) {
       is_outdated[i] = false;
@@ -246,28 +256,29 @@ void DistanceTiles::share(const DistanceTiles& before, const BlockedCells& was) 
     if (is_outdated[i]) outdated_.push_back(i);
 }
 
+/// Whether a squared distance of a known tile is at least so much; the cap is none.
+bool DistanceTiles::any_at_least(std::size_t tile, int distance) const {
+  if (distance >= cap()) return false;
+  const Tile& cells = *tiles_[tile];
+  for (std::size_t cell = 0; cell < tile_cells; cell += nx)
+    if (axes_.any_at_least(&cells[cell], static_cast<std::uint16_t>(distance))) return true;
+  return false;
+}
+
 /// The known tiles whose distances a changed cell can have changed: where a distance is at least that to the
 /// change. Smaller ones end at another cell, before and after.
-std::vector<bool> DistanceTiles::reached_by_changes(const BlockedCells& was) const {
-  constexpr int not_known = -1;
+std::vector<bool> DistanceTiles::reached_by_changes(const std::vector<Box>& changes) const {
   std::vector<bool> reached(tiles_.size(), false);
-  std::vector<int> most(tiles_.size(), not_known);  // of each tile
-  const auto can_change = [&](std::size_t i, int between) {
-    if (tiles_[i] == nullptr || between >= cap()) return false;
-    if (most[i] == not_known) most[i] = *std::max_element(tiles_[i]->begin(), tiles_[i]->end());
-    return most[i] >= between;
-  };
-  for (const std::size_t changed : tiles_of_changed_rows(was)) {
+  for (const auto& [changed, cells] : changes_in_tiles(changes)) {
     if (!is_read_[changed]) continue;
-    const Box cells = differing(was, place(changed));
-    if (cells.low.x() >= cells.high.x()) continue;
     const Eigen::Vector3i low = (place(changed) - reach_).cwiseMax(0);
     const Eigen::Vector3i high = (place(changed) + reach_).cwiseMin(counts_ - Eigen::Vector3i::Ones());
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
         for (int x = low.x(); x <= high.x(); ++x) {
           const std::size_t i = tile(x, y * ny, z * nz);
-          if (!reached[i]) reached[i] = can_change(i, least_between(box_of({x, y, z}), cells));
+          if (tiles_[i] != nullptr && !reached[i])
+            reached[i] = any_at_least(i, least_between(box_of({x, y, z}), cells));
         }
       }
     }
@@ -275,48 +286,30 @@ std::vector<bool> DistanceTiles::reached_by_changes(const BlockedCells& was) con
   return reached;
 }
 
-/// Those in which 32 cells of some y and z differ, and some beside them. Most of a map stays as it was.
-std::vector<std::size_t> DistanceTiles::tiles_of_changed_rows(const BlockedCells& was) const {
-  std::vector<std::size_t> tiles;
-  const auto count = static_cast<std::size_t>(size().y());
-  for (int z_tile = 0; z_tile < counts_.z(); ++z_tile) {
-    const int low = z_tile * nz, high = std::min(low + nz, size().z());
-    for (int lane = 0; lane < counts_.x(); ++lane) {
-      // Rows of neighbouring z follow each other.
-      const std::size_t words = count * static_cast<std::size_t>(high - low);
-      if (std::memcmp(was.row(lane, low), blocked_.row(lane, low), words * sizeof(std::uint32_t)) == 0)
-        continue;
-      for (int y = 0; y < size().y(); y += ny) tiles.push_back(tile(lane, y, low));
+/// The tiles that hold cells of the boxes, and of each a box about these cells.
+std::vector<std::pair<std::size_t, DistanceTiles::Box>> DistanceTiles::changes_in_tiles(
+    const std::vector<Box>& changes) const {
+  constexpr int none = -1;
+  std::vector<std::pair<std::size_t, Box>> in_tiles;
+  std::vector<int> number(tiles_.size(), none);  // of each tile in `in_tiles`
+  for (const Box& change : changes) {
+    for (int z = change.low.z() / nz; z * nz < change.high.z(); ++z) {
+      for (int y = change.low.y() / ny; y * ny < change.high.y(); ++y) {
+        for (int x = change.low.x() / nx; x * nx < change.high.x(); ++x) {
+          const std::size_t i = tile(x, y * ny, z * nz);
+          const Box here = box_of({x, y, z});
+          if (number[i] == none) {
+            number[i] = static_cast<int>(in_tiles.size());
+            in_tiles.emplace_back(i, Box{here.high, here.low});
+          }
+          Box& cells = in_tiles[static_cast<std::size_t>(number[i])].second;
+          cells.low = cells.low.cwiseMin(change.low.cwiseMax(here.low));
+          cells.high = cells.high.cwiseMax(change.high.cwiseMin(here.high));
+        }
+      }
     }
   }
-  return tiles;
-}
-
-/// The cells of a tile that differ, in a box; empty along x if none does.
-DistanceTiles::Box DistanceTiles::differing(const BlockedCells& was, const Eigen::Vector3i& place) const {
-  const Box box = box_of(place);
-  Box found{box.high, box.low};
-  std::uint32_t bits = 0;
-  for (int z = box.low.z(); z < box.high.z(); ++z) {
-    const std::uint32_t *earlier = was.row(place.x(), z), *now = blocked_.row(place.x(), z);
-    for (int y = box.low.y(); y < box.high.y(); ++y) {
-      if (earlier[y] == now[y]) continue;
-      bits |= earlier[y] ^ now[y];
-      found.low = found.low.cwiseMin(Eigen::Vector3i(box.low.x(), y, z));
-      found.high = found.high.cwiseMax(Eigen::Vector3i(box.low.x(), y + 1, z + 1));
-    }
-  }
-  found.low.x() = box.low.x() + std::countr_zero(bits);
-  found.high.x() = box.low.x() + 32 - std::countl_zero(bits);
-  return found;
-}
-
-/// The least squared distance, in half voxels, from cells of one box to cells of the other.
-int DistanceTiles::least_between(const Box& tile, const Box& cells) const {
-  const Eigen::Array3i steps = (cells.low - tile.high).cwiseMax(tile.low - cells.high).array() + 1;
-  int sum = 0;
-  for (const int along : steps) sum += gap_squared(std::max(along, 0));
-  return sum;
+  return in_tiles;
 }
 
 Eigen::Vector3i DistanceTiles::place(std::size_t tile) const {

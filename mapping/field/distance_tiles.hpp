@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "mapping/field/blocked_cells.hpp"
@@ -24,10 +25,7 @@ class DistanceTiles {
   static constexpr int nx = lane_cells, ny = 8, nz = 8;
   static constexpr std::size_t tile_cells = std::size_t{nx} * ny * nz;
 
-  /// Cells low to high (exclusive) of a block.
-  struct Box {
-    Eigen::Vector3i low, high;
-  };
+  using Box = CellBox;
   /// Writes all cells of a box, and of no other, into the block.
   using ReadCells = std::function<void(const Box&, BlockedCells&)>;
 
@@ -36,11 +34,12 @@ class DistanceTiles {
   /// The same with cells that are read where they are needed. @param read called by one thread at a time
   DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read);
 
+  /// Brings cells up to date, and names boxes that hold all that changed; cells that were not read may become
+  /// anything.
+  using FollowCells = std::function<std::vector<Box>(BlockedCells&)>;
   /// Of a later version of the same block: tiles that `before` knows and no change reaches are shared.
-  /// @param follow brings the cells of `before` up to date; what was not read there may become anything.
   /// @param read reads cells of the later version
-  DistanceTiles(const DistanceTiles& before, const std::function<void(BlockedCells&)>& follow,
-                ReadCells read);
+  DistanceTiles(const DistanceTiles& before, const FollowCells& follow, ReadCells read);
   /// The same from cells that are all known, as they are in `before`.
   DistanceTiles(const DistanceTiles& before, BlockedCells blocked);
   ~DistanceTiles();
@@ -98,11 +97,10 @@ class DistanceTiles {
   struct Memory;
 
   void allocate();
-  void share(const DistanceTiles& before, const BlockedCells& was);
-  std::vector<bool> reached_by_changes(const BlockedCells& was) const;
-  std::vector<std::size_t> tiles_of_changed_rows(const BlockedCells& was) const;
-  Box differing(const BlockedCells& was, const Eigen::Vector3i& place) const;
-  int least_between(const Box& tile, const Box& cells) const;
+  void share(const DistanceTiles& before, const std::vector<Box>& changes);
+  bool any_at_least(std::size_t tile, int distance) const;
+  std::vector<bool> reached_by_changes(const std::vector<Box>& changes) const;
+  std::vector<std::pair<std::size_t, Box>> changes_in_tiles(const std::vector<Box>& changes) const;
   const std::uint16_t* computed(std::size_t tile) const;
   void read_cells(std::size_t tile) const;
   void read_under_lock(std::size_t tile) const;

@@ -70,6 +70,32 @@ TEST(BlockedCells, AreWhatTheRequirementForbidsOfTheTree) {
   }
 }
 
+/// Earlier cells with those of the boxes from a later version.
+BlockedCells copied_where(const std::vector<CellBox>& boxes, const BlockedCells& later,
+                          const BlockedCells& earlier) {
+  BlockedCells cells = earlier;
+  for (const CellBox& box : boxes) {
+    for (int z = box.low.z(); z < box.high.z(); ++z) {
+      for (int y = box.low.y(); y < box.high.y(); ++y)
+        for (int x = box.low.x(); x < box.high.x(); ++x) cells.set(x, y, z, later.at(x, y, z));
+    }
+  }
+  return cells;
+}
+
+/// Earlier cells turned over in the boxes that following names: each cell of them changed.
+BlockedCells turned_where_followed(const FusedTree& tree, const Requirement& requirement,
+                                   const FusedTree& before, const BlockedCells& earlier, int threads) {
+  BlockedCells followed = earlier, cells = earlier;
+  for (const CellBox& box : follow_blocked_cells(tree, requirement, first, before, followed, threads)) {
+    for (int z = box.low.z(); z < box.high.z(); ++z) {
+      for (int y = box.low.y(); y < box.high.y(); ++y)
+        for (int x = box.low.x(); x < box.high.x(); ++x) cells.set(x, y, z, !cells.at(x, y, z));
+    }
+  }
+  return cells;
+}
+
 TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
   Dice dice(5);
   FreeSpaceMap map = worlds::random_map(5, 0.05, 2);
@@ -82,8 +108,10 @@ TEST(BlockedCells, FollowingTheChangesOfATreeGivesWhatReadingItWholeGives) {
       const BlockedCells was = blocked_cells(before.tree(), requirement, first, size);
       const BlockedCells is = blocked_cells(now.tree(), requirement, first, size);
       ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was), is);
+      ASSERT_EQ(copied_where(is.differing(was), is, was), is);
       for (const int threads : {2, 5}) {
         ASSERT_EQ(blocked_cells(now.tree(), requirement, first, before.tree(), was, threads), is);
+        ASSERT_EQ(turned_where_followed(now.tree(), requirement, before.tree(), was, threads), is);
         ASSERT_EQ(blocked_cells(now.tree(), requirement, first, size, threads), is);
       }
       ASSERT_EQ(is.count_beyond(was) + static_cast<std::ptrdiff_t>(was.count()),

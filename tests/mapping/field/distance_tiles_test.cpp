@@ -111,9 +111,14 @@ TEST(DistanceTiles, AfterAnySequenceOfChangesAndLooksTheyAreThoseMadeFromNothing
         fill_box(dice, blocked, dice.whole(1, 20), dice.whole(0, 1) == 0);
       versions[round] = blocked;
       const auto follow = [&](BlockedCells& cells) {
+        std::vector<CellBox> changes;
         visit_cells(size, [&](int x, int y, int z) {
-          if (before.at(x, y, z) != blocked.at(x, y, z)) cells.set(x, y, z, blocked.at(x, y, z));
+          if (before.at(x, y, z) == blocked.at(x, y, z)) return;
+          cells.set(x, y, z, blocked.at(x, y, z));
+          changes.push_back({{x, y, z}, {x + 1, y + 1, z + 1}});
         });
+        if (round % 2 == 0) changes = before.differing(blocked);  // which may be larger boxes
+        return changes;
       };
       tiles = std::make_unique<DistanceTiles>(*tiles, follow, reading(versions[round]));
       if (round % 2 == 0) tiles->renew();
@@ -173,7 +178,11 @@ TEST(DistanceTiles, ALaterVersionIsRightWhileOthersLookAtTheOneBefore) {
     });
     for (int version = 0; version < 20; ++version) {
       const Eigen::Vector3i changed(dice.whole(0, 31), dice.whole(392, 399), dice.whole(0, 7));
-      const auto block = [&](BlockedCells& cells) { cells.set(changed.x(), changed.y(), changed.z(), true); };
+      const CellBox cell{changed, changed + Eigen::Vector3i::Ones()};
+      const auto block = [&](BlockedCells& cells) {
+        cells.fill(cell.low, cell.high, true);
+        return std::vector<CellBox>{cell};
+      };
       const DistanceTiles after(before, block, all_twice);
       EXPECT_EQ(after.squared(changed.x(), changed.y(), changed.z()), 0) << changed.transpose();
     }
