@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 
 #include "mapping/field/byte_field.hpp"
 #include "planning/batch/sphere_robot_build.hpp"
+#include "planning/robot/last_made.hpp"
 #include "planning/robot/same_robot.hpp"
 
 namespace clearway {
@@ -30,37 +30,6 @@ std::vector<Sphere> cells_of(const Body& box, const Eigen::Vector3i& counts) {
   }
   return spheres;
 }
-
-/// Those made last, in this process.
-class MadeSpheres {
- public:
-  std::shared_ptr<const BareSphereRobot> of(const Robot& robot, const SphereGround& ground,
-                                            std::span<const BodyPair> pairs) {
-    if (auto known = find(robot, ground)) return known;
-    auto made = std::make_shared<const BareSphereRobot>(
-        build_sphere_robot(std::make_shared<const Robot>(robot), ground, pairs));
-    const std::lock_guard lock(mutex_);
-    made_.insert(made_.begin(), made);
-    if (made_.size() > most) made_.pop_back();
-    return made;
-  }
-
- private:
-  static constexpr std::size_t most = 8;
-
-  std::shared_ptr<const BareSphereRobot> find(const Robot& robot, const SphereGround& ground) {
-    const std::lock_guard lock(mutex_);
-    const auto known = std::find_if(made_.begin(), made_.end(), [&](const auto& spheres) {
-      return spheres->ground == ground && is_same(*spheres->robot.robot, robot);
-    });
-    if (known == made_.end()) return nullptr;
-    std::rotate(made_.begin(), known, known + 1);
-    return made_.front();
-  }
-
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<const BareSphereRobot>> made_;  ///< the last asked for first
-};
 
 /// The fields that bodies are looked up in, and which one each is.
 struct Fields {
@@ -116,10 +85,12 @@ std::vector<Sphere> lane_cover(const Body& body, double resolution) {
 
 std::unique_ptr<const SphereRobot> sphere_robot(const Robot& robot, std::span<const BlockedBody> bodies,
                                                 std::span<const BodyPair> pairs, double padding) {
-  static MadeSpheres made;
+  static LastMade<BareSphereRobot> last;
   const Fields fields(robot, bodies);
-  const std::shared_ptr<const BareSphereRobot> spheres =
-      made.of(robot, ground_of(robot, bodies, fields), pairs);
+  const SphereGround ground = ground_of(robot, bodies, fields);
+  const std::shared_ptr<const BareSphereRobot> spheres = last.get(
+      [&](const BareSphereRobot& made) { return made.ground == ground && is_same(*made.robot.robot, robot); },
+      [&] { return build_sphere_robot(std::make_shared<const Robot>(robot), ground, pairs); });
   if (!spheres->is_small || !spheres->is_covered || !(fields.size < largest_sphere_robot)) return nullptr;
   auto out = std::make_unique<SphereRobot>(spheres->robot);
   out->id = ++robots_made;

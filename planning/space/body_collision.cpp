@@ -49,23 +49,21 @@ std::vector<Eigen::Vector3d> inner_points(const Shape& shape) {
 
 }  // namespace
 
-BodyCollision::BodyCollision(const Body& body, std::shared_ptr<const BlockedSpace> space,
-                             const Eigen::AlignedBox3d& reach)
-    : id_(++bodies_made),
-      body_(body),
-      space_(std::move(space)),
-      reach_(reach),
-      bound_(bounding_sphere(body)) {
+BodyGeometry::BodyGeometry(const Body& given) : body(given), bound(bounding_sphere(given)) {
   for (const Eigen::Vector3d& point : inner_points(body.shape))
-    witnesses_.push_back(body.link_from_shape * point);
+    witnesses.push_back(body.link_from_shape * point);
   const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
-  for (const Sphere& sphere : body_.cover) {
-    const double surface = body_.shape.signed_distance(shape_from_link * sphere.center);
-    core_.push_back(body_.shape.has_exact_distance() && surface < 0.0);
-    excess_ = std::max(excess_, sphere.radius + surface);
-    spread_ = std::max(spread_, (sphere.center - bound_.center).norm());
+  for (const Sphere& sphere : body.cover) {
+    const double surface = body.shape.signed_distance(shape_from_link * sphere.center);
+    core.push_back(body.shape.has_exact_distance() && surface < 0.0);
+    excess = std::max(excess, sphere.radius + surface);
+    spread = std::max(spread, (sphere.center - bound.center).norm());
   }
 }
+
+BodyCollision::BodyCollision(std::shared_ptr<const BodyGeometry> geometry,
+                             std::shared_ptr<const BlockedSpace> space, const Eigen::AlignedBox3d& reach)
+    : id_(++bodies_made), geometry_(std::move(geometry)), space_(std::move(space)), reach_(reach) {}
 
 /// Steps of projecting to and fro between body and cube, which draws near to their nearest points. At each,
 /// the plane through the body's point, square to the way to the cube's, has the body on one side; and the
@@ -78,7 +76,7 @@ BodyCollision::Sight BodyCollision::look_at(const Eigen::Isometry3d& map_from_sh
   Eigen::Vector3d point = cube;  // of the cube
   for (int look = 0; look < looks; ++look) {
     const Eigen::Vector3d local =
-        body_.shape.offset_to(turned.transpose() * (point - map_from_shape.translation()));
+        body().shape.offset_to(turned.transpose() * (point - map_from_shape.translation()));
     const double distance = local.norm();
     const double rounding = 1e-12 * (cube.cwiseAbs().maxCoeff() + distance + half);
     if (look == 0 && distance - 2.0 * half_diagonal * half > margin + rounding) return Sight::clear;
@@ -88,7 +86,7 @@ BodyCollision::Sight BodyCollision::look_at(const Eigen::Isometry3d& map_from_sh
       const double gap = (offset.dot(cube - on_body) - half * offset.cwiseAbs().sum()) / distance;
       if (gap > margin + rounding) return Sight::clear;
     }
-    if (!body_.shape.has_exact_distance()) return Sight::unsure;  // the point is of the box around it
+    if (!body().shape.has_exact_distance()) return Sight::unsure;  // the point is of the box around it
     const Eigen::Vector3d nearest = cube + (on_body - cube).cwiseMax(-half).cwiseMin(half);
     const double beyond = (on_body - nearest).norm();
     if (beyond + rounding <= margin || beyond == 0.0) return Sight::met;
@@ -102,9 +100,9 @@ bool BodyCollision::is_far(const Eigen::Vector3d& point, double distance) const 
 }
 
 bool BodyCollision::is_pierced(const Eigen::Isometry3d& map_from_link) const {
-  return std::any_of(witnesses_.begin(), witnesses_.end(), [&](const Eigen::Vector3d& witness) {
-    return space_->is_blocked(map_from_link * witness);
-  });
+  return std::any_of(
+      geometry_->witnesses.begin(), geometry_->witnesses.end(),
+      [&](const Eigen::Vector3d& witness) { return space_->is_blocked(map_from_link * witness); });
 }
 
 void RecentCubes::remember(const Eigen::Vector3d& cube) {
@@ -116,7 +114,7 @@ void RecentCubes::remember(const Eigen::Vector3d& cube) {
 }
 
 bool BodyCollision::is_met(const Eigen::Isometry3d& map_from_link, double margin, RecentCubes& recent) const {
-  const Eigen::Isometry3d map_from_shape = map_from_link * body_.link_from_shape;
+  const Eigen::Isometry3d map_from_shape = map_from_link * body().link_from_shape;
   for (std::size_t i = 0; i < recent.size(); ++i) {
     if (look_at(map_from_shape, recent[i], margin, 4) != Sight::met) continue;
     recent.remember(Eigen::Vector3d(recent[i]));
@@ -127,17 +125,17 @@ bool BodyCollision::is_met(const Eigen::Isometry3d& map_from_link, double margin
 
 bool BodyCollision::is_clear_of(const Eigen::Isometry3d& map_from_link, const Eigen::Vector3d& cube,
                                 double margin) const {
-  const Eigen::Isometry3d map_from_shape = map_from_link * body_.link_from_shape;
+  const Eigen::Isometry3d map_from_shape = map_from_link * body().link_from_shape;
   const Sight sight = look_at(map_from_shape, cube, margin, projections);
   if (sight != Sight::unsure) return sight == Sight::clear;
-  return distance_to_cube(body_.shape, map_from_shape, cube, space_->resolution(), margin).lower > margin;
+  return distance_to_cube(body().shape, map_from_shape, cube, space_->resolution(), margin).lower > margin;
 }
 
 std::optional<Eigen::Vector3d> BodyCollision::met_cube(const Eigen::Isometry3d& map_from_link,
                                                        double margin) const {
-  std::vector<Eigen::Vector3d> inside = witnesses_;
-  for (std::size_t i = 0; i < core_.size(); ++i)
-    if (core_[i]) inside.push_back(body_.cover[i].center);
+  std::vector<Eigen::Vector3d> inside = geometry_->witnesses;
+  for (std::size_t i = 0; i < geometry_->core.size(); ++i)
+    if (geometry_->core[i]) inside.push_back(body().cover[i].center);
   const double edge = space_->resolution();
   for (const Eigen::Vector3d& point : inside) {
     const Eigen::Vector3d at = map_from_link * point;
@@ -149,10 +147,10 @@ std::optional<Eigen::Vector3d> BodyCollision::met_cube(const Eigen::Isometry3d& 
 }
 
 double BodyCollision::quick_clearance(const Eigen::Isometry3d& map_from_link) const {
-  const double bound = space_->clearance(map_from_link * bound_.center) - bound_.radius;
+  const double bound = space_->clearance(map_from_link * geometry_->bound.center) - geometry_->bound.radius;
   double least = space_->max_distance();
   if (bound >= least) return least;
-  for (const Sphere& sphere : body_.cover) {
+  for (const Sphere& sphere : body().cover) {
     least = std::min(least, space_->clearance(map_from_link * sphere.center) - sphere.radius);
   }
   return std::max(bound, least);
@@ -160,15 +158,15 @@ double BodyCollision::quick_clearance(const Eigen::Isometry3d& map_from_link) co
 
 bool BodyCollision::visit_near(const Eigen::Isometry3d& map_from_link, double margin,
                                const std::function<bool(const Eigen::Vector3d&, double)>& visit) const {
-  const Eigen::Vector3d middle = map_from_link * bound_.center;
-  if (space_->clearance(middle) > bound_.radius + margin) return true;
+  const Eigen::Vector3d middle = map_from_link * geometry_->bound.center;
+  if (space_->clearance(middle) > geometry_->bound.radius + margin) return true;
   struct Query {
     const BodyCollision& self;
     Eigen::Isometry3d map_from_shape;
     double margin;
     const std::function<bool(const Eigen::Vector3d&, double)>& visit;
-  } query{*this, map_from_link * body_.link_from_shape, margin, visit};
-  Eigen::AlignedBox3d box = body_.shape.bounds(query.map_from_shape);
+  } query{*this, map_from_link * body().link_from_shape, margin, visit};
+  Eigen::AlignedBox3d box = body().shape.bounds(query.map_from_shape);
   box.min().array() -= margin;
   box.max().array() += margin;
   box = box.intersection(reach_);
@@ -177,19 +175,19 @@ bool BodyCollision::visit_near(const Eigen::Isometry3d& map_from_link, double ma
     const BodyCollision& self = query.self;
     const Eigen::Isometry3d& pose = query.map_from_shape;
     const double surface =
-        self.body_.shape.signed_distance(pose.linear().transpose() * (cube - pose.translation()));
+        self.body().shape.signed_distance(pose.linear().transpose() * (cube - pose.translation()));
     const double least = surface - half_diagonal * self.space_->resolution() * (1.0 + 1e-9);
     return least > query.margin || query.visit(cube, std::max(least, 0.0));
   });
 }
 
 double BodyCollision::exact_clearance(const Eigen::Isometry3d& map_from_link, double limit) const {
-  const Eigen::Isometry3d map_from_shape = map_from_link * body_.link_from_shape;
+  const Eigen::Isometry3d map_from_shape = map_from_link * body().link_from_shape;
   double least = limit;
   visit_near(map_from_link, limit, [&](const Eigen::Vector3d& cube, double bound) {
     if (bound >= least) return true;
     least = std::min(least,
-                     distance_to_cube(body_.shape, map_from_shape, cube, space_->resolution(), least).lower);
+                     distance_to_cube(body().shape, map_from_shape, cube, space_->resolution(), least).lower);
     return least > 0.0;
   });
   return least;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "mapping/field/blocked_space.hpp"
@@ -31,6 +32,19 @@ class RecentCubes {
   std::size_t size_ = 0;
 };
 
+/// What BodyCollision knows of a body alone.
+struct BodyGeometry {
+  explicit BodyGeometry(const Body& body);
+
+  Body body;
+  Sphere bound;            ///< link frame; holds the body
+  std::vector<bool> core;  ///< whether a cover sphere's centre lies inside the body
+  std::vector<Eigen::Vector3d>
+      witnesses;        ///< points inside the body, link frame: its middle, then near its skin
+  double excess = 0.0;  ///< how much the cover stands out of the body, metres
+  double spread = 0.0;  ///< of the cover's centres about that of `bound`, metres
+};
+
 /// A body and the voxels that its part's requirement forbids, ready for many queries. Spheres against the
 /// distance field decide the clear cases, the exact shape against voxel cubes the rest. Voxels outside
 /// `reach`, which the body cannot get to in any configuration, do not count: the unknown space above and
@@ -38,10 +52,12 @@ class RecentCubes {
 class BodyCollision {
  public:
   /// `reach`: map frame; holds the body, and what it must stay away from, in every configuration.
-  BodyCollision(const Body& body, std::shared_ptr<const BlockedSpace> space,
+  BodyCollision(const Body& body, std::shared_ptr<const BlockedSpace> space, const Eigen::AlignedBox3d& reach)
+      : BodyCollision(std::make_shared<const BodyGeometry>(body), std::move(space), reach) {}
+  BodyCollision(std::shared_ptr<const BodyGeometry> geometry, std::shared_ptr<const BlockedSpace> space,
                 const Eigen::AlignedBox3d& reach);
 
-  const Body& body() const { return body_; }
+  const Body& body() const { return geometry_->body; }
   const BlockedSpace& space() const { return *space_; }
 
   /// True when every blocked cube is proved to be farther than `margin` from the body. Exact but for
@@ -85,7 +101,7 @@ class BodyCollision {
   double exact_clearance(const Eigen::Isometry3d& map_from_link, double limit) const;
 
   /// How much the spheres may stand out of the body, metres: quick_clearance is short by about that.
-  double cover_excess() const { return excess_; }
+  double cover_excess() const { return geometry_->excess; }
 
   /// Calls `visit(cube centre, lower bound of its distance)` for each blocked cube that may lie within
   /// `margin` of the body until it returns false; a cube may come twice. False when it was stopped.
@@ -115,15 +131,9 @@ class BodyCollision {
                 int looks) const;
 
   std::uint64_t id_;  ///< no other body's, but of copies
-  Body body_;
+  std::shared_ptr<const BodyGeometry> geometry_;
   std::shared_ptr<const BlockedSpace> space_;
   Eigen::AlignedBox3d reach_;
-  Sphere bound_;            ///< link frame; holds the body
-  std::vector<bool> core_;  ///< whether a cover sphere's centre lies inside the body
-  std::vector<Eigen::Vector3d>
-      witnesses_;  ///< points inside the body, link frame: its middle, then near its skin
-  double excess_ = 0.0;
-  double spread_ = 0.0;  ///< of the cover's centres about that of bound_, metres
 };
 
 }  // namespace clearway

@@ -59,11 +59,11 @@ void BodyCollision::look_up_spheres(const Eigen::Isometry3d& map_from_link) cons
   Scratch& memory = scratch();
   if (memory.body == id_ && memory.pose.matrix() == map_from_link.matrix()) return;
   memory.body = 0;  // should a look-up throw
-  const std::size_t count = body_.cover.size();
+  const std::size_t count = body().cover.size();
   for (std::vector<double>* values : {&memory.x, &memory.y, &memory.z, &memory.coarse}) values->resize(count);
   memory.close.assign(count, -1.0);
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d center = map_from_link * body_.cover[i].center;
+    const Eigen::Vector3d center = map_from_link * body().cover[i].center;
     memory.x[i] = center.x(), memory.y[i] = center.y(), memory.z[i] = center.z();
   }
   space_->coarse_clearances({memory.x, memory.y, memory.z}, memory.coarse);
@@ -87,10 +87,10 @@ bool BodyCollision::is_sphere_far(std::size_t sphere, double distance) const {
 }
 
 bool BodyCollision::is_quickly_clear(const Eigen::Isometry3d& map_from_link, double margin) const {
-  if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
+  if (is_far(map_from_link * geometry_->bound.center, geometry_->bound.radius + margin)) return true;
   look_up_spheres(map_from_link);
-  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    if (!is_sphere_far(i, body_.cover[i].radius + margin)) return false;
+  for (std::size_t i = 0; i < body().cover.size(); ++i) {
+    if (!is_sphere_far(i, body().cover[i].radius + margin)) return false;
   }
   return true;
 }
@@ -101,8 +101,8 @@ void BodyCollision::find_near_spheres(double margin) const {
   Scratch& memory = scratch();
   memory.boxes.clear();
   memory.spheres.clear();
-  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    const double reach = body_.cover[i].radius + margin;
+  for (std::size_t i = 0; i < body().cover.size(); ++i) {
+    const double reach = body().cover[i].radius + margin;
     if (is_sphere_far(i, reach)) continue;
     const Eigen::Vector3d center(memory.x[i], memory.y[i], memory.z[i]);
     memory.boxes.push_back(grown({center, center}, reach));
@@ -122,11 +122,11 @@ void BodyCollision::find_near_spheres(const Eigen::Isometry3d& begin, const Eige
   memory.reaches.clear();
   double travel = 0.0;  // of any centre, at most
   for (const Eigen::Isometry3d* pose : {&begin, &end})
-    travel = std::max(travel, (*pose * bound_.center - middle * bound_.center).norm() +
-                                  (pose->linear() - middle.linear()).norm() * spread_);
+    travel = std::max(travel, (*pose * geometry_->bound.center - middle * geometry_->bound.center).norm() +
+                                  (pose->linear() - middle.linear()).norm() * geometry_->spread);
   travel *= 1.0 + 1e-9;
-  for (std::size_t i = 0; i < body_.cover.size(); ++i) {
-    const Sphere& sphere = body_.cover[i];
+  for (std::size_t i = 0; i < body().cover.size(); ++i) {
+    const Sphere& sphere = body().cover[i];
     if (memory.coarse[i] > sphere.radius + margin + travel) continue;
     const Eigen::Vector3d center(memory.x[i], memory.y[i], memory.z[i]);
     const Eigen::Vector3d from = begin * sphere.center, to = end * sphere.center;
@@ -141,15 +141,16 @@ void BodyCollision::find_near_spheres(const Eigen::Isometry3d& begin, const Eige
 
 bool BodyCollision::is_clear(const Eigen::Isometry3d& map_from_link, double margin,
                              RecentCubes* recent) const {
-  if (is_far(map_from_link * bound_.center, bound_.radius + margin)) return true;
+  if (is_far(map_from_link * geometry_->bound.center, geometry_->bound.radius + margin)) return true;
   if (recent != nullptr && is_met(map_from_link, margin, *recent)) return false;
   return is_proved_clear(map_from_link, margin, recent);
 }
 
 double BodyCollision::clearance_beyond(const Eigen::Isometry3d& map_from_link, double padding, double margin,
                                        RecentCubes& recent) const {
-  const double bound = space_->coarse_clearance(map_from_link * bound_.center) - bound_.radius;
-  if (bound >= std::max(bound_.radius, margin)) return bound;  // the spheres would hardly say more
+  const double bound =
+      space_->coarse_clearance(map_from_link * geometry_->bound.center) - geometry_->bound.radius;
+  if (bound >= std::max(geometry_->bound.radius, margin)) return bound;  // the spheres would hardly say more
   if (is_met(map_from_link, padding, recent)) return -1.0;
   const double quick = std::max(bound, cover_clearance(map_from_link));
   if (quick >= margin) return quick;
@@ -160,8 +161,9 @@ double BodyCollision::clearance_beyond(const Eigen::Isometry3d& map_from_link, d
 }
 
 double BodyCollision::coarse_clearance(const Eigen::Isometry3d& map_from_link) const {
-  const double bound = space_->coarse_clearance(map_from_link * bound_.center) - bound_.radius;
-  if (bound >= bound_.radius) return bound;  // the spheres would hardly say more
+  const double bound =
+      space_->coarse_clearance(map_from_link * geometry_->bound.center) - geometry_->bound.radius;
+  if (bound >= geometry_->bound.radius) return bound;  // the spheres would hardly say more
   return std::max(bound, cover_clearance(map_from_link));
 }
 
@@ -170,8 +172,8 @@ double BodyCollision::cover_clearance(const Eigen::Isometry3d& map_from_link) co
   look_up_spheres(map_from_link);
   const Scratch& memory = scratch();
   double least = space_->max_distance();
-  for (std::size_t i = 0; i < body_.cover.size(); ++i)
-    least = std::min(least, memory.coarse[i] - body_.cover[i].radius);
+  for (std::size_t i = 0; i < body().cover.size(); ++i)
+    least = std::min(least, memory.coarse[i] - body().cover[i].radius);
   return least;
 }
 
@@ -182,10 +184,11 @@ bool BodyCollision::is_proved_clear(const Eigen::Isometry3d& map_from_link, doub
   find_near_spheres(margin);
   Scratch& memory = scratch();
   if (memory.boxes.empty()) return true;
-  if (recent == nullptr ? is_pierced(map_from_link) : space_->is_blocked(map_from_link * witnesses_[0]))
+  if (recent == nullptr ? is_pierced(map_from_link)
+                        : space_->is_blocked(map_from_link * geometry_->witnesses[0]))
     return false;
   for (const std::size_t i : memory.spheres) {
-    if (core_[i] && space_->is_blocked({memory.x[i], memory.y[i], memory.z[i]})) return false;
+    if (geometry_->core[i] && space_->is_blocked({memory.x[i], memory.y[i], memory.z[i]})) return false;
   }
   struct Query {
     const BodyCollision& self;
@@ -193,10 +196,10 @@ bool BodyCollision::is_proved_clear(const Eigen::Isometry3d& map_from_link, doub
     double margin;
     std::vector<Eigen::Vector3d>& unsure;
     Eigen::Vector3d met;
-  } query{*this, map_from_link * body_.link_from_shape, margin, memory.unsure, {}};
+  } query{*this, map_from_link * body().link_from_shape, margin, memory.unsure, {}};
   query.unsure.clear();
   const Eigen::AlignedBox3d bounds =
-      grown(body_.shape.bounds(query.map_from_shape), margin).intersection(reach_);
+      grown(body().shape.bounds(query.map_from_shape), margin).intersection(reach_);
   // The body's middle is not blocked and the body, grown by the margin, is convex: it cannot reach a blocked
   // voxel without meeting one of the surface.
   const auto boxes = merged(memory.boxes, bounds);
@@ -211,8 +214,8 @@ bool BodyCollision::is_proved_clear(const Eigen::Isometry3d& map_from_link, doub
   const bool is_free =
       none_met && std::all_of(query.unsure.begin(), query.unsure.end(), [&](const auto& cube) {
         query.met = cube;
-        return distance_to_cube(body_.shape, query.map_from_shape, cube, space_->resolution(), margin).lower >
-               margin;
+        return distance_to_cube(body().shape, query.map_from_shape, cube, space_->resolution(), margin)
+                   .lower > margin;
       });
   if (!is_free && recent != nullptr) recent->remember(query.met);
   return is_free;
@@ -234,7 +237,7 @@ bool BodyCollision::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cub
   const auto nearest_at = [&](const Eigen::Isometry3d& pose,
                               const Eigen::Vector3d& point) -> Eigen::Vector3d {
     const auto turned = pose.linear();
-    return point - turned * body_.shape.offset_to(turned.transpose() * (point - pose.translation()));
+    return point - turned * body().shape.offset_to(turned.transpose() * (point - pose.translation()));
   };
   // At either end no point of the body, which is convex, is farther than its travel from the body in the
   // middle, nor is any of the hull.
@@ -254,49 +257,50 @@ bool BodyCollision::is_sweep_past(const Sweep& sweep, const Eigen::Vector3d& cub
       towards = n;
       const auto farthest = [&](const Eigen::Isometry3d& at) {
         const Eigen::Vector3d direction = at.linear().transpose() * n;
-        return n.dot(at.translation() - cube) + direction.dot(body_.shape.support(direction));
+        return n.dot(at.translation() - cube) + direction.dot(body().shape.support(direction));
       };
       const double gap = -std::max(farthest(sweep.begin), farthest(sweep.end)) - half * n.cwiseAbs().sum();
       if (gap > sweep.margin + rounding) return true;
     }
     const Eigen::Vector3d nearest = cube + (on_hull - cube).cwiseMax(-half).cwiseMin(half);
     const double beyond = (on_hull - nearest).norm();
-    const bool is_of_body = body_.shape.has_exact_distance();  // else of the boxes around it
+    const bool is_of_body = body().shape.has_exact_distance();  // else of the boxes around it
     if (is_of_body && (beyond + rounding <= sweep.margin || beyond == 0.0)) return false;
     point = cube + (nearest + 2.0 * (nearest - on_hull) - cube).cwiseMax(-half).cwiseMin(half);
   }
-  return is_sweep_beyond(body_.shape, sweep.begin, sweep.end, cube, space_->resolution(), towards,
+  return is_sweep_beyond(body().shape, sweep.begin, sweep.end, cube, space_->resolution(), towards,
                          sweep.margin);
 }
 
 bool BodyCollision::is_sweep_clear(const Eigen::Isometry3d& begin, const Eigen::Isometry3d& middle,
                                    const Eigen::Isometry3d& end, double margin,
                                    RecentCubes& in_the_way) const {
-  const Eigen::Vector3d from = begin * bound_.center, to = end * bound_.center;
-  if (is_far((from + to) / 2, bound_.radius + margin + (to - from).norm() / 2 * (1.0 + 1e-9))) return true;
+  const Eigen::Vector3d from = begin * geometry_->bound.center, to = end * geometry_->bound.center;
+  if (is_far((from + to) / 2, geometry_->bound.radius + margin + (to - from).norm() / 2 * (1.0 + 1e-9)))
+    return true;
   find_near_spheres(begin, middle, end, margin);
   Scratch& memory = scratch();
   if (memory.boxes.empty()) return true;
   // As in is_clear: the hull is convex, and its first point is not blocked.
-  if (space_->is_blocked(begin * witnesses_[0])) return false;
+  if (space_->is_blocked(begin * geometry_->witnesses[0])) return false;
   struct Query {
     const BodyCollision& self;
     Sweep sweep;
     std::span<const Eigen::AlignedBox3d> near;
     RecentCubes& in_the_way;
   } query{*this,
-          {begin * body_.link_from_shape, middle * body_.link_from_shape, end * body_.link_from_shape, margin,
-           0.0},
+          {begin * body().link_from_shape, middle * body().link_from_shape, end * body().link_from_shape,
+           margin, 0.0},
           {},
           in_the_way};
   const Sweep& sweep = query.sweep;
   for (const Eigen::Isometry3d* pose : {&sweep.begin, &sweep.end}) {
     const double travel = (pose->translation() - sweep.middle.translation()).norm() +
-                          (pose->linear() - sweep.middle.linear()).norm() * body_.shape.bounding_radius();
+                          (pose->linear() - sweep.middle.linear()).norm() * body().shape.bounding_radius();
     query.sweep.travel = std::max(sweep.travel, travel * (1.0 + 1e-9));
   }
   const Eigen::AlignedBox3d bounds =
-      grown(body_.shape.bounds(sweep.begin).merged(body_.shape.bounds(sweep.end)), margin)
+      grown(body().shape.bounds(sweep.begin).merged(body().shape.bounds(sweep.end)), margin)
           .intersection(reach_);
   const std::size_t count = memory.boxes.size();
   memory.boxes.reserve(count + 1);

@@ -5,11 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mapping/system/plain_text.hpp"
-#include "planning/robot/axisymmetric_joints.hpp"
-#include "planning/robot/reach.hpp"
 #include "planning/space/collision_model.hpp"
 #include "planning/space/part_policies.hpp"
+#include "planning/space/robot_geometry.hpp"
 
 namespace clearway {
 namespace {
@@ -64,66 +62,15 @@ Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3
   return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(resolution)};
 }
 
-/// For each joint how fast it turns the links of the body's chain, all added up; 0 for one that slides.
-Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
-  Eigen::VectorXd turns = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
-  for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
-    const Link& link = robot.links[static_cast<std::size_t>(i)];
-    if (link.joint < 0) continue;
-    const bool slides = robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::prismatic;
-    if (!slides) turns[link.joint] += std::abs(link.multiplier);
-  }
-  return turns;
-}
-
-/// without_axisymmetric_joints, but where bodies that touch in every configuration would end up on one link:
-/// these stay where they are, so that their contact still counts.
-Robot reduced(const Robot& given) {
-  Robot robot = without_axisymmetric_joints(given);
-  const auto is_where_it_was = [](const Body& a, const Body& b) { return a.link == b.link; };
-  if (std::equal(robot.bodies.begin(), robot.bodies.end(), given.bodies.begin(), is_where_it_was))
-    return robot;
-  const std::vector<BodyPair> wanted = self_collision_pairs(given);
-  const LinkPoses poses =  // any will do: no joint changes how far bodies of one link are apart
-      forward_kinematics(given, Configuration::Zero(static_cast<Eigen::Index>(given.dof())));
-  for (bool changed = true; changed;) {  // a body put back may leave another one's pair without motion
-    changed = false;
-    const std::vector<BodyPair> kept = self_collision_pairs(robot);
-    for (const BodyPair& pair : wanted) {
-      const bool is_kept = std::any_of(kept.begin(), kept.end(), [&](const BodyPair& other) {
-        return other.first == pair.first && other.second == pair.second;
-      });
-      if (is_kept || is_apart(given, pair, poses, 0.0)) continue;
-      for (const int body : {pair.first, pair.second})
-        robot.bodies[static_cast<std::size_t>(body)] = given.bodies[static_cast<std::size_t>(body)];
-      changed = true;
-    }
-  }
-  return robot;
-}
-
-/// A joint that slides without limits below joints that turn: how far these move the robot has no bound, and
-/// no bound times a joint that stands still is no number.
-void refuse_unlimited_reach(const CollisionModel& model) {
-  for (std::size_t member = 0; member < model.members(); ++member) {
-    if (model.rates(member).allFinite()) continue;
-    for (const Joint& joint : model.robot.joints) {
-      if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
-        continue;
-      throw std::invalid_argument("robot " + model.robot.name + ": joint " + quote(joint.name) +
-                                  " slides without limits below joints that turn: expected joint limits");
-    }
-    throw std::invalid_argument("robot " + model.robot.name + ": expected links of finite lengths");
-  }
-}
-
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
                                        const SpaceOptions& options)
     : model_(std::make_unique<CollisionModel>(std::move(robot), std::move(map), options)) {
   CollisionModel& model = *model_;
-  model.robot = reduced(model.given);
+  const std::shared_ptr<const RobotGeometry> geometry = robot_geometry(model.given);
+  model.robot = model.given;
+  model.robot.bodies = geometry->robot.bodies;
   check_options(options);
   if (model.options.max_distance == 0.0) {
     model.options.max_distance = chosen_max_distance(model.robot, model.map.resolution());
@@ -141,33 +88,27 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     return part_requirement(model.robot, model.map, body.part, model.policies.at(body.part),
                             options.seen_within);
   };
-  for (const Body& body : model.robot.bodies) {
-    if (is_policed(model.robot, body.link))
-      reach_of(requirement_of(body)).extend(reach_box(model.robot, body));
-  }
-  model.bodies.reserve(model.robot.bodies.size());
-  for (std::size_t i = 0; i < model.robot.bodies.size(); ++i) {
-    const Body& body = model.robot.bodies[i];
-    if (!is_policed(model.robot, body.link)) continue;
-    const Requirement requirement = requirement_of(body);
+  for (const RobotGeometry::Policed& policed : geometry->policed)
+    reach_of(requirement_of(policed.geometry->body)).extend(policed.reach);
+  model.bodies.reserve(geometry->policed.size());
+  for (const RobotGeometry::Policed& policed : geometry->policed) {
+    const Requirement requirement = requirement_of(policed.geometry->body);
     const double max_distance = model.options.max_distance;
     const double wanted = std::max(max_distance, options.padding + model.map.resolution());
     const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), model.map, wanted);
-    Eigen::AlignedBox3d counts = reach_box(model.robot, body);  // voxels that can matter to the body
+    Eigen::AlignedBox3d counts = policed.reach;  // voxels that can matter to the body
     const double rounding =
         1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());
     counts.min().array() -= options.padding + rounding;
     counts.max().array() += options.padding + rounding;
-    model.bodies.emplace_back(body, model.map.blocked_space(requirement, region, max_distance), counts);
-    model.indices.push_back(static_cast<int>(i));
-    model.levers.push_back(body_levers(model.robot, body));
-    model.turns.push_back(body_turns(model.robot, body));
+    model.bodies.emplace_back(policed.geometry, model.map.blocked_space(requirement, region, max_distance),
+                              counts);
+    model.indices.push_back(policed.index);
+    model.levers.push_back(policed.levers);
+    model.turns.push_back(policed.turns);
   }
-  model.pairs = self_collision_pairs(model.robot);
-  refuse_unlimited_reach(model);
-  model.matters = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.robot.dof()));
-  for (std::size_t member = 0; member < model.members(); ++member)
-    model.matters = model.matters.array().max((model.rates(member).array() > 0.0).cast<double>());
+  model.pairs = geometry->pairs;
+  model.matters = geometry->matters;
   std::vector<BlockedBody> blocked;
   for (std::size_t i = 0; i < model.bodies.size(); ++i)
     blocked.push_back(
