@@ -79,7 +79,7 @@ bool EdgePieces::is_touching(double least_share) {
 }
 
 EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configuration& to,
-                                        double least_share) {
+                                        double least_share, bool ends_at_open) {
   from_ = &from;
   step_ = to - from;
   proved_share_ = 0.0;
@@ -103,6 +103,7 @@ EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configu
     if (lanes_.blocked != 0) return Finding::blocked;
     lanes_.enough = PieceLanes::Lanes(~0U);
     sort_out(asked);
+    if (ends_at_open && !open_.empty()) return Finding::open;
     next += count;
   }
   return open_.empty() ? Finding::free : Finding::open;

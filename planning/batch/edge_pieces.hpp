@@ -31,7 +31,14 @@ class EdgePieces {
   /// something. `open`: open_pieces() says what is not decided.
   /// @param least_share a proved_share() below this may be reported as 0: what is blocked is then found
   /// sooner
-  Finding examine(const Configuration& from, const Configuration& to, double least_share = 0.0);
+  Finding examine(const Configuration& from, const Configuration& to, double least_share = 0.0) {
+    return examine(from, to, least_share, false);
+  }
+
+  /// Whether examine() finds `free`; ends at the first piece that it would leave open.
+  bool is_free(const Configuration& from, const Configuration& to) {
+    return examine(from, to, 1.0, true) == Finding::free;
+  }
 
   /// So much of the edge, 0..1, was proved free from its start on before anything was cut further.
   double proved_share() const { return proved_share_; }
@@ -42,6 +49,7 @@ class EdgePieces {
   struct Bounds {
     double motion, bend;  ///< metres
   };
+  Finding examine(const Configuration& from, const Configuration& to, double least_share, bool ends_at_open);
   void bound_bends();
   Bounds bounds_of(int frame, int above) const;
   bool is_touching(double least_share);

@@ -308,7 +308,7 @@ bool ConfigurationSpace::is_edge_quickly_free(const Configuration& from, const C
   if (!model.spheres) return is_edge_free(from, to);
   if (!model.is_within_limits(from) || !model.is_within_limits(to)) return false;
   if (!model.spheres->suits(from) || !model.spheres->suits(to)) return is_edge_free(from, to);
-  return of_this_thread<EdgePieces>(*model.spheres).examine(from, to, 1.0) == EdgePieces::Finding::free;
+  return of_this_thread<EdgePieces>(*model.spheres).is_free(from, to);
 }
 
 double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {

@@ -92,6 +92,7 @@ TEST(EdgePieces, WhoNeedsLessOfAnEdgeHearsTheSameOfTheRest) {
       const Configuration to = from + random.unit() * (random.configuration(model.robot) - from);
       const EdgePieces::Finding finding = pieces.examine(from, to);
       const double share = pieces.proved_share();
+      EXPECT_EQ(pieces.is_free(from, to), finding == EdgePieces::Finding::free) << robot.name << " " << i;
       for (const double least : {0.1, 0.25, 0.6, 1.0}) {
         EXPECT_EQ(pieces.examine(from, to, least), finding) << robot.name << " edge " << i;
         const double of_use = pieces.proved_share();
