@@ -1,13 +1,13 @@
 #include "mapping/snapshot.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <mutex>
 #include <utility>
 
 #include "mapping/field/field_cache.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/voxels/fused_tree.hpp"
+#include "mapping/voxels/leaf_bounds.hpp"
 
 namespace clearway {
 namespace {
@@ -25,21 +25,51 @@ Voxel voxel_of(const FusedTree& tree, const FusedNode& node, const CellCube& cub
 
 }  // namespace
 
+namespace {
+
+/// The bounds of a tree's leaves, known when they were asked for, from those of the version before if it knew
+/// its own.
+class KnownBounds {
+ public:
+  KnownBounds() = default;
+  explicit KnownBounds(const KnownBounds& previous, const std::shared_ptr<const FusedTree>& tree_before) {
+    const std::lock_guard lock(previous.mutex_);
+    if (previous.tree_ != tree_before) return;
+    tree_ = previous.tree_;
+    cells_ = previous.cells_;
+  }
+
+  Eigen::AlignedBox3i get(const std::shared_ptr<const FusedTree>& tree) {
+    const std::lock_guard lock(mutex_);
+    if (tree_ == tree) return cells_;
+    cells_ = tree_ == nullptr ? leaf_bounds(*tree) : leaf_bounds(*tree, *tree_, cells_);
+    tree_ = tree;
+    return cells_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<const FusedTree> tree_;  ///< whose leaves these are: this version's, or the one before
+  Eigen::AlignedBox3i cells_;
+};
+
+}  // namespace
+
 struct Snapshot::State {
   State(std::shared_ptr<const FusedTree> stored, std::vector<PaintedVolume> painted,
-        std::shared_ptr<const SeenStamps> stamps, FieldCache* previous)
+        std::shared_ptr<const SeenStamps> stamps, const State* previous)
       : tree(std::move(stored)),
         seen(stamps != nullptr && stamps->empty() ? nullptr : std::move(stamps)),
         volumes(std::move(painted)),
-        fields(tree, field_memory_limit, previous, seen) {}
+        fields(tree, field_memory_limit, previous != nullptr ? &previous->fields : nullptr, seen),
+        bounds(previous != nullptr ? KnownBounds(previous->bounds, previous->tree) : KnownBounds()) {}
   std::shared_ptr<const FusedTree> tree;
   std::shared_ptr<const SeenStamps> seen;
   std::vector<PaintedVolume> volumes;
   mutable FieldCache fields;
   mutable std::once_flag counted;
   mutable VoxelCounts counts;
-  mutable std::once_flag bounds_known;
-  mutable Eigen::AlignedBox3i bounds;  ///< of all leaves, in cells
+  mutable KnownBounds bounds;
 };
 
 Snapshot::Snapshot() : Snapshot(std::make_shared<const FusedTree>(1.0), {}) {}
@@ -51,7 +81,7 @@ Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVol
 Snapshot::Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
                    const Snapshot& previous, std::shared_ptr<const SeenStamps> seen)
     : state_(std::make_shared<const State>(std::move(tree), std::move(volumes), std::move(seen),
-                                           &previous.state_->fields)) {}
+                                           previous.state_.get())) {}
 
 double Snapshot::resolution() const { return state_->tree->getResolution(); }
 const std::vector<PaintedVolume>& Snapshot::volumes() const { return state_->volumes; }
@@ -104,49 +134,8 @@ bool Snapshot::holds_any(std::initializer_list<VoxelState> states) const {
   return root != nullptr && any_leaf_is(tree(), *root, states);
 }
 
-namespace {
-
-/// How far stored leaves reach along an axis, up or down, in cells. Asks first where it may be farthest, so
-/// that most of the tree cannot be farther.
-struct Extent {
-  int axis;
-  bool up;
-  int farthest = std::numeric_limits<int>::min();  ///< of the cubes' faces; negative numbers when down
-
-  void extend(const FusedNode& node, const CellCube& cube) {
-    const int face = up ? cube.corner[axis] + cube.edge : -cube.corner[axis];
-    if (face <= farthest) return;
-    if (!node.has_children()) {
-      farthest = face;
-      return;
-    }
-    const int middle = cube.corner[axis] + cube.edge / 2;
-    for (const bool far : {true, false}) {
-      if (!far && (up ? middle : -middle) <= farthest) return;
-      for (unsigned i = 0; i < 8; ++i) {
-        const bool is_upper = (i >> axis & 1U) != 0;
-        if ((is_upper == up) != far) continue;
-        if (const FusedNode* child = node.child(i)) extend(*child, cube.child(i));
-      }
-    }
-  }
-};
-
-}  // namespace
-
 Eigen::AlignedBox3d Snapshot::bounds() const {
-  std::call_once(state_->bounds_known, [this] {
-    const FusedNode* root = tree().getRoot();
-    if (root == nullptr) return;
-    for (int axis = 0; axis < 3; ++axis) {
-      Extent down{axis, false}, up{axis, true};
-      down.extend(*root, CellCube{});
-      up.extend(*root, CellCube{});
-      state_->bounds.min()[axis] = -down.farthest;
-      state_->bounds.max()[axis] = up.farthest;
-    }
-  });
-  const Eigen::AlignedBox3i& cells = state_->bounds;
+  const Eigen::AlignedBox3i cells = state_->bounds.get(state_->tree);
   if (cells.isEmpty()) return {};
   return {cells.min().cast<double>() * resolution(), cells.max().cast<double>() * resolution()};
 }
