@@ -203,5 +203,44 @@ TEST_F(PlanPick, IsRefusedInAnotherWorld) {
   EXPECT_FALSE(in(box_of(0.40, 0.12, 0.34, 0.44, 0.2, 0.38)).valid);
 }
 
+/// From bodies that joints move to the voxels of boxes, each asked; at most the check's cap.
+double distance_to_voxels(const Robot& robot, const Configuration& q,
+                          const std::vector<Eigen::AlignedBox3d>& boxes) {
+  const LinkPoses poses = forward_kinematics(robot, q), others = forward_kinematics(robot, home);
+  double least = 0.2;
+  for (const Body& body : robot.bodies) {
+    const auto link = static_cast<std::size_t>(body.link);
+    if (poses[link].isApprox(others[link], 1e-12)) continue;
+    for (const Eigen::AlignedBox3d& box : boxes)
+      for (double x = box.min().x() + edge / 2; x < box.max().x(); x += edge)
+        for (double y = box.min().y() + edge / 2; y < box.max().y(); y += edge)
+          for (double z = box.min().z() + edge / 2; z < box.max().z(); z += edge)
+            least = std::min(
+                least,
+                distance_to_cube(body.shape, poses[link] * body.link_from_shape, {x, y, z}, edge).lower);
+  }
+  return least;
+}
+
+/// The clearance of a waypoint that two legs share is the lesser of both.
+TEST_F(PlanPick, NotesOfAWaypointOfTwoLegsTheLesserClearance) {
+  const PathVerdict found = verdict([](Plan&) {});
+  ASSERT_TRUE(found.valid) << found.first_contact;
+  ASSERT_EQ(found.clearance.size(), plan_->waypoints().size());
+  // Voxels of the scene, as boxes of them.
+  const Eigen::AlignedBox3d slab = box_of(0.24, -0.46, 0.04, 0.7, 0.46, top),
+                            wall = box_of(0.26, -0.02, top, 0.7, 0.02, 0.26),
+                            stood = box_of(0.38, 0.12, top, 0.46, 0.2, 0.24);
+  const std::size_t before = plan_->legs[0].waypoints.size() - 1;  // where the object still is in the map
+  const double beside_it =
+      distance_to_voxels(space_->robot(), plan_->waypoints()[before], {slab, wall, stood});
+  EXPECT_LT(beside_it, distance_to_voxels(space_->robot(), plan_->waypoints()[before], {slab, wall}) - 0.01);
+  EXPECT_NEAR(found.clearance[before], beside_it, 1e-4);
+  // Where it is taken, the load is 10 mm beside the support's voxels that are none of the layer.
+  const std::size_t taken = before + plan_->legs[1].waypoints.size() - 1;
+  EXPECT_GT(distance_to_voxels(space_->robot(), plan_->waypoints()[taken], {slab, wall}), 0.011);
+  EXPECT_NEAR(found.clearance[taken], 0.01, 1e-4);
+}
+
 }  // namespace plan_pick_test
 }  // namespace clearway

@@ -98,5 +98,22 @@ TEST(VoxelDistance, OfWhatOverlapsIsZeroAndItsDirectionIsNoneOrThatOfTheirLastTo
   }
 }
 
+/// Halves and quarters, which nothing rounds: here what is kept back for rounding is all that is missing.
+TEST(VoxelDistance, IsNoMoreThanTheExactOneWhereNothingIsRoundedHoweverLargeTheVoxel) {
+  for (const double edge : {0.0625, 0.5, 4.0, 64.0})
+    for (const double radius : {0.015625, 0.125})
+      for (const Eigen::Vector3d& way : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0, -1)}) {
+        const double gap = radius;
+        const Eigen::Isometry3d pose(Eigen::Translation3d((0.5 * edge + radius + gap) * way));
+        for (const Shape& shape : {Shape::sphere(radius), Shape::capsule(radius, 0.5)}) {
+          if (shape.length() > 0.0 && way.z() != 0.0) continue;  // the capsule lies along the face
+          const VoxelDistance found = distance_to(VoxelDistances(shape, pose, edge),
+                                                  {Eigen::Vector3d::Zero(), pose.translation()}, 1e3);
+          EXPECT_LE(found.distance, gap) << edge << " " << radius;
+          EXPECT_GE(found.distance, gap - 1e-11 * (1.0 + edge)) << edge << " " << radius;
+        }
+      }
+}
+
 }  // namespace cube_gap_test
 }  // namespace clearway
