@@ -161,5 +161,36 @@ TEST(CheckLegs, PlansGoRoundWithALoadWhatTheyPassWithout) {
   EXPECT_THROW(plan_and_check(query), std::invalid_argument);
 }
 
+/// Of a waypoint that two legs share the lesser clearance is told, whichever leg it is of.
+TEST(CheckLegs, OfAWaypointOfTwoLegsTheLesserClearanceIsTold) {
+  const Robot robot = load_robot("arm6"), loaded = with_load(robot, rod("hand", 0.25));
+  const Configuration a = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
+  Configuration b = a, beyond = a;
+  b[0] = 0.4, beyond[0] = 0.6;
+  const Eigen::Vector3d end = forward_kinematics(loaded, beyond).back() * Eigen::Vector3d(0.0, 0.0, 0.12);
+  const Eigen::Vector3d voxel = ((end / 0.01).array().floor() + 0.5) * 0.01;
+  FreeSpaceMap builder({.resolution = 0.01});
+  occupy(builder, voxel);
+  const Snapshot map = builder.snapshot();
+  const auto of_load = [&](const Configuration& q) {
+    const Body& load = loaded.bodies.back();
+    const Eigen::Isometry3d pose = forward_kinematics(loaded, q).back() * load.link_from_shape;
+    return distance_to_cube(load.shape, pose, voxel, 0.01).lower;
+  };
+  ASSERT_GT(of_load(b), 0.01);
+  ASSERT_LT(of_load(b), of_load(a) - 0.01);
+  const double without = check_path(robot, map, {}, 0.0, {b}, 1.0).clearance.front();
+  ASSERT_GT(without, of_load(b) + 0.01);
+  for (const bool is_first : {true, false}) {
+    const PathVerdict verdict = check_legs(
+        {{is_first ? loaded : robot, map, {a, b}}, {is_first ? robot : loaded, map, {b, a}}}, {}, 0.0, 1.0);
+    ASSERT_TRUE(verdict.valid) << verdict.first_contact;
+    ASSERT_EQ(verdict.clearance.size(), 3U);
+    EXPECT_NEAR(verdict.clearance[1], of_load(b), 1e-6) << is_first;
+    EXPECT_NEAR(verdict.clearance[is_first ? 0 : 2], of_load(a), 1e-6) << is_first;
+    EXPECT_GT(verdict.clearance[is_first ? 2 : 0], of_load(a) + 0.01) << is_first;
+  }
+}
+
 }  // namespace check_legs_test
 }  // namespace clearway
