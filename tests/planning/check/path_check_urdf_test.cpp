@@ -142,5 +142,19 @@ TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGo
   EXPECT_THROW(contact(robot), std::invalid_argument);
 }
 
+TEST(PathCheckUrdf, ALimitIsBeyondThatOfTheFileByItsToleranceAtMost) {
+  const UrdfRobot many = menagerie();
+  const auto of_limits = [&](double lower, double upper) {
+    Robot robot = many.robot();
+    robot.joints[0].lower = lower;
+    robot.joints[0].upper = upper;
+    return contact(robot);
+  };
+  EXPECT_EQ(of_limits(-1.0 - 1e-9, 2.0), "");
+  EXPECT_EQ(of_limits(-1.0, 2.0 + 1e-9), "");
+  EXPECT_NE(of_limits(-1.0 - 1.1e-9, 2.0).find("joint 'turn' may move to"), std::string::npos);
+  EXPECT_NE(of_limits(-1.0, 2.0 + 1.1e-9).find("joint 'turn' may move to"), std::string::npos);
+}
+
 }  // namespace path_check_urdf_test
 }  // namespace clearway
