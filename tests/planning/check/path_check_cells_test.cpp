@@ -106,6 +106,10 @@ TEST(PathCheckCells, ARobotFarOffTheMapIsReportedAsSuch) {
             std::string::npos);
   const Eigen::Vector3d last(-2.1e9 * 0.005, 0.0, 0.0), step(0.01, 0.0, 0.0);
   EXPECT_NE(sentence(last - step, last + step).find("from the map's origin"), std::string::npos);
+  for (int axis = 0; axis < 3; ++axis) {  // and a robot that only its upper end takes there
+    const Eigen::Vector3d at = 2.1e9 * 0.005 * Eigen::Vector3d::Unit(axis), some(0.01, 0.01, 0.01);
+    EXPECT_NE(sentence(at - some, at + some).find("from the map's origin"), std::string::npos) << axis;
+  }
   EXPECT_NE(sentence(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(6.0)).find("coarser map"),
             std::string::npos);
 }
