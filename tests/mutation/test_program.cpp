@@ -37,6 +37,11 @@ std::string filter_of(const std::set<fs::path>& files) {
   return filter;
 }
 
+bool is_test_file(const fs::path& file) {
+  const std::string name = file.filename();
+  return name.ends_with("_test.cpp") && !name.ends_with("_job_test.cpp");
+}
+
 /// The test file of the same name, or of the longest beginning of it, and those that include the header.
 std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) {
   const fs::path floor = repository / "tests" / *source.begin(),
@@ -51,9 +56,7 @@ std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) 
   }
   const std::string include = "#include \"" + fs::path(source).replace_extension(".hpp").string() + "\"";
   for (const auto& entry : fs::recursive_directory_iterator(floor)) {
-    const std::string name = entry.path().filename();
-    if (name.ends_with("_test.cpp") && !name.ends_with("_job_test.cpp") &&
-        read_whole(entry.path()).find(include) != std::string::npos)
+    if (is_test_file(entry.path()) && read_whole(entry.path()).find(include) != std::string::npos)
       files.insert(entry.path());
   }
   return files;
@@ -122,10 +125,16 @@ Ended TestProgram::run(const std::string& program, double usual, const std::stri
 }
 
 std::vector<std::string> TestProgram::stages_for(const std::string& file) const {
-  const std::string near = filter_of(tests_of(repository_, file));
+  const std::set<fs::path> nearest = tests_of(repository_, file);
+  const std::string near = filter_of(nearest);
   if (near.empty()) return {"*"};
   if (floor_ == "apps") return {near};
-  return {near, "-" + near};
+  std::set<fs::path> room;  // the others of the mirrored folder
+  for (const auto& entry : fs::directory_iterator(repository_ / "tests" / fs::path(file).parent_path()))
+    if (is_test_file(entry.path()) && !nearest.contains(entry.path())) room.insert(entry.path());
+  const std::string beside = filter_of(room);
+  if (beside.empty()) return {near, "-" + near};
+  return {near, beside + "-" + near, "-" + near + ":" + beside};
 }
 
 double TestProgram::usual_time(const std::string& filter, const fs::path& folder) {
