@@ -192,5 +192,30 @@ TEST(CheckLegs, OfAWaypointOfTwoLegsTheLesserClearanceIsTold) {
   }
 }
 
+/// A load may be turned in its link's frame: it is as far from a voxel as where it is stated to ride.
+TEST(CheckLegs, PlacesALoadThatIsTurnedWhereItIsStatedToRide) {
+  Random random(11);
+  const Robot robot = load_robot("arm6");
+  const Configuration q = (Configuration(6) << 0.3, -1.2, 1.2, 0.4, 0.5, -0.6).finished();
+  const Eigen::Isometry3d hand = forward_kinematics(robot, q)[static_cast<std::size_t>(robot.tip_link)];
+  const Eigen::Vector3d voxel =
+      ((hand * Eigen::Vector3d(0.0, 0.05, 0.4) / 0.01).array().floor() + 0.5) * 0.01;
+  FreeSpaceMap builder({.resolution = 0.01});
+  occupy(builder, voxel);
+  const double without = check_path(robot, builder.snapshot(), {}, 0.0, {q}, 2.0).clearance.front();
+  int nearest = 0;
+  for (int i = 0; i < 50; ++i) {
+    Load load = rod("hand", 0.2);
+    load.link_from_load = Eigen::Translation3d(0.0, 0.0, 0.2) * random.pose(0.05);
+    for (const Link& link : robot.links) load.touches.push_back(link.name);
+    const PathVerdict verdict = check_path(with_load(robot, load), builder.snapshot(), {}, 0.0, {q}, 2.0);
+    ASSERT_TRUE(verdict.valid) << verdict.first_contact;
+    const double truth = distance_to_cube(load.shape, hand * load.link_from_load, voxel, 0.01).lower;
+    ASSERT_NEAR(verdict.clearance.front(), std::min(truth, without), 1e-6);
+    nearest += truth < without;
+  }
+  EXPECT_GT(nearest, 40);
+}
+
 }  // namespace check_legs_test
 }  // namespace clearway
