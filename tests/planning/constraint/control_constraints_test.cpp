@@ -272,5 +272,22 @@ TEST(ControlConstraints, ADiscInOneLayerOfKnownSpaceSeesItsWallsAndNotItsFloor) 
   EXPECT_NEAR(toward_wall, 0.1, 1e-3);
 }
 
+/// Where the wall is farther than halfway between d_s and d_i, its voxel nearest to the disc alone counts.
+TEST(ControlConstraints, OfADampersStepLookRoundFromHalfwayToWhereItStopsOn) {
+  Robot robot = load_robot("point");
+  robot.map_from_base.translation().z() = 0.025;
+  FreeSpaceMap map({.resolution = 0.05});
+  for (int y = -20; y < 20; ++y) occupy(map, {0.525, (y + 0.5) * 0.05, 0.025});  // a wall at x = 0.5
+  const ConfigurationSpace space(robot, map.snapshot(), {.critical_by_default = false},
+                                 {.max_distance = 1.0});
+  const DamperOptions damper{0.2, 0.3, 0.1, 0.2, Eigen::VectorXd::Ones(2)};
+  ControlConstraints constraints(space, damper);
+  for (const double away : {0.29, 0.25, 0.21, 0.19, 0.15, 0.11}) {
+    constraints.look(Eigen::Vector2d(0.3 - away, 0.013));
+    EXPECT_EQ(constraints.constraints().size() > 1, away < 0.2) << away;
+    EXPECT_FALSE(constraints.constraints().empty()) << away;
+  }
+}
+
 }  // namespace control_rows_test
 }  // namespace clearway
