@@ -133,5 +133,30 @@ TEST(PairTable, ThereIsNoneForMoreJointsOrJointsWithoutLimits) {
   for (const auto& [links, of_links] : pairs) EXPECT_EQ(PairTable::of(endless, of_links), nullptr);
 }
 
+TEST(PairTable, OfOneJointSaysApartUpToAFewThousandthsBeforeBodiesMeet) {
+  int near = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    Random random(5);
+    for (const auto& [links, pairs] : by_links(robot)) {
+      const auto table = PairTable::of(robot, pairs);
+      if (!table || table->joints()[1] >= 0) continue;
+      const int joint = table->joints()[0];
+      for (int i = 0; i < 2000; ++i) {
+        const Configuration q = random.configuration(robot);
+        const LinkPoses poses = forward_kinematics(robot, q);
+        const auto are_apart_for = [&](double turn) {  // rad or metres of the joint
+          return std::all_of(pairs.begin(), pairs.end(), [&](const BodyPair& pair) {
+            return is_apart(robot, pair, poses, 2e-4 + turn * pair.approach[joint]);
+          });
+        };
+        if (!are_apart_for(0.005)) continue;
+        EXPECT_TRUE(table->is_apart({q[joint], 0.0})) << robot.name << " " << q[joint];
+        near += !are_apart_for(0.0125);
+      }
+    }
+  }
+  EXPECT_GT(near, 0);
+}
+
 }  // namespace pair_table_test
 }  // namespace clearway
