@@ -135,5 +135,27 @@ TEST(SphereRobot, BallsOnAxesThatPointAlmostDownMeetWhereTheyAre) {
   }
 }
 
+TEST(LaneCover, SpheresOfASmallBoxStandOutByAQuarterOfAVoxelAtMost) {
+  constexpr double voxel = 0.02;
+  Random random(2);
+  int thinned = 0;
+  for (int round = 0; round < 200; ++round) {
+    Body body;
+    body.link_from_shape = random.pose(1.0);
+    const Eigen::Vector3d edges(random.between(0.005, 0.06), random.between(0.005, 0.06),
+                                random.between(0.005, 0.06));
+    body.shape = Shape::box(edges);
+    body.cover = body.shape.sphere_cover();
+    const std::vector<Sphere> cover = lane_cover(body, voxel);
+    if (cover.size() == body.cover.size()) continue;
+    ++thinned;
+    for (const Sphere& sphere : cover) {
+      const Eigen::Vector3d center = body.link_from_shape.inverse() * sphere.center;
+      EXPECT_LE((center.cwiseAbs() - edges / 2).maxCoeff() + sphere.radius, 0.25 * voxel + 1e-9);
+    }
+  }
+  EXPECT_GT(thinned, 50);
+}
+
 }  // namespace sphere_robot_test
 }  // namespace clearway
