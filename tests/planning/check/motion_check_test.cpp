@@ -113,5 +113,22 @@ TEST(MotionCheck, RefusesAnObstacleInsideTheBlendAndOneInsideTheEdgesIsNoMatter)
   EXPECT_TRUE(corner.verdict(far.map()).valid);
 }
 
+/// A row of voxels along the first edge is 0.1 m from the disc, one along the second 0.15 m.
+TEST(MotionCheck, TellsHowNearTheMotionComesToVoxels) {
+  const Corner corner;
+  const Eigen::AlignedBox3d below = box_of(0.2, -0.4, -0.05, 0.6, -0.3, 0.05),
+                            beside = box_of(1.35, 0.5, -0.05, 1.45, 0.8, 0.05);
+  const auto clearance = [&](const std::vector<Eigen::AlignedBox3d>& occupied) {
+    const MotionVerdict verdict = corner.verdict(corner.space_with(occupied).map());
+    EXPECT_TRUE(verdict.valid) << verdict.fault;
+    return verdict.min_clearance;
+  };
+  for (const auto& [occupied, truth] :
+       {std::pair{std::vector{below}, 0.1}, {std::vector{beside}, 0.15}, {std::vector{beside, below}, 0.1}}) {
+    EXPECT_LE(clearance(occupied), truth + 1e-9);
+    EXPECT_GE(clearance(occupied), 0.75 * truth);
+  }
+}
+
 }  // namespace motion_check_test
 }  // namespace clearway
