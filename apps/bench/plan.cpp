@@ -125,7 +125,8 @@ Answer ask(const Planner& planner, const Task& task, const ConfigurationSpace& s
   const double begin = cpu_time();
   PlanResult result = planner.plan(
       {space, cost, task.start, task.goal, 1, [&] { return std::chrono::steady_clock::now() > latest; }});
-  return {1e3 * (cpu_time() - begin), std::move(result.waypoints)};
+  const double took = cpu_time() - begin;
+  return {1e3 * (result.waypoints.empty() ? std::max(took, limit) : took), std::move(result.waypoints)};
 }
 
 /// A planner on all tasks.

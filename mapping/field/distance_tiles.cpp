@@ -256,9 +256,8 @@ void DistanceTiles::share(const DistanceTiles& before, const std::vector<Box>& c
     if (is_outdated[i]) outdated_.push_back(i);
 }
 
-/// Whether a squared distance of a known tile is at least so much; the cap is none.
+/// Whether a number of a known tile is at least so much.
 bool DistanceTiles::any_at_least(std::size_t tile, int distance) const {
-  if (distance >= cap()) return false;
   const Tile& cells = *tiles_[tile];
   for (std::size_t cell = 0; cell < tile_cells; cell += nx)
     if (axes_.any_at_least(&cells[cell], static_cast<std::uint16_t>(distance))) return true;
@@ -269,6 +268,7 @@ bool DistanceTiles::any_at_least(std::size_t tile, int distance) const {
 /// change. Smaller ones end at another cell, before and after.
 std::vector<bool> DistanceTiles::reached_by_changes(const std::vector<Box>& changes) const {
   std::vector<bool> reached(tiles_.size(), false);
+  std::vector<int> at_most(tiles_.size(), cap() - 1);  // what is known of each tile: the cap is no distance
   for (const auto& [changed, cells] : changes_in_tiles(changes)) {
     if (!is_read_[changed]) continue;
     const Eigen::Vector3i low = (place(changed) - reach_).cwiseMax(0);
@@ -277,8 +277,11 @@ std::vector<bool> DistanceTiles::reached_by_changes(const std::vector<Box>& chan
       for (int y = low.y(); y <= high.y(); ++y) {
         for (int x = low.x(); x <= high.x(); ++x) {
           const std::size_t i = tile(x, y * ny, z * nz);
-          if (tiles_[i] != nullptr && !reached[i])
-            reached[i] = any_at_least(i, least_between(box_of({x, y, z}), cells));
+          if (tiles_[i] == nullptr || reached[i]) continue;
+          const int between = least_between(box_of({x, y, z}), cells);
+          if (between > at_most[i]) continue;
+          reached[i] = any_at_least(i, between);
+          if (!reached[i]) at_most[i] = between - 1;
         }
       }
     }

@@ -35,6 +35,7 @@ TEST(LeafBounds, FollowScansPaintAndWhatIsUndone) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     Dice dice(seed);
     FreeSpaceMap map({.resolution = 0.05});
+    map.add_volume("volume", {});
     Snapshot before = map.snapshot();
     Eigen::AlignedBox3i known;
     for (int step = 0; step < 40; ++step) {
