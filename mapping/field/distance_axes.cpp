@@ -1,12 +1,7 @@
 #include "mapping/field/distance_axes.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
-
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
 
 namespace clearway {
 namespace {
@@ -162,59 +157,6 @@ __attribute__((target("avx512bw"))) void lower_avx512(const std::uint16_t* cente
 #endif
 
 }  // namespace
-
-namespace {
-
-/// The least number before and after among those that differ, of 32; 16 bytes at a time, as every machine
-/// can.
-template <class Number>
-Number least_of_changed(const Number* before, const Number* after) {
-  using Vector = typename VectorOf<Number, 16>::type;
-  constexpr int width = 16 / sizeof(Number);
-  Vector least = ~Vector{};
-  for (int part = 0; part < lane_cells; part += width) {
-    const Vector was = *reinterpret_cast<const Vector*>(before + part);
-    const Vector is = *reinterpret_cast<const Vector*>(after + part);
-    const Vector lower = (was < is ? was : is) | reinterpret_cast<Vector>(was == is);
-    least = lower < least ? lower : least;
-  }
-  Number result = least[0];
-  for (int i = 1; i < width; ++i) result = std::min<Number>(result, least[i]);
-  return result;
-}
-
-/// Bit i is set where the numbers i differ.
-std::uint32_t differing_bits(const std::uint16_t* before, const std::uint16_t* after) {
-  std::uint32_t differing = 0;
-#ifdef __SSE2__
-  for (int part = 0; part < lane_cells; part += 16) {
-    const auto same = [&](int i) {
-      return _mm_cmpeq_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(before + part + i)),
-                             _mm_loadu_si128(reinterpret_cast<const __m128i*>(after + part + i)));
-    };
-    const int both = _mm_movemask_epi8(_mm_packs_epi16(same(0), same(8)));
-    differing |= (~static_cast<std::uint32_t>(both) & 0xffffU) << part;
-  }
-#else
-  for (int i = 0; i < lane_cells; ++i) differing |= (before[i] != after[i] ? 1U : 0U) << i;
-#endif
-  return differing;
-}
-
-}  // namespace
-
-LineChange line_change(const std::uint16_t* before, const std::uint16_t* after) {
-  LineChange change;
-  change.least = least_of_changed(before, after);
-  const std::uint32_t differing = differing_bits(before, after);
-  change.first = static_cast<std::uint8_t>(std::countr_zero(differing));
-  change.last = static_cast<std::uint8_t>(lane_cells - 1 - std::countl_zero(differing));
-  return change;
-}
-
-std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after) {
-  return least_of_changed(before, after);
-}
 
 DistanceAxes::DistanceAxes(std::uint16_t cap, InstructionSet vectors)
     : cap_(cap),

@@ -18,20 +18,6 @@ constexpr std::uint16_t largest_cap = 32767;
 /// Squared distance along one axis, in half voxels, from a cell's centre to the cube `steps` cells away.
 constexpr int gap_squared(int steps) { return steps == 0 ? 0 : (2 * steps - 1) * (2 * steps - 1); }
 
-/// What changed in 32 cells: the least of the numbers before and after among the cells that differ, and the
-/// first and last of them.
-struct LineChange {
-  std::uint16_t least = 0xffff;  ///< so when none differs
-  std::uint8_t first = 0, last = 0;
-  bool any() const { return least != 0xffff; }
-};
-
-/// @param before, after 32 numbers below 0xffff, some of which differ.
-LineChange line_change(const std::uint16_t* before, const std::uint16_t* after);
-
-/// The least of 32 steps before and after, among those that differ.
-std::uint8_t least_changed(const std::uint8_t* before, const std::uint8_t* after);
-
 /// The steps of an exact distance transform, truncated at `cap`: the sum over the axes of
 /// max(2|delta| - 1, 0)^2, which is the squared distance from a cell's centre to a blocked cube in half
 /// voxels. Separable over the axes (Saito and Toriwaki 1994): along the first axis cells are counted, along

@@ -116,36 +116,5 @@ TEST(DistanceAxes, AnyOf32NumbersAtLeastAValueIsFound) {
   }
 }
 
-TEST(DistanceAxes, AChangeOf32CellsIsBoundedFromBelow) {
-  Dice dice(5);
-  for (int trial = 0; trial < 2000; ++trial) {
-    std::array<std::uint16_t, lane_cells> before{}, after{};
-    for (auto& number : before) number = static_cast<std::uint16_t>(dice.whole(0, 0xfffe));
-    after = before;
-    for (int i = dice.whole(1, 4); i > 0; --i) {
-      after[static_cast<std::size_t>(dice.whole(0, 31))] ^= static_cast<std::uint16_t>(dice.whole(1, 0x7fff));
-    }
-    int least = 0xffff, first = -1, last = -1, least_step = 255;
-    std::array<std::uint8_t, lane_cells> low{}, high{};
-    for (std::size_t k = 0; k < before.size(); ++k) {
-      low[k] = static_cast<std::uint8_t>(before[k] % 255);
-      high[k] = static_cast<std::uint8_t>(after[k] % 255);
-      if (low[k] != high[k]) least_step = std::min({least_step, int{low[k]}, int{high[k]}});
-      if (before[k] == after[k]) continue;
-      least = std::min({least, int{before[k]}, int{after[k]}});
-      first = first < 0 ? static_cast<int>(k) : first;
-      last = static_cast<int>(k);
-    }
-    if (least_step < 255) {
-      ASSERT_EQ(int{least_changed(low.data(), high.data())}, least_step);
-    }
-    if (last < 0) continue;
-    const LineChange change = line_change(before.data(), after.data());
-    ASSERT_EQ(int{change.least}, least);
-    ASSERT_EQ(int{change.first}, first);
-    ASSERT_EQ(int{change.last}, last);
-  }
-}
-
 }  // namespace distance_axes_test
 }  // namespace clearway
