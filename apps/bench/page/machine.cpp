@@ -5,6 +5,8 @@
 #include <fstream>
 #include <thread>
 
+#include "mapping/system/instruction_set.hpp"
+
 namespace clearway::bench {
 
 std::string cpu_model(std::istream& cpuinfo) {
@@ -19,6 +21,9 @@ Machine this_machine() {
   Machine machine;
   std::ifstream cpuinfo("/proc/cpuinfo");
   if (const std::string model = cpu_model(cpuinfo); !model.empty()) machine.cpu = model;
+  const InstructionSet widest = best_instruction_set();
+  if (widest != InstructionSet::portable)
+    machine.vectors = widest == InstructionSet::avx512 ? "AVX-512" : "AVX2";
   machine.cores = std::thread::hardware_concurrency();
   machine.memory_gb =
       1e-9 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));

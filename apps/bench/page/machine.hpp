@@ -9,6 +9,7 @@ namespace clearway::bench {
 /// What the program runs on, as far as the kernel says.
 struct Machine {
   std::string cpu = "unknown CPU";
+  std::string vectors = "SSE2";  ///< the widest instructions that our hot loops use here
   unsigned cores = 0;
   double memory_gb = 0.0;  ///< 10^9 bytes
 };

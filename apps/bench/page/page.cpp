@@ -28,7 +28,8 @@ std::string load_text(const MachineLoad& before, const MachineLoad& after) {
 std::string origin_text(const Origin& origin, const std::vector<Outcome>& outcomes) {
   Table table{"", {"commit", "`" + origin.commit + "`"}, {}};
   table.rows = {{"date", origin.date},
-                {"machine", origin.machine.cpu + ", " + std::to_string(origin.machine.cores) + " cores, " +
+                {"machine", origin.machine.cpu + ", " + origin.machine.vectors + ", " +
+                                std::to_string(origin.machine.cores) + " cores, " +
                                 count_text(origin.machine.memory_gb) + " GB"}};
   if (!outcomes.empty()) {
     const MachineLoad &first = outcomes.front().before, &last = outcomes.back().after;

@@ -162,9 +162,10 @@ TEST(BenchmarkRun, progress_is_a_line_for_each_benchmark_and_where_asked_for_eac
 }
 
 TEST(BenchmarkPage, the_page_has_commit_date_machine_load_and_every_benchmark) {
-  const std::string page = whole_page({"abc123", "2026-11-23", {"Some CPU", 2, 24.0}}, one_good_one_bad());
+  const std::string page =
+      whole_page({"abc123", "2026-11-23", {"Some CPU", "AVX2", 2, 24.0}}, one_good_one_bad());
   for (const char* part :
-       {"`abc123`", "2026-11-23", "Some CPU, 2 cores, 24 GB", "load average", "stolen", "## good",
+       {"`abc123`", "2026-11-23", "Some CPU, AVX2, 2 cores, 24 GB", "load average", "stolen", "## good",
         "This against that.", "| all  | 1.00 |", "## bad", "Failed: the peer differs", "| 2.00 ",
         "clearway compare datasets/suites/guided.yaml"})
     EXPECT_NE(page.find(part), std::string::npos) << part << " is not in\n" << page;
