@@ -14,6 +14,9 @@ namespace {
 constexpr int most = 255, blocked = 1;
 constexpr std::size_t beyond = 3;  ///< bytes after the last cell
 
+// The shape that ByteField::index, and look-ups of many points like it, take a tile to have.
+static_assert(DistanceTiles::nx == 32 && DistanceTiles::ny == 8 && DistanceTiles::nz == 8);
+
 /// Units a voxel: as many as a byte has room for, up to the largest distance that the field knows.
 int units(const BlockedField& field) {
   const double voxels = 0.5 * std::sqrt(double(field.distances()->cap()));
