@@ -65,6 +65,15 @@ void validate(const TagDetectorOptions& o) {
   require(o.border >= 0.0 && std::isfinite(o.border), "tag detector: border", "0 pixels or more");
 }
 
+// Grey levels between dark and bright below which apriltag searches a place for no tag, at least its own
+// `usual` 5. A tag's bits lie within its border's contrast, at most half of it from their threshold, and
+// sharpening no more than doubles that: half the margin asked of a tag leaves out none. What it leaves out is
+// a camera's noise, each speck of which apriltag would trace (36 ms an image of the miniature kitchen, now
+// 4).
+int least_contrast(const TagDetectorOptions& options, int usual) {
+  return std::max(usual, static_cast<int>(0.5 * options.min_margin));
+}
+
 TagDetection from_apriltag(const apriltag_detection_t& found) {
   TagDetection tag{found.id, found.hamming, found.decision_margin, {}};
   for (int i = 0; i < 4; ++i)
@@ -124,6 +133,7 @@ TagDetector::TagDetector(const TagDetectorOptions& options) {
   detector.quad_sigma = static_cast<float>(options.sigma);
   detector.refine_edges = options.refine_edges;
   detector.decode_sharpening = options.sharpening;
+  detector.qtp.min_white_black_diff = least_contrast(options, detector.qtp.min_white_black_diff);
   apriltag_detector_add_family_bits(&detector, impl_->family.get(), options.max_hamming);
 }
 

@@ -164,6 +164,39 @@ TEST(TagDetector, leaves_the_image_as_it_was) {
     }
 }
 
+TEST(TagDetector, what_is_too_dim_to_be_searched_would_have_been_dropped_for_its_margin) {
+  std::mt19937 random(23);
+  const auto within = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  TagDetectorOptions all;
+  all.min_margin = 0.0;
+  TagDetector dropping, searching(all);
+  std::size_t tags = 0, dim = 0;
+  for (unsigned i = 0; i < 20; ++i) {
+    const Camera camera = scene::plain_camera();
+    const auto placed = tags_at_all_tilts(within(0.2, 0.5), within(0.15, 0.4));
+    cv::Mat image = scene::render(camera, placed, {3, within(0.4, 1.6), within(0.0, 4.0), i});
+    const double contrast = within(0.15, 0.4);
+    image.convertTo(image, CV_8UC1, contrast, within(0.0, 255.0 * (1.0 - contrast)));
+    auto expected = searching.detect(image);
+    dim += std::erase_if(expected, [&](const TagDetection& tag) {
+      return tag.decision_margin < dropping.options().min_margin;
+    });
+    const auto found = dropping.detect(image);
+    ASSERT_EQ(found.size(), expected.size()) << i;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      EXPECT_EQ(found[k].id, expected[k].id);
+      for (int c = 0; c < 4; ++c)
+        EXPECT_LT((found[k].corners[c] - expected[k].corners[c]).norm(), 0.1)
+            << i << " " << found[k].decision_margin;
+    }
+    tags += found.size();
+  }
+  EXPECT_GT(tags, 60u);
+  EXPECT_GT(dim, 4u);
+}
+
 TEST(TagDetector, reads_a_part_of_a_larger_image_without_copying_it) {
   const auto tags = tags_at_all_tilts(0.2, 0.14);
   const cv::Mat image = scene::render(scene::plain_camera(), tags);
