@@ -109,7 +109,7 @@ TEST_F(PlanPick, SaysWhatIsInTheWay) {
   far.map_from_object.translation().x() = 3.0;
   const auto plan = [&](const Pick& pick) {
     return plan_pick(
-        {.space = *space_, .start = home, .goals = {}, .time_limit = 20.0, .survey = std::nullopt}, pick);
+        {.space = *space_, .start = home, .goals = {}, .time_limit = 3.0, .survey = std::nullopt}, pick);
   };
   EXPECT_NE(plan(far).explanation().find("no configuration within the limits"), std::string::npos);
   EXPECT_FALSE(plan(far).is_proved());

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "tests/worlds/probe_stage.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace probe_test {
@@ -258,7 +259,9 @@ Stage single_tag_stage(double stated_noise, double lever, double tracking_error)
 TEST(Probe, accepts_no_flipped_pose_of_a_single_small_tag_even_when_any_uncertainty_is_allowed) {
   Stage stage = single_tag_stage(0.5, 0.2, 0.02);
   stage.probe.ball_radius = 100.0;
-  for (const auto& [distance, poses] : {std::pair(0.4, 2000), std::pair(0.6, 2000), std::pair(0.8, 8000)}) {
+  for (const auto& [distance, poses] :
+       {std::pair(0.4, trials(1000, 2000)), std::pair(0.6, trials(1000, 2000)),
+        std::pair(0.8, trials(2000, 8000))}) {
     const FlipCount count = count_flips(distance, 0.5, stage, poses);
     EXPECT_EQ(count.flipped, 0) << distance;
     EXPECT_GT(count.accepted, 0) << distance;
@@ -270,9 +273,10 @@ TEST(Probe, accepts_no_flipped_pose_of_a_single_small_tag_even_when_any_uncertai
 TEST(Probe, accepts_no_flipped_pose_when_the_noise_is_two_thirds_more_than_stated) {
   Stage stage = single_tag_stage(0.3, 0.2, 0.02);
   stage.probe.ball_radius = 100.0;
-  const FlipCount count = count_flips(0.8, 0.5, stage, 8000);
+  const int poses = trials(2000, 8000);
+  const FlipCount count = count_flips(0.8, 0.5, stage, poses);
   EXPECT_EQ(count.flipped, 0);
-  RecordProperty("accepted_per_mille", 1000 * count.accepted / 8000);
+  RecordProperty("accepted_per_mille", 1000 * count.accepted / poses);
 }
 
 TEST(Probe, accepted_spheres_of_a_single_tag_keep_within_the_tracking_error) {

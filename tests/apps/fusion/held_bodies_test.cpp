@@ -12,6 +12,7 @@
 #include "datasets/simulation/simulate.hpp"
 #include "mapping/scans/scan_filter.hpp"
 #include "tests/worlds/temporary_folder.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace held_bodies_test {
@@ -131,7 +132,7 @@ double distance_to_things(const Scene& scene, const Eigen::Vector3d& point) {
 
 TEST(HeldBodies, OfAMovingHandHardlyAnyPointBecomesAnObstacle) {
   std::size_t on_hand = 0, obstacles = 0, on_things = 0, kept = 0, hidden = 0, scans = 0;
-  for (int seed = 1; seed <= 2; ++seed) {
+  for (int seed = 1; seed <= trials(1, 2); ++seed) {
     const TemporaryFolder folder;
     write_file(folder / "setup.yaml", setup_text);
     const Scene scene = parse_scene(scene_text(seed), "scene.yaml", folder / "");

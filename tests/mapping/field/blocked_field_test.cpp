@@ -10,6 +10,7 @@
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/blocked_truth.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace blocked_field_test {
@@ -81,7 +82,7 @@ TEST(BlockedField, OnFacesEdgesAndCornersOfVoxelsTheBoundHolds) {
     const auto space = map.blocked_space(requirement, box_around(0.8), 0.6);
     const BlockedTruth truth(map, requirement, space->region());
     Dice dice(9);
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < trials(6000, 20000); ++i) {
       Eigen::Vector3d point = dice.point(0.9);
       for (int axis = 0; axis < 3; ++axis) {
         if (dice.whole(0, 1) == 0) point[axis] = std::round(point[axis] / 0.1) * 0.1;

@@ -8,6 +8,7 @@
 #include "mapping/free_space_map.hpp"
 #include "tests/worlds/blocked_truth.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace blocked_search_test {
@@ -47,7 +48,7 @@ TEST(BlockedSearch, FindsTheExactNearestCube) {
       const auto space = map.blocked_space(requirement, box_around(0.9), 0.7);
       const BlockedTruth truth(map, requirement, space->region());
       Dice dice(seed);
-      for (int i = 0; i < 4000; ++i) {
+      for (int i = 0; i < trials(1500, 4000); ++i) {
         expect_nearest(*space, truth, dice.point(i % 5 == 0 ? 1.6 : 0.9), dice.uniform(0.0, 0.7));
       }
     }

@@ -11,6 +11,7 @@
 #include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_map.hpp"
 #include "tests/worlds/stock_octomap.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace scan_insertion_test {
@@ -56,11 +57,12 @@ Scan room_scan(int index, bool lidar) {
 }
 
 TEST(ScanInsertion, ScansOfARoomGiveStockOctoMapsTreeWhateverTheInstructionsAndThreads) {
+  const int scans = trials(4, 12);
   for (const bool lidar : {false, true}) {
     for (const bool discretize : {false, true}) {
       const double max_range = lidar ? 1.4 : 0.0;
       octomap::OcTree stock(0.04);
-      for (int i = 0; i < 12; ++i) insert_stock(stock, room_scan(i, lidar), max_range, discretize);
+      for (int i = 0; i < scans; ++i) insert_stock(stock, room_scan(i, lidar), max_range, discretize);
       std::string first;
       for (const InstructionSet set : worlds::instruction_sets()) {
         for (const int threads : {1, 2, 3}) {
@@ -70,7 +72,7 @@ TEST(ScanInsertion, ScansOfARoomGiveStockOctoMapsTreeWhateverTheInstructionsAndT
           insertion.discretize = discretize;
           insertion.threads = threads;
           insertion.instructions = set;
-          for (int i = 0; i < 12; ++i)
+          for (int i = 0; i < scans; ++i)
             insert_scan(tree, room_scan(i, lidar), {.max_range = max_range}, insertion, workspace);
           expect_equal(stock, tree);
           std::ostringstream bytes;

@@ -8,6 +8,7 @@
 #include "mapping/volumes/body_cube.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/random_map.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace painted_body_test {
@@ -88,8 +89,8 @@ TEST(BodyCube, DistancesAreThoseOfProjections) {
 }
 
 TEST(PaintedSpace, HoldsABodyExactlyWhenNoBlockedCubeMeetsIt) {
-  for (unsigned seed = 0; seed < 3; ++seed) {
-    Dice dice(50 + seed);
+  for (int seed = 0; seed < trials(1, 3); ++seed) {
+    Dice dice(50 + static_cast<unsigned>(seed));
     FreeSpaceMap painted({.resolution = 0.06});
     painted.add_volume("v", {});
     for (int i = 0; i < 20; ++i) painted.paint(0, {dice.point(0.4), dice.uniform(0.1, 0.3)});

@@ -10,6 +10,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/beam_world.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace beam_reference_test {
@@ -47,7 +48,8 @@ VoxelScene painted_way(const Robot& robot, const Configuration& start, const Con
 TEST(BeamReference, HasATwinInPaintWithSlidingJointsOtherSizesPayloadPaddingAndManyHeads) {
   std::map<PlanStatus, int> count;
   std::size_t most_heads_in_a_step = 0;
-  for (int i = 0; i < 40; ++i) {
+  const int scenes = trials(25, 40);
+  for (int i = 0; i < scenes; ++i) {
     Random random(100 + static_cast<std::uint64_t>(i));
     const double size = i % 3 == 0 ? 0.7 : 1.0;
     Robot robot = load_robot("arm5");

@@ -4,6 +4,7 @@
 
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/trials.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -47,6 +48,7 @@ Configuration configuration(const Robot& robot, Random& random) {
 }
 
 TEST(LatticeChecks, AnswersAsTheConfigurationSpaceDoesOnAnyWalkAmongObstacles) {
+  const int walks = trials(24, 60);
   Random random(5);
   for (const char* name : {"puma560", "panda", "arm5", "point"}) {
     const Robot robot = load_robot(name);
@@ -70,7 +72,7 @@ TEST(LatticeChecks, AnswersAsTheConfigurationSpaceDoesOnAnyWalkAmongObstacles) {
       SpaceOptions options;
       options.padding = scene >= 4 ? 0.01 : 0.0;
       const ConfigurationSpace space(robot, voxels.snapshot(), policies, options);
-      for (int i = 0; i < 60; ++i) {
+      for (int i = 0; i < walks; ++i) {
         Configuration start = configuration(robot, random), other = configuration(robot, random);
         if (!space.is_free(start)) continue;
         while (!space.is_free(other) && (other - start).norm() > 0.01) {  // close to what blocks
@@ -81,9 +83,9 @@ TEST(LatticeChecks, AnswersAsTheConfigurationSpaceDoesOnAnyWalkAmongObstacles) {
         if (testing::Test::HasFatalFailure()) return;
       }
     }
-    EXPECT_GT(counts.free_edges, 500) << name;
-    EXPECT_GT(counts.blocked, 50) << name;
-    EXPECT_GT(counts.blocked_edges, 5) << name;
+    EXPECT_GT(counts.free_edges, 8 * walks) << name;
+    EXPECT_GT(counts.blocked, walks) << name;
+    EXPECT_GT(counts.blocked_edges, walks / 12) << name;
   }
 }
 

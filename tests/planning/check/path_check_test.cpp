@@ -6,6 +6,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/trials.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
@@ -73,6 +74,7 @@ TEST(PathCheck, AcceptsAFreePathAndRefusesItWhenAnObstacleIsDroppedOnIt) {
 TEST(PathCheck, AgreesWithTheConfigurationSpaceAndWithDenseSamplingOnRandomEdges) {
   int valid = 0, refused = 0, undecided = 0;
   double slack = 0.0;
+  const int edges = trials(16, 40);
   for (const char* name : {"puma560", "arm5"}) {
     const Robot robot = load_robot(name);
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -80,7 +82,7 @@ TEST(PathCheck, AgreesWithTheConfigurationSpaceAndWithDenseSamplingOnRandomEdges
       const std::vector<Eigen::Vector3d> cubes = random_cubes(robot, random, 30);
       const ConfigurationSpace space(robot, map_of(cubes), {.critical_by_default = false});
       const FclTruth truth(robot, cubes, edge);
-      for (int i = 0; i < 40; ++i) {
+      for (int i = 0; i < edges; ++i) {
         const Configuration from = random.configuration(robot);
         const Configuration to = from + 0.15 * (random.configuration(robot) - from);
         const PathVerdict verdict = check_path(robot, space.map(), {}, 0.0, {from, to});
@@ -102,8 +104,8 @@ TEST(PathCheck, AgreesWithTheConfigurationSpaceAndWithDenseSamplingOnRandomEdges
       }
     }
   }
-  EXPECT_GE(valid, 50);
-  EXPECT_GE(refused, 50);
+  EXPECT_GE(valid, edges);
+  EXPECT_GE(refused, edges);
   EXPECT_LE(undecided, 2);
   EXPECT_LT(slack, 0.005);  // the certified minimum is near the sampled one
 }

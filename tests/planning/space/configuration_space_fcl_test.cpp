@@ -7,6 +7,7 @@
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace configuration_space_fcl_test {
@@ -83,6 +84,7 @@ TEST(ConfigurationSpace, IsFreeAgreesWithFclOnEveryVoxelCube) {
 
 TEST(ConfigurationSpace, NoAcceptedEdgeTouchesAnythingWhenSampledDensely) {
   int accepted = 0, refused = 0, refused_though_clear = 0;
+  const int edges = trials(80, 200);
   for (const char* name : {"puma560", "arm5"}) {
     const Robot robot = load_robot(name);
     for (std::uint64_t seed = 11; seed <= 14; ++seed) {
@@ -90,7 +92,7 @@ TEST(ConfigurationSpace, NoAcceptedEdgeTouchesAnythingWhenSampledDensely) {
       const World world(robot, random, 30);
       const ConfigurationSpace space(robot, world.map, not_occupied());
       const FclTruth truth(robot, world.cubes, edge);
-      for (int i = 0; i < 200; ++i) {
+      for (int i = 0; i < edges; ++i) {
         const Configuration from = random.configuration(robot);
         const Configuration to = from + 0.15 * (random.configuration(robot) - from);
         const bool free = space.is_edge_free(from, to);
@@ -107,8 +109,8 @@ TEST(ConfigurationSpace, NoAcceptedEdgeTouchesAnythingWhenSampledDensely) {
       }
     }
   }
-  EXPECT_GE(accepted, 500);
-  EXPECT_GE(refused, 200);
+  EXPECT_GE(accepted, edges * 5 / 2);
+  EXPECT_GE(refused, edges);
   EXPECT_LE(refused_though_clear, refused / 20);  // grazing ones, undecided or between the coarse samples
 }
 

@@ -8,6 +8,7 @@
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/trials.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
@@ -222,7 +223,8 @@ TEST(EdgeProof, NoTubeIsAcceptedInWhichSomethingTouches) {
     const ConfigurationSpace space(robot, map_of(cubes), not_occupied());
     const FclTruth truth(robot, cubes, edge);
     int accepted = 0, refused = 0;
-    for (int i = 0; i < 300; ++i) {
+    const int edges = trials(90, 300);
+    for (int i = 0; i < edges; ++i) {
       const Configuration from = random.configuration(robot);
       const Configuration to = from + 0.3 * random.unit() * (random.configuration(robot) - from);
       Eigen::VectorXd aside(from.size());
@@ -239,8 +241,8 @@ TEST(EdgeProof, NoTubeIsAcceptedInWhichSomethingTouches) {
         ASSERT_FALSE(truth.touches_itself(poses) || truth.touches_cube(poses)) << name << " " << i;
       }
     }
-    EXPECT_GT(accepted, 20) << name;
-    EXPECT_GT(refused, 10) << name;
+    EXPECT_GT(accepted, edges / 15) << name;
+    EXPECT_GT(refused, edges / 30) << name;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/worlds/calibration_views.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace calibrate_board_test {
@@ -39,10 +40,10 @@ Camera exact_camera() {
 }
 
 TEST(CalibrateBoard, places_relative_to_each_other_are_within_the_sigmas_of_drawn_boards) {
-  const int trials = 50;
+  const int drawn_boards = trials(15, 50);
   double size = 0.0, distance = 0.0, before = 0.0, after = 0.0;
-  for (unsigned seed = 1; seed <= trials; ++seed) {
-    const DrawnBoard drawn = draw_board(seed, 20);
+  for (int seed = 1; seed <= drawn_boards; ++seed) {
+    const DrawnBoard drawn = draw_board(static_cast<unsigned>(seed), 20);
     const BoardCalibration found = calibrate_board(exact_camera(), drawn.stated, drawn.views);
     ASSERT_EQ(found.refusal, "") << seed;
     for (const TagChange& tag : found.tags) {
@@ -58,9 +59,9 @@ TEST(CalibrateBoard, places_relative_to_each_other_are_within_the_sigmas_of_draw
     after += std::pow(way(found.board) - way(drawn.actual), 2);
     before += std::pow(way(drawn.stated) - way(drawn.actual), 2);
   }
-  EXPECT_LT(size, 87.0);  // chi-square of 50: above 86.7 once in a thousand
-  EXPECT_LT(distance, 87.0);
-  EXPECT_GT(distance, 2.0);
+  EXPECT_LT(size, chi_square_limit(drawn_boards));
+  EXPECT_LT(distance, chi_square_limit(drawn_boards));
+  EXPECT_GT(distance, 0.04 * drawn_boards);
   EXPECT_LT(after, 0.05 * before);
 }
 

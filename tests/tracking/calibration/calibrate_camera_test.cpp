@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/worlds/calibration_views.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace calibrate_camera_test {
@@ -12,10 +13,10 @@ namespace calibrate_camera_test {
 using scene::DrawnViews;
 
 TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_noise) {
-  const int trials = 50;
+  const int drawn_cameras = trials(15, 50);
   double focal = 0.0, centre = 0.0, aspect = 0.0, joint = 0.0, claimed = 0.0, actual = 0.0;
-  for (unsigned seed = 1; seed <= trials; ++seed) {
-    const DrawnViews drawn = scene::draw_views(seed, 16);
+  for (int seed = 1; seed <= drawn_cameras; ++seed) {
+    const DrawnViews drawn = scene::draw_views(static_cast<unsigned>(seed), 16);
     const Camera& truth = drawn.camera;
     CameraCalibrationOptions options;
     options.folds = 2;
@@ -34,12 +35,11 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_n
     actual += off[0] * off[0];
     EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
   }
-  // Chi-square of 50 and of 200 degrees of freedom: once in a thousand above 86.7 and 267.5.
-  EXPECT_LT(focal, 86.7);
-  EXPECT_LT(aspect, 86.7);
-  EXPECT_LT(centre, 80.0);
-  EXPECT_LT(joint, 267.5);
-  EXPECT_GT(joint, 50.0);  // not many times too careful
+  EXPECT_LT(focal, chi_square_limit(drawn_cameras));
+  EXPECT_LT(aspect, chi_square_limit(drawn_cameras));
+  EXPECT_LT(centre, chi_square_limit(drawn_cameras));
+  EXPECT_LT(joint, chi_square_limit(4 * drawn_cameras));
+  EXPECT_GT(joint, drawn_cameras);  // not many times too careful
   EXPECT_LT(claimed, 4.0 * actual);
 }
 

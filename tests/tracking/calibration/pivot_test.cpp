@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/worlds/calibration_views.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace pivot_test {
@@ -48,9 +49,9 @@ struct Turning {
 };
 
 TEST(Pivot, covariance_covers_the_true_error_of_drawn_motions) {
-  const int trials = 60;
+  const int motions = trials(20, 60);
   double joint = 0.0, worst = 0.0;
-  for (int seed = 1; seed <= trials; ++seed) {
+  for (int seed = 1; seed <= motions; ++seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
     Turning turning;
     turning.with_base = seed % 2 == 0;
@@ -62,8 +63,8 @@ TEST(Pivot, covariance_covers_the_true_error_of_drawn_motions) {
     joint += off.dot(found.covariance.ldlt().solve(off));
     worst = std::max(worst, off.norm());
   }
-  EXPECT_LT(joint, 242.0);  // chi-square of 180 degrees of freedom: above it once in a thousand
-  EXPECT_GT(joint, 18.0);   // and the claim is not ten times too careful
+  EXPECT_LT(joint, chi_square_limit(3 * motions));
+  EXPECT_GT(joint, 0.3 * motions);  // and the claim is not ten times too careful
   EXPECT_LT(worst, 0.006);
 }
 

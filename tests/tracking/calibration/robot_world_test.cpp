@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/worlds/calibration_views.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace robot_world_test {
@@ -93,9 +94,9 @@ double squares(const UncertainPose& found, const Eigen::Isometry3d& truth) {
 }
 
 TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
-  const int trials = 40;
+  const int cells = trials(12, 40);
   double base = 0.0, rider = 0.0, worst = 0.0;
-  for (int seed = 1; seed <= trials; ++seed) {
+  for (int seed = 1; seed <= cells; ++seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
     Cell cell(random);
     cell.carries_camera = seed % 2 == 0;
@@ -112,8 +113,8 @@ TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
     EXPECT_GT(found.left_out, found.rms);
   }
   for (const double sum : {base, rider}) {
-    EXPECT_LT(sum, 313.0);  // chi-square of 240 degrees of freedom: above it once in a thousand
-    EXPECT_GT(sum, 24.0);   // and the claim is not ten times too careful
+    EXPECT_LT(sum, chi_square_limit(6 * cells));
+    EXPECT_GT(sum, 0.6 * cells);  // and the claim is not ten times too careful
   }
   EXPECT_LT(worst, 0.01);
 }
