@@ -11,7 +11,7 @@
 #include "planning/check/check_pick.hpp"
 #include "planning/path/shortcut.hpp"
 #include "planning/picks/pick_scene.hpp"
-#include "planning/picks/straight_motion.hpp"
+#include "planning/picks/straight_legs.hpp"
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/sampling/rrtconnect.hpp"
 #include "planning/space/joint_weights.hpp"
@@ -20,31 +20,11 @@ namespace clearway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Path = std::vector<Configuration>;
 
-constexpr double straight_step = 0.01;                       ///< m of the tip, full size
-constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick says
 constexpr int turns_of_axial = 12;
 constexpr int most_starts = 1152;       ///< of inverse kinematics for a pose, a sixth for each turn
 constexpr std::size_t most_tried = 48;  ///< grasps that lead on, and places of each
-
 constexpr int shortcuts = 100;
-
-/// A configuration that holds the object, by a turn about the object's axis.
-struct Hold {
-  Configuration q;
-  double turn = 0.0;
-};
-
-/// The straight legs at the object, each as the robot goes it.
-struct Taking {
-  Hold grasp;
-  Path reach, lift;
-};
-struct Putting {
-  Path lower, retreat;
-  Eigen::Vector3d back;  ///< away from the place as the hand retreats, map frame
-};
 
 class PickPlanner {
  public:
@@ -54,10 +34,8 @@ class PickPlanner {
         is_growing_(planner->name() == AutoPlanner::table_name),
         round_(is_growing_ ? Round::of_trees(1000, 6, 72) : Round{std::move(planner)}),
         robot_(query.space.robot()),
-        padding_(query.space.options().padding),
-        contact_(contact_length(pick, query.space.map().resolution(), padding_)),
-        step_(straight_step * query.space.robot().scale),
-        scene_(query.space, pick, query.load_policies) {}
+        scene_(query.space, pick, query.load_policies),
+        straight_(scene_, query.space, pick) {}
 
   /// The legs, up to the first that fails.
   std::vector<PlanResult> run() {
@@ -101,7 +79,7 @@ class PickPlanner {
     std::size_t tried = 0;
     for (const Hold& grasp : holds(pick_.map_from_object, query_.start)) {
       if (tried == round_.most || is_out_of_time()) return false;
-      const auto taking = take(grasp, why);
+      const auto taking = straight_.take(grasp, why);
       if (!taking) continue;
       std::string why_not_put =
           "no configuration within the limits was found that puts the object at its place";
@@ -163,83 +141,6 @@ class PickPlanner {
     });
   }
 
-  Eigen::Isometry3d link_pose(const Configuration& q) const {
-    const LinkPoses poses = forward_kinematics(robot_, q);
-    for (std::size_t i = 0; i < robot_.links.size(); ++i)
-      if (robot_.links[i].name == pick_.object.link) return poses[i];
-    return poses.front();
-  }
-
-  /// The plane on which the object stands.
-  double plane_at(const Eigen::Isometry3d& map_from_object) const {
-    return pick_.object.shape.bounds(map_from_object).min().z();
-  }
-
-  /// The part of a straight way on the support, and the rest of it, are free; `path` begins at the support.
-  bool is_contact_free(const ConfigurationSpace& on_layer, const Eigen::Isometry3d& map_from_object,
-                       const Path& on_support) {
-    const double plane = plane_at(map_from_object),
-                 sinking = std::clamp(padding_, least_sinking, most_sinking);
-    return is_path_free(scene_.bare(), on_support) && is_path_free(on_layer, on_support) &&
-           keeps_height(on_layer.robot(), on_layer.robot().bodies.size() - 1, on_support, plane - sinking,
-                        plane + contact_ + sinking);
-  }
-
-  /// Straight up from where the object stands: on the support first, with a waypoint where that ends.
-  std::optional<std::pair<Path, Path>> upwards(const Configuration& from) const {
-    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-    auto first = straight_motion(robot_, from, contact_ * up, step_);
-    if (!first) return std::nullopt;
-    Path rest = {first->back()};
-    if (pick_.lift > contact_) {
-      auto more = straight_motion(robot_, first->back(), (pick_.lift - contact_) * up, step_);
-      if (!more) return std::nullopt;
-      rest = std::move(*more);
-    }
-    return std::pair(std::move(*first), std::move(rest));
-  }
-
-  static Path joined(Path first, const Path& rest) {
-    first.insert(first.end(), rest.begin() + 1, rest.end());
-    return first;
-  }
-
-  std::optional<Taking> take(const Hold& grasp, std::string& why) {
-    why = "no grasp is free: " + scene_.grasping().check(grasp.q).sentence();
-    if (!scene_.grasping().is_free(grasp.q)) return std::nullopt;
-    const auto back = straight_motion(robot_, grasp.q, -pick_.approach, step_);
-    const auto up = upwards(grasp.q);
-    why = "no arm configuration at the grasp can go the straight ways of approach and lift";
-    if (!back || !up) return std::nullopt;
-    const Path reach(back->rbegin(), back->rend());
-    why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
-    if (!scene_.before().is_free(reach.front())) return std::nullopt;
-    why = "the straight ways at the grasp are not free";
-    if (!is_path_free(scene_.grasping(), reach)) return std::nullopt;
-    const Eigen::Isometry3d turned =
-        pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
-    scene_.hold(link_pose(grasp.q).inverse() * turned);
-    if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
-    if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
-    return Taking{grasp, reach, joined(up->first, up->second)};
-  }
-
-  std::optional<Putting> put(const Taking& taking, const Configuration& placed, std::string& why) {
-    const auto up = upwards(placed);
-    const Eigen::Matrix3d turned =
-        tip_pose(robot_, placed).linear() * tip_pose(robot_, taking.grasp.q).linear().transpose();
-    const Eigen::Vector3d back = -(turned * pick_.approach);
-    const auto retreat = straight_motion(robot_, placed, back, step_);
-    why = "no arm configuration at the place can go the straight ways of lowering and retreat";
-    if (!up || !retreat) return std::nullopt;
-    why = "the straight ways at the place are not free";
-    if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
-    if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
-    if (!is_path_free(scene_.releasing(), *retreat)) return std::nullopt;
-    const Path upward = joined(up->first, up->second);
-    return Putting{{upward.rbegin(), upward.rend()}, *retreat, back};
-  }
-
   PlanResult plan_leg(const ConfigurationSpace& space, const Configuration& from, const Configuration& to) {
     const PathCost cost = path_cost(query_, space.robot());
     PlanResult leg =
@@ -254,17 +155,6 @@ class PickPlanner {
     return leg;
   }
 
-  /// As far straight that way, with the object, as is free.
-  Path way_with_load(const Configuration& from, const Eigen::Vector3d& way) {
-    const auto straight = straight_motion(robot_, from, way, step_);
-    Path free = {from};
-    for (std::size_t i = 1; straight && i < straight->size(); ++i) {
-      if (!scene_.carrying().is_edge_free(free.back(), (*straight)[i])) break;
-      free.push_back((*straight)[i]);
-    }
-    return free;
-  }
-
   /// From the lifted object to above its place; out of a compartment and into one as the hand came and goes,
   /// where trees do not find the way.
   PlanResult plan_transfer(const Taking& taking, const Putting& putting) {
@@ -272,8 +162,8 @@ class PickPlanner {
     const Configuration &from = taking.lift.back(), &to = putting.lower.front();
     PlanResult leg = plan_leg(space, from, to);
     if (leg.status == PlanStatus::solved || is_out_of_time()) return leg;
-    Path path = way_with_load(from, -pick_.approach);
-    const Path in = way_with_load(to, putting.back);
+    std::vector<Configuration> path = straight_.way_with_load(from, -pick_.approach);
+    const std::vector<Configuration> in = straight_.way_with_load(to, putting.back);
     if (path.size() == 1 && in.size() == 1) return leg;
     PlanResult between = plan_leg(space, path.back(), in.back());
     if (between.status != PlanStatus::solved) return leg;
@@ -286,7 +176,7 @@ class PickPlanner {
     return between;
   }
 
-  PlanResult straight_leg(const ConfigurationSpace& space, const Path& path) const {
+  PlanResult straight_leg(const ConfigurationSpace& space, const std::vector<Configuration>& path) const {
     PlanResult leg;
     leg.status = PlanStatus::solved;
     leg.waypoints = path;
@@ -301,7 +191,7 @@ class PickPlanner {
     std::vector<Putting> found;
     for (const Hold& place : places) {
       if (found.size() == round_.most || is_out_of_time()) break;
-      if (auto putting = put(taking, place.q, why)) found.push_back(std::move(*putting));
+      if (auto putting = straight_.put(taking, place.q, why)) found.push_back(std::move(*putting));
     }
     return found;
   }
@@ -342,8 +232,8 @@ class PickPlanner {
   bool is_growing_;  ///< `auto` does not end before its time is out: rounds of trees, each larger, instead
   Round round_;
   const Robot& robot_;
-  double padding_, contact_, step_;
   PickScene scene_;
+  StraightLegs straight_;
   Clock::time_point begin_ = Clock::now();
   std::vector<PlanResult> best_;
 };

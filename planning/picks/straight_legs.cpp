@@ -1,0 +1,110 @@
+#include "planning/picks/straight_legs.hpp"
+
+#include <algorithm>
+
+#include "planning/picks/straight_motion.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double straight_step = 0.01;                       ///< m of the tip, full size
+constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick says
+
+using Path = std::vector<Configuration>;
+
+Path joined(Path first, const Path& rest) {
+  first.insert(first.end(), rest.begin() + 1, rest.end());
+  return first;
+}
+
+}  // namespace
+
+StraightLegs::StraightLegs(PickScene& scene, const ConfigurationSpace& space, const Pick& pick)
+    : scene_(scene),
+      robot_(space.robot()),
+      pick_(pick),
+      padding_(space.options().padding),
+      contact_(contact_length(pick, space.map().resolution(), padding_)),
+      step_(straight_step * robot_.scale) {}
+
+std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
+  why = "no grasp is free: " + scene_.grasping().check(grasp.q).sentence();
+  if (!scene_.grasping().is_free(grasp.q)) return std::nullopt;
+  const auto back = straight_motion(robot_, grasp.q, -pick_.approach, step_);
+  const auto up = upwards(grasp.q);
+  why = "no arm configuration at the grasp can go the straight ways of approach and lift";
+  if (!back || !up) return std::nullopt;
+  const Path reach(back->rbegin(), back->rend());
+  why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
+  if (!scene_.before().is_free(reach.front())) return std::nullopt;
+  why = "the straight ways at the grasp are not free";
+  if (!is_path_free(scene_.grasping(), reach)) return std::nullopt;
+  const Eigen::Isometry3d turned =
+      pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
+  scene_.hold(link_pose(grasp.q).inverse() * turned);
+  if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
+  if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
+  return Taking{grasp, reach, joined(up->first, up->second)};
+}
+
+std::optional<Putting> StraightLegs::put(const Taking& taking, const Configuration& placed,
+                                         std::string& why) {
+  const auto up = upwards(placed);
+  const Eigen::Matrix3d turned =
+      tip_pose(robot_, placed).linear() * tip_pose(robot_, taking.grasp.q).linear().transpose();
+  const Eigen::Vector3d back = -(turned * pick_.approach);
+  const auto retreat = straight_motion(robot_, placed, back, step_);
+  why = "no arm configuration at the place can go the straight ways of lowering and retreat";
+  if (!up || !retreat) return std::nullopt;
+  why = "the straight ways at the place are not free";
+  if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
+  if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
+  if (!is_path_free(scene_.releasing(), *retreat)) return std::nullopt;
+  const Path upward = joined(up->first, up->second);
+  return Putting{{upward.rbegin(), upward.rend()}, *retreat, back};
+}
+
+Path StraightLegs::way_with_load(const Configuration& from, const Eigen::Vector3d& way) {
+  const auto straight = straight_motion(robot_, from, way, step_);
+  Path free = {from};
+  for (std::size_t i = 1; straight && i < straight->size(); ++i) {
+    if (!scene_.carrying().is_edge_free(free.back(), (*straight)[i])) break;
+    free.push_back((*straight)[i]);
+  }
+  return free;
+}
+
+/// The pose of the link that carries the object.
+Eigen::Isometry3d StraightLegs::link_pose(const Configuration& q) const {
+  const LinkPoses poses = forward_kinematics(robot_, q);
+  for (std::size_t i = 0; i < robot_.links.size(); ++i)
+    if (robot_.links[i].name == pick_.object.link) return poses[i];
+  return poses.front();
+}
+
+/// Straight up from where the object stands: on the support first, with a waypoint where that ends.
+std::optional<std::pair<Path, Path>> StraightLegs::upwards(const Configuration& from) const {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  auto first = straight_motion(robot_, from, contact_ * up, step_);
+  if (!first) return std::nullopt;
+  Path rest = {first->back()};
+  if (pick_.lift > contact_) {
+    auto more = straight_motion(robot_, first->back(), (pick_.lift - contact_) * up, step_);
+    if (!more) return std::nullopt;
+    rest = std::move(*more);
+  }
+  return std::pair(std::move(*first), std::move(rest));
+}
+
+/// Whether the part of a straight way on the support is free: of the robot alone, of the robot with the
+/// object where the support's layer is, and at a height at which the object neither sinks in nor leaves it.
+bool StraightLegs::is_contact_free(const ConfigurationSpace& on_layer,
+                                   const Eigen::Isometry3d& map_from_object, const Path& on_support) {
+  const double plane = pick_.object.shape.bounds(map_from_object).min().z();
+  const double sinking = std::clamp(padding_, least_sinking, most_sinking);
+  return is_path_free(scene_.bare(), on_support) && is_path_free(on_layer, on_support) &&
+         keeps_height(on_layer.robot(), on_layer.robot().bodies.size() - 1, on_support, plane - sinking,
+                      plane + contact_ + sinking);
+}
+
+}  // namespace clearway
