@@ -1,0 +1,274 @@
+#include "tracking/calibration/bundle_problem.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "tracking/dense.hpp"
+#include "tracking/pose_errors.hpp"
+#include "tracking/tag_pose.hpp"
+
+namespace clearway {
+namespace {
+
+// Sizes are dynamic although they are known: fixed ones took half a minute to compile.
+constexpr int kFirstOfPose = kCameraUnknowns + kTagUnknowns;
+
+int column(int tag) { return kCameraUnknowns + kTagUnknowns * tag; }
+
+Eigen::Matrix3d turned(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  return angle > 0.0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+}
+
+Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
+  const Eigen::AngleAxisd by(turn);
+  return by.angle() * by.axis();
+}
+
+/// The derivative of a pixel by the camera's unknowns. @param point in the camera, in sight
+Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
+  const double x = point.x() / point.z(), y = point.y() / point.z(), r2 = x * x + y * y;
+  const auto& k = camera.distortion;
+  const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  const double xd = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
+  const double yd = y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
+  const double fx = camera.fx, fy = camera.fy;
+  Eigen::MatrixXd by(2, kCameraUnknowns);
+  by << fx * xd, 0.5 * fx * xd, 1.0, 0.0, fx * x * r2, fx * x * r2 * r2, 2.0 * fx * x * y,
+      fx * (r2 + 2.0 * x * x), fx * x * r2 * r2 * r2,  //
+      fy * yd, -0.5 * fy * yd, 0.0, 1.0, fy * y * r2, fy * y * r2 * r2, fy * (r2 + 2.0 * y * y),
+      2.0 * fy * x * y, fy * y * r2 * r2 * r2;
+  return by;
+}
+
+void move_camera(Camera& camera, const Eigen::VectorXd& step) {
+  camera.fx *= std::exp(step[0] + 0.5 * step[1]);
+  camera.fy *= std::exp(step[0] - 0.5 * step[1]);
+  camera.cx += step[2];
+  camera.cy += step[3];
+  for (int i = 0; i < 5; ++i) camera.distortion[static_cast<std::size_t>(i)] += step[4 + i];
+}
+
+}  // namespace
+
+/// One tag of one view, whitened: its eight residuals, and their derivatives by camera, tag and pose.
+struct BundleProblem::Block {
+  Eigen::VectorXd residual{8};
+  Eigen::MatrixXd by{8, kFirstOfPose + 6};
+};
+
+BundleProblem::BundleProblem(const Bundle& bundle, const BundlePriors& priors, double noise_px,
+                             double edge_bias)
+    : bundle_(bundle), size_(kCameraUnknowns + kTagUnknowns * static_cast<int>(bundle.board.tags.size())) {
+  for (const auto& [id, tag] : bundle.board.tags) order_.emplace(id, static_cast<int>(order_.size()));
+  sigma_.resize(size_);
+  for (int i = 0; i < kCameraUnknowns; ++i) sigma_[i] = priors.camera[static_cast<std::size_t>(i)];
+  for (std::size_t tag = 0; tag < priors.tags.size(); ++tag)
+    for (int i = 0; i < kTagUnknowns; ++i)
+      sigma_[column(static_cast<int>(tag)) + i] = priors.tags[tag][static_cast<std::size_t>(i)];
+  for (const BoardView& view : bundle.views) {
+    whitening_.emplace_back();
+    for (const TagDetection& tag : view.tags)
+      whitening_.back().push_back(whitening(view, tag, noise_px, edge_bias));
+  }
+}
+
+BundleState BundleProblem::start() const {
+  BundleState state{bundle_.camera, {}, {}};
+  state.tags.resize(order_.size(), Eigen::VectorXd::Zero(kTagUnknowns));
+  for (const BoardView& view : bundle_.views) state.poses.push_back(view.camera_from_board);
+  return state;
+}
+
+double BundleProblem::cost(const BundleState& state) const {
+  double sum = squares_of_priors(state);
+  for (std::size_t v = 0; v < bundle_.views.size(); ++v)
+    for (std::size_t t = 0; t < bundle_.views[v].tags.size(); ++t) {
+      const auto residual = residual_of(state, v, t);
+      if (!residual) return std::numeric_limits<double>::infinity();
+      sum += residual->squaredNorm();
+    }
+  return sum;
+}
+
+std::optional<Eigen::VectorXd> BundleProblem::residual_of(const BundleState& state, std::size_t view,
+                                                          std::size_t tag) const {
+  Eigen::VectorXd residual(8);
+  const TagDetection& seen = bundle_.views[view].tags[tag];
+  const MountedTag mounted = mounted_of(state, seen.id);
+  const auto corners = tag_corners(mounted.size);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = state.camera.project(state.poses[view] * (mounted.body_from_tag * corners[i]));
+    if (!pixel) return std::nullopt;
+    residual.segment<2>(2 * static_cast<int>(i)) = *pixel - seen.corners[i];
+  }
+  return product(whitening_[view][tag], residual);
+}
+
+std::optional<BundleProblem::Equations> BundleProblem::equations(const BundleState& state) const {
+  Equations e;
+  e.shared = Eigen::MatrixXd::Zero(size_, size_);
+  e.pull = Eigen::VectorXd::Zero(size_);
+  add_priors(state, e);
+  for (std::size_t v = 0; v < bundle_.views.size(); ++v) {
+    e.mixed.emplace_back(Eigen::MatrixXd::Zero(size_, 6));
+    e.pose.emplace_back(Eigen::MatrixXd::Zero(6, 6));
+    e.pose_pull.emplace_back(Eigen::VectorXd::Zero(6));
+    for (std::size_t t = 0; t < bundle_.views[v].tags.size(); ++t) {
+      const auto block = block_of(state, v, t);
+      if (!block) return std::nullopt;
+      add_block(*block, column(order_.at(bundle_.views[v].tags[t].id)), e);
+    }
+  }
+  return e;
+}
+
+Eigen::VectorXd BundleProblem::step(const Equations& e, double damping) const {
+  Eigen::MatrixXd reduced = e.shared;
+  reduced.diagonal() *= 1.0 + damping;
+  Eigen::VectorXd pull = e.pull;
+  std::vector<Cholesky> solvers;
+  for (std::size_t v = 0; v < e.pose.size(); ++v) {
+    Eigen::MatrixXd pose = e.pose[v];
+    pose.diagonal() *= 1.0 + damping;
+    solvers.emplace_back(pose);
+    reduced -= product(e.mixed[v], solvers.back().solve(e.mixed[v].transpose()));
+    pull -= product(e.mixed[v], solvers.back().solve(e.pose_pull[v]));
+  }
+  Eigen::VectorXd step(size_ + 6 * static_cast<int>(e.pose.size()));
+  step.head(size_) = -solve_symmetric(reduced, pull);
+  for (std::size_t v = 0; v < e.pose.size(); ++v)
+    step.segment(size_ + 6 * static_cast<int>(v), 6) =
+        -solvers[v].solve(e.pose_pull[v] + transposed_product(e.mixed[v], step.head(size_)));
+  return step;
+}
+
+BundleState BundleProblem::moved(const BundleState& from, const Eigen::VectorXd& step) const {
+  BundleState to = from;
+  move_camera(to.camera, step);
+  to.shift += step.head(kCameraUnknowns);
+  for (std::size_t t = 0; t < to.tags.size(); ++t) {
+    const Eigen::VectorXd by = step.segment(column(static_cast<int>(t)), kTagUnknowns);
+    to.tags[t].head(4) += by.head(4);
+    to.tags[t].tail<3>() = log_of(turned(to.tags[t].tail<3>()) * turned(by.tail<3>()));
+  }
+  for (std::size_t v = 0; v < to.poses.size(); ++v)
+    to.poses[v] = clearway::moved(to.poses[v], step.segment<6>(size_ + 6 * static_cast<int>(v)));
+  return to;
+}
+
+Eigen::MatrixXd BundleProblem::covariance(const Equations& e) const {
+  Eigen::MatrixXd reduced = e.shared;
+  for (std::size_t v = 0; v < e.pose.size(); ++v)
+    reduced -= product(e.mixed[v], Cholesky(e.pose[v]).solve(e.mixed[v].transpose()));
+  const Cholesky solver(reduced);
+  if (!solver.is_positive()) return {};
+  Eigen::MatrixXd covariance = solver.inverse();
+  for (int i = 0; i < size_; ++i)
+    if (sigma_[i] == 0.0) {
+      covariance.row(i).setZero();
+      covariance.col(i).setZero();
+    }
+  return covariance;
+}
+
+MountedTag BundleProblem::mounted_of(const BundleState& state, int id) const {
+  MountedTag tag = bundle_.board.tags.at(id);
+  const auto& off = state.tags[static_cast<std::size_t>(order_.at(id))];
+  tag.size *= std::exp(off[0]);
+  tag.body_from_tag.translation() += off.segment<3>(1);
+  tag.body_from_tag.linear() *= turned(off.tail<3>());
+  return tag;
+}
+
+int BundleProblem::unknowns() const {
+  return static_cast<int>((sigma_.array() > 0.0).count() + 6 * bundle_.views.size());
+}
+int BundleProblem::priors() const {
+  return static_cast<int>((sigma_.array() > 0.0 && sigma_.array().isFinite()).count());
+}
+
+/// W with W^T W the inverse of the covariance of a tag's corners.
+Eigen::MatrixXd BundleProblem::whitening(const BoardView& view, const TagDetection& tag, double noise_px,
+                                         double edge_bias) const {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(8, 8);
+  const MountedTag& mounted = bundle_.board.tags.at(tag.id);
+  if (const auto seen = view_tag(bundle_.camera, mounted.size, mounted.body_from_tag, {}, edge_bias,
+                                 tag.corners, view.camera_from_board)) {
+    covariance = squared(seen->by_own.rightCols<4>());
+  }
+  covariance.diagonal().array() += noise_px * noise_px;
+  return Cholesky(covariance).whitening();
+}
+
+double BundleProblem::off(const BundleState& state, int i) const {
+  if (i < kCameraUnknowns) return state.shift[i];
+  const int tag = (i - kCameraUnknowns) / kTagUnknowns;
+  return state.tags[static_cast<std::size_t>(tag)][(i - kCameraUnknowns) % kTagUnknowns];
+}
+
+double BundleProblem::squares_of_priors(const BundleState& state) const {
+  double sum = 0.0;
+  for (int i = 0; i < size_; ++i)
+    if (sigma_[i] > 0.0 && std::isfinite(sigma_[i])) sum += std::pow(off(state, i) / sigma_[i], 2);
+  return sum;
+}
+
+void BundleProblem::add_priors(const BundleState& state, Equations& e) const {
+  for (int i = 0; i < size_; ++i) {
+    if (sigma_[i] == 0.0) e.shared(i, i) = 1.0;
+    if (!(sigma_[i] > 0.0) || !std::isfinite(sigma_[i])) continue;
+    e.shared(i, i) = 1.0 / (sigma_[i] * sigma_[i]);
+    e.pull[i] = off(state, i) / (sigma_[i] * sigma_[i]);
+  }
+}
+
+std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& state, std::size_t view,
+                                                            std::size_t tag) const {
+  Block block;
+  const TagDetection& seen = bundle_.views[view].tags[tag];
+  const MountedTag mounted = mounted_of(state, seen.id);
+  const Eigen::Isometry3d& pose = state.poses[view];
+  const Eigen::Matrix3d turn = mounted.body_from_tag.linear();
+  const auto corners = tag_corners(mounted.size);
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d& in_tag = corners[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d in_board = mounted.body_from_tag * in_tag, in_camera = pose * in_board;
+    Eigen::Matrix<double, 2, 3> by_point;
+    const auto pixel = state.camera.project(in_camera, by_point);
+    if (!pixel) return std::nullopt;
+    by_point = by_point * pose.linear();
+    block.residual.segment<2>(2 * i) = *pixel - seen.corners[static_cast<std::size_t>(i)];
+    block.by.block(2 * i, 0, 2, kCameraUnknowns) = pixel_by_camera(state.camera, in_camera);
+    block.by.block<2, 1>(2 * i, kCameraUnknowns) = by_point * (turn * in_tag);
+    block.by.block<2, 3>(2 * i, kCameraUnknowns + 1) = by_point;
+    block.by.block<2, 3>(2 * i, kCameraUnknowns + 4) = -by_point * turn * cross_matrix(in_tag);
+    block.by.block<2, 3>(2 * i, kFirstOfPose) = by_point;
+    block.by.block<2, 3>(2 * i, kFirstOfPose + 3) = -by_point * cross_matrix(in_board);
+  }
+  const Eigen::MatrixXd& white = whitening_[view][tag];
+  block.residual = product(white, block.residual);
+  block.by = product(white, block.by);
+  const int own = column(order_.at(seen.id));
+  for (int i = 0; i < kFirstOfPose; ++i)
+    if (sigma_[i < kCameraUnknowns ? i : own + i - kCameraUnknowns] == 0.0) block.by.col(i).setZero();
+  return block;
+}
+
+void BundleProblem::add_block(const Block& block, int own, Equations& e) {
+  constexpr int camera = kCameraUnknowns, tag = kTagUnknowns;
+  const Eigen::MatrixXd square = transposed_product(block.by, block.by);
+  const Eigen::VectorXd pull = transposed_product(block.by, block.residual);
+  e.shared.topLeftCorner(camera, camera) += square.topLeftCorner(camera, camera);
+  e.shared.block(0, own, camera, tag) += square.block(0, camera, camera, tag);
+  e.shared.block(own, 0, tag, camera) += square.block(camera, 0, tag, camera);
+  e.shared.block(own, own, tag, tag) += square.block(camera, camera, tag, tag);
+  e.pull.head(camera) += pull.head(camera);
+  e.pull.segment(own, tag) += pull.segment(camera, tag);
+  e.mixed.back().topRows(camera) += square.topRightCorner(camera, 6);
+  e.mixed.back().middleRows(own, tag) += square.block(camera, kFirstOfPose, tag, 6);
+  e.pose.back() += square.bottomRightCorner(6, 6);
+  e.pose_pull.back() += pull.tail(6);
+}
+
+}  // namespace clearway
