@@ -1,0 +1,21 @@
+#pragma once
+
+#include "tracking/calibration/bundle.hpp"
+
+namespace clearway {
+
+/// The plane of all tags of a board.
+struct BoardPlane {
+  Eigen::Isometry3d board_from_plane = Eigen::Isometry3d::Identity();
+  double thickness = 0.0;  ///< metres
+};
+
+/// The plane through the corners of a board's tags that is nearest to them; its z as the first tag's.
+/// @pre a tag
+BoardPlane plane_of(const TagBody& board);
+
+/// Where a bundle adjustment begins: camera and poses by OpenCV (Zhang 2000); the poses alone, of a usual
+/// camera, when `is_guess`. False when it finds none that is plausible.
+bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess);
+
+}  // namespace clearway
