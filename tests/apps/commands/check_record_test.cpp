@@ -1,0 +1,204 @@
+// `clearway check` where the map's folder has a record of the query, and plan files that ask for less than
+// it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "mapping/files/map_digest.hpp"
+#include "planning/files/query_record.hpp"
+#include "tests/apps/check_command.hpp"
+
+namespace clearway {
+namespace check_test {
+
+/// The same map with a record of the query, as `replay` leaves it.
+class CheckRecorded : public Check {
+ protected:
+  void SetUp() override {
+    Check::SetUp();
+    plan_["query"] = "twice";
+    plan_["padding_m"] = 0.01;
+    const auto at = [](double x, double y) { return Configuration(Eigen::Vector2d(x, y)); };
+    query_ = {.name = "twice",
+              .robot = "point",
+              .scale = 1.0,
+              .map_from_base = Eigen::Isometry3d::Identity(),
+              .policies = {{"base", Policy::painted}},
+              .padding = 0.01,
+              .start = at(-0.3, 0.0),
+              .goals = {at(0.3, 0.0), at(0.3, 0.2)}};
+    record(map_sha256(folder_.path() / "map"));
+  }
+
+  void record(const std::string& digest) const {
+    folder_.write("map/queries.json", to_json(QueryRecord{digest, {query_}}));
+  }
+
+  QueryTerms query_;
+};
+
+TEST_F(CheckRecorded, the_maps_own_record_states_the_contract) {
+  const Json json = Json::parse(check(plan_, {"--json"}).out);
+  EXPECT_EQ(json["verdict"], "valid") << json;
+  for (const char* term : {"scale", "base", "padding_m", "start", "goals"})
+    EXPECT_EQ(json["contract"][term]["source"], "map") << term;
+  EXPECT_EQ(json["contract"]["policy"]["base"]["source"], "map");
+  EXPECT_EQ(json["contract"]["query"], "twice");
+  EXPECT_EQ(
+      Json::parse(check(plan_, {"--padding", "0.001", "--json"}).out)["contract"]["padding_m"]["source"],
+      "flag");
+}
+
+TEST_F(CheckRecorded, a_smaller_payload_or_another_gravity_than_the_record_has_is_refused) {
+  query_.payload = 2.0;
+  query_.gravity = {0.0, 0.0, -1.62};
+  record(map_sha256(folder_.path() / "map"));
+  Json plan = plan_;
+  const CommandRun run = check(plan, {"--json"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(refused_terms(run), (Terms{"payload", "payload"}));
+  for (const char* words : {"payload: expected 2 kg by the map's record, the plan says 0 kg",
+                            "gravity: expected (0, 0, -1.62) m/s^2 by the map's record, the plan says (0, 0, "
+                            "-9.81) m/s^2"})
+    EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+  const Json accepted = Json::parse(check(plan, {"--accept-payload", "--json"}).out);
+  EXPECT_EQ(accepted["verdict"], "valid");
+  EXPECT_EQ(accepted["contract"]["payload_kg"], Json({{"value", 0.0}, {"source", "plan"}}));
+  EXPECT_EQ(accepted["contract"]["gravity"]["source"], "plan");
+  plan["gravity"] = {0.0, 0.0, -1.62};
+  plan["payload_kg"] = 3.0;  // more than is asked for
+  const Json more = Json::parse(check(plan, {"--json"}).out);
+  EXPECT_EQ(more["verdict"], "valid") << more;
+  EXPECT_EQ(more["contract"]["payload_kg"], Json({{"value", 2.0}, {"source", "map"}}));
+  EXPECT_EQ(refused_terms(check(plan, {"--payload", "4", "--json"})), Terms{"payload"});
+}
+
+TEST_F(CheckRecorded, a_plan_that_hides_its_query_is_found_by_start_and_goals) {
+  Json plan = plan_;
+  plan.erase("query");
+  plan["padding_m"] = 0.0;
+  const CommandRun run = check(plan, {"--json"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(refused_terms(run), Terms{"padding"});
+}
+
+TEST_F(CheckRecorded, a_plan_that_hides_its_query_and_a_leg_of_it_is_held_to_the_whole) {
+  Json plan = plan_;
+  plan.erase("query");
+  const std::size_t last = plan["legs"][0]["waypoints"][1];
+  plan["legs"].erase(1);
+  plan["waypoints"].erase(plan["waypoints"].begin() + static_cast<long>(last) + 1, plan["waypoints"].end());
+  plan["goals"].erase(1);
+  plan["policy"]["base"] = "not_occupied";
+  plan["padding_m"] = 0.002;
+  const CommandRun run = check(plan, {"--json"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(refused_terms(run), (Terms{"policy", "padding", "goals", "goals"})) << run.out;
+  EXPECT_NE(check(plan).out.find("a part of the map's query 'twice'"), std::string::npos);
+  EXPECT_EQ(check(plan, {"--accept-policy", "--accept-padding", "--accept-goals"}).status, exit_done);
+}
+
+TEST_F(CheckRecorded, a_plan_of_another_query_is_held_to_the_loosest_of_the_maps_own) {
+  Json plan = plan_;
+  plan.erase("query");
+  plan["waypoints"][0] = plan["start"] = {-0.31, 0.0};
+  EXPECT_EQ(check(plan).status, exit_done) << check(plan).out;
+  plan["policy"]["base"] = "known_free";
+  plan["base"][0][3] = 0.01;
+  const CommandRun run = check(plan, {"--json"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(refused_terms(run), (Terms{"base", "policy"})) << run.out;
+  for (const char* words : {"none of the map's own", "expected painted by the map's record"})
+    EXPECT_NE(check(plan).out.find(words), std::string::npos) << check(plan).out;
+  EXPECT_EQ(check(plan, {"--base", "0.01,0,0", "--policy", "known_free"}).status, exit_done);
+  query_.policies["base"] = Policy::known_free;  // as it was asked, looser than usual
+  record(map_sha256(folder_.path() / "map"));
+  EXPECT_EQ(refused_terms(check(plan, {"--json"})), Terms{"base"});
+}
+
+TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_damaged_one_is_reported) {
+  record(std::string(64, '0'));
+  EXPECT_EQ(Json::parse(check(plan_, {"--json"}).out)["contract"]["goals"]["source"], "plan");
+  EXPECT_NE(check(plan_).out.find("of another map"), std::string::npos);
+  query_.robot = "planar2";
+  record(map_sha256(folder_.path() / "map"));
+  EXPECT_NE(check(plan_).out.find("is for robot 'planar2'"), std::string::npos) << check(plan_).out;
+  std::string text = read_file(folder_.path() / "map/queries.json");
+  text.replace(text.find("painted"), 7, "paintid");
+  folder_.write("map/queries.json", text);
+  EXPECT_EQ(check(plan_).status, exit_damaged);
+  EXPECT_TRUE(check(plan_).complains_in_one_sentence());
+  folder_.write("map/queries.json", std::string(1U << 20, '['));
+  EXPECT_EQ(check(plan_).status, exit_damaged);
+}
+
+/// Alters one thing that the contract is about; says whether the plan now asks for more, or for less.
+class Mutator {
+ public:
+  explicit Mutator(std::uint64_t seed) : random_(seed) {}
+
+  bool tightens(Json& plan) {
+    const std::size_t last = plan["waypoints"].size() - 1;
+    switch (random_() % 10) {
+      case 0:
+        plan["policy"]["base"] = random_() % 2 == 0 ? "not_occupied" : "known_free";
+        return false;
+      case 1:
+        plan["policy"] = Json::object();
+        return false;
+      case 2:
+        plan["base"][random_() % 3][3] = size();
+        return false;
+      case 3:
+        plan["scale"] = std::exp(0.5 * size());
+        return false;
+      case 4:
+        plan["padding_m"] = 0.01 * std::exp(size());
+        return plan["padding_m"] > 0.01;
+      case 5:
+        plan["map"]["sha256"].get_ref<std::string&>()[random_() % 64] = 'x';
+        return false;
+      case 6:
+        plan["waypoints"][random_() % 2 == 0 ? 0 : last][random_() % 2] = 0.3 + 1e-2 * size();
+        return false;
+      case 7:
+        plan["start"][random_() % 2] = 0.4 + 0.1 * std::abs(size());
+        return false;
+      case 8:
+        plan["goals"][random_() % 2][random_() % 2] = 0.4 + 0.1 * std::abs(size());
+        return false;
+      default:
+        plan["legs"].erase(1);
+        plan["waypoints"].erase(plan["waypoints"].begin() + plan["legs"][0]["waypoints"][1].get<long>() + 1,
+                                plan["waypoints"].end());
+        return false;
+    }
+  }
+
+ private:
+  /// Of either sign, from 1e-3 to 10.
+  double size() {
+    std::uniform_real_distribution<double> exponent(-3.0, 1.0);
+    return (random_() % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, exponent(random_));
+  }
+
+  std::mt19937_64 random_;
+};
+
+TEST_F(CheckRecorded, altered_plans_are_refused_unless_they_only_tighten) {
+  Mutator mutator(3);
+  int refused = 0, tightened = 0;
+  for (int i = 0; i < 150; ++i) {
+    Json plan = plan_;
+    const bool tightens = mutator.tightens(plan);
+    const CommandRun run = check(plan);
+    EXPECT_EQ(run.status, tightens ? exit_done : exit_no) << plan << run.out << run.log;
+    (tightens ? tightened : refused)++;
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(tightened, 3);
+}
+
+}  // namespace check_test
+}  // namespace clearway
