@@ -20,11 +20,6 @@ namespace compare_parts_test {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// What is found, by file: plans without times and places, runs without times.
 std::map<std::string, std::string> findings(const fs::path& folder) {
   std::map<std::string, std::string> all;
@@ -33,12 +28,12 @@ std::map<std::string, std::string> findings(const fs::path& folder) {
     if (!entry.is_regular_file() || name[0] == '.') continue;
     std::string& found = all[name];
     if (name.ends_with(".json")) {
-      auto plan = nlohmann::json::parse(text_of(entry.path()));
+      auto plan = nlohmann::json::parse(read_file(entry.path()));
       plan.erase("time_s");
       plan.at("map").at("file") = fs::path(plan.at("map").at("file").get<std::string>()).filename();
       found = plan.dump();
     } else if (name == "runs.jsonl") {
-      std::istringstream lines(text_of(entry.path()));
+      std::istringstream lines(read_file(entry.path()));
       std::string line;
       std::getline(lines, line);  // machine and date
       while (std::getline(lines, line)) {
@@ -54,7 +49,7 @@ std::map<std::string, std::string> findings(const fs::path& folder) {
         found += json.dump() + "\n";
       }
     } else if (name.ends_with(".ot")) {
-      found = text_of(entry.path());
+      found = read_file(entry.path());
     }
   }
   return all;
@@ -107,15 +102,15 @@ Interrupted interrupt(const std::vector<std::string>& arguments, int signal, con
     ::_exit(99);
   }
   for (int wait = 0; wait < 6000; ++wait) {
-    const std::string text = text_of(records);
+    const std::string text = read_file(records);
     if (std::count(text.begin(), text.end(), '\n') >= lines) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   ::kill(child, signal);
   Interrupted ended;
   ::waitpid(child, &ended.status, 0);
-  ended.out = text_of(scratch / "out.txt");
-  ended.log = text_of(scratch / "log.txt");
+  ended.out = read_file(scratch / "out.txt");
+  ended.log = read_file(scratch / "log.txt");
   return ended;
 }
 
@@ -154,7 +149,7 @@ TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
                                           folder_.file("out")};
   const fs::path records = folder_.path() / "out.partial" / "runs.jsonl";
   interrupt(asked, SIGINT, records, 8, folder_.path());
-  const std::string before = text_of(records);
+  const std::string before = read_file(records);
   ASSERT_FALSE(before.empty());
   const auto refused = [&](std::vector<std::string> flags, const std::string& because) {
     flags.insert(flags.begin(), {folder_.file("small.yaml"), "--out", folder_.file("out"), "--resume"});
@@ -162,7 +157,7 @@ TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
     EXPECT_EQ(run.status, 2);
     EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(because), std::string::npos) << run.log;
-    EXPECT_EQ(text_of(records), before);
+    EXPECT_EQ(read_file(records), before);
   };
   refused({"--seed", "7"}, "the seed (7, not 3)");
   refused({"--planners", "rrtconnect"}, "the planners of experiment 'round'");
@@ -211,7 +206,7 @@ TEST_F(CompareParts, LostDoubledAndForeignShardsAreNamed) {
   refused({"1", "2", "other"}, "the seed (3, not 9)");
   refused({"1", "2", "nowhere"}, "has no runs.jsonl");
   refused({}, "expected the folders of all shards");
-  std::string text = text_of(folder_.path() / "2" / "runs.jsonl");
+  std::string text = read_file(folder_.path() / "2" / "runs.jsonl");
   text.resize(text.rfind("{\"of\"", text.rfind("\"page\"")));  // a problem's end
   folder_.write("2/runs.jsonl", text);
   refused({"1", "2", "3"}, "is not whole: problem ");

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -10,6 +9,7 @@
 #include "apps/results/compare_columns.hpp"
 #include "planning/problem/path_cost.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/page_reader.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/small_suite.hpp"
 
@@ -19,11 +19,6 @@ namespace compare_test {
 namespace fs = std::filesystem;
 using Row = std::vector<std::string>;
 using Rows = std::vector<Row>;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// RFC 4180.
 Rows csv_rows(const std::string& text) {
@@ -74,7 +69,7 @@ class CompareJob : public testing::Test {
     return run_command(flags);
   }
   static std::string result(const std::string& name, const std::string& out = "one") {
-    return text_of(folder_->path() / out / name);
+    return read_file(folder_->path() / out / name);
   }
 
   static std::unique_ptr<TemporaryFolder> folder_;
@@ -277,9 +272,8 @@ TEST_F(CompareJob, TheLogFollowsOmplsGrammar) {
 
 TEST_F(CompareJob, ThePageHoldsEveryRunAndItsTitleIsText) {
   const std::string html = result("report.html");
-  const std::string start = "<script type=\"application/json\" id=\"page\">";
-  const std::size_t from = html.find(start) + start.size();
-  const auto page = nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
+  const auto page =
+      nlohmann::json::parse(PageReader::element(html, "<script type=\"application/json\" id=\"page\">"));
   EXPECT_EQ(page.at("title"), "A wall and a <swing>");
   EXPECT_NE(html.find("<title>A wall and a &lt;swing></title>"), std::string::npos);
   const auto& round = page.at("experiments")[0];
@@ -333,8 +327,8 @@ TEST(CompareCosts, AreReckonedWithThePayloadAndGravityOfTheExperiment) {
     const CommandRun run = run_command({"compare", folder.write("s.yaml", suite), "--out", folder.file("out"),
                                         "--experiments", "swing", "--planners", "beam"});
     EXPECT_EQ(run.status, 0) << run.log;
-    auto found = records(text_of(folder.path() / "out" / "results.csv")).at(0);
-    const auto plan = nlohmann::json::parse(text_of(folder.path() / "out" / found.at("plan")));
+    auto found = records(read_file(folder.path() / "out" / "results.csv")).at(0);
+    const auto plan = nlohmann::json::parse(read_file(folder.path() / "out" / found.at("plan")));
     const Robot robot = load_robot("planar2");
     const auto gravity = plan.at("gravity").get<std::vector<double>>();
     const PathCost cost(robot, {.gravity = Eigen::Vector3d(gravity.data()),
@@ -342,7 +336,7 @@ TEST(CompareCosts, AreReckonedWithThePayloadAndGravityOfTheExperiment) {
     std::vector<Configuration> path;
     for (const auto& q : plan.at("waypoints")) path.emplace_back(Eigen::Vector2d(q[0], q[1]));
     EXPECT_NEAR(std::stod(found.at("cost_joules")), cost(path), 0.05 * cost(path)) << keys;
-    const std::string html = text_of(folder.path() / "out" / "report.html");
+    const std::string html = read_file(folder.path() / "out" / "report.html");
     EXPECT_EQ(html.find("payload 3 kg") != std::string::npos, keys.find("payload") != std::string::npos);
     return std::stod(found.at("cost_joules"));
   };
@@ -350,53 +344,6 @@ TEST(CompareCosts, AreReckonedWithThePayloadAndGravityOfTheExperiment) {
                loaded = run_with("    gravity: [0, -9.81, 0]\n    payload: 3\n");
   EXPECT_GT(std::abs(upright - usual), 0.01 * usual);
   EXPECT_GT(std::abs(loaded - upright), 0.01 * upright);
-}
-
-CompareResults hand_made() {
-  CompareResults results;
-  CompareExperiment experiment;
-  experiment.setup.name = "e";
-  experiment.planners = {{"sure", "beam", {}, true}, {"unsure", "rrtconnect_fcl", {}, false}};
-  for (int i = 1; i <= 20; ++i) {
-    CompareProblem problem;
-    problem.name = "p" + std::to_string(i);
-    for (std::size_t planner = 0; planner < 2; ++planner) {
-      CompareRun run;
-      run.planner = planner;
-      run.status = i <= 18 ? PlanStatus::solved : PlanStatus::no_path;
-      run.check = i <= 18 ? "valid" : "none";
-      run.time = 21 - i;
-      run.cost = i;
-      problem.runs.push_back(run);
-    }
-    experiment.problems.push_back(problem);
-  }
-  results.experiments.push_back(experiment);
-  return results;
-}
-
-TEST(CompareSummary, IsOfSolvedRunsForTimesAndOfValidOnesForCosts) {
-  CompareResults results = hand_made();
-  results.experiments[0].problems[0].runs[0].check = "refused";
-  const CompareSummary sum = summary(results.experiments[0], 0);
-  EXPECT_EQ(sum.solved, 18U);
-  EXPECT_EQ(sum.valid, 17U);
-  EXPECT_EQ(sum.total, 20U);
-  EXPECT_EQ(sum.time_median, 11.0);  // of 3 … 20, the ninth
-  EXPECT_EQ(sum.time_p95, 20.0);
-  EXPECT_EQ(sum.cost_median, 10.0);  // of 2 … 18
-  EXPECT_EQ(sum.unsolved, (std::map<std::string, std::size_t>{{"no_path", 2}}));
-}
-
-TEST(CompareSummary, OnlyThosePromisesAreBrokenThatWereMade) {
-  CompareResults results = hand_made();
-  EXPECT_TRUE(broken_promises(results).empty());
-  results.experiments[0].problems[4].runs[1].check = "refused";
-  EXPECT_TRUE(broken_promises(results).empty());
-  results.experiments[0].problems[4].runs[0].check = "undecided";
-  const auto sentences = broken_promises(results);
-  ASSERT_EQ(sentences.size(), 1U);
-  EXPECT_NE(sentences[0].find("problem 'p5': 'sure' promises"), std::string::npos) << sentences[0];
 }
 
 }  // namespace compare_test

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "apps/results/compare_columns.hpp"
+#include "tests/apps/page_reader.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -228,11 +229,8 @@ TEST_F(CompareColumns, AnOutrunRobotIsNotSafeAndOneThatNeverMovedHasNoFigures) {
 
 /// The page and `--json` hold the same object for each planner.
 TEST_F(CompareColumns, ThePageSummarizesWithTheKeysOfTheJson) {
-  std::ifstream in(folder_->path() / "out" / "report.html");
-  const std::string html(std::istreambuf_iterator<char>(in), {});
-  const std::string start = "<script type=\"application/json\" id=\"page\">";
-  const std::size_t from = html.find(start) + start.size();
-  const json page = json::parse(html.substr(from, html.find("</script>", from) - from));
+  const std::string html = read_file(folder_->path() / "out" / "report.html");
+  const json page = json::parse(PageReader::element(html, "<script type=\"application/json\" id=\"page\">"));
   ASSERT_EQ(page.at("experiments").size(), 2U);
   for (std::size_t e = 0; e < 2; ++e)
     EXPECT_EQ(page["experiments"][e].at("planners"), printed_["experiments"][e].at("planners"));

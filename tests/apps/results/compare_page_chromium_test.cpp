@@ -17,8 +17,7 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
                 {"compare", folder.write("small.yaml", small_suite), "--out", folder.file("out"), "--quiet"})
                 .status,
             0);
-  std::ifstream file(folder.file("out/report.html"));
-  const std::string html(std::istreambuf_iterator<char>(file), {});
+  const std::string html = read_file(folder.file("out/report.html"));
   for (const std::string dark : {"0", "1"}) {
     const std::string dom = open(html, "#dark=" + dark, kNoWebGl);
     EXPECT_EQ(attribute(dom, "ready"), "1");

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+
+#include "apps/results/compare_results.hpp"
 
 namespace clearway {
 namespace compare_summary_test {
@@ -89,6 +92,53 @@ TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_DOUBLE_EQ(sum.length_median, 100.0 * middle);
   EXPECT_DOUBLE_EQ(sum.steps_median, 7.0 * middle);
   EXPECT_DOUBLE_EQ(sum.motion_median, 1000.0 * middle);
+}
+
+CompareResults hand_made() {
+  CompareResults results;
+  CompareExperiment experiment;
+  experiment.setup.name = "e";
+  experiment.planners = {{"sure", "beam", {}, true}, {"unsure", "rrtconnect_fcl", {}, false}};
+  for (int i = 1; i <= 20; ++i) {
+    CompareProblem problem;
+    problem.name = "p" + std::to_string(i);
+    for (std::size_t planner = 0; planner < 2; ++planner) {
+      CompareRun run;
+      run.planner = planner;
+      run.status = i <= 18 ? PlanStatus::solved : PlanStatus::no_path;
+      run.check = i <= 18 ? "valid" : "none";
+      run.time = 21 - i;
+      run.cost = i;
+      problem.runs.push_back(run);
+    }
+    experiment.problems.push_back(problem);
+  }
+  results.experiments.push_back(experiment);
+  return results;
+}
+
+TEST(CompareSummary, IsOfSolvedRunsForTimesAndOfValidOnesForCosts) {
+  CompareResults results = hand_made();
+  results.experiments[0].problems[0].runs[0].check = "refused";
+  const CompareSummary sum = summary(results.experiments[0], 0);
+  EXPECT_EQ(sum.solved, 18U);
+  EXPECT_EQ(sum.valid, 17U);
+  EXPECT_EQ(sum.total, 20U);
+  EXPECT_EQ(sum.time_median, 11.0);  // of 3 … 20, the ninth
+  EXPECT_EQ(sum.time_p95, 20.0);
+  EXPECT_EQ(sum.cost_median, 10.0);  // of 2 … 18
+  EXPECT_EQ(sum.unsolved, (std::map<std::string, std::size_t>{{"no_path", 2}}));
+}
+
+TEST(CompareSummary, OnlyThosePromisesAreBrokenThatWereMade) {
+  CompareResults results = hand_made();
+  EXPECT_TRUE(broken_promises(results).empty());
+  results.experiments[0].problems[4].runs[1].check = "refused";
+  EXPECT_TRUE(broken_promises(results).empty());
+  results.experiments[0].problems[4].runs[0].check = "undecided";
+  const auto sentences = broken_promises(results);
+  ASSERT_EQ(sentences.size(), 1U);
+  EXPECT_NE(sentences[0].find("problem 'p5': 'sure' promises"), std::string::npos) << sentences[0];
 }
 
 }  // namespace compare_summary_test
