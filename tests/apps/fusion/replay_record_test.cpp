@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "datasets/ros/bag_source.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -94,8 +92,7 @@ TEST(ReplayRecord, TheSameGivesTheSameBytes) {
   const TemporaryFolder folder;
   const auto bytes = [&](const char* name) {
     write(folder / name);
-    std::ifstream in(folder / name, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(in), {});
+    return read_file(folder / name);
   };
   EXPECT_TRUE(bytes("a.mcap") == bytes("b.mcap"));
 }

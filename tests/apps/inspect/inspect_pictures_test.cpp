@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -25,10 +24,7 @@ class InspectPictures : public ::testing::Test {
   }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string bytes(const std::string& name) const {
-    std::ifstream stream(folder_ / name, std::ios::binary);
-    return {(std::istreambuf_iterator<char>(stream)), {}};
-  }
+  std::string bytes(const std::string& name) const { return read_file(folder_ / name); }
 
   const TemporaryFolder folder_;
   const Snapshot a_ = worlds::random_map(31).snapshot(), b_ = worlds::random_map(32).snapshot();

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "datasets/ros/bag_source.hpp"
 #include "datasets/ros/transform_tree.hpp"
@@ -133,8 +132,7 @@ TEST(Bag, AFileWithoutAnEndIsReadUpToThere) {
 
 TEST(Bag, AFlippedByteOfAChunkCostsThatChunkAndIsReported) {
   const TemporaryFolder folder;
-  std::ifstream in(bag("cdr_zstd.mcap"), std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const std::string whole = read_file(bag("cdr_zstd.mcap"));
   int damaged = 0;
   for (std::size_t at = 100; at < whole.size(); at += 61) {
     std::string bytes = whole;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <random>
 
@@ -24,8 +23,7 @@ std::string recording(const TemporaryFolder& folder, std::vector<size_t>& begins
   for (int i = 0; i < comments; ++i)
     writer.write(Frame{1000.0 + i, "", CommentFrame{std::to_string(i) + std::string(200, 'x')}});
   writer.finish();
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = read_file(file);
   for (size_t at = 0; at < bytes.size(); at += seal_of(std::string_view(bytes).substr(at))->size)
     begins.push_back(at);
   return bytes;

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -151,8 +150,7 @@ TEST(MapLeaves, OfDamagedFilesAreRefusedAsLoadMapRefusesThem) {
   export_map(map, folder / "colour.ot");
   export_map(map, folder / "binary.bt");
   for (const fs::path& file : {folder / "map" / "map.ot", folder / "colour.ot", folder / "binary.bt"}) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string whole((std::istreambuf_iterator<char>(stream)), {});
+    const std::string whole = read_file(file);
     std::size_t refused = 0;
     for (int round = 0; round < 300; ++round) {
       std::string bytes = whole;
