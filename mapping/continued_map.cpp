@@ -56,7 +56,7 @@ const Snapshot& ContinuedMap::snapshot() {
   return state_->latest;
 }
 
-double telling_hit_probability(const Snapshot& map, double least, int misses, double miss_probability) {
+double decisive_hit_probability(const Snapshot& map, double least, int misses, double miss_probability) {
   double lowest = map.tree().getClampingThresMinLog();
   map.visit_leaves([&](const Voxel& leaf) {
     if (leaf.observed) lowest = std::min(lowest, leaf.log_odds);

@@ -36,7 +36,7 @@ class ContinuedMap {
 /// A hit probability with which the first hit makes any voxel of `map` occupied, however often it was seen
 /// free, and leaves it so when as many `misses` of `miss_probability` follow: at least `least`, at most
 /// 0.999999.
-double telling_hit_probability(const Snapshot& map, double least, int misses = 0,
-                               double miss_probability = 0.4);
+double decisive_hit_probability(const Snapshot& map, double least, int misses = 0,
+                                double miss_probability = 0.4);
 
 }  // namespace clearway

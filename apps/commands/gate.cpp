@@ -58,7 +58,7 @@ Robot loaded_robot(const GateCommandOptions& options) {
 }
 
 /// What its verdicts rest on, which no single one of them says.
-void tell_terms(const ConfigurationSpace& space, Console& console) {
+void print_terms(const ConfigurationSpace& space, Console& console) {
   const Robot& robot = space.robot();
   console.log("policy: " + describe_policies(space.policies(), space.options().seen_within) +
               "; padding: " + describe_padding(space.options().padding, robot.position_accuracy));
@@ -98,7 +98,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const double seen_within = options.robot.seen_within.value_or(0.0);
   ConfigurationSpace space = padded_space(robot, map, policies, padding, seen_within);
-  tell_terms(space, console);
+  print_terms(space, console);
   gate.publish(std::move(space), newest_look(options, map), history);
 
   LineReader lines(console.in(), options.max_line);

@@ -75,7 +75,7 @@ PoseStream::Around BoardPoses::around(const std::string& board, double time) con
   return boards_.at(board).poses.around(time);
 }
 
-bool BoardPoses::is_told(const std::string& board, double time, double wait) const {
+bool BoardPoses::is_settled(const std::string& board, double time, double wait) const {
   const Tracked& tracked = boards_.at(board);
   if (finished_ || tracked.poses.last_time().value_or(-1e300) >= time) return true;
   return last_image_ && *last_image_ > time + std::max(wait, tracked.max_gap);

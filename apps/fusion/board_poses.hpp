@@ -42,7 +42,7 @@ class BoardPoses {
 
   /// False while an image to come may still show more of the board at `time`: one that sees it at most
   /// `wait` seconds later, or its longest gap where that is more.
-  bool is_told(const std::string& board, double time, double wait = 0.0) const;
+  bool is_settled(const std::string& board, double time, double wait = 0.0) const;
 
  private:
   struct Tracked {

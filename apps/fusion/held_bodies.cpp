@@ -58,9 +58,9 @@ HeldBodies::HeldBodies(const Setup& setup, const BoardPoses& boards, double reso
 HeldBodies::Sight HeldBodies::sight(const Held& held, double time) const {
   if (boards_.at(held.board, time)) return Sight::seen;
   const auto [before, after] = boards_.around(held.board, time);
-  const bool is_told = boards_.is_told(held.board, time, options_.hidden);
+  const bool is_settled = boards_.is_settled(held.board, time, options_.hidden);
   const bool was_near = before && time - *before <= options_.hidden;
-  if (was_near && (after ? *after - *before <= options_.hidden : !is_told)) return Sight::hidden;
+  if (was_near && (after ? *after - *before <= options_.hidden : !is_settled)) return Sight::hidden;
   return boards_.nearest(held.board, time) ? Sight::seen : Sight::unseen;
 }
 
@@ -74,11 +74,11 @@ HeldBodies::Sight HeldBodies::sight(double time) const {
   return worst;
 }
 
-bool HeldBodies::is_told(double time) const {
+bool HeldBodies::is_settled(double time) const {
   return std::all_of(held_.begin(), held_.end(), [&](const Held& held) {
     const auto before = boards_.around(held.board, time).before;
     const bool may_be_hidden = before && time - *before <= options_.hidden;
-    return boards_.is_told(held.board, time + options_.latency, may_be_hidden ? options_.hidden : 0.0);
+    return boards_.is_settled(held.board, time + options_.latency, may_be_hidden ? options_.hidden : 0.0);
   });
 }
 

@@ -28,7 +28,7 @@ class HeldBodies {
   Sight sight(double time) const;
 
   /// False while an image to come may still show more of them at `time`.
-  bool is_told(double time) const;
+  bool is_settled(double time) const;
 
   /// What they may fill at that time, map frame. @pre they are not hidden; what is unseen is left out
   std::vector<Capsule> bodies(double time) const;

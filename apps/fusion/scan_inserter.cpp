@@ -93,10 +93,10 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
 bool ScanInserter::is_ready(const Waiting& waiting) const {
   const double time = waiting.scan.time;
   if (waiting.sensor != nullptr && !waiting.sensor->board.empty() &&
-      !boards_.is_told(waiting.sensor->board, time)) {
+      !boards_.is_settled(waiting.sensor->board, time)) {
     return false;
   }
-  return held_.is_told(time);
+  return held_.is_settled(time);
 }
 
 void ScanInserter::release() {

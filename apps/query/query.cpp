@@ -182,7 +182,7 @@ namespace {
 
 /// A beam counts what lies within a step of its goal as reached (Chong 2008, eq. 11): `check` wants the goal
 /// itself.
-void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std::string>>& rows) {
+void report_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std::string>>& rows) {
   for (std::size_t i = 0; i < plan.legs.size() && i < plan.goals.size(); ++i) {
     if (plan.legs[i].status != PlanStatus::solved) continue;
     const double missed = largest_difference(plan.legs[i].waypoints.back(), plan.goals[i]);
@@ -193,7 +193,7 @@ void tell_missed_goals(const Plan& plan, std::vector<std::pair<std::string, std:
   }
 }
 
-void tell_motion(const PlannedMotion& planned, std::vector<std::pair<std::string, std::string>>& rows) {
+void report_motion(const PlannedMotion& planned, std::vector<std::pair<std::string, std::string>>& rows) {
   rows.emplace_back("motion", significant(planned.motion.duration(), 4) + " s, a point every " +
                                   significant(1000.0 * planned.motion.period) + " ms");
   rows.emplace_back("corners", std::to_string(planned.blended) + " blended, " +
@@ -242,12 +242,12 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back(
         "cost", plan.cost_caveat.empty() ? significant(joules, 5) + " J" : "not known: " + plan.cost_caveat);
     rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
-    tell_missed_goals(plan, rows);
+    report_missed_goals(plan, rows);
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
     rows.emplace_back("min. clearance to voxels",
                       significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
   }
-  if (plan.motion) tell_motion(*plan.motion, rows);
+  if (plan.motion) report_motion(*plan.motion, rows);
   if (!plan.motion_caveat.empty()) rows.emplace_back("smooth motion", "none: " + plan.motion_caveat);
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);

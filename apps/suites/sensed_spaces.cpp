@@ -92,8 +92,8 @@ SensedSpaces::SensedSpaces(const Team& team, const std::vector<SuiteMoving>& mov
       sensing_(sensing),
       policies_(policies),
       fused_(known_before(world, map, sensing),
-             {.hit_probability =
-                  telling_hit_probability(map, hit_probability, static_cast<int>(sensing.sensors.size()) - 1),
+             {.hit_probability = decisive_hit_probability(map, hit_probability,
+                                                          static_cast<int>(sensing.sensors.size()) - 1),
               .discretize = false,
               .integration = Integration::compatible}),
       before_(fused_.snapshot()),

@@ -11,8 +11,8 @@
 namespace clearway {
 namespace {
 
-constexpr double told_for = 3.0;      ///< s that a refused event stays in the strip
-constexpr double sensed_every = 1.0;  ///< s between two pictures of what sensors saw
+constexpr double refusal_shown_for = 3.0;  ///< s that a refused event stays in the strip
+constexpr double sensed_every = 1.0;       ///< s between two pictures of what sensors saw
 
 /// Whether `now` is `before` with spheres added at the ends.
 bool goes_on(const std::vector<PaintedVolume>& before, const std::vector<PaintedVolume>& now) {
@@ -134,7 +134,8 @@ void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
   }
   if (session_.events().empty()) return;
   const TaughtEvent& last = session_.events().back();
-  if (!last.refusal.empty() && image.since_start <= last.event.time + told_for) view.refusal = last.refusal;
+  if (!last.refusal.empty() && image.since_start <= last.event.time + refusal_shown_for)
+    view.refusal = last.refusal;
 }
 
 std::string state_line(const TeachView& view) {

@@ -100,9 +100,10 @@ TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& ta
   if (result.files.empty())
     throw std::invalid_argument(name + ": it names none of the " + std::to_string(files.size()) +
                                 " pictures, expected lines 'time, file'");
-  const std::size_t untold = files.size() - result.files.size(), missing = times.size() - result.files.size();
-  if (untold > 0)
-    result.warnings.push_back(name + " has no time for " + std::to_string(untold) + " of " +
+  const std::size_t without_time = files.size() - result.files.size(),
+                    missing = times.size() - result.files.size();
+  if (without_time > 0)
+    result.warnings.push_back(name + " has no time for " + std::to_string(without_time) + " of " +
                               std::to_string(files.size()) + " pictures, which are left out");
   if (missing > 0)
     result.warnings.push_back(name + " names " + std::to_string(missing) + " pictures that are not there");

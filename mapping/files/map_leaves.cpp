@@ -14,7 +14,7 @@ namespace {
 bool blocks(VoxelState state) { return state == VoxelState::occupied || state == VoxelState::conflict; }
 
 /// See MapLeaves::difference.
-VoxelState told_difference(VoxelState here, VoxelState there) {
+VoxelState difference_state(VoxelState here, VoxelState there) {
   if (blocks(here) && blocks(there)) return VoxelState::occupied;
   if (blocks(there)) return VoxelState::conflict;
   if (blocks(here)) return VoxelState::painted;
@@ -48,7 +48,7 @@ MapLeaves MapLeaves::difference(const Snapshot& here, const Snapshot& there) {
             };
             visit_leaf_pairs(
                 here.tree(), there.tree(), [&](const FusedNode* a, const FusedNode* b, const CellCube& cube) {
-                  visit({told_difference(state(here, a), state(there, b)), 0, cube.corner, cube.edge});
+                  visit({difference_state(state(here, a), state(there, b)), 0, cube.corner, cube.edge});
                 });
           }};
 }

@@ -80,7 +80,7 @@ class FusedTree::ScanUpdate {
 
   /// True when the voxels first..last of a free cube, which one leaf stands for, all get the same update.
   bool is_one_update(const FusedNode& leaf, const Tile& tile, unsigned first, unsigned last) const {
-    if (!rule_.tells_clear_looks(before(leaf))) return true;
+    if (!rule_.distinguishes_clear_looks(before(leaf))) return true;
     const bool clearly = is_clear(tile, first);  // one by one: occupied leaves are seldom larger than a voxel
     while (first < last && is_clear(tile, last) == clearly) --last;
     return first == last;
@@ -93,7 +93,7 @@ class FusedTree::ScanUpdate {
   void hit(FusedNode& leaf) const { leaf.observe(rule_.after_hit(before(leaf))); }
   void miss(FusedNode& leaf, bool clearly) const {
     const float log_odds = before(leaf);
-    clearly = clearly && rule_.tells_clear_looks(log_odds);
+    clearly = clearly && rule_.distinguishes_clear_looks(log_odds);
     leaf.observe(clearly ? rule_.after_clear_look(log_odds) : rule_.after_miss(log_odds));
   }
 

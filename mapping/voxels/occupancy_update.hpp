@@ -29,7 +29,7 @@ struct OccupancyUpdate {
     return clamped(value - std::max(-miss, 0.5F * (value - threshold)));
   }
   /// True when a clear look differs from a miss for this voxel.
-  bool tells_clear_looks(float log_odds) const {
+  bool distinguishes_clear_looks(float log_odds) const {
     return integration == Integration::safe && log_odds > threshold;
   }
 

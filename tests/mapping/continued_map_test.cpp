@@ -75,7 +75,7 @@ TEST(ContinuedMap, TheFirstHitCountsWhereTheMapWasSeenFreeForLong) {
     FreeSpaceMap map({.resolution = 0.1, .min_probability = least_free});
     const Eigen::Vector3d voxel(0.25, 0.05, 0.05), sensor(-1.95, 0.05, 0.05), beyond(3.05, 0.05, 0.05);
     for (int i = 0; i < 40; ++i) map.insert(ray(sensor, beyond));
-    const double hit = telling_hit_probability(map.snapshot(), 0.7);
+    const double hit = decisive_hit_probability(map.snapshot(), 0.7);
     EXPECT_GE(hit, 0.7);
     ContinuedMap continued(map.snapshot(), {.hit_probability = hit});
     EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::seen_free);

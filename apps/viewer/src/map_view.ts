@@ -1,4 +1,4 @@
-// The 3D view with its controls: layers, cut plane, views. It shows what it is told of the robot.
+// The 3D view with its controls: layers, cut plane, views. It shows the robot as the page sets it.
 
 import { Box3, CatmullRomCurve3, Group, LineCurve3, Mesh, MeshBasicMaterial, TubeGeometry, Vector3 } from "three";
 import { cutControls } from "./cut_controls";
@@ -78,11 +78,11 @@ export class MapView {
     this.stage.onClick((from, direction) => this.answer.show(pick(faces.filter((f) => this.row(f.state)?.shown), from, direction,
       cutUniform.value, page.resolution, page.origin)));
     this.stage.onView = () => this.drawTriad();
-    this.stage.onCoarse = (coarse) => this.tellGrid(coarse);
+    this.stage.onCoarse = (coarse) => this.reportGrid(coarse);
     this.stage.onMoving = (moving) => { for (const row of this.rows) row.layer?.setMoving?.(moving); };
     this.recolor();
     this.stage.drawGrid(this.workBox);
-    this.tellGrid();
+    this.reportGrid();
     this.stage.look(options.view, options.fit === "all" ? this.wholeBox : this.workBox);
     document.body.dataset.quads = String(faces.reduce((sum, f) => sum + f.quadCount, 0));
     document.body.dataset.faces = String(faces.reduce((sum, f) => sum + f.faceCount, 0));
@@ -203,7 +203,7 @@ export class MapView {
   }
 
   /// Beside the view; with a way out where less is drawn.
-  private tellGrid(coarse = false): void {
+  private reportGrid(coarse = false): void {
     const grid = this.stage.gridStep > 0 ? `grid ${Number(this.stage.gridStep.toPrecision(2))} m` : "";
     const all = el("button", { type: "button", class: "small", title: "This browser draws slowly: larger cubes are shown" }, "draw all");
     all.addEventListener("click", () => this.stage.drawAll());

@@ -9,7 +9,7 @@ export interface Palette {
   ink: string; muted: string; line: string; danger: string; clearance: string;
   truth: string;  // beside the clearance
   series: string[];
-  ramp: string[];        // from low to high: told apart by everybody
+  ramp: string[];        // from low to high: distinct for colour-blind readers, too
   nearRamp: string[];    // from contact to far away
   unknown: string;       // of what has no value
   several: string;       // of what has more than one

@@ -5,7 +5,7 @@ import type { Arrays, Page, Plan } from "./data";
 import { palette } from "./palette";
 import { TimeScale } from "./time_plot";
 
-const kGap = 0.94;  // of a voxel's edge is drawn, so that one tells them apart
+const kGap = 0.94;  // of a voxel's edge is drawn, so that voxels can be distinguished
 
 export class SeenVoxels {
   readonly group = new Group();

@@ -72,12 +72,12 @@ export class RecordingTimeline {
   seek(time: number): void {
     this.time = Math.min(this.about.duration, Math.max(0, time));
     this.slider.value = String(this.time);
-    this.tell();
+    this.showTime();
     this.draw();
     this.onTime(this.time);
   }
 
-  private tell(): void {
+  private showTime(): void {
     const image = countUntil(this.images, this.time) - 1, { pictures, refusals } = this.about;
     const picture = pictures.reduce((best, { time }, i) => Math.abs(time - this.time) < Math.abs(pictures[best].time - this.time) ? i : best, 0);
     if (pictures.length > 0) {

@@ -1,4 +1,4 @@
-// What the page knows of a voxel that was clicked, and the command that tells the rest.
+// What the page knows of a voxel that was clicked, and the command that prints the rest.
 
 import type { Arrays, Page } from "./data";
 import { byId, el, grouped, millimetres } from "./dom";
@@ -93,7 +93,7 @@ export class VoxelAnswer {
     const map = this.page.mapPlace === "" ? ownFolder() : this.page.mapPlace;
     if (map === null) return [];
     const line = `clearway inspect ${quoted(map)} --at=${place}`;
-    const copy = el("button", { type: "button", class: "small", title: "Copy the command that tells exact evidence, clearances and which scans hit or passed it" }, "copy");
+    const copy = el("button", { type: "button", class: "small", title: "Copy the command that prints exact evidence, clearances and which scans hit or passed it" }, "copy");
     copy.addEventListener("click", () => { void navigator.clipboard?.writeText(line).then(() => { copy.textContent = "copied"; }); });
     return [el("p", {}, "Exactly, with clearances, strokes and scans:"), el("div", { class: "command" }, el("code", {}, line), copy)];
   }

@@ -279,9 +279,9 @@ TEST_F(TrackedHands, AreHiddenWhileNoImageSeesThemForAMomentAndUnseenFarFromAll)
   EXPECT_EQ(held_.sight(11.8), Sight::seen);  // for longer than a moment: where it was last
   EXPECT_EQ(held_.sight(15.0), Sight::unseen);
   EXPECT_EQ(held_.sight(20.3), Sight::hidden);  // it may be seen again
-  EXPECT_FALSE(held_.is_told(20.3));
+  EXPECT_FALSE(held_.is_settled(20.3));
   boards_.finish();
-  EXPECT_TRUE(held_.is_told(20.3));
+  EXPECT_TRUE(held_.is_settled(20.3));
   EXPECT_EQ(held_.sight(20.3), Sight::seen);
   EXPECT_EQ(held_.sight(21.0), Sight::unseen);
 }
@@ -290,7 +290,7 @@ TEST(HeldBodies, AreNoneWithoutAProbe) {
   const clearway::Setup setup = parse_setup("map: {resolution: 0.01}", "s.yaml");
   const BoardPoses boards(setup);
   const HeldBodies held(setup, boards, 0.01);
-  EXPECT_TRUE(held.is_told(1.0));
+  EXPECT_TRUE(held.is_settled(1.0));
   EXPECT_EQ(held.sight(1.0), HeldBodies::Sight::seen);
   EXPECT_TRUE(held.bodies(1.0).empty());
 }

@@ -61,7 +61,7 @@ TEST(OccupancyUpdate, AClearLookTakesWhatAMissTakesOrMore) {
   const OccupancyUpdate rule = rule_with(Integration::safe);
   for (float value = rule.low; value <= rule.high; value += 0.01F) {
     EXPECT_LE(rule.after_clear_look(value), rule.after_miss(value)) << value;
-    if (rule.tells_clear_looks(value)) continue;
+    if (rule.distinguishes_clear_looks(value)) continue;
     EXPECT_EQ(rule.after_clear_look(value), rule.after_miss(value));
   }
 }
@@ -71,7 +71,7 @@ TEST(OccupancyUpdate, CompatibleAddsAndClamps) {
   EXPECT_EQ(rule.after_hit(rule.low), rule.low + rule.hit);
   EXPECT_EQ(rule.after_hit(rule.high), rule.high);
   EXPECT_EQ(rule.after_miss(rule.low), rule.low);
-  EXPECT_FALSE(rule.tells_clear_looks(rule.high));
+  EXPECT_FALSE(rule.distinguishes_clear_looks(rule.high));
 }
 
 }  // namespace evidence_rule_test

@@ -162,8 +162,8 @@ TEST(CheckLegs, PlansGoRoundWithALoadWhatTheyPassWithout) {
   EXPECT_THROW(plan_and_check(query), std::invalid_argument);
 }
 
-/// Of a waypoint that two legs share the lesser clearance is told, whichever leg it is of.
-TEST(CheckLegs, OfAWaypointOfTwoLegsTheLesserClearanceIsTold) {
+/// Of a waypoint that two legs share the lesser clearance is reported, whichever leg it belongs to.
+TEST(CheckLegs, OfAWaypointOfTwoLegsTheLesserClearanceIsReported) {
   const Robot robot = load_robot("arm6"), loaded = with_load(robot, rod("hand", 0.25));
   const Configuration a = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
   Configuration b = a, beyond = a;
