@@ -8,15 +8,14 @@ namespace clearway {
 
 Command add_calibrate(CLI::App& app, Console& console) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command =
-      add_command(app, "calibrate",
-                  "measures what a setup needs, with its uncertainty, or refuses with the reason", console);
+  CLI::App* command = add_command(
+      app, "calibrate",
+      "calibrate camera, boards, probe or robot, with uncertainty; or refuse with the reason", console);
   command
-      ->add_option(
-          "what", options->what,
-          "camera: focal length, centre, distortion; board: sizes and places of its tags; probe: the "
-          "ball's centre, from turning the probe about it; base: where the robot stands, by a board on its "
-          "tip; hand-eye: the same and the camera's place, by a camera on its tip")
+      ->add_option("what", options->what,
+                   "camera: intrinsics and distortion; board: sizes and poses of its tags; probe: center of "
+                   "the ball, by pivoting the probe about it; base: pose of the robot's base, from a board "
+                   "on its tip; hand-eye: the same and the camera's pose, from a camera on its tip")
       ->required()
       ->check(CLI::IsMember({"camera", "board", "probe", "base", "hand-eye"}))
       ->type_name("camera|board|probe|base|hand-eye");
@@ -28,20 +27,21 @@ Command add_calibrate(CLI::App& app, Console& console) {
                    "for base and hand-eye also the robot with its joints")
       ->required()
       ->type_name("SETUP.yaml");
-  command->add_option("--body", options->body, "name of the board; default: the one that is seen most")
+  command->add_option("--body", options->body, "name of the board; default: the one seen most often")
       ->type_name("NAME");
   command
       ->add_option("--sensor", options->sensor,
-                   "hand-eye: the sensor of the setup, on `link: tip`, that the camera is")
+                   "hand-eye: the setup's sensor on `link: tip` that stands for the camera")
       ->type_name("NAME");
   command
       ->add_option("--out", options->out,
-                   "write a copy of the setup with what was measured; default: print the blocks")
+                   "write a copy of the setup with the results; default: print the YAML blocks")
       ->check(file_name)
       ->type_name("FILE.yaml");
   command
-      ->add_option("--threads", options->threads,
-                   "for searching images; the result does not depend on it; default: all, at most 8")
+      ->add_option(
+          "--threads", options->threads,
+          "threads for tag detection; the result does not depend on it; default: all cores, at most 8")
       ->check(number("a whole number from 1 to 64", 1, 64))
       ->type_name("N");
   return [options](Console& c) { return run_calibrate(*options, c); };

@@ -8,11 +8,10 @@ namespace clearway {
 
 Command add_check(CLI::App& app, Console& console) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command =
-      add_command(app, "check",
-                  "independent continuous check of a plan against a stated contract (KDL kinematics, FCL "
-                  "geometry)",
-                  console);
+  CLI::App* command = add_command(
+      app, "check",
+      "check a plan independently and continuously against a stated contract (KDL kinematics, FCL geometry)",
+      console);
   command->add_option("plan", options->plan, "plan.json")->required()->type_name("PLAN.json");
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
@@ -28,22 +27,21 @@ Command add_check(CLI::App& app, Console& console) {
                    .seen_within = otherwise + "the plan's"});
   add_survey_flags(*command, options->survey);
   add_attach(*command, options->attach, otherwise + "the plan's");
-  add_pick(*command, options->pick, options->place, "; default: the map's own query; a plan's is refused");
+  add_pick(*command, options->pick, options->place, "; default: the map's own query; never the plan's");
   add_pull(*command, options->pull, otherwise + "the plan's", otherwise + "the plan's");
   command
-      ->add_option(
-          "--grip-time", options->grip_time,
-          "seconds that a motion has to rest where the hand grasps or lets go of a load; default: the "
-          "plan's")
+      ->add_option("--grip-time", options->grip_time,
+                   "required rest where a load is grasped or released, seconds; default: the plan's")
       ->check(number("seconds from 0 to 60", 0.0, 60.0))
       ->type_name("S");
   command
-      ->add_option(
-          "--start", options->start,
-          "comma-separated joint values, rad or m, or a state of the SRDF" + otherwise + "the plan's")
+      ->add_option("--start", options->start,
+                   "start configuration: comma-separated joint values, rad or m, or a state of the SRDF" +
+                       otherwise + "the plan's")
       ->type_name("Q");
   command
-      ->add_option("--goal", options->goals, "the same; each goal is to be reached by a leg, in this order")
+      ->add_option("--goal", options->goals,
+                   "goal configuration, in the same form; each goal must be reached by a leg, in this order")
       ->type_name("Q")
       ->allow_extra_args(false)
       ->take_all();
@@ -52,17 +50,17 @@ Command add_check(CLI::App& app, Console& console) {
     command->add_flag_callback(
         "--accept-" + name, [options, term] { options->accepted.insert(term); }, what);
   };
-  accept("robot", AcceptedTerm::robot, "the plan may be for a robot of another name");
-  accept("held", AcceptedTerm::held, "joints may stand still elsewhere than expected");
-  accept("scale", AcceptedTerm::scale, "the plan's scale counts where it differs");
-  accept("base", AcceptedTerm::base, "the plan's base counts where it differs");
-  accept("policy", AcceptedTerm::policy, "the plan's policies count where they are looser");
-  accept("padding", AcceptedTerm::padding, "the plan's padding counts where it is smaller");
-  accept("load", AcceptedTerm::load, "the plan's loads and its pick count where it drops or changes one");
+  accept("robot", AcceptedTerm::robot, "accept a plan for a robot of another name");
+  accept("held", AcceptedTerm::held, "accept fixed joints at other values");
+  accept("scale", AcceptedTerm::scale, "accept the plan's scale if it differs");
+  accept("base", AcceptedTerm::base, "accept the plan's base pose if it differs");
+  accept("policy", AcceptedTerm::policy, "accept the plan's policies if they are looser");
+  accept("padding", AcceptedTerm::padding, "accept the plan's padding if it is smaller");
+  accept("load", AcceptedTerm::load, "accept the plan's loads and pick if it omits or changes one");
   accept("payload", AcceptedTerm::payload,
-         "the plan's payload and gravity count where the one is smaller or the other differs");
-  accept("map", AcceptedTerm::map, "the plan may be made on another map (another sha256)");
-  accept("goals", AcceptedTerm::goals, "the path may start elsewhere and leave out goals");
+         "accept the plan's payload if it is smaller, and its gravity if it differs");
+  accept("map", AcceptedTerm::map, "accept a plan made on another map (another SHA-256)");
+  accept("goals", AcceptedTerm::goals, "accept a path that starts elsewhere or omits goals");
   return [options](Console& c) { return run_check(*options, c); };
 }
 

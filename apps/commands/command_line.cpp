@@ -37,7 +37,7 @@ void add_map_flags(CLI::App& command, double& resolution, std::string& integrati
       ->type_name("M");
   command
       .add_option("--integration", integration,
-                  "what a scan frees: safe (nothing beside a surface), or compatible with OctoMap; "
+                  "how scans free space: safe (no voxel next to a surface), or compatible (with OctoMap); "
                   "default: the setup's, else safe")
       ->check([](const std::string& text) {
         return text == "safe" || text == "compatible" ? std::string{}
@@ -45,8 +45,9 @@ void add_map_flags(CLI::App& command, double& resolution, std::string& integrati
       })
       ->type_name("MODE");
   command
-      .add_option("--threads", threads,
-                  "for images and scans; the map does not depend on it; default: all, at most 8")
+      .add_option(
+          "--threads", threads,
+          "threads for images and scans; the map does not depend on it; default: all cores, at most 8")
       ->check(number("a whole number from 1 to 64", 1, 64))
       ->type_name("N");
 }
@@ -54,7 +55,7 @@ void add_map_flags(CLI::App& command, double& resolution, std::string& integrati
 Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
-      app, "replay", "a recording becomes painted balls, a fused map, plans and a report page", console);
+      app, "replay", "turn a recording into painted spheres, a fused map, plans and a report page", console);
   add_source(*command, options->recording, options->camera_seconds, "recording",
              "MRPT rawlog; ROS bag (.bag, .mcap); video; .pcd, .ply, .png or .jpg: a file, or a folder of "
              "them; folder of depth pictures");
@@ -68,32 +69,36 @@ Command add_replay(CLI::App& app, Console& console) {
       ->check(file_name)
       ->type_name("DIR");
   add_map_flags(*command, options->resolution, options->integration, options->threads);
-  command->add_option("--planner", options->planners, "instead of the queries' own planners; repeatable")
+  command
+      ->add_option("--planner", options->planners, "use this planner instead of the queries' own; repeatable")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->take_all();
   command
-      ->add_option("--record", options->record,
-                   "poses, scans, spheres, voxels and plans as ROS 2 messages, for Foxglove and rosbag2")
+      ->add_option(
+          "--record", options->record,
+          "write poses, scans, spheres, voxels and plans as ROS 2 messages, for Foxglove and rosbag2")
       ->check(file_name)
       ->type_name("FILE.mcap");
   command
-      ->add_option(
-          "--overlay", options->overlay,
-          "folder for stills of each plan in the camera's image: robot at start, goal and tightest point, "
-          "or where to paint more")
+      ->add_option("--overlay", options->overlay,
+                   "folder for stills of each plan in the camera image: the robot at start, goal and minimum "
+                   "clearance, or where to paint more")
       ->check(file_name)
       ->type_name("DIR");
   command
-      ->add_option("--video-out", options->video,
-                   "the recording with paint, ball and refusals, then the robot's motion")
+      ->add_option(
+          "--video-out", options->video,
+          "write a video of the recording with paint, probe and refusals, then of the robot's motion")
       ->check(file_name)
       ->type_name("FILE.mp4");
   add_seen_within(*command, options->seen_within, "; default: the queries' own");
   command->add_flag_callback(
       "--no-plan", [options] { options->plan = false; }, "stop after the map");
-  command->add_option("--seed", options->seed, "of the planners")->type_name("N")->check(whole_number);
-  command->add_option("--time-limit", options->time_limit, "seconds for each leg of a plan")
+  command->add_option("--seed", options->seed, "random seed of the planners")
+      ->type_name("N")
+      ->check(whole_number);
+  command->add_option("--time-limit", options->time_limit, "planning time limit per leg, seconds")
       ->check(positive())
       ->type_name("S");
   return [options](Console& c) { return run_replay(*options, c); };
@@ -101,11 +106,11 @@ Command add_replay(CLI::App& app, Console& console) {
 
 Command add_teach(CLI::App& app, Console& console) {
   auto options = std::make_shared<TeachCommand>();
-  CLI::App* command =
-      add_command(app, "teach",
-                  "a person paints, picks start and goal with a probe, has it planned and approves", console);
+  CLI::App* command = add_command(
+      app, "teach",
+      "interactive session: paint free space, pick start and goal with a probe, plan and approve", console);
   add_source(*command, options->source, options->camera_seconds, "source",
-             "a recording with images, see replay; or the folder of a recorded session");
+             "a recording with images (see replay), or the folder of a recorded session");
   command
       ->add_option(
           "--setup", options->setup,
@@ -113,31 +118,33 @@ Command add_teach(CLI::App& app, Console& console) {
       ->type_name("SETUP.yaml");
   command
       ->add_option("--events", options->events,
-                   "what the person does: one JSON object a line, with its time; default: keys in the window")
+                   "user actions: one timed JSON object per line; default: keys pressed in the window")
       ->type_name("FILE.jsonl");
   command
       ->add_option("--keys", options->keys,
-                   "more keys of the window, such as for a robot, a volume or a load: events with 'key' in "
-                   "place of 'time'")
+                   "additional key bindings, such as for a robot, a volume or a load: events with 'key' "
+                   "instead of 'time'")
       ->type_name("FILE.jsonl");
-  command->add_flag("--headless", options->headless, "no window");
+  command->add_flag("--headless", options->headless, "run without a window");
   command
       ->add_option("--overlay", options->overlay,
-                   "folder for stills of each plan in the camera's image: start, goal, tightest point")
+                   "folder for stills of each plan in the camera image: start, goal, minimum clearance")
       ->type_name("DIR")
       ->check(file_name);
-  command->add_option("--video-out", options->video, "the session's pictures as a video")
+  command->add_option("--video-out", options->video, "write the session's images as a video")
       ->type_name("FILE.mp4")
       ->check(file_name);
   command
       ->add_option("--out", options->out,
-                   "folder for what replay writes, approved/, and session/ to do it again")
+                   "folder for what replay writes, approved/, and session/ for repeating it")
       ->required()
       ->check(file_name)
       ->type_name("DIR");
   add_map_flags(*command, options->resolution, options->integration, options->threads);
-  command->add_option("--seed", options->seed, "of the planners")->type_name("N")->check(whole_number);
-  command->add_option("--time-limit", options->time_limit, "seconds for each leg of a plan")
+  command->add_option("--seed", options->seed, "random seed of the planners")
+      ->type_name("N")
+      ->check(whole_number);
+  command->add_option("--time-limit", options->time_limit, "planning time limit per leg, seconds")
       ->check(positive())
       ->type_name("S");
   return [options](Console& c) { return run_teach(*options, c); };
@@ -145,32 +152,33 @@ Command add_teach(CLI::App& app, Console& console) {
 
 Command add_plan(CLI::App& app, Console& console) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* command = add_command(app, "plan", "one query on a map, in one or several legs", console);
+  CLI::App* command = add_command(app, "plan", "plan one query on a map, in one or several legs", console);
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->type_name("MAP");
   add_robot_flags(*command, options->robot);
   add_survey_flags(*command, options->survey);
   add_attach(*command, options->attach, "");
-  add_pick(*command, options->pick, options->place,
-           "; --goal is then where the robot goes afterwards, if at all");
+  add_pick(*command, options->pick, options->place, "; --goal is then an optional configuration to end at");
   command->get_option("--robot")->required(false);
   command
       ->add_option("--start", options->start,
-                   "comma-separated joint values, rad or m, or a state of the SRDF")
+                   "start configuration: comma-separated joint values, rad or m, or a state of the SRDF")
       ->type_name("Q");
-  command->add_option("--goal", options->goals, "the same; several goals are legs of one path")
+  command
+      ->add_option("--goal", options->goals,
+                   "goal configuration, in the same form; several goals are legs of one path")
       ->type_name("Q")
       ->allow_extra_args(false)
       ->take_all();
   command
       ->add_option("--goal-pose", options->goal_poses,
-                   "x,y,z[,roll,pitch,yaw] of the tip in the map, m and rad, instead of --goal: of the "
-                   "configurations found by inverse kinematics the free one nearest to where the leg starts; "
+                   "goal pose of the tip in the map frame instead of --goal: x,y,z[,roll,pitch,yaw], m and "
+                   "rad; inverse kinematics chooses the free configuration nearest to the start of the leg; "
                    "several are legs")
       ->type_name("POSE")
       ->allow_extra_args(false)
       ->take_all();
-  command->add_option("--tip", options->tip, "link that --goal-pose places; default: the robot's own tip")
+  command->add_option("--tip", options->tip, "link that --goal-pose refers to; default: the robot's own tip")
       ->type_name("LINK");
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")
@@ -181,10 +189,12 @@ Command add_plan(CLI::App& app, Console& console) {
       ->allow_extra_args(false)
       ->take_all();
   command->add_flag("--print-options", options->print_options,
-                    "show the planner's options in force and stop");
+                    "print the planner's options in effect and exit");
   add_pull(*command, options->pull, "; default: 0", "; default: 0,0,-9.81");
-  command->add_option("--seed", options->seed, "of the planner")->type_name("N")->check(whole_number);
-  command->add_option("--time-limit", options->time_limit, "seconds for each leg")
+  command->add_option("--seed", options->seed, "random seed of the planner")
+      ->type_name("N")
+      ->check(whole_number);
+  command->add_option("--time-limit", options->time_limit, "planning time limit per leg, seconds")
       ->check(positive())
       ->type_name("S");
   command->add_option("--out", options->out, "write the plan as JSON")->type_name("FILE")->check(file_name);
@@ -192,30 +202,30 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("FILE")
       ->check(file_name);
   command
-      ->add_option("--view", options->view, "write a page that shows map and plan in 3D, in time, with plots")
+      ->add_option("--view", options->view,
+                   "write an HTML page with map and plan in 3D, over time, with plots")
       ->type_name("FILE.html")
       ->check(file_name);
   command
       ->add_option("--trajectory,--export", options->trajectories,
-                   "write the motion with time, for a plan that is solved and valid: ros (JointTrajectory "
-                   "YAML), ros-json, urscript, json or csv; repeatable")
+                   "write the trajectory of a solved and valid plan: ros (JointTrajectory YAML), ros-json, "
+                   "urscript, json or csv; repeatable")
       ->type_name("FORMAT FILE")
       ->expected(1)
       ->take_all();
-  command->add_flag("--motion", options->motion,
-                    "put the motion into the plan's JSON, where `check` checks it too; --trajectory does");
+  command->add_flag(
+      "--motion", options->motion,
+      "add the smooth trajectory to the plan's JSON, where `check` checks it, too; implied by --trajectory");
   const auto add_scale = [&](const char* flag, double& scale, const char* what) {
     command->add_option(flag, scale, what)
         ->check(number("a share above 0, at most 1", 1e-6, 1.0))
         ->capture_default_str()
         ->type_name("SHARE");
   };
-  add_scale("--speed", options->scales.speed, "of the joints' velocity limits that the motion may use");
-  add_scale("--acceleration", options->scales.acceleration, "the same of their acceleration limits");
-  add_scale("--jerk", options->scales.jerk, "the same of their jerk limits");
-  command
-      ->add_option("--grip-time", options->grip_time,
-                   "seconds at rest where the hand grasps or lets go of a load")
+  add_scale("--speed", options->scales.speed, "scaling of the joints' velocity limits");
+  add_scale("--acceleration", options->scales.acceleration, "scaling of their acceleration limits");
+  add_scale("--jerk", options->scales.jerk, "scaling of their jerk limits");
+  command->add_option("--grip-time", options->grip_time, "rest where a load is grasped or released, seconds")
       ->check(number("seconds from 0 to 60", 0.0, 60.0))
       ->capture_default_str()
       ->type_name("S");
@@ -236,7 +246,7 @@ Command add_plan(CLI::App& app, Console& console) {
 Command add_simulate(CLI::App& app, Console& console) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command =
-      add_command(app, "simulate", "render a scene file as a recording with exact truth", console);
+      add_command(app, "simulate", "render a scene file as a recording with ground truth", console);
   command->add_option("scene", options->scene, "scene file, or the name of one that comes with the program")
       ->required()
       ->type_name("SCENE.yaml");
@@ -250,8 +260,7 @@ Command add_simulate(CLI::App& app, Console& console) {
 Command add_tags(CLI::App& app, Console& console) {
   auto options = std::make_shared<TagsPrintOptions>();
   CLI::App* command = add_command(
-      app, "tags", "boards, probes and a calibration board to print, with the setup that matches them",
-      console);
+      app, "tags", "print tag boards, probes and a calibration board, with the matching setup", console);
   command->add_option("what", "print: sheets as SVG and PDF, and setup.yaml")
       ->required()
       ->check(CLI::IsMember({"print"}))
@@ -266,12 +275,12 @@ Command add_tags(CLI::App& app, Console& console) {
         ->check(number("a length from 1 to 1000 (mm)", 1.0, 1000.0))
         ->type_name("MM");
   };
-  add("--base-tag", options->base_tag, "side of a black square of the base board, 2 x 3 of them");
-  add("--probe-tag", options->probe_tag, "of the probe's cube");
-  add("--ball-radius", options->ball_radius, "of the probe's ball");
-  add("--stem", options->stem, "from the cube's lower face to the middle of the ball");
-  add("--gripper-tag", options->gripper_tag, "of the gripper probe");
-  add("--square", options->square, "of the calibration board, 5 x 7 of them");
+  add("--base-tag", options->base_tag, "side of a tag of the base board (2 x 3 tags)");
+  add("--probe-tag", options->probe_tag, "side of a tag of the probe's cube");
+  add("--ball-radius", options->ball_radius, "radius of the probe's ball");
+  add("--stem", options->stem, "distance from the cube's lower face to the center of the ball");
+  add("--gripper-tag", options->gripper_tag, "side of a tag of the gripper probe");
+  add("--square", options->square, "side of a square of the calibration board (5 x 7 squares)");
   return [options](Console& c) { return run_tags_print(*options, c); };
 }
 
@@ -331,10 +340,10 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   app.set_version_flag("--version", std::string("clearway ") + CLEARWAY_VERSION);
   app.get_formatter()->column_width(16);
   app.add_flag_callback(
-      "--manual", [&app] { throw Text{manual_page(app)}; }, "write the page of the manual (roff)");
+      "--manual", [&app] { throw Text{manual_page(app)}; }, "print the manual page (roff)");
   app.add_option_function<std::string>(
          "--completion", [&app](const std::string& shell) { throw Text{completion(app, shell)}; },
-         "write the completion of a shell, bash or zsh")
+         "print the completion script for bash or zsh")
       ->check(CLI::IsMember({"bash", "zsh"}))
       ->type_name("SHELL");
   std::vector<std::pair<std::string, Command>> commands = {

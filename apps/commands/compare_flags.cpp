@@ -28,36 +28,37 @@ void add_choice_flags(CLI::App& command, CompareOptions& options) {
         ->take_all()
         ->type_name("A,B,…");
   };
-  add_names("--planners", options.planners,
-            "only those labels or planners; one that the suite does not list is added, with its defaults");
-  add_names("--experiments", options.experiments, "only those experiments");
-  command.add_option("--seed", options.seed, "of each problem's first run, instead of the suite's")
+  add_names(
+      "--planners", options.planners,
+      "run only these labels or planners; a planner that the suite does not list is added with its defaults");
+  add_names("--experiments", options.experiments, "run only these experiments");
+  command
+      .add_option("--seed", options.seed, "random seed of each problem's first run, instead of the suite's")
       ->type_name("N")
       ->check(whole_number);
   command
       .add_option("--time-limit", options.time_limit,
-                  "seconds for each leg of a plan, instead of the suite's, and for each run of a team")
+                  "time limit per leg, and per run of a team, seconds, instead of the suite's")
       ->check(positive())
       ->type_name("S");
-  command.add_flag("--keep-maps", options.keep_maps, "save the maps that generators make, too");
+  command.add_flag("--keep-maps", options.keep_maps, "save generated maps, too");
 }
 
 void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& options) {
-  command.add_option("--jobs", options->jobs, "problems at the same time; times are best taken with 1")
+  command.add_option("--jobs", options->jobs, "problems solved in parallel; use 1 for timings")
       ->check(number("a whole number from 1 to 256", 1, 256))
       ->type_name("N");
   command.add_flag("--resume", options->resume,
-                   "go on with DIR.partial, which an interrupted run left; without one, begin");
+                   "continue the interrupted run in DIR.partial; if there is none, begin");
   command
-      .add_option(
-          "--rerun", options->rerun,
-          "only the run of this id, as printed and as below plans/: EXPERIMENT/PROBLEM/PLANNER[-RUN]; "
-          "--out is a new folder, or left out")
+      .add_option("--rerun", options->rerun,
+                  "repeat only the run with this id, as printed and as below plans/: "
+                  "EXPERIMENT/PROBLEM/PLANNER[-RUN]; --out is a new folder, or omitted")
       ->type_name("ID");
   command
       .add_option_function<std::string>(
           "--shard", [options](const std::string& text) { read_shard(text, *options); },
-          "part I of N of all problems; `compare merge` joins the parts' results")
+          "run part I of N of all problems; `compare merge` joins the results")
       ->check([](const std::string& text) {
         CompareOptions unused;
         return read_shard(text, unused);
@@ -66,8 +67,8 @@ void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& opt
   command
       .add_option_function<std::string>(
           "--isolate", [options](const std::string& text) { options->isolate = text == "yes"; },
-          "yes: a process for each run, so that a crash, a hang and too much memory are its outcome; no: all "
-          "in one process, for debuggers (default: yes)")
+          "yes: one process per run, so that crashes, hangs and memory overuse become its outcome; no: all "
+          "runs in one process, for debuggers (default: yes)")
       ->check([](const std::string& text) {
         return text == "yes" || text == "no" ? std::string{} : "expected yes or no, got '" + text + "'";
       })
@@ -75,11 +76,11 @@ void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& opt
   command
       .add_option(
           "--hang-after", options->grace,
-          "seconds beyond the time limit, for preparation and check, after which a run counts as hung")
+          "seconds beyond the time limit (for preparation and check) after which a run counts as hung")
       ->capture_default_str()
       ->check(positive())
       ->type_name("S");
-  command.add_option("--memory", options->memory, "gigabytes that a run may take beyond its world")
+  command.add_option("--memory", options->memory, "memory limit of a run beyond its world, gigabytes")
       ->capture_default_str()
       ->check(number("a number from 0.001 to 100000", 1e-3, 1e5))
       ->type_name("GB");
@@ -90,7 +91,7 @@ void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& opt
 Command add_compare(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
-      add_command(app, "compare", "planners against problems on voxel maps, every path re-checked", console);
+      add_command(app, "compare", "run planners on problems in voxel maps, every path re-checked", console);
   command
       ->add_option("suite", options->what,
                    "suite file, or the name of one that comes with the program (quick, local, …); or `merge` "

@@ -9,59 +9,59 @@ namespace clearway {
 Command add_gate(CLI::App& app, Console& console) {
   auto options = std::make_shared<GateCommandOptions>();
   CLI::App* command = add_command(
-      app, "gate",
-      "timed chunks of motion from other programs, each proved free or refused: JSON lines in and out",
+      app, "gate", "prove or refuse timed chunks of motion from other programs: JSON lines in and out",
       console);
   command->footer(
-      "A line on stdin holds 2 to 64 configurations, which straight joint-space edges join:\n"
+      "Each line on stdin holds 2 to 64 configurations, joined by straight joint-space edges:\n"
       "  {\"id\": \"pick-7\", \"times\": [0, 0.1], \"positions\": [[0, 0.5], [0, 0.6]]}\n"
-      "One line on stdout answers it. A chunk passes when its motion and the robot's stop after it are "
-      "proved, with\nwhat --attach has the robot hold.\n"
-      "It starts where the last passed one ends, or where the robot stands after that.\n"
-      "Exit status: 0 every chunk passed, 1 some were refused, 2 bad input.");
+      "Each gets one line on stdout. A chunk passes if its motion and the braking after it are proved free, "
+      "with the\nloads of --attach. It must start where the last passed chunk ends, or where the robot has "
+      "stopped after it.\n"
+      "Exit status: 0 all chunks passed, 1 some were refused, 2 bad input.");
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");
   add_robot_flags(*command, options->robot);
-  add_attach(*command, options->attach, "; legs are not for it");
+  add_attach(*command, options->attach, "; legs are not allowed here");
   add_allow_outside(*command, options->allow_outside);
   command
       ->add_option(
           "--start", options->start,
-          "where the robot is before the first chunk, comma-separated, rad or m; default: where that "
-          "chunk starts")
+          "configuration before the first chunk, comma-separated, rad or m; default: where that chunk starts")
       ->type_name("Q");
   command
-      ->add_option("--max-velocity", options->max_velocity,
-                   "of all joints or of each, rad/s or m/s; default: the robot's own, 1 where it has none")
+      ->add_option(
+          "--max-velocity", options->max_velocity,
+          "velocity limit of all joints, or one per joint, rad/s or m/s; default: the robot's own, else 1")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(positive())
       ->type_name("V");
   command
       ->add_option("--deceleration", options->deceleration,
-                   "with which all joints brake, or each, rad/s^2 or m/s^2; default: 5")
+                   "braking deceleration of all joints, or one per joint, rad/s^2 or m/s^2; default: 5")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(positive())
       ->type_name("A");
   command
       ->add_option("--reaction", options->reaction,
-                   "seconds at the last velocity before the robot brakes; default: 0")
+                   "reaction time at the last velocity before the robot brakes, seconds; default: 0")
       ->check(number("a time from 0 to 60 (seconds)", 0.0, 60.0))
       ->type_name("S");
   command
       ->add_option("--tolerance", options->tolerance,
-                   "of where a chunk starts, of each joint, rad or m; default: 0.001")
+                   "tolerance of a chunk's start per joint, rad or m; default: 0.001")
       ->check(number("a number from 0 to 1 (rad or m)", 0.0, 1.0))
       ->type_name("M");
   command
       ->add_option("--max-age", options->max_age,
-                   "refuse a chunk whose first time is more than S seconds from the map's newest look; both "
-                   "are then of one clock")
+                   "refuse a chunk whose first time is more than S seconds from the map's newest "
+                   "observation; both must use the same clock")
       ->check(positive())
       ->type_name("S");
-  command->add_option("--max-line", options->max_line, "longest line that is read, bytes; default: 262144")
+  command
+      ->add_option("--max-line", options->max_line, "maximum length of an input line, bytes; default: 262144")
       ->check(number("a whole number from 64 to 100000000 (bytes)", 64, 1e8))
       ->type_name("BYTES");
   return [options](Console& c) { return run_gate(*options, c); };

@@ -113,10 +113,9 @@ int run_import(const ImportOptions& options, Console& console) {
 
 Command add_import(CLI::App& app, Console& console) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = add_command(app, "import",
-                                  "foreign problem sets as a suite with maps: solids and the surfaces of "
-                                  "meshes become the voxels that they meet",
-                                  console);
+  CLI::App* command = add_command(
+      app, "import",
+      "convert other problem sets to a suite with maps: solids and mesh surfaces are voxelized", console);
   command->footer(
       "mbm    scenes (MotionBenchMaker, MoveIt planning scenes as YAML, or .scene) and motion requests;\n"
       "       scene0001.yaml goes with request0001.yaml, one scene with all\n"

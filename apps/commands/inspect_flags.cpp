@@ -8,17 +8,19 @@ namespace clearway {
 
 Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
-  CLI::App* command = add_command(app, "inspect", "look at any map", console);
+  CLI::App* command = add_command(app, "inspect", "query, draw, compare and edit maps", console);
   command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");
   command
-      ->add_option("--at", options->at, "what is known of one point, and when it was last seen; repeatable")
+      ->add_option("--at", options->at,
+                   "print what the map knows of a point, and when it was last seen; repeatable")
       ->type_name("X,Y,Z")
       ->allow_extra_args(false)
       ->take_all();
-  command->add_flag("--holes", options->holes,
-                    "quality of each painted volume: exact volume, surface, spacing, holes, thin necks");
+  command->add_flag(
+      "--holes", options->holes,
+      "report the quality of each painted volume: exact volume, surface, spacing, holes, thin necks");
   command->add_option("--slice", options->slices, "draw a plane of the map as PNG: z=0.3 slice.png")
       ->type_name("z=M FILE.png")
       ->expected(1)
@@ -33,49 +35,47 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->type_name("POLICY");
   command->add_flag(
       "--age", options->age,
-      "colour what was seen free in the slices by how long before the newest look it was last seen");
+      "colour free voxels of the slices by age: the time from their last to the newest observation");
   command
       ->add_option("--export", options->exports,
                    "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
       ->type_name("FILE")
       ->allow_extra_args(false)
       ->take_all();
-  command->add_option("--view", options->view, "write a page that shows the map in 3D")
+  command->add_option("--view", options->view, "write an HTML page with the map in 3D")
       ->type_name("FILE.html")
       ->check(file_name);
   command
       ->add_option("--ray", options->rays,
-                   "states along a ray from O in direction D up to the first blocked voxel; repeatable")
+                   "cast a ray from O in direction D: voxel states up to the first blocked voxel; repeatable")
       ->type_name("OX,OY,OZ,DX,DY,DZ")
       ->allow_extra_args(false)
       ->take_all();
   command->add_flag("--conflicts", options->conflicts,
-                    "list where painted space turned out occupied, when, and what came second");
+                    "list where painted space was observed occupied, when, and which came second");
   command
-      ->add_option(
-          "--diff", options->diff,
-          "count the voxels that differ from another map, by state, whenever they were seen; --slice, --term "
-          "and --view then show the difference; status 1 when the maps differ")
+      ->add_option("--diff", options->diff,
+                   "count the voxels whose state differs from another map, whatever their age; --slice, "
+                   "--term and --view then show the difference; exit status 1 if the maps differ")
       ->type_name("MAP2")
       ->check(file_name);
   command
-      ->add_option(
-          "--merge", options->merge,
-          "add another map of the same resolution: what either calls occupied stays occupied, volumes united "
-          "by label, the later look of each voxel (the clocks of both count as one)")
+      ->add_option("--merge", options->merge,
+                   "merge another map of the same resolution: occupied in either is occupied, volumes are "
+                   "united by label, each voxel keeps its later observation (both maps must share one clock)")
       ->type_name("MAP2")
       ->check(file_name);
-  command->add_option("--crop", options->crop, "keep the voxels of a box only (after --merge), metres")
+  command->add_option("--crop", options->crop, "keep only the voxels of a box (after --merge), metres")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   command
       ->add_option("--coarsen", options->coarsen,
-                   "voxels of M metres, 2, 4, 8 ... times the map's (after --crop): painted only where all "
-                   "voxels are, occupied where any is")
+                   "coarsen to voxels of M metres, 2, 4, 8 ... times the map's (after --crop): painted if "
+                   "all voxels are, occupied if any is")
       ->check(positive())
       ->type_name("M");
   command
       ->add_option("--save", options->save,
-                   "write the merged, cropped or coarser map into this folder, another than MAP")
+                   "write the merged, cropped or coarser map to this folder, which must not be MAP")
       ->type_name("DIR")
       ->check(file_name);
   return [options](Console& c) { return run_inspect(*options, c); };

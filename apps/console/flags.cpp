@@ -55,12 +55,12 @@ void add_source(CLI::App& command, std::filesystem::path& source, double& second
             positional->required(false);
             source = "/dev/video" + std::to_string(camera);
           },
-          "a live camera instead, by its number; its pictures go in as they come, and are not kept")
+          "read a live camera instead, by its number; its images are not stored")
       ->trigger_on_parse()
       ->check(number("a whole number from 0 to 255", 0, 255))
       ->excludes(positional)
       ->type_name("N");
-  command.add_option("--seconds", seconds, "how long a live camera is watched")
+  command.add_option("--seconds", seconds, "how long to read a live camera, seconds")
       ->check(number("a number from 0.1 to 86400", 0.1, 86400.0))
       ->type_name("S");
 }
@@ -68,8 +68,8 @@ void add_source(CLI::App& command, std::filesystem::path& source, double& second
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note) {
   command
       .add_option("--seen-within", seconds,
-                  "under known_free, what was seen free but not in the last S seconds up to the map's newest "
-                  "look counts as unknown; paint does not age" +
+                  "under known_free, voxels last seen free more than S seconds before the map's newest "
+                  "observation count as unknown; painted voxels do not age" +
                       note)
       ->check(positive())
       ->type_name("S");
@@ -79,8 +79,8 @@ namespace {
 
 const std::string default_policy =
     "; default: painted for critical parts (known_free where the map has no paint), not_occupied for others; "
-    "of a robot "
-    "that names no critical part all are known_free, or not_occupied in a map of obstacles alone";
+    "if the robot names no critical part, known_free for all, or not_occupied if the map holds obstacles "
+    "only";
 
 }  // namespace
 
@@ -90,24 +90,24 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->type_name("ROBOT");
   command
       .add_option("--srdf", choice.srdf,
-                  "SRDF of groups, states and disabled pairs; default: the robot's own")
+                  "SRDF with planning groups, states and disabled collision pairs; default: the robot's own")
       ->check(file_name)
       ->type_name("FILE");
   command
       .add_option("--group", choice.group,
-                  "planning group of the SRDF: other joints stand still" + notes.group)
+                  "planning group of the SRDF; other joints are held fixed" + notes.group)
       ->type_name("NAME");
   command
-      .add_option(
-          "--fix", choice.fixed,
-          "a joint that stands still and is no part of Q, rad or m at full size; repeatable" + notes.fixed)
+      .add_option("--fix", choice.fixed,
+                  "hold a joint at this value, rad or m at full size; it is then not part of Q; repeatable" +
+                      notes.fixed)
       ->type_name("JOINT=VALUE")
       ->allow_extra_args(false)
       ->take_all();
   command
       .add_option("--package", choice.packages,
-                  "folder of a package that meshes name (package://NAME/…); default: folders above the URDF, "
-                  "ROS_PACKAGE_PATH, AMENT_PREFIX_PATH; repeatable")
+                  "folder of a ROS package that mesh URLs name (package://NAME/…); default: folders above "
+                  "the URDF, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH; repeatable")
       ->type_name("NAME=DIR")
       ->allow_extra_args(false)
       ->take_all();
@@ -115,22 +115,21 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   add_model_flags(command, choice, notes);
-  command.add_option("--scale", choice.scale, "size against the full-size robot" + notes.scale)
+  command.add_option("--scale", choice.scale, "scale of the robot, 1 is full size" + notes.scale)
       ->check(number("a factor from 0.000001 to 1000", least_scale, most_scale))
       ->type_name("S");
   command
       .add_option("--base", choice.base,
-                  "x,y,z[,roll,pitch,yaw] of the base in the map, m and rad" + notes.base)
+                  "pose of the base in the map frame: x,y,z[,roll,pitch,yaw], m and rad" + notes.base)
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
       ->type_name("POSE");
   command
-      .add_option(
-          "--policy", choice.policies,
-          "painted, known_free or not_occupied (unknown counts as free) for all parts, or PART=P for one; "
-          "repeatable" +
-              (notes.policy.empty() ? default_policy : notes.policy))
+      .add_option("--policy", choice.policies,
+                  "what counts as free: painted, known_free or not_occupied (unknown counts as free), for "
+                  "all parts, or PART=P for one; repeatable" +
+                      (notes.policy.empty() ? default_policy : notes.policy))
       ->type_name("[PART=]P")
       ->allow_extra_args(false)
       ->take_all();
@@ -141,9 +140,8 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
             choice.padding.reset();
             if (text != "auto") choice.padding = parse_numbers(text, "--padding").front();
           },
-          "distance that every part keeps, metres; auto: the robot's position accuracy (1 mm at full size "
-          "where its "
-          "settings state none); 0 must be asked for" +
+          "minimum distance of every part to obstacles, metres; auto: the robot's position accuracy (1 mm at "
+          "full size if its settings state none); 0 must be given explicitly" +
               (notes.padding.empty() ? std::string("; default: auto") : notes.padding))
       ->check([](const std::string& text) {
         return text == "auto" ? std::string() : number("a length from 0 to 100 (metres)", 0.0, 100.0)(text);
@@ -154,11 +152,10 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 
 void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, const std::string& note) {
   command
-      .add_option(
-          "--attach", files,
-          "load that rides on the robot: a YAML file of its shape, link, pose, mass, touches and legs; "
-          "repeatable" +
-              note)
+      .add_option("--attach", files,
+                  "attach a load to the robot: a YAML file with its shape, link, pose, mass, touch links and "
+                  "legs; repeatable" +
+                      note)
       ->check(file_name)
       ->type_name("LOAD.yaml")
       ->allow_extra_args(false)
@@ -169,26 +166,26 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
   command
       .add_option(
           "--pick", file,
-          "an object that stands in the map is taken and put elsewhere, in the legs approach, reach, "
-          "lift, carry, lower and retreat: a YAML file of its shape, pose, link, touches, grasp, place, "
-          "approach, lift" +
+          "pick and place an object of the map, in the legs approach, reach, lift, carry, lower and retreat: "
+          "a YAML file with its shape, pose, link, touch links, grasp, place, approach and lift" +
               note)
       ->check(file_name)
       ->type_name("PICK.yaml");
   command
       .add_option("--place", place,
-                  "x,y,z[,roll,pitch,yaw] of the object afterwards, m and rad; default: the file's")
+                  "place pose of the object: x,y,z[,roll,pitch,yaw], m and rad; default: the file's")
       ->type_name("POSE");
 }
 
 void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, const std::string& gravity) {
   command
       .add_option("--payload", pull.payload,
-                  "mass at the tip for path cost and torques, full size, kg" + payload)
+                  "payload mass at the tip, for path cost and torques, kg at full size" + payload)
       ->check(number("a mass from 0 to 1000000 (kg)", 0.0, 1e6))
       ->type_name("KG");
   command
-      .add_option("--gravity", pull.gravity, "x,y,z for path cost and torques, map frame, m/s^2" + gravity)
+      .add_option("--gravity", pull.gravity,
+                  "gravity vector x,y,z in the map frame, for path cost and torques, m/s^2" + gravity)
       ->delimiter(',')
       ->expected(3)
       ->allow_extra_args(false)
@@ -198,9 +195,8 @@ void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, c
 
 void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outside) {
   command
-      .add_option(
-          "--allow-outside", allow_outside,
-          "a part that may leave the map's bounds although its policy is not_occupied, or all; repeatable")
+      .add_option("--allow-outside", allow_outside,
+                  "let a part with policy not_occupied leave the map's bounds, or all parts; repeatable")
       ->type_name("PART|all")
       ->allow_extra_args(false)
       ->take_all();
@@ -208,9 +204,9 @@ void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outsid
 
 void add_survey_flags(CLI::App& command, SurveyDemands& demands) {
   add_allow_outside(command, demands.allow_outside);
-  command.add_flag("--strict", demands.strict,
-                   "refuse when a body that no joint moves touches occupied voxels, or a link has a visual "
-                   "shape but no collision shape");
+  command.add_flag(
+      "--strict", demands.strict,
+      "refuse if a fixed body touches occupied voxels, or if a link has visual but no collision geometry");
 }
 
 }  // namespace clearway
