@@ -115,14 +115,14 @@ class Statement {
   }
 
   Term<double> payload() const {
-    if (options_.pull.payload) return {*options_.pull.payload, TermSource::flag};
+    if (options_.dynamics.payload) return {*options_.dynamics.payload, TermSource::flag};
     if (query_ && query_->payload) return {*query_->payload, TermSource::map};
     return {plan_.payload, TermSource::plan};
   }
 
   Term<Eigen::Vector3d> gravity() const {
-    if (!options_.pull.gravity.empty())
-      return {Eigen::Vector3d(options_.pull.gravity.data()), TermSource::flag};
+    if (!options_.dynamics.gravity.empty())
+      return {Eigen::Vector3d(options_.dynamics.gravity.data()), TermSource::flag};
     if (query_ && query_->gravity) return {*query_->gravity, TermSource::map};
     return {plan_.gravity, TermSource::plan};
   }
@@ -347,9 +347,10 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
       !contract.gravity.value.isApprox(Plan().gravity, contract_tolerance))
     contract.notes.push_back("the gravity is the plan's, " + to_text(Configuration(contract.gravity.value)) +
                              " m/s^2; by default it is " + to_text(Configuration(Plan().gravity)));
-  const bool is_pull_stated = options.pull.payload || !options.pull.gravity.empty() ||
-                              (contract.payload.source == TermSource::map && contract.payload.value > 0.0);
-  if (!plan.motion && is_pull_stated)
+  const bool are_dynamics_stated =
+      options.dynamics.payload || !options.dynamics.gravity.empty() ||
+      (contract.payload.source == TermSource::map && contract.payload.value > 0.0);
+  if (!plan.motion && are_dynamics_stated)
     contract.notes.push_back(
         "payload and gravity are only compared with what the plan says: torques belong to a motion, which it "
         "does not have");

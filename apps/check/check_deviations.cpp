@@ -40,7 +40,7 @@ class Comparison {
     compare_seen_within();
     compare_loads();
     compare_pick();
-    compare_pull();
+    compare_dynamics();
     compare_map();
     compare_start();
     compare_goals();
@@ -166,7 +166,7 @@ class Comparison {
   }
 
   /// With more than is stated at the tip, costs are higher and motions slower.
-  void compare_pull() {
+  void compare_dynamics() {
     const auto& [payload, source] = contract_.payload;
     if (plan_.payload < payload)
       add(AcceptedTerm::payload, "payload: expected " + significant(payload) + " kg" + by(source) +
@@ -261,7 +261,7 @@ void adopt_loads(const Plan& plan, Contract& contract) {
   }
 }
 
-void adopt_pull(const Plan& plan, Contract& contract) {
+void adopt_dynamics(const Plan& plan, Contract& contract) {
   if (plan.payload < contract.payload.value) contract.payload = {plan.payload, TermSource::plan};
   if (plan.gravity != contract.gravity.value) contract.gravity = {plan.gravity, TermSource::plan};
 }
@@ -275,7 +275,7 @@ void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contr
     if (deviation.term == AcceptedTerm::base) contract.map_from_base = {plan.map_from_base, TermSource::plan};
     if (deviation.term == AcceptedTerm::padding) contract.padding = {plan.padding, TermSource::plan};
     if (deviation.term == AcceptedTerm::load) adopt_loads(plan, contract);
-    if (deviation.term == AcceptedTerm::payload) adopt_pull(plan, contract);
+    if (deviation.term == AcceptedTerm::payload) adopt_dynamics(plan, contract);
     if (deviation.term != AcceptedTerm::policy) continue;
     Term<double>& seen_within = contract.seen_within;
     const bool is_looser = plan.seen_within == 0.0 || plan.seen_within > seen_within.value;

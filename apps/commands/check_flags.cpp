@@ -28,7 +28,7 @@ Command add_check(CLI::App& app, Console& console) {
   add_survey_flags(*command, options->survey);
   add_attach(*command, options->attach, otherwise + "the plan's");
   add_pick(*command, options->pick, options->place, "; default: the map's own query; never the plan's");
-  add_pull(*command, options->pull, otherwise + "the plan's", otherwise + "the plan's");
+  add_dynamics(*command, options->dynamics, otherwise + "the plan's", otherwise + "the plan's");
   command
       ->add_option("--grip-time", options->grip_time,
                    "required rest where a load is grasped or released, seconds; default: the plan's")

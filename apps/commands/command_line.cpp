@@ -190,7 +190,7 @@ Command add_plan(CLI::App& app, Console& console) {
       ->take_all();
   command->add_flag("--print-options", options->print_options,
                     "print the planner's options in effect and exit");
-  add_pull(*command, options->pull, "; default: 0", "; default: 0,0,-9.81");
+  add_dynamics(*command, options->dynamics, "; default: 0", "; default: 0,0,-9.81");
   command->add_option("--seed", options->seed, "random seed of the planner")
       ->type_name("N")
       ->check(whole_number);

@@ -211,12 +211,12 @@ int run_plan(const PlanOptions& options, Console& console) {
                   .time_limit = options.time_limit,
                   .loads = loads,
                   .load_policies = load_policies,
-                  .payload = options.pull.payload.value_or(0.0),
+                  .payload = options.dynamics.payload.value_or(0.0),
                   .survey = options.survey,
                   .robot_name = options.robot.robot,
                   .map_file = options.map,
                   .map_digest = map_sha256(options.map)};
-  if (!options.pull.gravity.empty()) query.gravity = Eigen::Vector3d(options.pull.gravity.data());
+  if (!options.dynamics.gravity.empty()) query.gravity = Eigen::Vector3d(options.dynamics.gravity.data());
   Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);

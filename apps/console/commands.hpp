@@ -35,8 +35,8 @@ struct RobotChoice {
   std::vector<std::string> packages = {};  ///< "NAME=DIR"
 };
 
-/// Flags that `plan` and `check` share about what pulls the robot: costs and torques follow from it.
-struct PullChoice {
+/// Flags that `plan` and `check` share about loads on the joints: path costs and torques follow from them.
+struct DynamicsChoice {
   std::optional<double> payload = {};  ///< kg at the tip, full size
   std::vector<double> gravity = {};    ///< x,y,z in the map frame, m/s^2; empty: none is chosen
 };
@@ -114,7 +114,7 @@ struct PlanOptions {
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: none
   std::string place = {};                          ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's
   bool degrees = false;
-  PullChoice pull;
+  DynamicsChoice dynamics;
   SurveyDemands survey;
   std::string planner = "auto";
   std::vector<std::string> settings;  ///< "key=value", planner options
@@ -142,7 +142,7 @@ struct CheckOptions {
   std::vector<std::filesystem::path> attach = {};  ///< files of loads; none: the map's or the plan's
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: the map's
   std::string place = {};                          ///< where it goes; empty: the file's
-  PullChoice pull;
+  DynamicsChoice dynamics;
   std::optional<double> grip_time = {};  ///< seconds at rest where loads are taken or left; none: the plan's
   bool degrees = false;
   std::set<AcceptedTerm> accepted;
@@ -160,7 +160,7 @@ struct GateCommandOptions {
   std::vector<double> deceleration;                ///< of all joints or each; empty: 5 rad/s^2 or m/s^2
   double reaction = 0.0;                           ///< seconds
   double tolerance = 1e-3;                         ///< of where a chunk starts, rad or m
-  std::optional<double> max_age;                   ///< seconds; none: nobody asks
+  std::optional<double> max_age;                   ///< seconds; none: unlimited
   std::vector<std::string> allow_outside = {};     ///< parts that may leave the map's bounds, or "all"
   std::size_t max_line = 262144;                   ///< bytes
 };

@@ -177,14 +177,15 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       ->type_name("POSE");
 }
 
-void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, const std::string& gravity) {
+void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
+                  const std::string& gravity) {
   command
-      .add_option("--payload", pull.payload,
+      .add_option("--payload", dynamics.payload,
                   "payload mass at the tip, for path cost and torques, kg at full size" + payload)
       ->check(number("a mass from 0 to 1000000 (kg)", 0.0, 1e6))
       ->type_name("KG");
   command
-      .add_option("--gravity", pull.gravity,
+      .add_option("--gravity", dynamics.gravity,
                   "gravity vector x,y,z in the map frame, for path cost and torques, m/s^2" + gravity)
       ->delimiter(',')
       ->expected(3)

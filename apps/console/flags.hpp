@@ -57,7 +57,8 @@ void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, co
 void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note);
 
 /// --payload and --gravity, as `plan` and `check` share them. @param payload, gravity notes of their defaults
-void add_pull(CLI::App& command, PullChoice& pull, const std::string& payload, const std::string& gravity);
+void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
+                  const std::string& gravity);
 
 /// --allow-outside, as `plan`, `check` and `gate` share it.
 void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outside);
