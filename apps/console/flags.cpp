@@ -65,6 +65,13 @@ void add_source(CLI::App& command, std::filesystem::path& source, double& second
       ->type_name("S");
 }
 
+void add_planning_flags(CLI::App& command, std::uint64_t& seed, double& time_limit) {
+  command.add_option("--seed", seed, "random seed for planning")->type_name("N")->check(whole_number);
+  command.add_option("--time-limit", time_limit, "planning time limit per leg, seconds")
+      ->check(positive())
+      ->type_name("S");
+}
+
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note) {
   command
       .add_option("--seen-within", seconds,

@@ -40,6 +40,9 @@ struct RobotFlagNotes {
 void add_source(CLI::App& command, std::filesystem::path& source, double& seconds, const std::string& name,
                 const std::string& text);
 
+/// --seed and --time-limit.
+void add_planning_flags(CLI::App& command, std::uint64_t& seed, double& time_limit);
+
 /// --seen-within, seconds. @param note of its default
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
 
@@ -65,6 +68,9 @@ void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outsid
 /// --allow-outside and --strict, as `plan` and `check` share them.
 void add_survey_flags(CLI::App& command, SurveyDemands& demands);
 
+Command add_replay(CLI::App& app, Console& console);
+Command add_teach(CLI::App& app, Console& console);
+Command add_plan(CLI::App& app, Console& console);
 Command add_check(CLI::App& app, Console& console);
 Command add_inspect(CLI::App& app, Console& console);
 Command add_compare(CLI::App& app, Console& console);
