@@ -23,8 +23,8 @@ std::vector<Eigen::Vector3d> grid_over(const Shape& shape) {
   return points;
 }
 
-bool lies_in(const Sphere& ball, const Sphere& larger) {
-  return (ball.center - larger.center).norm() + ball.radius <= larger.radius + rounding;
+bool lies_in(const Sphere& sphere, const Sphere& larger) {
+  return (sphere.center - larger.center).norm() + sphere.radius <= larger.radius + rounding;
 }
 
 [[noreturn]] void fail(const std::string& part, const std::string& what) {
@@ -33,21 +33,21 @@ bool lies_in(const Sphere& ball, const Sphere& larger) {
 
 }  // namespace
 
-std::vector<Sphere> inner_balls(const Shape& shape, double margin, std::size_t most) {
-  std::vector<Sphere> candidates, balls;
+std::vector<Sphere> inner_spheres(const Shape& shape, double margin, std::size_t most) {
+  std::vector<Sphere> candidates, spheres;
   for (const Eigen::Vector3d& point : grid_over(shape)) {
     const double radius = -shape.signed_distance(point) - margin - rounding;
     if (radius > 0.0) candidates.push_back({point, radius});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Sphere& a, const Sphere& b) { return a.radius > b.radius; });
-  for (const Sphere& ball : candidates) {
-    if (balls.size() >= most) break;
-    const bool is_new =
-        std::none_of(balls.begin(), balls.end(), [&](const Sphere& larger) { return lies_in(ball, larger); });
-    if (is_new) balls.push_back(ball);
+  for (const Sphere& sphere : candidates) {
+    if (spheres.size() >= most) break;
+    const bool is_new = std::none_of(spheres.begin(), spheres.end(),
+                                     [&](const Sphere& larger) { return lies_in(sphere, larger); });
+    if (is_new) spheres.push_back(sphere);
   }
-  return balls;
+  return spheres;
 }
 
 BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpaceMap& map)
@@ -67,9 +67,9 @@ BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpace
           fail(part, "hangs on a joint that is held, which the recorded joints do not have");
         link = on_way.parent;
       }
-      Painting painting{bodies[i].link, inner_balls(bodies[i].shape, errors[i])};
-      for (Sphere& ball : painting.balls) ball.center = bodies[i].link_from_shape * ball.center;
-      paints = paints || !painting.balls.empty();
+      Painting painting{bodies[i].link, inner_spheres(bodies[i].shape, errors[i])};
+      for (Sphere& sphere : painting.spheres) sphere.center = bodies[i].link_from_shape * sphere.center;
+      paints = paints || !painting.spheres.empty();
       paintings_.push_back(std::move(painting));
     }
     if (!is_there) fail(part, "is none of robot '" + robot.robot().name + "'");
@@ -90,10 +90,10 @@ void BodyPainter::paint(const LinkPoses& poses, double since_start, const std::o
     map_.begin_stroke("robot's stroke " + std::to_string(++strokes_), "joints");
   last_painted_ = since_start;
   for (const Painting& painting : paintings_) {
-    for (const Sphere& ball : painting.balls) {
-      const Sphere placed{poses[static_cast<std::size_t>(painting.link)] * ball.center, ball.radius};
+    for (const Sphere& sphere : painting.spheres) {
+      const Sphere placed{poses[static_cast<std::size_t>(painting.link)] * sphere.center, sphere.radius};
       for (const int volume : volumes) map_.paint(volume, placed, since_start);
-      ++balls_;
+      ++spheres_;
     }
   }
 }

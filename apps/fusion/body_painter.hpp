@@ -9,14 +9,14 @@
 
 namespace clearway {
 
-/// Balls that lie wholly inside a shape (its own frame), each by at least `margin` metres: those in the
+/// Spheres that lie wholly inside a shape (its own frame), each by at least `margin` metres: those in the
 /// middle first, `most` at most; none where the margin leaves nothing.
 /// @pre shape.has_exact_distance()
-std::vector<Sphere> inner_balls(const Shape& shape, double margin, std::size_t most = 200);
+std::vector<Sphere> inner_spheres(const Shape& shape, double margin, std::size_t most = 200);
 
 /// Paints with the bodies of a robot that a person leads by its hand: where they were, the space was free.
 ///
-/// At each reading of the joints the balls inside of the setup's parts (`robot: paints`) are painted, each
+/// At each reading of the joints the spheres inside of the setup's parts (`robot: paints`) are painted, each
 /// smaller by how far a point of its body may be from where the joints put it: place_error, and of each joint
 /// its lever times joint_error. Nothing is painted between readings. The latency plays no part: wherever the
 /// robot was, whenever, was free.
@@ -32,12 +32,12 @@ class BodyPainter {
   /// @param brush what paints into which volume at the moment; empty: the volumes whose time it is
   void paint_until(double time, double start, const std::optional<Brush>& brush);
 
-  std::size_t balls() const { return balls_; }  ///< painted so far
+  std::size_t spheres() const { return spheres_; }  ///< painted so far
 
  private:
   struct Painting {
     int link;
-    std::vector<Sphere> balls;  ///< in the link's frame, already smaller
+    std::vector<Sphere> spheres;  ///< in the link's frame, already smaller
   };
   void paint(const LinkPoses& poses, double since_start, const std::optional<Brush>& brush);
 
@@ -46,7 +46,7 @@ class BodyPainter {
   std::vector<VolumeSetup> volumes_;
   std::vector<Painting> paintings_;
   std::vector<double> times_;
-  std::size_t next_ = 0, balls_ = 0;
+  std::size_t next_ = 0, spheres_ = 0;
   std::optional<double> last_painted_;
   int strokes_ = 0;
 };

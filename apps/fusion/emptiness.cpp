@@ -89,7 +89,7 @@ std::string refusals_of(const FusionCounts& counts) {
 void require_content(const Fusion& fusion, const std::filesystem::path& recording) {
   const FusionCounts& counts = fusion.counts;
   require_tags(fusion, recording.string());
-  if (counts.spheres > 0 || counts.body_balls > 0) return;
+  if (counts.spheres > 0 || counts.body_spheres > 0) return;
   if (counts.points.inserted > 0 || counts.points.beyond_range > 0) return;
   throw std::invalid_argument(recording.string() + ": " + reason_for_nothing(fusion));
 }

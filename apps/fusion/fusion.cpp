@@ -53,7 +53,7 @@ void warn_of_leftovers(Fusion& fusion) {
 
 int machine_threads() { return static_cast<int>(std::min<std::size_t>(thread_count(), 8)); }
 
-/// How many threads search images for tags; 0: nobody asks for tags.
+/// Threads for tag detection; 0: no tags are needed.
 std::size_t search_threads(const FusionOptions& options, const Fusion& fusion, const BoardPoses& boards) {
   if (!fusion.setup.probe && !boards.are_needed()) return 0;
   const int threads =
@@ -163,7 +163,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   counts.track_s += search.waited();
   progress(1.0);
   if (painter) painter->finish();
-  if (body) counts.body_balls = body->balls();
+  if (body) counts.body_spheres = body->spheres();
   fusion.damage = frames->damage();
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();

@@ -28,8 +28,8 @@ struct FusionCounts {
   std::map<std::string, std::string> first_refusals;  ///< by reason, the first sentence
   std::size_t accepted_outside_volumes = 0;           ///< accepted, but outside every volume's time span
   std::size_t spheres = 0;
-  std::size_t body_balls = 0;  ///< painted by the robot's own bodies
-  std::size_t erasers = 0;     ///< accepted samples that erased
+  std::size_t body_spheres = 0;  ///< painted by the robot's own bodies
+  std::size_t erasers = 0;       ///< accepted samples that erased
   std::size_t scans_inserted =
       0;              ///< of the scans: in the map by now; others wait for a pose, or were left out
   ScanCounts points;  ///< summed over the scans

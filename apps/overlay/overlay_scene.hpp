@@ -69,7 +69,7 @@ struct OverlayScene {
   std::optional<Eigen::Vector3d> start_tip, goal_tip;  ///< where "start" and "goal" are written
   OverlayPath path;
   std::vector<Sphere> to_paint;  ///< where painting would help
-  /// Centres of painted balls, drawn as dots instead of the volumes: while a hand chooses places inside of
+  /// Centres of painted spheres, drawn as dots instead of the volumes: while a hand chooses places inside of
   /// them.
   std::vector<Eigen::Vector3d> dots;
   bool is_outside = false;  ///< the dots are red: the hand has left the paint, or is where it may not be

@@ -8,11 +8,11 @@
 
 namespace clearway {
 
-/// The most balls of a timeline; of more an even choice is shown.
+/// The most spheres of a timeline; of more an even choice is shown.
 inline constexpr std::size_t most_timeline_balls = 20'000;
 
-/// For the page: images, scans, refusals, balls and conflicts by the time at which they came; see Timeline in
-/// apps/viewer/src/data.ts. Null when nothing of the recording has a time.
+/// For the page: images, scans, refusals, spheres and conflicts by the time at which they came; see Timeline
+/// in apps/viewer/src/data.ts. Null when nothing of the recording has a time.
 nlohmann::json timeline_json(PageArrays& arrays, const RecordingTimeline& recording,
                              const Provenance& provenance);
 

@@ -125,7 +125,7 @@ std::string report_json(const ReplayReport& report) {
                     {"odometry", counts.odometry}};
   json["tracking"] = tracking_json(counts, report.fusion->setup);
   json["balls"] = counts.spheres;
-  if (counts.body_balls > 0) json["balls_of_the_robot"] = counts.body_balls;
+  if (counts.body_spheres > 0) json["balls_of_the_robot"] = counts.body_spheres;
   json["scans"] = {{"count", counts.scans},
                    {"refused", counts.scans_refused},
                    {"without_pose", counts.scans_without_pose},

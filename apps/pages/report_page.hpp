@@ -122,7 +122,7 @@ struct ReportPage {
   /// MAP of `clearway inspect`; empty: the folder in which the page lies. None: the map lies in no file.
   std::optional<std::string> map_place{};
   RecordingTimeline recording{};         ///< what happened when; may be none
-  Provenance provenance = Provenance();  ///< balls and conflicts by their times; may be none
+  Provenance provenance = Provenance();  ///< spheres and conflicts by their times; may be none
   std::vector<PageShape> robot;
   std::vector<Eigen::Isometry3d> robot_home;  ///< map_from_link, drawn when no plan gives a pose
   std::vector<PagePlan> plans;

@@ -48,16 +48,16 @@ class HoleDrawer {
     return std::pair(start, goal);
   }
 
-  /// Balls in turn along the straight way between the ends.
-  std::vector<SuiteSphere> balls(const Configuration& start, const Configuration& goal) {
+  /// Spheres in turn along the straight way between the ends.
+  std::vector<SuiteSphere> spheres(const Configuration& start, const Configuration& goal) {
     const int count = dice_.whole(300, 800);
-    std::vector<SuiteSphere> balls;
+    std::vector<SuiteSphere> spheres;
     for (int i = 0; i < count; ++i) {
       const Sphere hand = hand_.sphere(start + static_cast<double>(i) / (count - 1) * (goal - start));
       const Eigen::Vector3d at = hand.center + aside(2.3 * hand.radius);
-      balls.push_back({at, dice_.between(1.25, 2.0) * hand.radius});
+      spheres.push_back({at, dice_.between(1.25, 2.0) * hand.radius});
     }
-    return balls;
+    return spheres;
   }
 
   SuiteSphere pocket(const Configuration& start, const Configuration& goal) {
@@ -92,7 +92,7 @@ Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& 
     Hole hole{.world = {}, .map = {}, .start = start, .goal = goal};
     hole.world.name = "hole " + std::to_string(index + 1);
     hole.world.resolution = generator.resolution;
-    hole.world.volumes.push_back({"free", {}, {drawer.balls(start, goal)}});
+    hole.world.volumes.push_back({"free", {}, {drawer.spheres(start, goal)}});
     const SuiteSphere pocket = drawer.pocket(start, goal);
     const auto space_of = [&](const Snapshot& map) {
       return ConfigurationSpace(robot, map, policies, {.padding = padding});

@@ -17,11 +17,11 @@ namespace clearway {
 namespace body_painter_test {
 
 TEST(InnerBalls, OfASphereAreTheSphereLessTheMargin) {
-  const auto balls = inner_balls(Shape::sphere(0.1), 0.02);
-  ASSERT_EQ(balls.size(), 1U);
-  EXPECT_LT(balls[0].center.norm(), 1e-12);
-  EXPECT_NEAR(balls[0].radius, 0.08, 1e-8);
-  EXPECT_TRUE(inner_balls(Shape::sphere(0.02), 0.02).empty());
+  const auto spheres = inner_spheres(Shape::sphere(0.1), 0.02);
+  ASSERT_EQ(spheres.size(), 1U);
+  EXPECT_LT(spheres[0].center.norm(), 1e-12);
+  EXPECT_NEAR(spheres[0].radius, 0.08, 1e-8);
+  EXPECT_TRUE(inner_spheres(Shape::sphere(0.02), 0.02).empty());
 }
 
 TEST(InnerBalls, LieInsideByTheMarginAndFillMostOfTheShape) {
@@ -30,18 +30,18 @@ TEST(InnerBalls, LieInsideByTheMarginAndFillMostOfTheShape) {
   for (const Shape& shape : {Shape::capsule(0.05, 0.2), Shape::cylinder(0.05, 0.2),
                              Shape::cylinder(0.1, 0.03), Shape::box({0.1, 0.2, 0.3})}) {
     for (const double margin : {0.0, 0.004}) {
-      const auto balls = inner_balls(shape, margin);
+      const auto spheres = inner_spheres(shape, margin);
       const Eigen::Vector3d reach = 0.5 * shape.bounds(Eigen::Isometry3d::Identity()).sizes();
       std::size_t inside = 0, filled = 0;
       for (int i = 0; i < 20000; ++i) {
         const Eigen::Vector3d way = Eigen::Vector3d(unit(random), unit(random), unit(random)).normalized();
-        const Sphere& ball = balls[static_cast<std::size_t>(i) % balls.size()];
-        EXPECT_LE(shape.signed_distance(ball.center + ball.radius * way), -margin);
+        const Sphere& sphere = spheres[static_cast<std::size_t>(i) % spheres.size()];
+        EXPECT_LE(shape.signed_distance(sphere.center + sphere.radius * way), -margin);
         const Eigen::Vector3d point =
             reach.cwiseProduct(Eigen::Vector3d(unit(random), unit(random), unit(random)));
         if (shape.signed_distance(point) > -margin) continue;
         ++inside;
-        filled += std::any_of(balls.begin(), balls.end(), [&](const Sphere& other) {
+        filled += std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& other) {
           return (point - other.center).norm() <= other.radius;
         });
       }
@@ -70,12 +70,12 @@ TEST(BodyPainter, PaintsOnlyWhereEachJointWasReadItself) {
   map.add_volume("led", {});
   BodyPainter painter(setup, moving, map);
   painter.paint_until(0.0, 0.0, {});
-  const std::size_t first = painter.balls();
+  const std::size_t first = painter.spheres();
   EXPECT_GT(first, 0U);
   painter.paint_until(0.3, 0.0, {});
-  EXPECT_EQ(painter.balls(), first);
+  EXPECT_EQ(painter.spheres(), first);
   painter.paint_until(1.0, 0.0, {});
-  EXPECT_EQ(painter.balls(), 2 * first);
+  EXPECT_EQ(painter.spheres(), 2 * first);
 }
 
 class LedRobots : public ::testing::TestWithParam<const char*> {
@@ -136,7 +136,7 @@ TEST_P(LedRobots, PaintOnlyWhatTheirPartTrulyFilledAndMostOfIt) {
   BodyPainter painter(setup, moving, map);
   painter.paint_until(11.0, 10.0, std::nullopt);
   painter.paint_until(100.0, 10.0, std::nullopt);
-  EXPECT_GT(painter.balls(), 12U);
+  EXPECT_GT(painter.spheres(), 12U);
   const auto is_filled = [&](const Eigen::Vector3d& point) {
     for (std::size_t i = 0; i < truth.size(); ++i)
       for (const Body& body : robot_.bodies)
@@ -175,17 +175,17 @@ TEST(BodyPainter, PaintsOnlyInTheTimeOfAVolumeOrOfABrush) {
   setup.robot->paints = {robot.bodies.back().part};
   setup.volumes = {{.label = "led", .critical_parts = {}, .from = 3.0, .to = 5.0}};
   const MovingRobot moving(*setup.robot, joints);
-  const auto balls = [&](const std::optional<Brush>& brush) {
+  const auto spheres = [&](const std::optional<Brush>& brush) {
     FreeSpaceMap map(MapOptions{});
     map.add_volume("led", {});
     BodyPainter painter(setup, moving, map);
     painter.paint_until(8.5, 0.0, brush);
-    return painter.balls();
+    return painter.spheres();
   };
-  EXPECT_GT(balls({}), 0U);
-  EXPECT_EQ(balls({}) % 3, 0U);  // at 3, 4 and 5 s
-  EXPECT_EQ(balls(Brush{Brush::Use::paints, 0}), 3 * balls({}));
-  EXPECT_EQ(balls(Brush{}), 0U);
+  EXPECT_GT(spheres({}), 0U);
+  EXPECT_EQ(spheres({}) % 3, 0U);  // at 3, 4 and 5 s
+  EXPECT_EQ(spheres(Brush{Brush::Use::paints, 0}), 3 * spheres({}));
+  EXPECT_EQ(spheres(Brush{}), 0U);
 }
 
 TEST(BodyPainter, NamesAPartThatCannotPaint) {
