@@ -174,7 +174,7 @@ CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExp
     folder.publish();
     return results;
   } catch (const std::runtime_error& error) {
-    const std::string left = folder.what_is_left();
+    const std::string left = folder.unfinished_work();
     if (left.empty()) throw;
     throw std::runtime_error(std::string(error.what()) + "; " + left);
   }

@@ -83,21 +83,21 @@ bool DecodingChild::read_fully(void* target, size_t size) {
 
 ChildMessage DecodingChild::receive() {
   MessageHead head{};
-  if (!read_fully(&head, sizeof head)) return obituary();
+  if (!read_fully(&head, sizeof head)) return exit_message();
   ChildMessage message;
-  if (head.kind > ChildMessage::end || head.size > largest_message_) return obituary();
+  if (head.kind > ChildMessage::end || head.size > largest_message_) return exit_message();
   message.kind = static_cast<ChildMessage::Kind>(head.kind);
   message.offset = head.offset;
   // Grown as it arrives: a head torn by a dying child must not make us ask for all of it.
   while (message.text.size() < head.size) {
     const size_t begin = message.text.size();
     message.text.resize(begin + std::min<uint64_t>(head.size - begin, 16 * megabyte));
-    if (!read_fully(message.text.data() + begin, message.text.size() - begin)) return obituary();
+    if (!read_fully(message.text.data() + begin, message.text.size() - begin)) return exit_message();
   }
   return message;
 }
 
-ChildMessage DecodingChild::obituary() {
+ChildMessage DecodingChild::exit_message() {
   if (child_ < 0) return {ChildMessage::damage, 0, "the decoder is gone"};
   kill(child_, SIGKILL);  // a babbling child; one that died keeps its own status
   int status = 0;

@@ -62,7 +62,7 @@ class DecodingChild {
 
  private:
   bool read_fully(void* target, size_t size);
-  ChildMessage obituary();
+  ChildMessage exit_message();
 
   pid_t child_ = -1;
   int pipe_ = -1;

@@ -81,7 +81,7 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
 }
 
 AtomicFolder::~AtomicFolder() {
-  if (!is_published_ && what_is_left().empty()) remove_staging();
+  if (!is_published_ && unfinished_work().empty()) remove_staging();
 }
 
 void AtomicFolder::make_parents() {
@@ -136,7 +136,7 @@ void AtomicFolder::note_progress(const std::string& what_is_finished) {
   finished_ = what_is_finished;
 }
 
-std::string AtomicFolder::what_is_left() const {
+std::string AtomicFolder::unfinished_work() const {
   const auto held = uninterrupted();
   if (is_published_ || finished_.empty()) return {};
   return finished_ + " in '" + folder_.lexically_normal().string() + ".partial'";
@@ -232,7 +232,7 @@ std::string AtomicFolder::end() {
     remove_tree(older_);
     return name + " is written whole";
   }
-  const std::string left = what_is_left();
+  const std::string left = unfinished_work();
   if (left.empty()) remove_staging();
   return name + (existed_ ? " is as it was" : " is not written") + (left.empty() ? "" : "; " + left);
 }

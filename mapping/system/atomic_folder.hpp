@@ -44,7 +44,7 @@ class AtomicFolder {
   /// For Unpublished::kept: what is in it by now, as "3 problems"; before the first call it is removed.
   void note_progress(const std::string& what_is_finished);
   /// A clause about what is there when the work ends now; empty when there is nothing to say.
-  std::string what_is_left() const;
+  std::string unfinished_work() const;
 
   /// Syncs everything to the disk and puts it in the place of the older folder, which is then removed.
   /// @throws std::runtime_error naming the folder; the older one is then in its place.

@@ -191,9 +191,9 @@ TEST(AtomicFolder, KeptWorkHasANameAndMakesWayForTheNext) {
   {
     AtomicFolder next(out, text_is_ours, Unpublished::kept);
     save_file(next.path() / "b.txt", "half");
-    EXPECT_EQ(next.what_is_left(), "");
+    EXPECT_EQ(next.unfinished_work(), "");
     next.note_progress("2 problems are");
-    EXPECT_EQ(next.what_is_left(), "2 problems are in '" + partial.string() + "'");
+    EXPECT_EQ(next.unfinished_work(), "2 problems are in '" + partial.string() + "'");
     EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::kept), std::runtime_error);  // one at a time
     EXPECT_TRUE(fs::exists(partial / "b.txt"));
   }
@@ -221,13 +221,13 @@ TEST(AtomicFolder, ContinuedWorkGoesOnWithWhatIsThereAndLosesNothing) {
   write_file(out / "mine.dat", "of a person");
   {
     AtomicFolder first(out, text_is_ours, Unpublished::continued);  // nothing there: begins
-    EXPECT_EQ(first.what_is_left(), "");
+    EXPECT_EQ(first.unfinished_work(), "");
     save_file(first.path() / "b.txt", "half");
     first.note_progress("1 problem is");
   }
   for (int times = 0; times < 2; ++times) {  // given up at once, it stays
     const AtomicFolder next(out, text_is_ours, Unpublished::continued);
-    EXPECT_NE(next.what_is_left(), "");
+    EXPECT_NE(next.unfinished_work(), "");
     EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::continued), std::runtime_error);
     EXPECT_EQ(content(partial).at("b.txt"), "half");
   }
