@@ -35,7 +35,7 @@ double painted_radius(double ball_radius, const ErrorBudget& budget, double boun
     text.imbue(std::locale::classic());
     text << "error budget: robot + " << (budget.constant_tracking ? "tracking + " : "")
          << "modelling = " << least << " m leaves nothing of a ball of " << ball_radius
-         << " m (eq. 3), expected less than its radius";
+         << " m (Chong 2008, eq. 3), expected less than its radius";
     throw std::invalid_argument(text.str());
   }
   return std::max(0.0, ball_radius - budget.sum(std::isfinite(bound) ? bound : ball_radius));

@@ -47,8 +47,8 @@ int first_followed(const std::vector<ProjectedConstraint>& projected, const Eige
 int tracked(const std::vector<ProjectedConstraint>& projected, const Eigen::Vector2d& last);
 
 /// The vertex of Lahouar 2006, Fig. 9: the point on constraint `followed`'s line that is farthest along S =
-/// [-A_2, A_1] (eq. 22), keeps all constraints and ||du|| <= max_step. A line out of reach is drawn in to
-/// max_step / sqrt(2).
+/// [-A_2, A_1] (Lahouar 2006, eq. 22), keeps all constraints and ||du|| <= max_step. A line out of reach is
+/// drawn in to max_step / sqrt(2).
 struct Vertex {
   bool exists = false;  ///< false: no point of the line keeps all constraints
   Eigen::Vector2d du = Eigen::Vector2d::Zero();

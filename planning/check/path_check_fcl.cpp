@@ -99,7 +99,7 @@ bool FclBodies::touches_cube(std::size_t body, const Eigen::Isometry3d& pose, co
 double FclBodies::cube_distance(std::size_t body, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
                                 double edge, double enough) const {
   const Geometry& geometry = geometries_->bodies[body];
-  const Gap gap = cube_gap(geometry.reading, pose, cube, edge, enough);
+  const Gap gap = voxel_gap(geometry.reading, pose, cube, edge, enough);
   if (gap.proves(enough)) return gap.proved;
   return by_fcl(Geometries::cube(edge), Geometries::at(cube), geometry, pose);
 }

@@ -59,8 +59,8 @@ Gap project(const A& a, const B& b, double enough) {
 
 }  // namespace
 
-Gap cube_gap(const ShapeReading& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
-             double edge, double enough) {
+Gap voxel_gap(const ShapeReading& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
+              double edge, double enough) {
   return project(Placed{shape, pose}, Cube{cube, edge / 2}, enough);
 }
 

@@ -21,8 +21,8 @@ struct Gap {
 };
 
 /// From a placed body to the closed cube of a voxel. Ends early once more than `enough` is proved.
-Gap cube_gap(const ShapeReading& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
-             double edge, double enough);
+Gap voxel_gap(const ShapeReading& shape, const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube,
+              double edge, double enough);
 
 /// Between two placed bodies. Ends early once more than `enough` is proved.
 Gap body_gap(const ShapeReading& a, const Eigen::Isometry3d& pose_a, const ShapeReading& b,

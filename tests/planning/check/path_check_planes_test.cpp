@@ -44,7 +44,7 @@ TEST(PathCheckPlanes, OfASphereAndACubeTheDistanceIsThatOfArithmetic) {
     const Eigen::Vector3d at = random.point(1.0), cube = random.point(1.0);
     const double truth = ((at - cube).cwiseAbs().array() - 0.05).max(0.0).matrix().norm() - 0.1;
     const Gap gap =
-        cube_gap(Shape::sphere(0.1), Eigen::Isometry3d(Eigen::Translation3d(at)), cube, 0.1, HUGE_VAL);
+        voxel_gap(Shape::sphere(0.1), Eigen::Isometry3d(Eigen::Translation3d(at)), cube, 0.1, HUGE_VAL);
     if (truth < 1e-8) {
       ASSERT_LE(gap.proved, std::max(truth, 0.0));
       continue;
