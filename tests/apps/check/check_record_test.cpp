@@ -7,7 +7,7 @@
 
 #include "mapping/files/map_digest.hpp"
 #include "planning/files/query_record.hpp"
-#include "tests/apps/check_command.hpp"
+#include "tests/apps/check/check_command.hpp"
 
 namespace clearway {
 namespace check_test {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/apps/check_command.hpp"
+#include "tests/apps/check/check_command.hpp"
 
 namespace clearway {
 namespace check_test {
