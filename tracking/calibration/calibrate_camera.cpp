@@ -239,6 +239,56 @@ std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& op
   return "";
 }
 
+struct Fitted {
+  Bundle bundle;
+  BundlePriors priors;
+  BundleFit fit;
+};
+
+/// The same with k3 as one more unknown, where the images show that it is not 0.
+void free_k3_where_it_shows(const TagBody& board, double edge_bias, Fitted& fitted) {
+  Fitted freed{fitted.bundle, {}, {}};
+  freed.bundle.board = board;
+  freed.priors = priors_of(freed.bundle.camera, board, true);
+  freed.fit = adjust(freed.bundle, freed.priors, fitted.fit.noise_px, edge_bias);
+  const double sigma = freed.fit.is_converged ? std::sqrt(freed.fit.covariance(8, 8)) : kInfinity;
+  if (std::abs(freed.bundle.camera.distortion[4]) > 4.0 * sigma) fitted = std::move(freed);
+}
+
+/// Why no camera was found at all.
+std::string judge_images(const CameraCalibration& c, const CameraCalibrationOptions& options) {
+  if (const std::string unseen = judge_coverage(c, options); !unseen.empty()) return unseen;
+  return "no camera explains the images: expected 8 or more sharp images of the board, tilted to all sides";
+}
+
+/// Why a camera was not found from its initial one. @param bundle what is left of the images
+std::string judge_failure(const Bundle& bundle, const BoardPlane& plane, CameraCalibration& c,
+                          const CameraCalibrationOptions& options) {
+  if (bundle.views.empty()) return judge_images(c, options);
+  c.widest_tilt = widest_tilt(bundle, plane);
+  const bool is_frontal = c.widest_tilt < kLeastTilt;
+  return is_frontal ? "the focal length cannot be determined" + advice(c) : judge_images(c, options);
+}
+
+void note_fit(const Fitted& fitted, const BoardPlane& plane, CameraCalibration& c) {
+  const auto& [bundle, priors, fit] = fitted;
+  c.camera = bundle.camera;
+  c.covariance = fit.covariance.topLeftCorner<kCameraUnknowns, kCameraUnknowns>();
+  c.noise_px = fit.noise_px;
+  c.rms_px = fit.rms_px;
+  c.views = bundle.views.size();
+  c.coverage = coverage_of(bundle);
+  c.widest_tilt = widest_tilt(bundle, plane);
+  c.camera.errors = errors_of(c.camera, c.covariance);
+}
+
+void require_flat(const TagBody& board, const BoardPlane& plane) {
+  if (plane.thickness > 0.005)
+    throw std::invalid_argument("board '" + board.name + "': its tags are up to " +
+                                words(1e3 * plane.thickness) +
+                                " mm off a plane; expected a flat board to calibrate a camera with");
+}
+
 }  // namespace
 
 CameraCalibration calibrate_camera(int width, int height, const TagBody& board, std::vector<BoardView> views,
@@ -246,10 +296,7 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   if (width < 32 || height < 32) throw std::invalid_argument("camera: expected images of 32 pixels or more");
   board.validate();
   const BoardPlane plane = plane_of(board);
-  if (plane.thickness > 0.005)
-    throw std::invalid_argument("board '" + board.name + "': its tags are up to " +
-                                words(1e3 * plane.thickness) +
-                                " mm off a plane; expected a flat board to calibrate a camera with");
+  require_flat(board, plane);
   CameraCalibration calibration;
   calibration.camera.width = width;
   calibration.camera.height = height;
@@ -260,53 +307,24 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
     return calibration;
   }
   const std::size_t may = views.size() / 3;
-  Bundle bundle{calibration.camera, board, std::move(views)};
+  Fitted fitted{{calibration.camera, board, std::move(views)}, {}, {}};
+  Bundle& bundle = fitted.bundle;
   calibration.coverage = coverage_of(bundle);
-  const std::string unseen = judge_coverage(calibration, options);
-  const std::string nothing =
-      unseen.empty()
-          ? "no camera explains the images: expected 8 or more sharp images of the board, tilted to all sides"
-          : unseen;
   if (!find_initial_camera(bundle, plane, false) && !find_initial_camera(bundle, plane, true)) {
-    calibration.refusal = nothing;
+    calibration.refusal = judge_images(calibration, options);
     return calibration;
   }
   std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
-  BundlePriors priors = priors_of(bundle.camera, board, false);
-  BundleFit fit = fit_all(bundle, priors, options, may, calibration.refused);
-  if (!fit.is_converged || bundle.views.size() < options.least_views) {
-    if (bundle.views.empty()) {
-      calibration.refusal = nothing;
-      return calibration;
-    }
-    calibration.widest_tilt = widest_tilt(bundle, plane);
-    const bool is_frontal = calibration.widest_tilt < kLeastTilt;
-    calibration.refusal =
-        is_frontal ? "the focal length cannot be determined" + advice(calibration) : nothing;
+  fitted.priors = priors_of(bundle.camera, board, false);
+  fitted.fit = fit_all(bundle, fitted.priors, options, may, calibration.refused);
+  if (!fitted.fit.is_converged || bundle.views.size() < options.least_views) {
+    calibration.refusal = judge_failure(bundle, plane, calibration, options);
     return calibration;
   }
-  {
-    Bundle with_k3 = bundle;
-    with_k3.board = board;
-    const BundlePriors free_k3 = priors_of(with_k3.camera, board, true);
-    const BundleFit other = adjust(with_k3, free_k3, fit.noise_px, options.edge_bias);
-    const double sigma = other.is_converged ? std::sqrt(other.covariance(8, 8)) : kInfinity;
-    if (std::abs(with_k3.camera.distortion[4]) > 4.0 * sigma) {
-      bundle = with_k3;
-      fit = other;
-      priors = free_k3;
-    }
-  }
-  calibration.camera = bundle.camera;
-  calibration.covariance = fit.covariance.topLeftCorner<kCameraUnknowns, kCameraUnknowns>();
-  calibration.noise_px = fit.noise_px;
-  calibration.rms_px = fit.rms_px;
-  calibration.views = bundle.views.size();
-  calibration.coverage = coverage_of(bundle);
-  calibration.widest_tilt = widest_tilt(bundle, plane);
-  calibration.camera.errors = errors_of(calibration.camera, calibration.covariance);
+  free_k3_where_it_shows(board, options.edge_bias, fitted);
+  note_fit(fitted, plane, calibration);
   calibration.refusal = judge(calibration, options);
-  if (calibration.refusal.empty()) test_held_out(bundle, board, priors, options, calibration);
+  if (calibration.refusal.empty()) test_held_out(bundle, board, fitted.priors, options, calibration);
   return calibration;
 }
 
