@@ -35,7 +35,7 @@ GateOptions gate_options(const GateCommandOptions& options, const Robot& robot) 
   return gate;
 }
 
-/// When the map's newest look was; 0 when nobody asks.
+/// Time of the map's newest observation; 0 without --max-age.
 double newest_look(const GateCommandOptions& options, const Snapshot& map) {
   const SeenStamps* const seen = map.seen();
   if (!options.max_age) return 0.0;

@@ -63,7 +63,7 @@ class TimelineKeeper {
 
   RecordingTimeline& timeline_;
   std::vector<Kept> kept_;
-  std::size_t stride_ = 1;  ///< every so many images one is kept
+  std::size_t stride_ = 1;  ///< each stride-th image is kept
   bool goes_on_ = false;    ///< the image before was refused, too, in the last run
 };
 

@@ -76,7 +76,7 @@ void ReplayRecord::add_plan(const std::string& name, const Robot& robot, const T
   const auto topic = added(mcap_, "/plans/" + name, joint_trajectory_type());
   mcap_.write(topic, time_, encode_trajectory(time_, joints, points));
   const double begin = time_;
-  constexpr std::size_t drawn = 4;  // one of so many samples
+  constexpr std::size_t drawn = 4;  // every fourth sample is drawn
   for (std::size_t i = 0; i < points.size(); ++i) {
     time_ = begin + points[i].time;
     mcap_.write(joints_, time_, encode_joints(time_, joints, points[i].position));

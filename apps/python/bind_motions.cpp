@@ -294,7 +294,7 @@ void bind_gate(py::module_& module) {
            doc("MotionLimits",
                "max_velocity, deceleration: a number for all joints, or one for each; by default the robot's "
                "own, and 5 rad/s^2.\n\ntolerance: of where a chunk starts, rad or m.\n\nmax_age: of the "
-               "newest map, seconds; None: nobody asks.\n\nallow_outside: parts that may leave the map's "
+               "newest map, seconds; None: unlimited.\n\nallow_outside: parts that may leave the map's "
                "bounds, "
                "or 'all'."))
       .def(

@@ -74,7 +74,7 @@ class BlockedField final : public BlockedSpace {
   void clearances(const PointArrays& points, std::span<double> out) const override;
   void coarse_clearances(const PointArrays& points, std::span<double> out) const override;
 
-  /// The same with registers of one's choice, which the machine must have.
+  /// The same with the given instruction set, which the machine must support.
   void clearances(const PointArrays& points, std::span<double> out, InstructionSet vectors) const;
   void coarse_clearances(const PointArrays& points, std::span<double> out, InstructionSet vectors) const;
 

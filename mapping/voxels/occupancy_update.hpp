@@ -13,7 +13,7 @@ namespace clearway {
 ///   a clear look (see ScanTile::clear) halves what the voxel stands above the threshold, when that is more
 ///   than a miss takes.
 /// With OctoMap's probabilities one hit of a free voxel is gone after three looks, clear or not, and what was
-/// hit ever so often after five clear ones (nine that are not).
+/// hit any number of times after five clear ones (nine that are not).
 struct OccupancyUpdate {
   Integration integration = Integration::compatible;
   float hit = 0.0F, miss = 0.0F;  ///< log-odds of the sensor model; miss <= 0 <= hit

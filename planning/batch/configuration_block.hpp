@@ -65,7 +65,7 @@ struct ConfigurationBlock {
 /// Fills in what was found: by spheres and fields alone, so never more than is true. The same for each
 /// configuration on every machine and whatever is beside it.
 void look(const SphereRobot& robot, ConfigurationBlock& block);
-/// The same with registers of one's choice, which the machine must have.
+/// The same with the given instruction set, which the machine must support.
 void look(const SphereRobot& robot, ConfigurationBlock& block, InstructionSet vectors);
 
 }  // namespace clearway

@@ -12,7 +12,7 @@ namespace clearway {
 /// frames, which look() then need not. The same on every machine.
 /// @param enough whether some of these lanes are found is all that is asked: others may be missing then
 PieceLanes::Lanes touching_lanes(const SphereRobot& robot, PieceLanes& lanes, PieceLanes::Lanes enough);
-/// The same with registers of one's choice, which the machine must have.
+/// The same with the given instruction set, which the machine must support.
 PieceLanes::Lanes touching_lanes(const SphereRobot& robot, PieceLanes& lanes, PieceLanes::Lanes enough,
                                  InstructionSet vectors);
 

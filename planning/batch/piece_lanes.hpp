@@ -62,7 +62,7 @@ struct PieceLanes {
 /// Fills in what was found: by spheres and fields alone, so never more than is true. The same bits on every
 /// machine.
 void look(const SphereRobot& robot, PieceLanes& lanes);
-/// The same with registers of one's choice, which the machine must have.
+/// The same with the given instruction set, which the machine must support.
 void look(const SphereRobot& robot, PieceLanes& lanes, InstructionSet vectors);
 
 }  // namespace clearway

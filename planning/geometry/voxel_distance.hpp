@@ -36,7 +36,7 @@ class VoxelDistances {
 
   /// out[i] is the distance to cubes[i], whichever others there are. @pre as many of each
   void to(std::span<const NearVoxel> cubes, double enough, std::span<VoxelDistance> out) const;
-  /// The same, bit for bit, with registers of one's choice, which the machine must have.
+  /// The same, bit for bit, with the given instruction set, which the machine must support.
   void to(std::span<const NearVoxel> cubes, double enough, std::span<VoxelDistance> out,
           InstructionSet vectors) const;
 
