@@ -6,6 +6,7 @@ namespace clearway {
 
 class OptionReader;
 
+/// Options of `auto`.
 struct AutoPlannerOptions {
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
   int max_samples = 100000000;   ///< of the trees of one round, 1 to 100,000,000

@@ -39,6 +39,7 @@ struct MotionTerms {
   JointLoad load{};  ///< at the robot's scale, beside the loads
 };
 
+/// What the independent check finds of a motion.
 struct MotionJudgement {
   MotionVerdict verdict;
   std::optional<TorqueFinding> torques;  ///< where the motion is valid but for them

@@ -8,10 +8,11 @@
 
 namespace clearway {
 
+/// A planner that users name.
 struct PlannerEntry {
   std::string_view name;
   std::string_view description;
-  std::unique_ptr<Planner> (*make)(const PlannerOptions&);
+  std::unique_ptr<Planner> (*make)(const PlannerOptions&);  ///< with options in text form
   bool certifies = true;  ///< with its defaults: each edge of its paths is proved free
 };
 

@@ -6,6 +6,7 @@
 
 namespace clearway {
 
+/// Memory and outlier gate of a StaticBoard.
 struct StaticBoardOptions {
   int memory = 30;  ///< images that the mean remembers, 1 to 10,000; its error shrinks to 1/sqrt of it
   double gate_sigmas = 5.0;  ///< Mahalanobis distance beyond which an image disagrees

@@ -31,6 +31,7 @@ struct TagBody {
   void validate() const;
 };
 
+/// Pixel noise and selection of tags for the pose of a body.
 struct BodyPoseOptions {
   double pixel_noise = 0.3;     ///< standard deviation of a corner per axis, pixels, > 0: state it honestly
   double distinct_angle = 0.1;  ///< radians: poses that differ by more are two answers

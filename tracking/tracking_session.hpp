@@ -13,6 +13,7 @@ struct TrackingSetup {
   ErrorBudget budget;
 };
 
+/// Options of the parts of a session.
 struct TrackingOptions {
   TagDetectorOptions detector;
   BodyPoseOptions pose;

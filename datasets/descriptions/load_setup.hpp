@@ -11,19 +11,23 @@ namespace clearway {
 
 class YamlFields;
 
-/// Shapes of an object, metres, each about the origin of its own frame; cylinders and capsules along z.
+/// A box about the origin of the object's frame, metres.
 struct LoadBox {
   Eigen::Vector3d edges = Eigen::Vector3d::Ones();
 };
+/// A cylinder along z about the origin, metres.
 struct LoadCylinder {
   double radius = 1, length = 1;
 };
+/// A capsule along z about the origin, metres.
 struct LoadCapsule {
   double radius = 1, length = 1;  ///< between the centres of the caps
 };
+/// A sphere about the origin, metres.
 struct LoadSphere {
   double radius = 1;
 };
+/// The convex hull of a mesh, in the mesh's frame.
 struct LoadMesh {
   std::filesystem::path file;  ///< .dae, .obj, .ply or .stl; its convex hull counts
   double scale = 1;

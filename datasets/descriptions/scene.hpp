@@ -15,12 +15,15 @@ namespace clearway {
 
 class YamlFields;
 
+/// A box of a scene.
 struct BoxShape {
   Eigen::Vector3d size;  ///< m, centred on the shape's origin
 };
+/// A cylinder of a scene.
 struct CylinderShape {
   double radius, length;  ///< m, along z, centred on the shape's origin
 };
+/// A sphere of a scene, about the shape's origin.
 struct SphereShape {
   double radius;  ///< m
 };

@@ -160,6 +160,7 @@ struct DetectorSetup {
   std::optional<double> min_margin;  ///< grey levels between bits and threshold
 };
 
+/// The robot of a recording: where it stands, what it carries, how its joints are known.
 struct RobotSetup {
   std::string name;  ///< in datasets/robots, or a URDF path
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();

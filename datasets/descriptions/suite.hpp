@@ -49,6 +49,7 @@ struct SuiteView {
   std::vector<std::string> layers;    ///< that are shown, as the page's address names them; empty: the usual
 };
 
+/// A query of a suite: one path, through each goal in turn.
 struct SuiteProblem {
   std::string name;
   std::vector<double> start;               ///< rad and m

@@ -7,6 +7,7 @@
 
 namespace clearway {
 
+/// What `simulate` wrote.
 struct SimulationResult {
   std::filesystem::path recording, truth;
   size_t images = 0, depth_images = 0, included_frames = 0;

@@ -56,6 +56,7 @@ class LiveControl {
 
   /// The two halves of it: what takes its time, and the hand-over.
   struct Map;
+  /// Deletes a map that was prepared, wherever the type is known by name only.
   struct TakeApart {
     void operator()(Map* map) const;
   };

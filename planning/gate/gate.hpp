@@ -13,12 +13,13 @@
 
 namespace clearway {
 
+/// Limits and tolerances of a gate.
 struct GateOptions {
-  MotionLimits limits = {};
+  MotionLimits limits = {};                           ///< of velocity and braking
   double tolerance = 1e-3;                            ///< of where a chunk starts, each joint, rad or m, >= 0
   std::optional<Configuration> start = std::nullopt;  ///< of the first chunk; none: anywhere
   /// The newest map's `taken` may lie at most so many seconds before a chunk's first time, and after it: then
-  /// both are of one clock. Infinite: nobody asks.
+  /// both are of one clock. Infinite: unlimited.
   double max_age = std::numeric_limits<double>::infinity();
   std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds; "all": every part
 };
@@ -41,10 +42,11 @@ struct ProvedPart {
   Configuration position, stop;
 };
 
+/// The answer to one chunk.
 struct GateVerdict {
-  GateReason reason = GateReason::none;
-  std::string sentence{};  ///< why it is refused; empty when passed
-  std::uint64_t map = 0;   ///< number of the map that judged; 0: none
+  GateReason reason = GateReason::none;  ///< none: the chunk is passed
+  std::string sentence{};                ///< why it is refused; empty when passed
+  std::uint64_t map = 0;                 ///< number of the map that judged; 0: none
   /// Of a chunk that was passed, all of it. Of one whose motion is not proved, a first part: the chunk of the
   /// configurations before `time` and of `position` would be passed. Not the farthest to the last digit.
   /// None: not even the first step.

@@ -55,6 +55,7 @@ enum class GateReason {
 };
 std::string_view to_string(GateReason reason);
 
+/// What is wrong with a chunk by itself, whatever the map.
 struct ChunkFault {
   GateReason reason = GateReason::none;
   std::string sentence;

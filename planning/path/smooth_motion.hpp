@@ -11,8 +11,9 @@
 
 namespace clearway {
 
+/// Limits, time step, straightening and blending of smooth_motion.
 struct SmoothMotionOptions {
-  MotionScales scales{};
+  MotionScales scales{};  ///< of the joints' velocity, acceleration and jerk limits
   std::shared_ptr<const TorqueTerms> torques = nullptr;  ///< whose limits are kept; null: none
   double period = 0.008;                                 ///< between knots, seconds
   double straighten = 0.1;  ///< rad or m: waypoints no joint of which is farther from a certified edge are

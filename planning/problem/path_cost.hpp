@@ -8,6 +8,7 @@
 
 namespace clearway {
 
+/// Gravity and payload of path costs.
 struct CostOptions {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, in the robot's base frame
   double payload_mass = 0.0;                 ///< kg, full size, at the tip

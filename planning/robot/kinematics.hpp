@@ -28,13 +28,14 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
 /// the value and the limit.
 std::string limit_violation(const Robot& robot, const Configuration& q);
 
+/// Tolerances and effort of inverse kinematics.
 struct IkOptions {
   double position_tolerance = 1e-6;     ///< metres
   double orientation_tolerance = 1e-6;  ///< radians
-  int max_iterations = 200;
-  int restarts = 16;  ///< seeded random restarts of the numeric solver
-  std::uint64_t seed = 1;
-  bool position_only = false;  ///< ignore orientation (arms with fewer than 6 joints)
+  int max_iterations = 200;             ///< of each start
+  int restarts = 16;                    ///< seeded random restarts of the numeric solver
+  std::uint64_t seed = 1;               ///< of the restarts
+  bool position_only = false;           ///< ignore orientation (arms with fewer than 6 joints)
 };
 
 /// A configuration that puts the tip at `map_from_tip`, near `near`; within limits. Geometric for "puma"

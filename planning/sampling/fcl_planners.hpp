@@ -11,6 +11,7 @@ enum class OmplAlgorithm;
 
 // Options of OMPL's planners with FCL. Weighted units: see joint_weights.
 
+/// Options of `rrtconnect_fcl`.
 struct RrtConnectFclOptions {
   double resolution = 0.01;      ///< of the space's extent between two looks at an edge, 1e-6 to 1
   bool simplify = true;          ///< OMPL's path simplification
@@ -18,25 +19,28 @@ struct RrtConnectFclOptions {
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
   int max_samples = 100000000;   ///< 1 to 100,000,000
 };
+/// Options of `kpiece_fcl`.
 struct KpieceFclOptions {
-  double resolution = 0.01;  ///< as RrtConnectFclOptions, like all below
-  bool simplify = true;
-  double range = 0.0;
-  double prismatic_scale = 0.0;
-  int max_samples = 100000000;
+  double resolution = 0.01;      ///< of the space's extent between two looks at an edge, 1e-6 to 1
+  bool simplify = true;          ///< OMPL's path simplification
+  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 100000000;   ///< 1 to 100,000,000
 };
+/// Options of `prm_fcl`.
 struct PrmFclOptions {
-  double resolution = 0.01;
-  bool simplify = true;
-  double prismatic_scale = 0.0;
-  int max_samples = 100000000;
+  double resolution = 0.01;      ///< of the space's extent between two looks at an edge, 1e-6 to 1
+  bool simplify = true;          ///< OMPL's path simplification
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 100000000;   ///< 1 to 100,000,000
 };
+/// Options of `bitstar_fcl`.
 struct BitStarFclOptions {
-  double resolution = 0.01;
-  bool simplify = true;
-  int batch = 100;  ///< samples of a batch, 1 to 1,000,000
-  double prismatic_scale = 0.0;
-  int max_samples = 5000;  ///< drawn in any case, to improve the path
+  double resolution = 0.01;      ///< of the space's extent between two looks at an edge, 1e-6 to 1
+  bool simplify = true;          ///< OMPL's path simplification
+  int batch = 100;               ///< samples of a batch, 1 to 1,000,000
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 5000;        ///< drawn in any case, to improve the path
 };
 RrtConnectFclOptions read_options(OptionReader& reader, RrtConnectFclOptions initial);
 KpieceFclOptions read_options(OptionReader& reader, KpieceFclOptions initial);

@@ -9,34 +9,39 @@ enum class OmplAlgorithm;
 
 // Options of OMPL's sampling planners. Weighted units: see joint_weights.
 
+/// Options of `rrtconnect_ompl`.
 struct RrtConnectOmplOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
   int max_samples = 100000000;   ///< 1 to 100,000,000
   bool simplify = true;          ///< OMPL's path simplification, with certified edges, instead of shortcuts
 };
+/// Options of `est`.
 struct EstOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
   int max_samples = 100000000;   ///< 1 to 100,000,000
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
+/// Options of `prm`.
 struct PrmOptions {
-  double prismatic_scale = 0.0;  ///< as EstOptions, like all below
-  int max_samples = 100000000;
-  int shortcuts = 100;
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
+/// Options of `rrtstar`.
 struct RrtStarOptions {
-  double range = 0.0;
-  double prismatic_scale = 0.0;
-  int max_samples = 5000;  ///< drawn in any case, to improve the path
-  int shortcuts = 100;
+  double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 5000;        ///< drawn in any case, to improve the path
+  int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
+/// Options of `bitstar`.
 struct BitStarOptions {
-  int batch = 100;  ///< samples of a batch, 1 to 1,000,000
-  double prismatic_scale = 0.0;
-  int max_samples = 5000;  ///< drawn in any case, to improve the path
-  int shortcuts = 100;
+  int batch = 100;               ///< samples of a batch, 1 to 1,000,000
+  double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
+  int max_samples = 5000;        ///< drawn in any case, to improve the path
+  int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 RrtConnectOmplOptions read_options(OptionReader& reader, RrtConnectOmplOptions initial);
 EstOptions read_options(OptionReader& reader, EstOptions initial);

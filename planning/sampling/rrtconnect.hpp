@@ -6,6 +6,7 @@ namespace clearway {
 
 class OptionReader;
 
+/// Options of `rrtconnect`.
 struct RrtConnectOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: a tenth of the extent
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights

@@ -28,6 +28,7 @@ struct Policies {
   bool critical_by_default = true;  ///< what is left out is chosen as above; else it is `not_occupied`
 };
 
+/// Padding, resolutions and age limit of a ConfigurationSpace.
 struct SpaceOptions {
   double padding = 0.0;           ///< every body keeps this distance from blocked voxels, metres, >= 0
   double max_distance = 0.0;      ///< truncation of the distance fields; 0 = chosen from the robot's size
@@ -51,8 +52,9 @@ enum class Obstruction {
 /// The enumerator as a word: "joint_limit".
 std::string_view to_string(Obstruction obstruction);
 
+/// Whether a configuration is free; else one reason why not.
 struct Verdict {
-  Obstruction obstruction = Obstruction::none;
+  Obstruction obstruction = Obstruction::none;      ///< none: it is free
   std::string part;                                 ///< body that is blocked
   std::string other;                                ///< the second body, or the joint
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< map frame: centre of the blocking voxel

@@ -30,6 +30,7 @@ struct Team {
   SensedSpace sensed = nullptr;  ///< the map as it is sensed anew
 };
 
+/// Options of a team: local method, period, limits.
 struct TeamOptions {
   BoundaryOptions boundary;        ///< 0 = auto for d_i, d_s, xi and max_step; see TeamFigures
   bool follows_boundaries = true;  ///< false: the local method alone (Lahouar 2006, eq. 1-9)
