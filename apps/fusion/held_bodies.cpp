@@ -55,21 +55,21 @@ HeldBodies::HeldBodies(const Setup& setup, const BoardPoses& boards, double reso
   }
 }
 
-HeldBodies::Sight HeldBodies::sight(const Held& held, double time) const {
-  if (boards_.at(held.board, time)) return Sight::seen;
+HeldBodies::Visibility HeldBodies::visibility(const Held& held, double time) const {
+  if (boards_.at(held.board, time)) return Visibility::seen;
   const auto [before, after] = boards_.around(held.board, time);
   const bool is_settled = boards_.is_settled(held.board, time, options_.hidden);
   const bool was_near = before && time - *before <= options_.hidden;
-  if (was_near && (after ? *after - *before <= options_.hidden : !is_settled)) return Sight::hidden;
-  return boards_.nearest(held.board, time) ? Sight::seen : Sight::unseen;
+  if (was_near && (after ? *after - *before <= options_.hidden : !is_settled)) return Visibility::hidden;
+  return boards_.nearest(held.board, time) ? Visibility::seen : Visibility::unseen;
 }
 
-HeldBodies::Sight HeldBodies::sight(double time) const {
-  Sight worst = Sight::seen;
+HeldBodies::Visibility HeldBodies::visibility(double time) const {
+  Visibility worst = Visibility::seen;
   for (const Held& held : held_) {
-    const Sight own = sight(held, time);
-    if (own == Sight::hidden) return own;
-    if (own == Sight::unseen && held.is_probe) worst = own;
+    const Visibility own = visibility(held, time);
+    if (own == Visibility::hidden) return own;
+    if (own == Visibility::unseen && held.is_probe) worst = own;
   }
   return worst;
 }

@@ -20,12 +20,12 @@ class HeldBodies {
   /// @param boards must follow the boards of probe and gripper, and live as long as this
   HeldBodies(const Setup& setup, const BoardPoses& boards, double resolution);
 
-  enum class Sight {
+  enum class Visibility {
     seen,    ///< or there is nothing that is held
     hidden,  ///< not seen, but not long before and not long after
     unseen   ///< nothing shows where the probe is
   };
-  Sight sight(double time) const;
+  Visibility visibility(double time) const;
 
   /// False while an image to come may still show more of them at `time`.
   bool is_settled(double time) const;
@@ -43,7 +43,7 @@ class HeldBodies {
     Eigen::Isometry3d map_from_board;
     double growth;  ///< m, of what acceleration allows
   };
-  Sight sight(const Held& held, double time) const;
+  Visibility visibility(const Held& held, double time) const;
   std::optional<Place> place(const Held& held, double time) const;
   void add(const Held& held, double time, std::vector<Capsule>& bodies) const;
 

@@ -145,7 +145,7 @@ void ScanInserter::insert(Waiting& waiting) {
     return;
   }
   Scan& scan = waiting.scan;
-  const HeldBodies::Sight sight = held_.sight(scan.time);
+  const HeldBodies::Visibility visibility = held_.visibility(scan.time);
   scan.map_from_sensor = *map_from_sensor;
   if (observer_ != nullptr) observer_->see(scan);
   if (moving_robot_ != nullptr) {
@@ -156,13 +156,13 @@ void ScanInserter::insert(Waiting& waiting) {
     }
     counts_.points.dropped_filter += *own;
   }
-  if (sight == HeldBodies::Sight::hidden) {
+  if (visibility == HeldBodies::Visibility::hidden) {
     ++counts_.scans_probe_hidden;
     return;
   }
   ScanFilter filter = filter_of(setup_.map);
   filter.bodies = robot_;
-  if (sight == HeldBodies::Sight::unseen) ++counts_.scans_without_probe;
+  if (visibility == HeldBodies::Visibility::unseen) ++counts_.scans_without_probe;
   for (const Capsule& body : held_.bodies(scan.time)) filter.bodies.push_back(body);
   const ScanCounts done = map_.insert(scan, filter);
   ++counts_.scans_inserted;

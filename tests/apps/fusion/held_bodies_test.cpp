@@ -270,20 +270,20 @@ TEST_F(TrackedHands, FillNothingBeyondTheStatedGrowth) {
 }
 
 TEST_F(TrackedHands, AreHiddenWhileNoImageSeesThemForAMomentAndUnseenFarFromAll) {
-  using Sight = HeldBodies::Sight;
-  EXPECT_EQ(held_.sight(5.0), Sight::unseen);
+  using Visibility = HeldBodies::Visibility;
+  EXPECT_EQ(held_.visibility(5.0), Visibility::unseen);
   show_boards(boards_, setup_, {10.0, 10.1, 10.2, 11.5, 11.6, 20.0, 20.1});
-  EXPECT_EQ(held_.sight(10.15), Sight::seen);
-  EXPECT_EQ(held_.sight(10.3), Sight::hidden);  // from 10.2 to 11.5 a hand was before the tags
-  EXPECT_EQ(held_.sight(11.4), Sight::hidden);
-  EXPECT_EQ(held_.sight(11.8), Sight::seen);  // for longer than a moment: where it was last
-  EXPECT_EQ(held_.sight(15.0), Sight::unseen);
-  EXPECT_EQ(held_.sight(20.3), Sight::hidden);  // it may be seen again
+  EXPECT_EQ(held_.visibility(10.15), Visibility::seen);
+  EXPECT_EQ(held_.visibility(10.3), Visibility::hidden);  // from 10.2 to 11.5 a hand was before the tags
+  EXPECT_EQ(held_.visibility(11.4), Visibility::hidden);
+  EXPECT_EQ(held_.visibility(11.8), Visibility::seen);  // for longer than a moment: where it was last
+  EXPECT_EQ(held_.visibility(15.0), Visibility::unseen);
+  EXPECT_EQ(held_.visibility(20.3), Visibility::hidden);  // it may be seen again
   EXPECT_FALSE(held_.is_settled(20.3));
   boards_.finish();
   EXPECT_TRUE(held_.is_settled(20.3));
-  EXPECT_EQ(held_.sight(20.3), Sight::seen);
-  EXPECT_EQ(held_.sight(21.0), Sight::unseen);
+  EXPECT_EQ(held_.visibility(20.3), Visibility::seen);
+  EXPECT_EQ(held_.visibility(21.0), Visibility::unseen);
 }
 
 TEST(HeldBodies, AreNoneWithoutAProbe) {
@@ -291,7 +291,7 @@ TEST(HeldBodies, AreNoneWithoutAProbe) {
   const BoardPoses boards(setup);
   const HeldBodies held(setup, boards, 0.01);
   EXPECT_TRUE(held.is_settled(1.0));
-  EXPECT_EQ(held.sight(1.0), HeldBodies::Sight::seen);
+  EXPECT_EQ(held.visibility(1.0), HeldBodies::Visibility::seen);
   EXPECT_TRUE(held.bodies(1.0).empty());
 }
 
