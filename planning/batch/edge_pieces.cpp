@@ -11,6 +11,7 @@ namespace clearway {
 namespace {
 
 constexpr int first_cut = 16, further_cut = 4;
+constexpr int quick_cut = 8;  ///< half of the lanes, and of the time where a register holds no more
 constexpr std::size_t most_pieces = 4096;
 
 auto row(LaneFloats& lanes) {
@@ -78,40 +79,65 @@ bool EdgePieces::is_touching(double least_share) {
   return true;
 }
 
-EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configuration& to,
-                                        double least_share, bool ends_at_open) {
+void EdgePieces::begin(const Configuration& from, const Configuration& to, int pieces) {
   from_ = &from;
   step_ = to - from;
   proved_share_ = 0.0;
   open_.clear();
   members_.clear();
   queue_.clear();
-  for (int i = 0; i < first_cut; ++i)
-    queue_.push_back({double(i) / first_cut, double(i + 1) / first_cut, 0, -1});
+  for (int i = 0; i < pieces; ++i) queue_.push_back({double(i) / pieces, double(i + 1) / pieces, 0, -1});
   place(queue_);
+}
+
+/// At as many pieces of the queue as there are lanes; how many. What is blocked is found, nothing else
+/// sorted.
+std::size_t EdgePieces::look_at_next(std::size_t next) {
+  const std::size_t count = std::min(queue_.size() - next, std::size_t{PieceLanes::count});
+  asked_.assign(queue_.begin() + static_cast<std::ptrdiff_t>(next),
+                queue_.begin() + static_cast<std::ptrdiff_t>(next + count));
+  if (next > 0) place(asked_);
+  ask(asked_);
+  look(*robot_, lanes_);
+  return count;
+}
+
+EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configuration& to,
+                                        double least_share) {
+  begin(from, to, first_cut);
   if (is_touching(least_share)) return Finding::blocked;
   bound_bends();
   for (std::size_t next = 0; next < queue_.size();) {
-    const std::size_t count = std::min(queue_.size() - next, std::size_t{PieceLanes::count});
-    std::array<Piece, PieceLanes::count> pieces;
-    std::copy_n(queue_.begin() + static_cast<std::ptrdiff_t>(next), count, pieces.begin());
-    const std::span<const Piece> asked(pieces.data(), count);
-    if (next > 0) place(asked);
-    ask(asked);
-    look(*robot_, lanes_);
+    const std::size_t count = look_at_next(next);
     if (next == 0 && (lanes_.blocked & lanes_.enough) == 0) proved_share_ = share_in_front();
     if (lanes_.blocked != 0) return Finding::blocked;
     lanes_.enough = PieceLanes::Lanes(~0U);
-    sort_out(asked);
-    if (ends_at_open && !open_.empty()) return Finding::open;
+    sort_out(asked_);
     next += count;
   }
   return open_.empty() ? Finding::free : Finding::open;
 }
 
+bool EdgePieces::is_free(const Configuration& from, const Configuration& to) {
+  begin(from, to, quick_cut);
+  bound_bends();
+  lanes_.enough = PieceLanes::Lanes(~0U);
+  lanes_.all_or_nothing = true;
+  bool is_proved = true;
+  for (std::size_t next = 0; next < queue_.size() && is_proved;) {
+    next += look_at_next(next);
+    is_proved = lanes_.blocked == 0 && lanes_.stuck == 0;
+    if (is_proved) sort_out(asked_);
+    is_proved = is_proved && open_.empty();
+  }
+  lanes_.all_or_nothing = false;
+  return is_proved;
+}
+
 /// The middles of the pieces, for all lanes.
 void EdgePieces::place(std::span<const Piece> pieces) {
   lanes_.active = static_cast<PieceLanes::Lanes>((1U << pieces.size()) - 1U);
+  lanes_.are_frames_placed = false;
   for (std::size_t lane = 0; lane < PieceLanes::count; ++lane) {
     const Piece& piece = pieces[std::min(lane, pieces.size() - 1)];
     middle_.at[lane] = (piece.begin + piece.end) / 2;

@@ -31,14 +31,11 @@ class EdgePieces {
   /// something. `open`: open_pieces() says what is not decided.
   /// @param least_share a proved_share() below this may be reported as 0: what is blocked is then found
   /// sooner
-  Finding examine(const Configuration& from, const Configuration& to, double least_share = 0.0) {
-    return examine(from, to, least_share, false);
-  }
+  Finding examine(const Configuration& from, const Configuration& to, double least_share = 0.0);
 
-  /// Whether examine() finds `free`; ends at the first piece that it would leave open.
-  bool is_free(const Configuration& from, const Configuration& to) {
-    return examine(from, to, 1.0, true) == Finding::free;
-  }
+  /// Whether the edge is proved free, sooner: this begins with fewer pieces and ends at the first that is
+  /// stuck. Near what blocks, few edges are proved by one of examine() and this alone.
+  bool is_free(const Configuration& from, const Configuration& to);
 
   /// So much of the edge, 0..1, was proved free from its start on before anything was cut further.
   double proved_share() const { return proved_share_; }
@@ -49,7 +46,8 @@ class EdgePieces {
   struct Bounds {
     double motion, bend;  ///< metres
   };
-  Finding examine(const Configuration& from, const Configuration& to, double least_share, bool ends_at_open);
+  void begin(const Configuration& from, const Configuration& to, int pieces);
+  std::size_t look_at_next(std::size_t next);
   void bound_bends();
   Bounds bounds_of(int frame, int above) const;
   bool is_touching(double least_share);
@@ -68,6 +66,7 @@ class EdgePieces {
   std::vector<float> bend_, pair_bend_;  ///< of each frame, pair of frames: over half the edge, metres
   std::vector<float> approach_;          ///< of each pair of frames, over the whole edge, metres
   std::vector<Piece> queue_, open_;
+  std::vector<Piece> asked_;  ///< of the queue
   std::vector<int> members_;
 };
 

@@ -40,7 +40,9 @@ HWY_INLINE void sine_and_cosine(Vector angle, Vector& sine, Vector& cosine) {
 }
 
 /// Values of the joints' motions as floats; angles between -pi and pi, which keeps them exact.
-inline void read_values(const SphereRobot& robot, const LaneDoubles* q, LaneFloats* value) {
+/// @param used this and what follows work on so many lanes from the first on, and on the rest of a register
+inline void read_values(const SphereRobot& robot, const LaneDoubles* q, LaneFloats* value,
+                        std::size_t used = lane_count) {
   using DoubleTag = hn::Repartition<double, Tag>;
   using HalfTag = hn::Rebind<float, DoubleTag>;
   const auto number = [](double x) HWY_ATTR { return hn::Set(DoubleTag(), x); };
@@ -49,7 +51,7 @@ inline void read_values(const SphereRobot& robot, const LaneDoubles* q, LaneFloa
   for (std::size_t i = 1; i < robot.frames.size(); ++i) {
     const SphereRobot::Frame& frame = robot.frames[i];
     const double* from = q[static_cast<std::size_t>(frame.joint)].at;
-    for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(DoubleTag())) {
+    for (std::size_t lane = 0; lane < used; lane += hn::Lanes(DoubleTag())) {
       const auto joint = hn::Load(DoubleTag(), from + lane);
       auto at = hn::Add(hn::Mul(number(frame.multiplier), joint), number(frame.offset));
       const auto whole = hn::Sub(hn::Add(hn::Mul(at, turns), magic), magic);
@@ -60,11 +62,12 @@ inline void read_values(const SphereRobot& robot, const LaneDoubles* q, LaneFloa
 }
 
 /// How far the joints' motions go.
-inline void read_motions(const SphereRobot& robot, const LaneDoubles* step, LaneFloats* motion) {
+inline void read_motions(const SphereRobot& robot, const LaneDoubles* step, LaneFloats* motion,
+                         std::size_t used = lane_count) {
   for (std::size_t i = 1; i < robot.frames.size(); ++i) {
     const SphereRobot::Frame& frame = robot.frames[i];
     const double* by = step[static_cast<std::size_t>(frame.joint)].at;
-    for (int lane = 0; lane < lane_count; ++lane)
+    for (std::size_t lane = 0; lane < used; ++lane)
       motion[i].at[lane] = static_cast<float>(frame.multiplier * by[lane]);
   }
 }
@@ -98,8 +101,9 @@ HWY_INLINE void place_frame(const SphereRobot& robot, const LaneFloats* values, 
 }
 
 /// The poses of all frames for the values of their joints' motions.
-inline void place_frames(const SphereRobot& robot, const LaneFloats* value, LaneFloats* pose) {
-  for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
+inline void place_frames(const SphereRobot& robot, const LaneFloats* value, LaneFloats* pose,
+                         std::size_t used = lane_count) {
+  for (std::size_t lane = 0; lane < used; lane += hn::Lanes(Tag())) {
     for (int i = 0; i < 12; ++i) store(all(i < 9 ? robot.base[i] : 0.0F), pose[i], lane);
     for (std::size_t i = 1; i < robot.frames.size(); ++i) place_frame(robot, value, pose, i, lane);
   }
@@ -108,8 +112,8 @@ inline void place_frames(const SphereRobot& robot, const LaneFloats* value, Lane
 /// The twists of all frames, 6 rows of lanes each, for the motions of their joints where they are: turn, then
 /// velocity of what is at the base.
 inline void move_frames(const SphereRobot& robot, const LaneFloats* motion, const LaneFloats* pose,
-                        LaneFloats* twist) {
-  for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
+                        LaneFloats* twist, std::size_t used = lane_count) {
+  for (std::size_t lane = 0; lane < used; lane += hn::Lanes(Tag())) {
     for (int i = 0; i < 6; ++i) store(all(0.0F), twist[i], lane);
     for (std::size_t i = 1; i < robot.frames.size(); ++i) {
       const LaneFloats *here = &pose[12 * i],

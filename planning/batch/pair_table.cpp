@@ -53,63 +53,65 @@ PairTable::PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std:
     width_[i] = range > 0.0 ? range / cells_[i] : 1.0;
     per_unit_[i] = 1.0 / width_[i];
   }
-  for (const int edge : block_edges) {
+  for (const int shift : block_shifts) {
     Level level;
-    level.edge = edge;
-    for (std::size_t i = 0; i < 2; ++i) level.counts[i] = (cells_[i] + edge - 1) / edge;
+    level.shift = shift;
+    for (std::size_t i = 0; i < 2; ++i) level.counts[i] = ((cells_[i] - 1) >> shift) + 1;
     level.states = std::vector<std::atomic<std::uint8_t>>(static_cast<std::size_t>(level.counts[0]) *
                                                           static_cast<std::size_t>(level.counts[1]));
     levels_.push_back(std::move(level));
   }
 }
 
-std::optional<std::array<int, 2>> PairTable::cell_of(const std::array<double, 2>& values) const {
-  std::array<int, 2> cell{};
+bool PairTable::cells_between(const std::array<double, 2>& lower, const std::array<double, 2>& upper,
+                              Cell& first, Cell& last) const {
   for (std::size_t i = 0; i < 2 && joints_[i] >= 0; ++i) {
-    const double at = (values[i] - lower_[i]) * per_unit_[i];  // a proof reaches a little beyond its cell
-    if (!(at >= 0.0 && at <= cells_[i])) return std::nullopt;
-    cell[i] = std::min(static_cast<int>(at), cells_[i] - 1);
+    const double low = (lower[i] - lower_[i]) * per_unit_[i];  // a proof reaches a little beyond its cell
+    const double high = (upper[i] - lower_[i]) * per_unit_[i];
+    if (!(low >= 0.0 && low <= high && high <= cells_[i])) return false;
+    first[i] = std::min(static_cast<int>(low), cells_[i] - 1);
+    last[i] = std::min(static_cast<int>(high), cells_[i] - 1);
   }
-  return cell;
+  return true;
 }
 
 bool PairTable::is_apart(const std::array<double, 2>& values) const {
-  const auto cell = cell_of(values);
-  return cell && is_cell_apart(*cell);
+  Cell cell{}, same{};
+  return cells_between(values, values, cell, same) && is_cell_apart(cell);
 }
 
 bool PairTable::is_apart(const std::array<double, 2>& lower, const std::array<double, 2>& upper) const {
-  const auto first = cell_of(lower), last = cell_of(upper);
-  if (!first || !last) return false;
-  const auto [low, high] = std::pair(*first, *last);
+  Cell first{}, last{};
+  if (!cells_between(lower, upper, first, last)) return false;
+  if (first == last) return is_cell_apart(first);
   for (const Level& level : levels_) {  // one block around them all
-    const std::array<int, 2> block{low[0] / level.edge, low[1] / level.edge};
-    if (block != std::array{high[0] / level.edge, high[1] / level.edge}) break;
+    const Cell block = level.block_of(first);
+    if (block != level.block_of(last)) break;
     if (is_block_apart(level, block)) return true;
   }
-  if ((high[0] - low[0] + 1) * (high[1] - low[1] + 1) > most_together) return false;
-  for (int i = low[0]; i <= high[0]; ++i) {
-    for (int k = low[1]; k <= high[1]; ++k) {
+  if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) > most_together) return false;
+  for (int i = first[0]; i <= last[0]; ++i) {
+    for (int k = first[1]; k <= last[1]; ++k) {
       if (!is_cell_apart({i, k})) return false;
     }
   }
   return true;
 }
 
-bool PairTable::is_cell_apart(const std::array<int, 2>& cell) const {
+bool PairTable::is_cell_apart(const Cell& cell) const {
   const Level& finest = levels_.back();
   const auto index = static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(finest.counts[1]) +
                      static_cast<std::size_t>(cell[1]);
   const std::uint8_t known = finest.states[index].load(std::memory_order_relaxed);
   if (known != unknown) return known == apart;
   const bool proved = std::any_of(levels_.begin(), levels_.end(), [&](const Level& level) {
-    return is_block_apart(level, {cell[0] / level.edge, cell[1] / level.edge});
+    return is_block_apart(level, level.block_of(cell));
   });
   finest.states[index].store(proved ? apart : open, std::memory_order_relaxed);
   return proved;
 }
 
-bool PairTable::is_block_apart(const Level& level, const std::array<int, 2>& block) const {
+bool PairTable::is_block_apart(const Level& level, const Cell& block) const {
   std::atomic<std::uint8_t>& state =
       level.states[static_cast<std::size_t>(block[0]) * static_cast<std::size_t>(level.counts[1]) +
                    static_cast<std::size_t>(block[1])];
@@ -122,12 +124,12 @@ bool PairTable::is_block_apart(const Level& level, const std::array<int, 2>& blo
 }
 
 /// In the middle of the block the bodies are farther apart than they can approach on the way to its border.
-PairTable::State PairTable::prove(const Level& level, const std::array<int, 2>& block) const {
+PairTable::State PairTable::prove(const Level& level, const Cell& block) const {
   thread_local LinkPoses poses;
   Configuration q = middle_of(robot_);
   Eigen::VectorXd half = Eigen::VectorXd::Zero(q.size());
   for (std::size_t i = 0; i < 2 && joints_[i] >= 0; ++i) {
-    const int first = block[i] * level.edge, last = std::min(first + level.edge, cells_[i]);
+    const int first = block[i] << level.shift, last = std::min((block[i] + 1) << level.shift, cells_[i]);
     q[joints_[i]] =
         lower_[i] + 0.5 * (first + last) * width_[i];  // within the limits, as bounds of motion are
     half[joints_[i]] = 0.5 * (last - first) * width_[i] * (1.0 + 1e-6);

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "planning/robot/self_collision.hpp"
@@ -36,20 +35,25 @@ class PairTable {
   const std::array<int, 2>& joints() const { return joints_; }
 
  private:
-  static constexpr std::array<int, 3> block_edges{16, 4, 1};  ///< cells, from coarse to fine
+  using Cell = std::array<int, 2>;
+  static constexpr std::array<int, 3> block_shifts{4, 2,
+                                                   0};  ///< blocks of 16, 4 and 1 cells along each joint
   enum State : std::uint8_t { unknown, apart, open };
   struct Level {
-    int edge = 1;                     ///< of a block, cells
+    int shift = 0;                    ///< a block's edge is 1 << shift cells
     std::array<int, 2> counts{1, 1};  ///< of blocks
     mutable std::vector<std::atomic<std::uint8_t>> states;
+
+    Cell block_of(const Cell& cell) const { return {cell[0] >> shift, cell[1] >> shift}; }
   };
 
   PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std::array<int, 2>& joints);
-  /// The cell that holds the values; nothing where they are outside the limits.
-  std::optional<std::array<int, 2>> cell_of(const std::array<double, 2>& values) const;
-  bool is_cell_apart(const std::array<int, 2>& cell) const;
-  bool is_block_apart(const Level& level, const std::array<int, 2>& block) const;
-  State prove(const Level& level, const std::array<int, 2>& block) const;
+  /// The cells that hold the values; false where some are outside the limits.
+  bool cells_between(const std::array<double, 2>& lower, const std::array<double, 2>& upper, Cell& first,
+                     Cell& last) const;
+  bool is_cell_apart(const Cell& cell) const;
+  bool is_block_apart(const Level& level, const Cell& block) const;
+  State prove(const Level& level, const Cell& block) const;
 
   const Robot& robot_;
   std::vector<BodyPair> pairs_;

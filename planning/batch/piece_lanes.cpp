@@ -33,24 +33,32 @@ class Look {
 
   void run() {
     if (!lanes_.are_frames_placed) {
-      read_values(robot_, lanes_.q.data(), lanes_.value.data());
-      place_frames(robot_, lanes_.value.data(), lanes_.pose.data());
+      read_values(robot_, lanes_.q.data(), lanes_.value.data(), used_);
+      place_frames(robot_, lanes_.value.data(), lanes_.pose.data(), used_);
     }
     if (moving) {
-      read_motions(robot_, lanes_.step.data(), lanes_.motion.data());
-      move_frames(robot_, lanes_.motion.data(), lanes_.pose.data(), lanes_.twist.data());
+      read_motions(robot_, lanes_.step.data(), lanes_.motion.data(), used_);
+      move_frames(robot_, lanes_.motion.data(), lanes_.pose.data(), lanes_.twist.data(), used_);
     }
     std::fill(lanes_.is_placed.begin(), lanes_.is_placed.end(), Lanes{0});
     for (const SphereRobot::Group& group : robot_.groups) {
       look_at(group);
-      if ((lanes_.blocked & lanes_.enough) != 0) return;
+      if (is_enough()) return;
     }
     place_middles();
-    for (std::size_t pair = 0; pair < robot_.frame_pairs.size(); ++pair) look_at_pair(pair);
+    for (std::size_t pair = 0; pair < robot_.frame_pairs.size(); ++pair) {
+      look_at_pair(pair);
+      if (lanes_.all_or_nothing && is_enough()) return;
+    }
   }
 
  private:
   static constexpr float rounded_up = 1.0F + 1e-5F;  ///< of speeds: a few roundings
+
+  bool is_enough() const {
+    const unsigned found = lanes_.all_or_nothing ? lanes_.blocked | lanes_.stuck : lanes_.blocked;
+    return (found & lanes_.enough) != 0;
+  }
 
   HWY_INLINE Point placed(int frame, const FloatSphere& sphere, std::size_t lane) const {
     return clearway::HWY_NAMESPACE::placed(&lanes_.pose[12 * static_cast<std::size_t>(frame)], sphere, lane);
@@ -146,7 +154,7 @@ class Look {
   void place_middles() {
     for (std::size_t i = 0; i < robot_.frames.size(); ++i) {
       if (robot_.bounds[i].radius < 0.0F) continue;
-      for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag()))
+      for (std::size_t lane = 0; lane < used_; lane += hn::Lanes(Tag()))
         store_point(placed(static_cast<int>(i), robot_.bounds[i], lane), &lanes_.middle[3 * i], lane);
     }
   }
@@ -283,6 +291,7 @@ class Look {
 
   const SphereRobot& robot_;
   PieceLanes& lanes_;
+  const std::size_t used_ = static_cast<std::size_t>(std::bit_width(lanes_.active));  ///< lanes
 };
 
 void look_at_all(const SphereRobot& robot, PieceLanes& lanes) {

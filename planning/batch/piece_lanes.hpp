@@ -29,8 +29,9 @@ struct PieceLanes {
   std::vector<Floats> approach;   ///< of each pair of frames: how much spheres of it approach at most, metres
   Lanes active = 0;               ///< lanes in use
   std::vector<Lanes> wanted;      ///< of each member: the lanes in which it is asked for
-  Lanes enough = 0;    ///< when one of these is blocked nothing else is asked: the rest may be left out then
-  bool moving = true;  ///< false: all steps are zero
+  Lanes enough = 0;  ///< when one of these is blocked nothing else is asked: the rest may be left out then
+  bool all_or_nothing = false;     ///< the same when one of these is stuck
+  bool moving = true;              ///< false: all steps are zero
   bool are_frames_placed = false;  ///< `pose` is that of `q`: look() need not find it
 
   // What was found.
