@@ -18,30 +18,40 @@ std::size_t find_nearest(const double* rows, std::size_t eights, const double* t
   using Tag = hn::CappedTag<double, 8>;
   const Tag tag;
   const hn::RebindToSigned<Tag> whole;
-  const std::size_t width = hn::Lanes(tag);
+  constexpr std::size_t width = hn::MaxLanes(Tag()), parts = 8 / width;
+  hn::Vec<Tag> nearest[parts];
+  hn::Vec<hn::RebindToSigned<Tag>> places[parts];
+  for (std::size_t part = 0; part < parts; ++part) {
+    nearest[part] = hn::Set(tag, std::numeric_limits<double>::infinity());
+    places[part] = hn::Zero(whole);
+  }
+  const double* row = rows;
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    hn::Vec<Tag> sum[parts];
+    for (auto& part : sum) part = hn::Zero(tag);
+    for (std::size_t i = 0; i < dimensions; ++i, row += 8) {
+      const auto at = hn::Set(tag, to[i]);
+      for (std::size_t part = 0; part < parts; ++part) {
+        const auto apart = hn::Sub(hn::Load(tag, row + part * width), at);
+        sum[part] = hn::Add(sum[part], hn::Mul(apart, apart));
+      }
+    }
+    const auto place = hn::Set(whole, static_cast<std::int64_t>(eight));
+    for (std::size_t part = 0; part < parts; ++part) {
+      const auto is_nearer = hn::Lt(sum[part], nearest[part]);
+      nearest[part] = hn::IfThenElse(is_nearer, sum[part], nearest[part]);
+      places[part] = hn::IfThenElse(hn::RebindMask(whole, is_nearer), place, places[part]);
+    }
+  }
   double least = std::numeric_limits<double>::infinity();
   std::size_t best = 0;
-  for (std::size_t first = 0; first < 8; first += width) {  // these lanes of all eights
-    auto nearest = hn::Set(tag, std::numeric_limits<double>::infinity());
-    auto places = hn::Zero(whole);
-    const double* row = rows + first;
-    for (std::size_t eight = 0; eight < eights; ++eight) {
-      auto sum = hn::Zero(tag);
-      for (std::size_t i = 0; i < dimensions; ++i, row += 8) {
-        const auto apart = hn::Sub(hn::Load(tag, row), hn::Set(tag, to[i]));
-        sum = hn::Add(sum, hn::Mul(apart, apart));
-      }
-      const auto is_nearer = hn::Lt(sum, nearest);
-      nearest = hn::IfThenElse(is_nearer, sum, nearest);
-      places = hn::IfThenElse(hn::RebindMask(whole, is_nearer),
-                              hn::Set(whole, static_cast<std::int64_t>(eight)), places);
-    }
+  for (std::size_t part = 0; part < parts; ++part) {
     HWY_ALIGN double distances[8];
     HWY_ALIGN std::int64_t eight_of[8];
-    hn::Store(nearest, tag, distances);
-    hn::Store(places, whole, eight_of);
+    hn::Store(nearest[part], tag, distances);
+    hn::Store(places[part], whole, eight_of);
     for (std::size_t lane = 0; lane < width; ++lane) {
-      const std::size_t place = static_cast<std::size_t>(eight_of[lane]) * 8 + first + lane;
+      const std::size_t place = static_cast<std::size_t>(eight_of[lane]) * 8 + part * width + lane;
       if (distances[lane] < least || (distances[lane] == least && place < best))
         least = distances[lane], best = place;
     }
