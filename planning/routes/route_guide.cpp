@@ -93,7 +93,7 @@ std::optional<Configuration> RouteGuide::operator()(std::mt19937_64& random) con
     const double drawn = lower + (upper - lower) * random_unit(random);
     q[j] = std::clamp(near ? q[j] + 0.25 * (drawn - q[j]) : drawn, joint.lower, joint.upper);
   }
-  constexpr int most_steps = 20;
+  constexpr int most_steps = 8;
   thread_local LinkPoses poses;
   if (!bring_point(*robot_, {hand_.link, hand_.center, target, 0.1 * play}, most_steps, q, poses))
     return std::nullopt;
