@@ -63,7 +63,7 @@ class Simulation {
     if (scene_.depth && !scene_.depth->beside_pictures) record_depth();
     if (scene_.camera) record_images();
     AtomicFile truth_file(result_.truth);
-    truth_file.append(truth_.json());
+    truth_file.append(truth_.json(writer_.end()));
     writer_.finish();
     truth_file.finish();
     report_progress(1);

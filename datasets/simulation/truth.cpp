@@ -236,6 +236,9 @@ void Truth::add_depth(double time, const Eigen::Isometry3d& map_from_sensor) {
   state_->json["depth"].push_back({{"time", time}, {"map_from_sensor", to_json(map_from_sensor)}});
 }
 
-std::string Truth::json() const { return state_->json.dump(1) + "\n"; }
+std::string Truth::json(const RecordingSum& recording) {
+  state_->json["recording"] = {{"bytes", recording.bytes}, {"crc32", recording.crc32}};
+  return state_->json.dump(1) + "\n";
+}
 
 }  // namespace clearway

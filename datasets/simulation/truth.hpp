@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/simulation/probe_surfaces.hpp"
+#include "datasets/sources/recording.hpp"
 
 namespace clearway {
 
@@ -20,7 +21,8 @@ class Truth {
   void add_image(double time, const Eigen::Isometry3d& map_from_camera, const MovingThings& moving,
                  std::span<const Surface> still, std::span<const Surface> surfaces);
   void add_depth(double time, const Eigen::Isometry3d& map_from_sensor);
-  std::string json() const;
+  /// @param recording that it is of
+  std::string json(const RecordingSum& recording);
 
  private:
   struct State;

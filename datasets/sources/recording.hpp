@@ -119,6 +119,12 @@ class RecordingReader {
 /// What a rawlog keeps of a time, s: its clock has steps of 100 ns.
 double recorded_time(double time);
 
+/// By what a file beside a recording names it: of all its bytes.
+struct RecordingSum {
+  std::uint64_t bytes = 0;
+  std::uint32_t crc32 = 0;
+};
+
 /// Writes a gz rawlog, each record under a checksum of its own (record_seal.hpp), whole or not at all
 /// (AtomicFile): an interrupted recording leaves nothing under its name. Each frame is flushed as it is
 /// written: what a crash leaves under a temporary name can be read up to the last frame, until the next file
@@ -138,6 +144,8 @@ class RecordingWriter {
   void write(const Frame& frame);
   /// Appends a depth image; reads back as a cloud of kind "depth". Ranges beyond 65535 units are dropped.
   void write(double time, const std::string& sensor, const DepthImage& depth);
+  /// Ends the log, still under its temporary name. Nothing may be written afterwards but by `finish`.
+  RecordingSum end();
   /// Ends the log, syncs it to the disk and gives it its name. Nothing may be written afterwards.
   void finish();
 

@@ -3,6 +3,7 @@
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -118,11 +119,20 @@ struct RecordingWriter::State {
     observation.sensorLabel = sensor;
     ByteSink sink;
     mrpt::serialization::archiveFrom(sink) << observation;
-    file.append(sealed_record(sink.bytes, {.index = count++, .time = time}));
+    append(sealed_record(sink.bytes, {.index = count++, .time = time}));
+  }
+
+  void append(const std::string& record) {
+    file.append(record);
+    sum.crc32 = static_cast<std::uint32_t>(
+        ::crc32_z(sum.crc32, reinterpret_cast<const Bytef*>(record.data()), record.size()));
+    sum.bytes += record.size();
   }
 
   AtomicFile file;
   std::uint32_t count = 0;
+  RecordingSum sum;
+  bool has_ended = false;
 };
 
 double recorded_time(double time) { return mrpt::Clock::toDouble(mrpt::Clock::fromDouble(time)); }
@@ -139,8 +149,14 @@ void RecordingWriter::write(double time, const std::string& sensor, const DepthI
   state_->append(time, sensor, *observation(depth));
 }
 
+RecordingSum RecordingWriter::end() {
+  if (!state_->has_ended) state_->append(sealed_record("", {.index = state_->count, .is_end = true}));
+  state_->has_ended = true;
+  return state_->sum;
+}
+
 void RecordingWriter::finish() {
-  state_->file.append(sealed_record("", {.index = state_->count, .is_end = true}));
+  end();
   state_->file.finish();
 }
 

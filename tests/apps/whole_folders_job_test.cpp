@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <array>
 #include <cerrno>
@@ -17,6 +18,7 @@
 #include "mapping/system/interruption.hpp"
 #include "tests/apps/faulty_disk/faulty_disk.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
 namespace whole_folders_job_test {
@@ -297,6 +299,53 @@ TEST_P(WholeFolders, ASignalEndsInASentenceThatSaysWhatIsThere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Commands, WholeFolders, ::testing::Values("replay", "inspect", "compare"));
+
+/// `simulate` makes two files in a folder that holds others: two renames, and a kill may fall between them.
+TEST(WholeSimulation, AfterAKillTheTruthIsOfItsRecordingOrNamesAnother) {
+  const TemporaryFolder folder;
+  folder.write("setup.yaml", small_setup);
+  folder.write("older.yaml", small_scene);
+  folder.write("newer.yaml", std::string(small_scene).replace(small_scene.find("seed: 5"), 7, "seed: 6"));
+  const auto simulate = [&](const std::string& scene) {
+    return run_command(
+        {"simulate", folder.file(scene + ".yaml"), "--out", folder.file("r.rawlog"), "--quiet"});
+  };
+  const auto is_pair = [&] {
+    const std::string recording = read_file(folder.file("r.rawlog"));
+    const auto named = nlohmann::json::parse(read_file(folder.file("truth.json"))).at("recording");
+    const auto* bytes = reinterpret_cast<const Bytef*>(recording.data());
+    return named.at("bytes") == recording.size() &&
+           named.at("crc32") == ::crc32(0, bytes, static_cast<uInt>(recording.size()));
+  };
+  ASSERT_EQ(simulate("older").status, exit_done);
+  const Content older = content(folder.path());
+  ASSERT_EQ(simulate("newer").status, exit_done);
+  const Content newer = content(folder.path());
+  std::map<std::string, int> left;
+  for (long call = 1, status = SIGKILL; status == SIGKILL; ++call) {
+    for (const char* name : {"r.rawlog", "truth.json"}) folder.write(name, older.at(name));
+    const pid_t child = ::fork();
+    if (child == 0) {
+      fail_disk_call(call, 0);
+      ::_exit(simulate("newer").status);
+    }
+    int ended = 0;
+    ::waitpid(child, &ended, 0);
+    status = WIFSIGNALED(ended) ? WTERMSIG(ended) : WEXITSTATUS(ended);
+    std::string which;
+    for (const char* name : {"r.rawlog", "truth.json"}) {
+      const std::string text = read_file(folder.file(name));
+      ASSERT_TRUE(text == older.at(name) || text == newer.at(name)) << name << ", call " << call;
+      which += text == newer.at(name) ? "newer " : "older ";
+    }
+    EXPECT_EQ(is_pair(), which == "older older " || which == "newer newer ") << which << ", call " << call;
+    ++left[which];
+  }
+  EXPECT_GT(left["older older "], 0);
+  EXPECT_GT(left["newer older "], 0);  // between the two
+  EXPECT_GT(left["newer newer "], 0);
+  EXPECT_EQ(left["older newer "], 0);
+}
 
 }  // namespace whole_folders_job_test
 }  // namespace clearway

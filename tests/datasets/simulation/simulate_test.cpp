@@ -3,6 +3,7 @@
 #include <apriltag.h>
 #include <gtest/gtest.h>
 #include <tag36h11.h>
+#include <zlib.h>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/calib3d.hpp>
@@ -83,6 +84,21 @@ TEST(Simulate, TheRecordingHoldsSetupDepthAndPicturesInOrder) {
   const Json truth = Json::parse(read_file(folder / "truth.json"));
   ASSERT_EQ(truth["frames"].size(), 6u);
   for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(truth["frames"][i]["time"], frames[3 + i].time, 1e-6);
+}
+
+TEST(Simulate, TheTruthNamesTheFileThatItIsOf) {
+  const TemporaryFolder folder;
+  simulate(prepared(folder), folder / "out.rawlog");
+  const std::string recording = read_file(folder / "out.rawlog");
+  const auto sum = [&] {
+    return ::crc32(0, reinterpret_cast<const Bytef*>(recording.data()), static_cast<uInt>(recording.size()));
+  };
+  const Json of_first = Json::parse(read_file(folder / "truth.json"))["recording"];
+  EXPECT_EQ(of_first, (Json{{"bytes", recording.size()}, {"crc32", sum()}}));
+  Scene other = prepared(folder);
+  other.seed = 6;
+  simulate(other, folder / "other.rawlog");
+  EXPECT_NE(Json::parse(read_file(folder / "truth.json"))["recording"], of_first);
 }
 
 TEST(Simulate, TruthCornersAreWhatOpenCvProjects) {
