@@ -1,7 +1,6 @@
 #include "mapping/files/text_cloud.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <locale>
@@ -13,6 +12,7 @@
 
 #include "mapping/files/ply_header.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -21,22 +21,12 @@ namespace {
 /// No header is longer.
 constexpr std::size_t most_header_bytes = std::size_t{1} << 20U;
 
-std::string_view next_word(std::string_view& line) {
-  constexpr std::string_view blanks = " \t\r\v\f";
-  line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(blanks));
-  line.remove_prefix(word.size());
-  return word;
-}
-
 /// The number that a whole word is, one that a float can hold.
-std::optional<double> number_of(std::string_view word) {
-  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  if (std::isfinite(value) && std::abs(value) > std::numeric_limits<float>::max()) return std::nullopt;
-  return value;
+std::optional<double> float_number(std::string_view word) {
+  const std::optional<double> number = parsed_number(word);
+  if (number && std::isfinite(*number) && std::abs(*number) > std::numeric_limits<float>::max())
+    return std::nullopt;
+  return number;
 }
 
 /// Lines of a text, counted from 1.
@@ -46,6 +36,7 @@ class CountedLines {
   bool is_at_end() const { return text_.empty(); }
   std::string_view next() {
     const std::size_t end = std::min(text_.find('\n'), text_.size());
+    is_open_ = end == text_.size();
     const std::string_view line = text_.substr(0, end);
     text_.remove_prefix(std::min(end + 1, text_.size()));
     ++count_;
@@ -58,17 +49,21 @@ class CountedLines {
   double take_number(std::string_view& line) const {
     const std::string_view word = next_word(line);
     if (word.empty()) refuse("has too few numbers");
-    const std::optional<double> number = number_of(word);
+    const std::optional<double> number = float_number(word);
     if (!number) refuse("has " + quote(word) + ", expected a number");
     return *number;
   }
+  /// No number follows, and the last one ends before the file does.
   void require_end(std::string_view line) const {
+    if (is_open_ && line.empty())
+      refuse("ends with the file: its last number may be cut short, expected a line feed behind it");
     if (!next_word(line).empty()) refuse("has too many numbers");
   }
 
  private:
   std::string_view text_;
   std::size_t count_ = 0;
+  bool is_open_ = false;  ///< the line that was taken last has no line feed
 };
 
 [[noreturn]] void refuse_count() {
