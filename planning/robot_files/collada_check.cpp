@@ -4,12 +4,11 @@
 
 #include <charconv>
 #include <cstdint>
-#include <locale>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
+#include "mapping/system/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -52,12 +51,27 @@ void check_unit(const XmlNode& root) {
   }
 }
 
-std::uint64_t count_words(const char* text) {
-  std::istringstream words(text ? text : "");
-  words.imbue(std::locale::classic());
+/// How many numbers an element holds. assimp would take "2m" for 2.
+std::uint64_t count_numbers(const XmlNode& element) {
+  std::string_view text = element.GetText() ? element.GetText() : "";
   std::uint64_t count = 0;
-  for (std::string word; words >> word;) ++count;
+  for (std::string_view word = next_word(text); !word.empty(); word = next_word(text), ++count) {
+    if (!parsed_number(word))
+      throw std::runtime_error("its <" + std::string(element.Name()) + "> has " + quote(word) +
+                               ", expected numbers");
+  }
   return count;
+}
+
+/// Poses and scales of all nodes.
+void check_transforms(const XmlNode& parent) {
+  for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const std::string_view name = child->Name();
+    if (name == "matrix" || name == "translate" || name == "rotate" || name == "scale" || name == "lookat")
+      count_numbers(*child);
+    else
+      check_transforms(*child);
+  }
 }
 
 /// How many numbers make a vertex. X, Y and Z are among them: assimp takes the first for one that is not.
@@ -78,7 +92,7 @@ void check_positions(const XmlNode& source) {
   const XmlNode* technique = source.FirstChildElement("technique_common");
   const XmlNode* accessor = technique ? technique->FirstChildElement("accessor") : nullptr;
   if (!array || !accessor) throw std::runtime_error("its positions have no <float_array> or no <accessor>");
-  const std::uint64_t numbers = count_words(array->GetText());
+  const std::uint64_t numbers = count_numbers(*array);
   if (count_in(*array, "count", 0) != numbers)
     refuse_attribute(*array, "count", "the count of its numbers, " + std::to_string(numbers));
   const std::uint64_t stride = count_in(*accessor, "stride", 1), count = count_in(*accessor, "count", 0);
@@ -121,6 +135,10 @@ void check_collada(const std::string& content) {
     for (auto* geometry = library->FirstChildElement("geometry"); geometry;
          geometry = geometry->NextSiblingElement("geometry"))
       if (const XmlNode* mesh = geometry->FirstChildElement("mesh")) check_mesh(*mesh);
+  for (const char* nodes : {"library_nodes", "library_visual_scenes"})
+    for (auto* library = root->FirstChildElement(nodes); library;
+         library = library->NextSiblingElement(nodes))
+      check_transforms(*library);
 }
 
 }  // namespace clearway

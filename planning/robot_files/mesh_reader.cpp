@@ -15,6 +15,7 @@
 
 #include "planning/geometry/convex_hull.hpp"
 #include "planning/robot_files/collada_check.hpp"
+#include "planning/robot_files/mesh_numbers.hpp"
 #include "planning/robot_files/whole_mesh.hpp"
 
 namespace clearway {
@@ -88,6 +89,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   if (!stream) throw std::runtime_error("it cannot be opened for reading");
   std::string content{std::istreambuf_iterator<char>(stream), {}};
   check_mesh_is_whole(content, kind);
+  check_numbers_of_mesh(content, kind);
   if (kind == "dae") check_collada(content);
   if (kind == "stl") content.resize(whole_stl(content));
 

@@ -46,6 +46,14 @@ TEST(ColladaCheck, CountsAndStridesStayWithinTheNumbersThatAreThere) {
   EXPECT_EQ(refusal("name='Y'", "name='y'"), "its <accessor> of positions has not the params X, Y and Z");
 }
 
+TEST(ColladaCheck, CoordinatesAndPosesOfNodesAreNumbers) {
+  EXPECT_EQ(refusal("count='30'>", "count='31'> 2m"), "its <float_array> has '2m', expected numbers");
+  EXPECT_EQ(refusal("<matrix>1 0", "<matrix>1 0,5"), "its <matrix> has '0,5', expected numbers");
+  EXPECT_EQ(refusal("<matrix>", "<translate>1 2m 3</translate><matrix>"),
+            "its <translate> has '2m', expected numbers");
+  EXPECT_EQ(refusal("<matrix>", "<scale>\n+1 1.0e+0\t1 </scale><matrix>"), "");
+}
+
 TEST(ColladaCheck, InterleavedPositionsMayEndTheirArray) {
   // three other numbers before each vertex, none behind the last
   std::string text = as_dae(ellipsoid(3, 4, {0.1F, 0.2F, 0.3F}));

@@ -100,9 +100,39 @@ TEST_F(MeshFile, VerticesThatNoRobotHasAreRefused) {
   const std::string rest = "v 0 0 1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   EXPECT_EQ(failure("m.obj", "v 1e30 0 0\nf 1 2 3\n" + rest), far);
   EXPECT_EQ(failure("m.obj", "v nan 0 0\n" + rest + "f 1 2 4\n"), far);
-  EXPECT_EQ(failure("m.obj", "v 1e999 0 0\n" + rest + "f 1 2 4\n"), far);
+  EXPECT_EQ(failure("m.obj", "v 1e999 0 0\n" + rest + "f 1 2 4\n"),
+            "'m.obj' is damaged: line 1 has '1e999', expected a number");
   EXPECT_EQ(failure("m.obj", "v 2000 0 0\n" + rest + "f 1 2 4\n"), far);
   EXPECT_EQ(failure("m.obj", "v 2000 0 0\n" + rest + "f 1 2 4\n", {0.001, 0.001, 0.001}), "");
+}
+
+TEST_F(MeshFile, ACoordinateThatIsNoNumberIsNamedWithItsLine) {
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::string obj = "v 1 0 0\nv 0 -2 0 # back\nv 0 0 +3\nf 1 2 3\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 0 0\n0 -2 0\n0 0 3\n3 0 1 2\n";
+  const std::string stl =
+      "solid 2m\nfacet normal 0 0 0\n outer loop\n  vertex 1 0 0\n  vertex 0 -2 0\n  vertex 0 0 3\n"
+      " endloop\nendfacet\nendsolid 2m\n";
+  for (const auto& [name, text, line] :
+       {std::tuple("m.obj", obj, "2"), std::tuple("m.ply", ply, "11"), std::tuple("m.stl", stl, "5")}) {
+    EXPECT_EQ(failure(name, text), "");
+    for (const std::string word : {"-2m", "-2,5", "two", "0x2", "2e"}) {
+      EXPECT_EQ(failure(name, with(text, "-2", word)), "'" + std::string(name) + "' is damaged: line " +
+                                                           line + " has '" + word + "', expected a number");
+    }
+  }
+  EXPECT_EQ(failure("m.obj", with(obj, "-2 0 # back", "\\\n-2m 0")),
+            "'m.obj' is damaged: line 3 has '-2m', expected a number");
+  EXPECT_EQ(failure("m.obj", with(obj, "-2 0 # back", "\\\n-2 0")), "");
+  EXPECT_EQ(failure("m.obj", "v 1 0 0 1\nv 0 2 0 1\nv 0 0 3 1\nf 1 2 3\n"), "");  // with weights
+  EXPECT_EQ(failure("m.ply", with(ply, "3 0 1 2", "3 0 1 2m")),
+            "'m.ply' is damaged: line 13 has '2m', expected a number");
+  EXPECT_EQ(failure("m.stl", with(stl, "0 -2 0", "0 -2")),
+            "'m.stl' is damaged: line 5 has '', expected a number");
 }
 
 TEST_F(MeshFile, FlatStraightAndDoubledVerticesHaveHullsToo) {
