@@ -169,9 +169,9 @@ struct Nearest {
 Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
                            double margin);
 
-/// The nearest blocked voxel no farther than `limit` from the body; `distance` is `limit` when there is none.
-/// `inside`: a point inside the body, map frame. `hint`: the centre of a blocked voxel that is near, if one
-/// is known.
+/// The nearest blocked voxel that is nearer than `limit` to the body; `distance` is `limit` when there is
+/// none. `inside`: a point inside the body, map frame. `hint`: the centre of a blocked voxel that is near, if
+/// one is known.
 Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
                       const Eigen::Vector3d& inside, const BlockedCells& cells, double limit,
                       const std::optional<Eigen::Vector3d>& hint = std::nullopt);

@@ -39,7 +39,7 @@ std::vector<Candidate> shell_near(const FclBodies& bodies, std::size_t body, con
   return near;
 }
 
-/// The nearest voxel of the shell no farther than `best`, or `best`.
+/// The nearest voxel of the shell that is nearer than `best`, or `best`.
 Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
                          const BlockedCells& cells, Nearest best) {
   std::vector<Candidate> near = shell_near(bodies, body, pose, cells, best.distance);

@@ -80,5 +80,18 @@ TEST(BallTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
   EXPECT_LT(sphere_around({}).radius, 0.0F);
 }
 
+TEST(BallTree, HalvesDifferByOneBallAtMostSoThatLeavesAreFull) {
+  Random random(2);
+  for (const auto& [balls, nodes] :
+       {std::pair(4, 1U), std::pair(8, 3U), std::pair(16, 5U), std::pair(64, 21U)}) {
+    BallTree tree;
+    tree.add(draw(random, balls));
+    EXPECT_EQ(tree.nodes.size(), nodes) << balls;  // four below each, but for the root of eight
+    for (const BallTree::Node& node : tree.nodes) {
+      EXPECT_EQ(node.count(), balls == 8 && !node.holds_leaves ? 2 : 4) << balls;
+    }
+  }
+}
+
 }  // namespace ball_tree_test
 }  // namespace clearway

@@ -135,6 +135,32 @@ TEST(SphereRobot, BallsOnAxesThatPointAlmostDownMeetWhereTheyAre) {
   }
 }
 
+/// A boom that turns, a slide on it that reaches back farther than forth, and one that mimics that.
+TEST(SphereRobot, LeversHoldWhatSlidesAsFarOutAsItGets) {
+  const Robot robot = worlds::telescope().robot();
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
+  const SphereRobot& spheres = *space.collision_model().spheres;
+  ASSERT_EQ(spheres.frames.size(), robot.links.size());  // each link but the root is moved
+  constexpr std::size_t boom = 1;
+  Random random(4);
+  std::vector<double> farthest(robot.links.size(), 0.0);
+  for (int i = 0; i < 2000; ++i) {
+    const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+    for (const Body& body : robot.bodies) {
+      const auto link = static_cast<std::size_t>(body.link);
+      for (const Sphere& sphere : body.cover) {  // in the boom's frame, which turns about its z
+        const Eigen::Vector3d at = poses[boom].inverse() * (poses[link] * sphere.center);
+        farthest[link] = std::max(farthest[link], at.head<2>().norm());
+      }
+    }
+  }
+  for (std::size_t link = boom; link < robot.links.size(); ++link) {
+    const double lever = spheres.lever_of(link, boom);
+    EXPECT_LE(farthest[link], lever) << robot.links[link].name;
+    EXPECT_LE(lever, 1.6 * farthest[link] + 0.1) << robot.links[link].name;
+  }
+}
+
 TEST(LaneCover, SpheresOfASmallBoxStandOutByAQuarterOfAVoxelAtMost) {
   constexpr double voxel = 0.02;
   Random random(2);

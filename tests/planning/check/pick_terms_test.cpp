@@ -1,0 +1,94 @@
+// What a pick states about tip and object: how far the plan may be off, to the last bit.
+#include "planning/check/pick_terms.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mapping/free_space_map.hpp"
+
+namespace clearway::check {
+namespace pick_terms_test {
+
+/// A slide that carries a box; at 0 every frame of it is the map's.
+Robot slide() {
+  Robot robot;
+  robot.name = "slide";
+  robot.joints.emplace_back().name = "x";
+  robot.joints[0].kind = JointKind::prismatic;
+  robot.joints[0].axis = Eigen::Vector3d::UnitX();
+  robot.joints[0].upper = 1.0;
+  robot.links.resize(2);
+  robot.links[0].name = "rail";
+  robot.links[1].name = "carriage";
+  robot.links[1].parent = robot.links[1].joint = 0;
+  robot.bodies.resize(1);
+  robot.bodies[0].part = "carriage";
+  robot.bodies[0].link = 1;
+  robot.bodies[0].shape = Shape::box({0.1, 0.1, 0.1});
+  robot.tip_link = 1;
+  return robot;
+}
+
+Eigen::Isometry3d along(double metres) { return Eigen::Isometry3d(Eigen::Translation3d(0.0, metres, 0.0)); }
+
+/// About z by the least angle from `radians` on that angle_of finds in the turn back, too.
+Eigen::Isometry3d about(double radians) {
+  double sine = std::sin(radians) * (1.0 - 1e-13);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (bool is_less = true; is_less; sine = std::nextafter(sine, 1.0)) {
+    const double cosine = std::sqrt(1.0 - sine * sine);
+    pose.linear() << cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0;
+    is_less = angle_of(pose.linear().transpose()) < radians;
+  }
+  return pose;
+}
+
+class PickTermsOf : public ::testing::Test {
+ protected:
+  PickTermsOf() {
+    pick_.object.name = "box";
+    pick_.object.link = "carriage";
+    pick_.object.shape = Shape::box({0.05, 0.05, 0.05});
+  }
+
+  /// Empty, or the refusal of a plan that takes and puts the object exactly at the map's origin.
+  std::string refusal(const Eigen::Isometry3d& object_from_tip, const Eigen::Isometry3d& map_from_object,
+                      const Eigen::Isometry3d& map_from_place) {
+    pick_.object_from_tip = object_from_tip;
+    pick_.map_from_object = map_from_object;
+    pick_.map_from_place = map_from_place;
+    const PickToCheck plan{robot_, snapshot_, pick_, Eigen::Isometry3d::Identity(),
+                           std::vector<std::vector<Configuration>>(6, {Configuration::Zero(1)})};
+    try {
+      PickTerms(plan, {}, 0.0, 0.0).require_grasp();
+    } catch (const PickRefusal& refused) {
+      return refused.sentence;
+    }
+    return "";
+  }
+
+  const Robot robot_ = slide();
+  const Snapshot snapshot_ = FreeSpaceMap({.resolution = 0.1}).snapshot();
+  Pick pick_;
+};
+
+TEST_F(PickTermsOf, TipAndObjectMayBeOffByTheirTolerancesAndByNothingMore) {
+  const Eigen::Isometry3d exactly = Eigen::Isometry3d::Identity();
+  for (const auto& off : {along, about}) {
+    EXPECT_EQ(refusal(off(same_tip), exactly, exactly), "");
+    EXPECT_EQ(refusal(exactly, off(same_place), exactly), "");
+    EXPECT_EQ(refusal(exactly, exactly, off(same_place)), "");
+    constexpr double more = 1.0 + 1e-9;
+    EXPECT_NE(refusal(off(more * same_tip), exactly, exactly).find("the tip takes the object"),
+              std::string::npos);
+    EXPECT_NE(refusal(exactly, off(more * same_place), exactly).find("the load rides"), std::string::npos);
+    EXPECT_NE(refusal(exactly, exactly, off(more * same_place)).find("the object is put down"),
+              std::string::npos);
+  }
+  ASSERT_EQ(angle_of(about(same_place).linear().transpose()), same_place);  // or the test tries less
+  ASSERT_EQ(angle_of(about(same_tip).linear()), same_tip);
+}
+
+}  // namespace pick_terms_test
+}  // namespace clearway::check
