@@ -4,8 +4,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <set>
+#include <sstream>
 #include <stdexcept>
+#include <thread>
+
+#include "tests/mutation/test_stages.hpp"
 
 namespace clearway::mutation {
 namespace {
@@ -21,46 +24,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 std::string quoted_include(const fs::path& path) { return "#include \"" + path.string() + "\""; }
 
 std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
-
-/// The tests of these files, as gtest's filter names them.
-std::string filter_of(const std::set<fs::path>& files) {
-  std::set<std::string> suites;
-  static const std::regex test("(^|\n)(TYPED_)?TEST(_F|_P)?\\(([A-Za-z0-9_]+)");
-  for (const fs::path& file : files) {
-    const std::string text = read_whole(file);
-    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
-      suites.insert((*it)[4]);
-  }
-  std::string filter;
-  for (const std::string& suite : suites)
-    filter += (filter.empty() ? "" : ":") + suite + ".*:*/" + suite + ".*:" + suite + "/*";
-  return filter;
-}
-
-bool is_test_file(const fs::path& file) {
-  const std::string name = file.filename();
-  return name.ends_with("_test.cpp") && !name.ends_with("_job_test.cpp");
-}
-
-/// The test file of the same name, or of the longest beginning of it, and those that include the header.
-std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) {
-  const fs::path floor = repository / "tests" / *source.begin(),
-                 tests = repository / "tests" / source.parent_path();
-  std::set<fs::path> files;
-  for (std::string stem = source.stem();; stem.resize(stem.rfind('_'))) {
-    if (const fs::path mirrored = tests / (stem + "_test.cpp"); fs::exists(mirrored)) {
-      files.insert(mirrored);
-      break;
-    }
-    if (stem.find('_') == std::string::npos) break;
-  }
-  const std::string include = "#include \"" + fs::path(source).replace_extension(".hpp").string() + "\"";
-  for (const auto& entry : fs::recursive_directory_iterator(floor)) {
-    if (is_test_file(entry.path()) && read_whole(entry.path()).find(include) != std::string::npos)
-      files.insert(entry.path());
-  }
-  return files;
-}
 
 /// The test that failed, or was running when the program ended.
 std::string failed_test(const std::string& output) {
@@ -86,6 +49,7 @@ TestProgram::TestProgram(const fs::path& repository, const fs::path& build, cons
   const fs::path program = build / "bin" / target;
   if (!fs::exists(program)) throw std::runtime_error(program.string() + " is not there, expected it built");
   digest_ = std::to_string(hash_of(read_whole(program)));
+  load_times();
   const fs::path scratch = build / "mutation" / "commands";
   const Ended commands = run_command("ninja -C " + quoted(build) + " -t commands " + target, scratch, {});
   if (!commands.is_good())
@@ -124,35 +88,87 @@ Ended TestProgram::run(const std::string& program, double usual, const std::stri
   return ended;
 }
 
-std::vector<std::string> TestProgram::stages_for(const std::string& file) const {
-  const std::set<fs::path> nearest = tests_of(repository_, file);
-  const std::string near = filter_of(nearest);
-  if (near.empty()) return {"*"};
-  if (floor_ == "apps") return {near};
-  std::set<fs::path> room;  // the others of the mirrored folder
-  for (const auto& entry : fs::directory_iterator(repository_ / "tests" / fs::path(file).parent_path()))
-    if (is_test_file(entry.path()) && !nearest.contains(entry.path())) room.insert(entry.path());
-  const std::string beside = filter_of(room);
-  if (beside.empty()) return {near, "-" + near};
-  return {near, beside + "-" + near, "-" + near + ":" + beside};
-}
-
-double TestProgram::usual_time(const std::string& filter, const fs::path& folder) {
-  // What is left when a few are left out takes the same for every file, about: measured once.
-  const std::string key = filter.starts_with('-') ? "rest" : filter;
-  const std::lock_guard lock(mutex_);
-  if (const auto known = usual_.find(key); known != usual_.end()) return known->second;
+void TestProgram::measure(const std::string& filter, const fs::path& folder) {
   // From where the faulty ones run, too: a place in which all tests fail would notice every fault.
   const fs::path program = folder / "faultless";
   // Copied by a process of its own: a file that this one has open for writing, no child of another thread can
   // run.
   run_command("cp " + quoted(build_ / "bin" / (floor_ + "_tests")) + " " + quoted(program), folder, {});
-  const Ended ended = run(quoted(program), 150.0, filter, folder);
+  const unsigned shards = std::max(1U, std::thread::hardware_concurrency());
+  std::vector<Ended> ended(shards);
+  std::vector<std::thread> threads;
+  for (unsigned i = 0; i < shards; ++i) {
+    threads.emplace_back([&, i] {
+      const fs::path own = folder / ("measured" + std::to_string(i));
+      const std::string shard = "GTEST_TOTAL_SHARDS=" + std::to_string(shards) +
+                                " GTEST_SHARD_INDEX=" + std::to_string(i) +
+                                " GTEST_OUTPUT=json:" + quoted(own / "times.json") + " ";
+      ended[i] = run(shard + quoted(program), 600.0, filter, own);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
   fs::remove(program);
-  if (!ended.is_good())
-    throw std::runtime_error("without any fault the tests of " + floor_ + " fail in " +
-                             failed_test(ended.output) + ", expected them to pass");
-  return usual_[key] = ended.cpu;
+  for (unsigned i = 0; i < shards; ++i) {
+    if (!ended[i].is_good())
+      throw std::runtime_error("without any fault the tests of " + floor_ + " fail in " +
+                               failed_test(ended[i].output) + ", expected them to pass");
+    add_times(folder / ("measured" + std::to_string(i)) / "times.json", ended[i].cpu);
+  }
+  std::ofstream kept(build_ / "mutation" / ("times_" + floor_ + ".txt"));
+  kept << digest_ << '\n';
+  for (const auto& [test, time] : times_) kept << test << ' ' << time << '\n';
+}
+
+/// Those that an earlier run measured of the same program.
+void TestProgram::load_times() {
+  std::ifstream kept(build_ / "mutation" / ("times_" + floor_ + ".txt"));
+  std::string digest, test;
+  if (!(kept >> digest) || digest != digest_) return;
+  for (double time = 0.0; kept >> test >> time;) times_[test] = time;
+}
+
+/// gtest writes seconds of the clock, of which other programs may have used a part.
+void TestProgram::add_times(const fs::path& json, double cpu) {
+  const auto report = nlohmann::json::parse(read_whole(json));
+  std::map<std::string, double> times;
+  double sum = 1e-9;
+  for (const auto& suite : report.at("testsuites")) {
+    for (const auto& test : suite.at("testsuite")) {
+      const double time = std::stod(test.at("time").get<std::string>());
+      times[suite.at("name").get<std::string>() + "." + test.at("name").get<std::string>()] = time;
+      sum += time;
+    }
+  }
+  for (const auto& [name, time] : times) times_[name] = time * cpu / sum;
+}
+
+std::vector<std::string> TestProgram::tests_of(const std::string& filter, const fs::path& folder) const {
+  const std::string program = quoted(build_ / "bin" / (floor_ + "_tests"));
+  const Ended listed =
+      run_command(program + " --gtest_list_tests --gtest_filter='" + filter + "'", folder, {});
+  std::istringstream lines(listed.output);
+  std::string suite, line;
+  std::vector<std::string> names;
+  while (std::getline(lines, line)) {
+    const std::string name = line.substr(0, line.find("  #"));  // a parameter is behind it
+    if (name.starts_with("  "))
+      names.push_back(suite + name.substr(2));
+    else
+      suite = name;
+  }
+  return names;
+}
+
+double TestProgram::usual_time(const std::string& filter, const fs::path& folder) {
+  const std::lock_guard lock(mutex_);
+  if (const auto known = usual_.find(filter); known != usual_.end()) return known->second;
+  const std::vector<std::string> tests = tests_of(filter, folder);
+  const auto is_known = [&](const std::string& name) { return times_.contains(name); };
+  if (!std::all_of(tests.begin(), tests.end(), is_known)) measure(floor_ == "apps" ? filter : "*", folder);
+  double& usual = usual_[filter] = 0.0;
+  for (const std::string& test : tests)
+    if (is_known(test)) usual += times_.at(test);
+  return usual;
 }
 
 fs::path TestProgram::write_faulty(const Candidate& candidate, const fs::path& folder) const {
@@ -186,9 +202,9 @@ Ended TestProgram::build(const Unit& unit, const fs::path& source, const fs::pat
   return linked;
 }
 
-Outcome TestProgram::tested(const std::string& file, const fs::path& folder) {
+Outcome TestProgram::tested(const std::vector<std::string>& stages, const fs::path& folder) {
   const fs::path program = folder / "tests";
-  for (std::string filter : stages_for(file)) {
+  for (std::string filter : stages) {
     const double usual = usual_time(filter, folder);
     for (int repeat = 0; repeat < 4; ++repeat) {
       const Ended ended = run(quoted(program), usual, filter, folder);
@@ -210,12 +226,13 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
   // What is compiled is a copy, which includes by the same paths.
   const fs::path faulty = write_faulty(candidate, folder), original = repository_ / candidate.file;
   const Unit& unit = units_.at(candidate.file);
+  const std::vector<std::string> stages = stages_for(repository_, candidate.file);
   fs::path source = faulty;
   if (unit.source != original) {
     // Alone it takes a fraction of the time. What other files of the batch have of it, inlined, is without
-    // the fault then: what survives is tried in its batch.
+    // the fault then: what survives is tried in its batch, and only there by the tests of other folders.
     if (build(unit, faulty, folder, Link::beside_its_batch).is_good()) {
-      const Outcome alone = tested(candidate.file, folder);
+      const Outcome alone = tested({stages.begin(), stages.begin() + (stages.size() + 1) / 2}, folder);
       if (alone.kind == Outcome::Kind::noticed) return alone;
     }
     source = folder / "batch.cpp";
@@ -228,7 +245,7 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
     std::regex_search(built.output, error, std::regex("error: ([^\n]*)"));
     return {Outcome::Kind::not_compiled, error.size() > 1 ? error[1].str() : "compiler ended"};
   }
-  return tested(candidate.file, folder);
+  return tested(stages, folder);
 }
 
 }  // namespace clearway::mutation

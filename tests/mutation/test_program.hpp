@@ -38,9 +38,12 @@ class TestProgram {
 
  private:
   void add_batch(const std::filesystem::path& batch, const std::string& command);
-  /// Filters of gtest, to be run one after the other.
-  std::vector<std::string> stages_for(const std::string& file) const;
-  /// s of CPU time that these tests take without a fault. @throws std::runtime_error when they fail
+  std::vector<std::string> tests_of(const std::string& filter, const std::filesystem::path& folder) const;
+  /// Runs tests without a fault, to know their times. @throws std::runtime_error when one fails
+  void measure(const std::string& filter, const std::filesystem::path& folder);
+  void add_times(const std::filesystem::path& json, double cpu);
+  void load_times();
+  /// s of CPU time that these tests take without a fault. @throws as measure
   double usual_time(const std::string& filter, const std::filesystem::path& folder);
   Ended run(const std::string& program, double usual, const std::string& filter,
             const std::filesystem::path& folder) const;
@@ -57,14 +60,14 @@ class TestProgram {
   /// The program in `folder`, with this source. @throws std::runtime_error when it does not link in place
   Ended build(const Unit& unit, const std::filesystem::path& source, const std::filesystem::path& folder,
               Link how) const;
-  /// What its tests say.
-  Outcome tested(const std::string& file, const std::filesystem::path& folder);
+  /// What its tests say, by filters of gtest that are run one after the other.
+  Outcome tested(const std::vector<std::string>& stages, const std::filesystem::path& folder);
 
   std::filesystem::path repository_, build_;
   std::string floor_, link_, digest_;
   std::map<std::string, Unit> units_;  ///< by source, relative
   std::mutex mutex_;
-  std::map<std::string, double> usual_;  ///< by filter
+  std::map<std::string, double> times_, usual_;  ///< s, by test, by filter
 };
 
 }  // namespace clearway::mutation

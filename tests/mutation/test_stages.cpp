@@ -1,0 +1,82 @@
+#include "tests/mutation/test_stages.hpp"
+
+#include <regex>
+#include <set>
+
+#include "tests/mutation/draw.hpp"
+
+namespace clearway::mutation {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The tests of these files, as gtest's filter names them.
+std::string filter_of(const std::set<fs::path>& files) {
+  std::set<std::string> suites;
+  static const std::regex test("(^|\n)(TYPED_)?TEST(_F|_P)?\\(([A-Za-z0-9_]+)");
+  for (const fs::path& file : files) {
+    const std::string text = read_whole(file);
+    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
+      suites.insert((*it)[4]);
+  }
+  std::string filter;
+  for (const std::string& suite : suites)
+    filter += (filter.empty() ? "" : ":") + suite + ".*:*/" + suite + ".*:" + suite + "/*";
+  return filter;
+}
+
+bool is_test_file(const fs::path& file) {
+  const std::string name = file.filename();
+  return name.ends_with("_test.cpp") && !name.ends_with("_job_test.cpp");
+}
+
+/// The files below a folder that include the source's header.
+std::set<fs::path> including(const fs::path& folder, const fs::path& source) {
+  const std::string include = "#include \"" + fs::path(source).replace_extension(".hpp").string() + "\"";
+  std::set<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().extension() == ".cpp" && read_whole(entry.path()).find(include) != std::string::npos)
+      files.insert(entry.path());
+  return files;
+}
+
+/// The test file of the same name, or of the longest beginning of it, and those that include the header.
+std::set<fs::path> tests_of(const fs::path& repository, const fs::path& source) {
+  const fs::path tests = repository / "tests" / source.parent_path();
+  std::set<fs::path> files = including(repository / "tests" / *source.begin(), source);
+  std::erase_if(files, [](const fs::path& file) { return !is_test_file(file); });
+  for (std::string stem = source.stem();; stem.resize(stem.rfind('_'))) {
+    if (const fs::path mirrored = tests / (stem + "_test.cpp"); fs::exists(mirrored)) {
+      files.insert(mirrored);
+      break;
+    }
+    if (stem.find('_') == std::string::npos) break;
+  }
+  return files;
+}
+
+/// The tests of a source; of one that no test knows by name those of the sources that include its header.
+std::set<fs::path> nearest_tests(const fs::path& repository, const fs::path& source) {
+  std::set<fs::path> files = tests_of(repository, source);
+  if (!files.empty()) return files;
+  for (const fs::path& user : including(repository / *source.begin(), source))
+    files.merge(tests_of(repository, user.lexically_relative(repository)));
+  return files;
+}
+
+}  // namespace
+
+std::vector<std::string> stages_for(const fs::path& repository, const fs::path& source) {
+  const std::set<fs::path> nearest = nearest_tests(repository, source);
+  const std::string near = filter_of(nearest);
+  if (near.empty()) return {"*"};
+  if (*source.begin() == "apps") return {near};
+  std::set<fs::path> room;  // the others of the mirrored folder
+  for (const auto& entry : fs::directory_iterator(repository / "tests" / source.parent_path()))
+    if (is_test_file(entry.path()) && !nearest.contains(entry.path())) room.insert(entry.path());
+  const std::string beside = filter_of(room);
+  if (beside.empty()) return {near, "-" + near};
+  return {near, beside + "-" + near, "-" + near + ":" + beside};
+}
+
+}  // namespace clearway::mutation
