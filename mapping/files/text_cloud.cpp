@@ -36,7 +36,6 @@ class CountedLines {
   bool is_at_end() const { return text_.empty(); }
   std::string_view next() {
     const std::size_t end = std::min(text_.find('\n'), text_.size());
-    is_open_ = end == text_.size();
     const std::string_view line = text_.substr(0, end);
     text_.remove_prefix(std::min(end + 1, text_.size()));
     ++count_;
@@ -53,17 +52,13 @@ class CountedLines {
     if (!number) refuse("has " + quote(word) + ", expected a number");
     return *number;
   }
-  /// No number follows, and the last one ends before the file does.
   void require_end(std::string_view line) const {
-    if (is_open_ && line.empty())
-      refuse("ends with the file: its last number may be cut short, expected a line feed behind it");
     if (!next_word(line).empty()) refuse("has too many numbers");
   }
 
  private:
   std::string_view text_;
   std::size_t count_ = 0;
-  bool is_open_ = false;  ///< the line that was taken last has no line feed
 };
 
 [[noreturn]] void refuse_count() {

@@ -6,8 +6,7 @@ namespace clearway {
 
 /// PCL takes words that are no numbers ("2m", "1,5", "abc") for 0, for a number before them or for no point,
 /// and fills up with zeros what was cut off. Checks that the header of a .pcd or .ply file ends, and of text
-/// data every word of every line; `nan` and `inf` are numbers and say that nothing was met. A number that
-/// ends with the file may have lost its last digits: a blank or line feed has to follow it.
+/// data every word of every line; `nan` and `inf` are numbers and say that nothing was met.
 /// @throws std::runtime_error with a clause that names the line
 void check_text_of_cloud(const std::filesystem::path& file, bool is_pcd);
 
