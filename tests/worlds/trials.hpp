@@ -15,7 +15,7 @@ inline int trials(int few, int many) {
 
 /// What a chi-square of `degrees` of freedom exceeds once in a thousand (Wilson and Hilferty 1931; within 1 %
 /// from 10 degrees on).
-inline double chi_square_limit(int degrees) {
+inline double chi_square_of_a_thousand(int degrees) {
   const double part = 2.0 / (9.0 * degrees);
   return degrees * std::pow(1.0 - part + 3.0902 * std::sqrt(part), 3);
 }

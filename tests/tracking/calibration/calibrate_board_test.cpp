@@ -59,8 +59,8 @@ TEST(CalibrateBoard, places_relative_to_each_other_are_within_the_sigmas_of_draw
     after += std::pow(way(found.board) - way(drawn.actual), 2);
     before += std::pow(way(drawn.stated) - way(drawn.actual), 2);
   }
-  EXPECT_LT(size, chi_square_limit(drawn_boards));
-  EXPECT_LT(distance, chi_square_limit(drawn_boards));
+  EXPECT_LT(size, chi_square_of_a_thousand(drawn_boards));
+  EXPECT_LT(distance, chi_square_of_a_thousand(drawn_boards));
   EXPECT_GT(distance, 0.04 * drawn_boards);
   EXPECT_LT(after, 0.05 * before);
 }

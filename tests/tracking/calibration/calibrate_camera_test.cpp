@@ -35,10 +35,10 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_n
     actual += off[0] * off[0];
     EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
   }
-  EXPECT_LT(focal, chi_square_limit(drawn_cameras));
-  EXPECT_LT(aspect, chi_square_limit(drawn_cameras));
-  EXPECT_LT(centre, chi_square_limit(drawn_cameras));
-  EXPECT_LT(joint, chi_square_limit(4 * drawn_cameras));
+  EXPECT_LT(focal, chi_square_of_a_thousand(drawn_cameras));
+  EXPECT_LT(aspect, chi_square_of_a_thousand(drawn_cameras));
+  EXPECT_LT(centre, chi_square_of_a_thousand(drawn_cameras));
+  EXPECT_LT(joint, chi_square_of_a_thousand(4 * drawn_cameras));
   EXPECT_GT(joint, drawn_cameras);  // not many times too careful
   EXPECT_LT(claimed, 4.0 * actual);
 }

@@ -113,7 +113,7 @@ TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
     EXPECT_GT(found.left_out, found.rms);
   }
   for (const double sum : {base, rider}) {
-    EXPECT_LT(sum, chi_square_limit(6 * cells));
+    EXPECT_LT(sum, chi_square_of_a_thousand(6 * cells));
     EXPECT_GT(sum, 0.6 * cells);  // and the claim is not ten times too careful
   }
   EXPECT_LT(worst, 0.01);
