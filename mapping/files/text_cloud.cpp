@@ -10,9 +10,9 @@
 #include <string>
 #include <string_view>
 
+#include "mapping/files/number_words.hpp"
 #include "mapping/files/ply_header.hpp"
 #include "mapping/system/input_file.hpp"
-#include "mapping/system/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

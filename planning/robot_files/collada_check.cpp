@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "mapping/system/number_words.hpp"
+#include "mapping/files/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "mapping/files/number_words.hpp"
 #include "mapping/files/ply_header.hpp"
-#include "mapping/system/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -1,4 +1,4 @@
-#include "mapping/system/number_words.hpp"
+#include "mapping/files/number_words.hpp"
 
 #include <algorithm>
 #include <charconv>
