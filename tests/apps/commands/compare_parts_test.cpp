@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -183,6 +184,27 @@ TEST_F(CompareParts, AnyPartitionMergesToWhatTheWholeRunFinds) {
     EXPECT_NE(merged.out.find("rrtconnect   4 / 4 / 6"), std::string::npos) << merged.out;
     expect_same("whole", "merged");
   }
+}
+
+TEST_F(CompareParts, WhatMergingCopiesIsNotWaitedForWhenItIsAPipe) {
+  ASSERT_EQ(shard("1/1", "whole").status, 0);
+  std::map<std::string, fs::path> first;  // of the records, plans, pages and maps
+  for (const auto& entry : fs::recursive_directory_iterator(folder_.path() / "whole"))
+    if (entry.is_regular_file()) first[entry.path().extension()] = entry.path();
+  for (const char* kind : {".jsonl", ".json", ".ot"}) {
+    ASSERT_TRUE(first.contains(kind)) << kind;
+    const fs::path file = first[kind], aside = folder_.path() / "aside";
+    fs::rename(file, aside);
+    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+    const CommandRun merged = compare({"merge", folder_.file("whole"), "--out", folder_.file("merged")});
+    EXPECT_EQ(merged.status, 2);
+    EXPECT_TRUE(merged.complains_in_one_sentence()) << merged.log;
+    EXPECT_NE(merged.log.find(file.filename().string() + "' cannot be read: it is a pipe"), std::string::npos)
+        << merged.log;
+    EXPECT_FALSE(fs::exists(folder_.path() / "merged"));
+    fs::rename(aside, file);
+  }
+  EXPECT_EQ(compare({"merge", folder_.file("whole"), "--out", folder_.file("merged")}).status, 0);
 }
 
 TEST_F(CompareParts, LostDoubledAndForeignShardsAreNamed) {
