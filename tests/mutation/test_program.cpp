@@ -25,9 +25,12 @@ std::string quoted_include(const fs::path& path) { return "#include \"" + path.s
 
 std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
-/// The test that failed, or was running when the program ended.
+/// The test that failed, or was running when the program ended, or all tests of a suite that could not be set
+/// up.
 std::string failed_test(const std::string& output) {
   std::smatch match;
+  if (std::regex_search(output, match, std::regex("\\[  FAILED  \\] ([^ ,\n]+): SetUpTestSuite")))
+    return match[1].str() + ".*";
   if (std::regex_search(output, match, std::regex("\\[  FAILED  \\] ([^ ,\n]+/?[^ ,\n]*)"))) return match[1];
   std::string last;
   const std::regex runs("\\[ RUN      \\] ([^ \n]+)");
