@@ -65,13 +65,14 @@ void validate(const TagDetectorOptions& o) {
   require(o.border >= 0.0 && std::isfinite(o.border), "tag detector: border", "0 pixels or more");
 }
 
-// Grey levels between dark and bright below which apriltag searches a place for no tag, at least its own
-// `usual` 5. A tag's bits lie within its border's contrast, at most half of it from their threshold, and
-// sharpening no more than doubles that: half the margin asked of a tag leaves out none. What it leaves out is
-// a camera's noise, each speck of which apriltag would trace (36 ms an image of the miniature kitchen, now
-// 4).
+// Grey levels between dark and bright below which apriltag searches a place for no tag; `usual` is its own.
+// Bits lie at most half of the tag's contrast from their threshold, and apriltag's Laplacian, times the
+// sharpening, adds up to eight times that (a bit among four others): a tag of margin m has a contrast of
+// 2 m / (1 + 8 sharpening) at least. Three quarters of it, at most half the margin, leave room for shading.
+// What is left out is a camera's noise, each speck of which apriltag would trace.
 int least_contrast(const TagDetectorOptions& options, int usual) {
-  return std::max(usual, static_cast<int>(0.5 * options.min_margin));
+  const double share = std::min(0.5, 1.5 / (1.0 + 8.0 * options.sharpening));
+  return std::max(usual, static_cast<int>(share * options.min_margin));
 }
 
 TagDetection from_apriltag(const apriltag_detection_t& found) {
