@@ -1,12 +1,14 @@
 #include "datasets/sources/decoding_child.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <stdexcept>
 
 #include "mapping/system/child_guard.hpp"
@@ -19,6 +21,14 @@ constexpr uint64_t megabyte = 1 << 20;
 struct MessageHead {
   uint64_t kind, offset, size;
 };
+
+/// What a child has used, nanoseconds; -1: it is gone.
+int64_t processor_time(pid_t child) {
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &time) != 0) return -1;
+  return int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
 
 }  // namespace
 
@@ -33,7 +43,7 @@ DecodingLimits DecodingLimits::of_file(uint64_t bytes) {
 }
 
 DecodingChild::DecodingChild(const DecodingLimits& limits, int descriptor, const Work& work)
-    : largest_message_(limits.memory) {
+    : limits_(limits) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("no pipe: ") + std::strerror(errno));
   child_ = fork();
@@ -69,9 +79,26 @@ DecodingChild::~DecodingChild() {
   }
 }
 
+/// False when the child has done nothing for too long. Its processor time limits what it computes; but a fork
+/// of a program with several threads may wait for a lock that none of them is there to release.
+bool DecodingChild::wait_for_bytes() {
+  int64_t used = -1;
+  for (int idle = 0; idle < limits_.patience; ++idle) {
+    pollfd pipe{pipe_, POLLIN, 0};
+    const int ready = poll(&pipe, 1, 1000);
+    if (ready > 0 || (ready < 0 && errno != EINTR)) return true;
+    const int64_t now = processor_time(child_);
+    if (now != used) idle = -1;
+    used = now;
+  }
+  is_stuck_ = true;
+  return false;
+}
+
 bool DecodingChild::read_fully(void* target, size_t size) {
   char* next = static_cast<char*>(target);
   while (size > 0) {
+    if (!wait_for_bytes()) return false;
     const ssize_t got = ::read(pipe_, next, size);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return false;
@@ -85,7 +112,7 @@ ChildMessage DecodingChild::receive() {
   MessageHead head{};
   if (!read_fully(&head, sizeof head)) return exit_message();
   ChildMessage message;
-  if (head.kind > ChildMessage::end || head.size > largest_message_) return exit_message();
+  if (head.kind > ChildMessage::end || head.size > limits_.memory) return exit_message();
   message.kind = static_cast<ChildMessage::Kind>(head.kind);
   message.offset = head.offset;
   // Grown as it arrives: a head torn by a dying child must not make us ask for all of it.
@@ -105,7 +132,8 @@ ChildMessage DecodingChild::exit_message() {
   }
   child_ = -1;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (signal == SIGXCPU) return {ChildMessage::damage, 0, "decoding the object did not come to an end"};
+  if (is_stuck_ || signal == SIGXCPU)
+    return {ChildMessage::damage, 0, "decoding the object did not come to an end"};
   return {ChildMessage::damage, 0,
           signal ? "the object crashed the decoder (signal " + std::to_string(signal) + ")"
                  : "the object ended the decoder"};

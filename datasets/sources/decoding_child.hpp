@@ -38,6 +38,7 @@ class ChildReport {
 struct DecodingLimits {
   uint64_t memory = 0;   ///< bytes beyond what this process already uses; of a message, too
   uint64_t seconds = 0;  ///< of processor time
+  int patience = 30;  ///< seconds for which it may neither compute nor send anything while it is waited for
 
   /// 128 MB and 20 times the bytes; a minute and 10 s per MB.
   static DecodingLimits of_file(uint64_t bytes);
@@ -57,16 +58,19 @@ class DecodingChild {
   DecodingChild(const DecodingChild&) = delete;
   DecodingChild& operator=(const DecodingChild&) = delete;
 
-  /// Waits for the next message; a child that died or babbles is a `damage` message saying so.
+  /// Waits for the next message; a child that died, babbles or waits for ever is a `damage` message saying
+  /// so.
   ChildMessage receive();
 
  private:
+  bool wait_for_bytes();
   bool read_fully(void* target, size_t size);
   ChildMessage exit_message();
 
   pid_t child_ = -1;
   int pipe_ = -1;
-  uint64_t largest_message_;
+  DecodingLimits limits_;
+  bool is_stuck_ = false;
 };
 
 }  // namespace clearway
