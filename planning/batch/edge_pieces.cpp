@@ -1,7 +1,6 @@
 #include "planning/batch/edge_pieces.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 
@@ -105,6 +104,7 @@ std::size_t EdgePieces::look_at_next(std::size_t next) {
 EdgePieces::Finding EdgePieces::examine(const Configuration& from, const Configuration& to,
                                         double least_share) {
   begin(from, to, first_cut);
+  lanes_.all_or_nothing = false;
   if (is_touching(least_share)) return Finding::blocked;
   bound_bends();
   for (std::size_t next = 0; next < queue_.size();) {
@@ -123,15 +123,12 @@ bool EdgePieces::is_free(const Configuration& from, const Configuration& to) {
   bound_bends();
   lanes_.enough = PieceLanes::Lanes(~0U);
   lanes_.all_or_nothing = true;
-  bool is_proved = true;
-  for (std::size_t next = 0; next < queue_.size() && is_proved;) {
+  for (std::size_t next = 0; next < queue_.size() && open_.empty();) {
     next += look_at_next(next);
-    is_proved = lanes_.blocked == 0 && lanes_.stuck == 0;
-    if (is_proved) sort_out(asked_);
-    is_proved = is_proved && open_.empty();
+    if ((lanes_.blocked | lanes_.stuck) != 0) return false;
+    sort_out(asked_);
   }
-  lanes_.all_or_nothing = false;
-  return is_proved;
+  return open_.empty();
 }
 
 /// The middles of the pieces, for all lanes.
