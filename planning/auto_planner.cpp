@@ -18,21 +18,22 @@
 namespace clearway {
 namespace {
 
-/// The planner of each round: most queries need the first, and bad luck is often short.
+/// The planner of each round. Most queries need the first; trees begun anew soon lose more than they gain,
+/// since those of one query need samples of one order, whatever the seed.
 class Rounds {
  public:
   explicit Rounds(const AutoPlannerOptions& options) : options_(options) {}
 
   /// Null: there are no more.
   std::unique_ptr<Planner> planner(std::size_t round) const {
-    constexpr int few = 1'000, more = 4'000, many = 20'000;
-    constexpr std::size_t doubled = 5;
-    if (round < 2) return trees(few);
-    if (round == 2) return trees(more);
-    if (round == 3) return local_method(0);
-    if (round == 4)
-      return std::make_unique<BeamGuided>(BeamGuidedOptions{
-          .max_samples = std::min(more, options_.max_samples), .prismatic_scale = options_.prismatic_scale});
+    constexpr int few = 10'000, many = 20'000;
+    constexpr std::size_t doubled = 4;
+    if (round == 0 || round == 2) return trees(few);
+    if (round == 1) return local_method(0);
+    if (round == 3)
+      return std::make_unique<BeamGuided>(
+          BeamGuidedOptions{.max_samples = std::min(few / 2, options_.max_samples),
+                            .prismatic_scale = options_.prismatic_scale});
     std::int64_t samples = many;
     for (std::size_t i = doubled; i + 1 < round; i += 2) {
       if (samples > options_.max_samples) return nullptr;

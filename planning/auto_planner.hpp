@@ -16,8 +16,8 @@ struct AutoPlannerOptions {
 AutoPlannerOptions read_options(OptionReader& reader, AutoPlannerOptions initial);
 
 /// The planner to call when nothing speaks for another one. In turn, each with a budget that is counted, not
-/// timed, until one succeeds: `rrtconnect` (the straight edge first) with few samples, twice, and with more;
-/// the local method and its planes (`boundary_plus` without trees); `beam_guided`; then, with twice as many
+/// timed, until one succeeds: `rrtconnect` (the straight edge first) with 10,000 samples; the local method
+/// and its planes (`boundary_plus` without trees); `rrtconnect` anew; `beam_guided`; then, with twice as many
 /// samples each round, `rrtconnect` and `boundary_plus` until time is out. All of its path is
 /// certified. The same seed gives the same path, also with several threads: of the rounds that succeed the
 /// first in turn counts, and those after it are called off.
