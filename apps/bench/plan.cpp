@@ -23,6 +23,7 @@ namespace clearway::bench {
 namespace {
 
 constexpr std::size_t problems_of_each = 3;  ///< of each experiment, spread evenly
+constexpr std::uint64_t seeds = 3;           ///< a planner's luck on one problem says little
 constexpr double limit = 0.25;               ///< s a query; what is not solved by then counts as that
 constexpr double slow = 20.0;                ///< ms: is not asked over and over
 constexpr double enough_valid = 0.95;
@@ -118,20 +119,20 @@ struct Answer {
   std::vector<Configuration> path;  ///< empty: not solved
 };
 
-Answer ask(const Planner& planner, const Task& task, const ConfigurationSpace& space) {
+Answer ask(const Planner& planner, const Task& task, const ConfigurationSpace& space, std::uint64_t seed) {
   const PathCost cost(task.robot);
   // Planners ask for the time thousands of times: the wall's takes a twentieth of what the CPU's takes.
   const auto latest = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
   const double begin = cpu_time();
   PlanResult result = planner.plan(
-      {space, cost, task.start, task.goal, 1, [&] { return std::chrono::steady_clock::now() > latest; }});
+      {space, cost, task.start, task.goal, seed, [&] { return std::chrono::steady_clock::now() > latest; }});
   const double took = cpu_time() - begin;
   return {1e3 * (result.waypoints.empty() ? std::max(took, limit) : took), std::move(result.waypoints)};
 }
 
-/// A planner on all tasks.
+/// A planner on all tasks, with each seed.
 struct Times {
-  std::vector<double> warm, cold;  ///< CPU ms of each task
+  std::vector<double> warm, cold;  ///< CPU ms of each query
   std::size_t solved = 0, valid = 0;
 
   double valid_share() const { return solved > 0 ? double(valid) / double(solved) : 0.0; }
@@ -149,35 +150,38 @@ Snapshot just_changed(const Task& task) {
   return {std::make_shared<const FusedTree>(task.after.tree()), task.after.volumes(), task.before};
 }
 
-/// Ours: medians of `runs`.
+/// Ours, on one query: medians of `runs`.
+void measure_ours(const Task& task, const Planner& planner, std::uint64_t seed, int runs, Times& times) {
+  const ConfigurationSpace known = task.space(task.before);
+  const Answer first = ask(planner, task, known, seed);  // looks at the map before, too
+  judge(task, known, first, times);
+  if (first.path.empty()) {
+    times.warm.push_back(first.ms);
+    times.cold.push_back(first.ms);
+    return;
+  }
+  std::vector<double> warm, cold;
+  for (int run = 0; run < (first.ms > slow ? 1 : runs); ++run) {
+    warm.push_back(ask(planner, task, known, seed).ms);
+    const Snapshot changed = just_changed(task);
+    const double begin = cpu_time();
+    const ConfigurationSpace space = task.space(changed);
+    ask(planner, task, space, seed);
+    cold.push_back(1e3 * (cpu_time() - begin));
+  }
+  times.warm.push_back(median(warm));
+  times.cold.push_back(median(cold));
+}
+
 Times measure_ours(const std::vector<Task>& tasks, const Planner& planner, int runs) {
   Times times;
-  for (const Task& task : tasks) {
-    const ConfigurationSpace known = task.space(task.before);
-    const Answer first = ask(planner, task, known);  // looks at the map before, too
-    judge(task, known, first, times);
-    if (first.path.empty()) {
-      times.warm.push_back(first.ms);
-      times.cold.push_back(first.ms);
-      continue;
-    }
-    std::vector<double> warm, cold;
-    for (int run = 0; run < (first.ms > slow ? 1 : runs); ++run) {
-      warm.push_back(ask(planner, task, known).ms);
-      const Snapshot changed = just_changed(task);
-      const double begin = cpu_time();
-      const ConfigurationSpace space = task.space(changed);
-      ask(planner, task, space);
-      cold.push_back(1e3 * (cpu_time() - begin));
-    }
-    times.warm.push_back(median(warm));
-    times.cold.push_back(median(cold));
-  }
+  for (const Task& task : tasks)
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) measure_ours(task, planner, seed, runs, times);
   return times;
 }
 
-/// The peer, once a task, looking at edges at every `resolution` of the space's extent; its tree of the
-/// changed map is part of the time, our fields, which judge its ends, are not.
+/// The peer, looking at edges at every `resolution` of the space's extent; its tree of the changed map is
+/// part of the time, our fields, which judge its ends, are not.
 Times measure_peer(const std::vector<Task>& tasks, double resolution, bool is_cold) {
   Times times;
   for (const Task& task : tasks) {
@@ -186,14 +190,16 @@ Times measure_peer(const std::vector<Task>& tasks, double resolution, bool is_co
     ask(planner,
         {task.experiment, task.robot, task.policies, task.options, task.before, task.before, task.start,
          task.start},
-        known);  // makes its tree
-    const Answer answer = ask(planner, task, known);
-    times.warm.push_back(answer.ms);
-    judge(task, known, answer, times);
-    if (!is_cold) continue;
-    const ConfigurationSpace changed = task.space(just_changed(task));
-    is_free_at_ends(changed, task.start, task.goal);
-    times.cold.push_back(ask(RrtConnectFcl({.resolution = resolution}), task, changed).ms);
+        known, 1);  // makes its tree
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      const Answer answer = ask(planner, task, known, seed);
+      times.warm.push_back(answer.ms);
+      judge(task, known, answer, times);
+      if (!is_cold) continue;
+      const ConfigurationSpace changed = task.space(just_changed(task));
+      is_free_at_ends(changed, task.start, task.goal);
+      times.cold.push_back(ask(RrtConnectFcl({.resolution = resolution}), task, changed, seed).ms);
+    }
   }
   return times;
 }
@@ -246,9 +252,13 @@ BenchResult bench_plan(const BenchOptions& options) {
   BenchResult result{
       ours, median(peer.warm), "OMPL RRT-Connect, FCL on fcl::OcTree", "CPU ms a query", true, options.runs,
       {}};
-  result.detail = {{"problems", tasks.size()},           {"limit_s", limit},
-                   {"rrtconnect", reported(trees)},      {"auto", reported(chosen)},
-                   {"peer_default", reported(peer)},     {"peer_valid", reported(valid_peer)},
+  result.detail = {{"problems", tasks.size()},
+                   {"seeds", seeds},
+                   {"limit_s", limit},
+                   {"rrtconnect", reported(trees)},
+                   {"auto", reported(chosen)},
+                   {"peer_default", reported(peer)},
+                   {"peer_valid", reported(valid_peer)},
                    {"peer_valid_resolution", resolution}};
   const std::string finer = "peer at " + figure(resolution) + " of the extent";
   const std::vector<std::string> head{"CPU ms a query", "median",         "at 95 %",
@@ -266,7 +276,8 @@ BenchResult bench_plan(const BenchOptions& options) {
         row_of("peer at OMPL's default", peer, peer.cold, ours_cold)},
        "Solved and valid are those of the map before."}};
   result.compared = count_text(static_cast<double>(tasks.size())) +
-                    " problems of the suites `cells` and `guided`: paths that are proved on every edge and "
+                    " problems of the suites `cells` and `guided`, with " + std::to_string(seeds) +
+                    " seeds each: paths that are proved on every edge and "
                     "shortened, against RRT-Connect of OMPL with its simplification on FCL's shapes and an "
                     "`fcl::OcTree`, at its default resolution and at one whose paths are mostly valid by "
                     "`clearway check`. A query that does not end in " +
