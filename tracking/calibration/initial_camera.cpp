@@ -74,7 +74,7 @@ bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess)
   }
   try {
     cv::calibrateCamera(objects, images, {camera.width, camera.height}, matrix, distortion, turns, places,
-                        cv::CALIB_FIX_K3, cv::TermCriteria(cv::TermCriteria::COUNT, 8, 0.0));
+                        flags, cv::TermCriteria(cv::TermCriteria::COUNT, 8, 0.0));
   } catch (const cv::Exception&) {
     return false;
   }
