@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -74,10 +75,8 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
 }  // namespace
 
 std::string octree_header(bool binary, std::string_view type, std::size_t nodes, double resolution) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), resolution);
   return std::string(binary ? binary_header : text_header) + "\nid " + std::string(type) + "\nsize " +
-         std::to_string(nodes) + "\nres " + std::string(digits.data(), end.ptr) + "\ndata\n";
+         std::to_string(nodes) + "\nres " + to_text(resolution) + "\ndata\n";
 }
 
 CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file) {

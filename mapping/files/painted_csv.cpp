@@ -1,12 +1,12 @@
 #include "mapping/files/painted_csv.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
 
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -17,12 +17,6 @@ constexpr std::string_view old_column_names = "volume,label,critical_parts,x,y,z
 constexpr std::string_view column_names =
     "volume,label,critical_parts,x,y,z,radius,time,stroke,stroke_label,source";
 using Row = std::vector<std::string>;
-
-std::string number(double value) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);  // shortest exact text
-  return {digits.data(), end.ptr};
-}
 
 std::string in_quotes(std::string_view text) {
   std::string result = "\"";
@@ -206,8 +200,8 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes) {
       const double time = i < volume.times.size() ? volume.times[i] : 0.0;
       text += start;
       for (double value : {sphere.center.x(), sphere.center.y(), sphere.center.z(), sphere.radius})
-        text += number(value) + ",";
-      text += number(time) + stroke_columns(volume, i, numbers) + "\n";
+        text += to_text(value) + ",";
+      text += to_text(time) + stroke_columns(volume, i, numbers) + "\n";
     }
   }
   return text;
