@@ -57,7 +57,7 @@ struct Times {
 
 /// The steps of all runs together, and each step's median over the runs: what it costs itself, without what
 /// the machine does meanwhile.
-nlohmann::ordered_json told_of_all(const std::vector<Times>& runs) {
+nlohmann::ordered_json summary_of(const std::vector<Times>& runs) {
   Times all;
   std::vector<double> medians;
   for (const Times& run : runs) {
@@ -246,7 +246,7 @@ BenchResult bench_control(const BenchOptions& options) {
         return median(took);
       });
   options.say("parts");
-  nlohmann::ordered_json detail = told_of_all(runs);
+  nlohmann::ordered_json detail = summary_of(runs);
   const VoxelCounts counts = map.counts();
   const std::size_t known = counts.seen_free + counts.occupied;
   detail["from_place_to_place"] = run_ours(space, damping, jumps_near(space), 1).reported();

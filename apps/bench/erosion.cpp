@@ -93,7 +93,7 @@ ErosionOutcome evaluate(const HeldOutSequence& sequence, const FurnishedRoom* ro
                   {"cpu_ms_per_scan", {{"safe", median(safe_ms)}, {"compatible", median(compatible_ms)}}},
                   {"cpu_ratio", median(safe_ms) / median(compatible_ms)}};
   const ScanAgreement& agreement = ours.tree().agreement();
-  outcome.json["told_by_the_map"] = agreement.share_called_free();
+  outcome.json["reported_by_map"] = agreement.share_called_free();
   if (room != nullptr)
     outcome.json["truth"] = compare_with_truth(*room, which.resolution, our_state, peer_state);
   return outcome;
@@ -211,7 +211,7 @@ Table judge_wide(const BenchOptions& options, BenchResult& result) {
                             percent(outcome.peer.exact_grazing), percent(outcome.ours.before),
                             percent(outcome.peer.before),
                             percent(outcome.json["truth"]["truly_free_kept"].get<double>()),
-                            percent(outcome.json["told_by_the_map"].get<double>())});
+                            percent(outcome.json["reported_by_map"].get<double>())});
       cases.push_back(outcome.json);
     }
     result.detail["wide views"][sensor.family] = {{"seed", sensor.seed},

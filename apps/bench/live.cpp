@@ -179,7 +179,7 @@ Json octomap_under_lock(const LiveWorld& world, double resolution) {
 using Pointer = Json::json_pointer;
 
 /// A row of the result of `microseconds`, times `unit`.
-std::vector<std::string> told_row(const std::string& name, const Json& detail, const char* path) {
+std::vector<std::string> percentile_row(const std::string& name, const Json& detail, const char* path) {
   const Json& reported = detail.at(Pointer(path));
   const auto cell = [&](const char* key) {
     return reported.contains(key) ? figure(reported.at(key).get<double>()) : std::string("–");
@@ -193,7 +193,7 @@ std::vector<Table> live_tables(const Json& detail) {
   const std::string beside = "/loop_2khz_beside_mapping", loop = beside + "/loop",
                     update = beside + "/update";
   const auto row = [&](const char* name, const std::string& path) {
-    return told_row(name, detail, path.c_str());
+    return percentile_row(name, detail, path.c_str());
   };
   const auto few = [&](const char* name, const std::string& path) {  // too few for a p99
     std::vector<std::string> cells = row(name, path);

@@ -172,7 +172,7 @@ int run_people(std::uint64_t count, std::uint64_t seed, unsigned jobs) {
                                     {"seed", seed},
                                     {"sessions", evidence.sessions},
                                     {"approved", evidence.approved},
-                                    {"told_why_not", evidence.explained},
+                                    {"explained", evidence.explained},
                                     {"approved_by_attempt", evidence.approved_by_attempt},
                                     {"not_approved_because", evidence.not_approved_by_reason},
                                     {"with_a_walking_camera", evidence.walked},
