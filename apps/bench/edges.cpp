@@ -45,23 +45,23 @@ struct EdgeTimes {
 
 EdgeTimes measure_edges(const ConfigurationSpace& space, const FclOctreeSpace& fcl,
                         const std::vector<Edge>& edges, const BenchOptions& options) {
-  EdgeTimes times;
-  for (const Edge& edge : edges) {
-    const bool ours = space.is_edge_free(edge.from, edge.to), peer = is_sampled_free(fcl, edge);
-    times.free += ours;
-    times.refused_alone += peer && !ours;
-    times.accepted_alone += ours && !peer;
-  }
-  const auto each = [&](const auto& judge) {
-    std::size_t free = 0;
+  std::vector<char> ours(edges.size()), peer(edges.size());
+  const auto each = [&](std::vector<char>& answers, const auto& judge) {
     const double seconds = cpu_seconds([&] {
-      for (const Edge& edge : edges) free += judge(edge);
+      for (std::size_t i = 0; i < edges.size(); ++i) answers[i] = judge(edges[i]);
     });
     return 1e6 * seconds / static_cast<double>(edges.size());
   };
+  EdgeTimes times;
   times.each = interleave(
-      options, [&] { return each([&](const Edge& edge) { return space.is_edge_free(edge.from, edge.to); }); },
-      [&] { return each([&](const Edge& edge) { return is_sampled_free(fcl, edge); }); });
+      options,
+      [&] { return each(ours, [&](const Edge& edge) { return space.is_edge_free(edge.from, edge.to); }); },
+      [&] { return each(peer, [&](const Edge& edge) { return is_sampled_free(fcl, edge); }); });
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    times.free += ours[i];
+    times.refused_alone += peer[i] && !ours[i];
+    times.accepted_alone += ours[i] && !peer[i];
+  }
   return times;
 }
 
