@@ -37,7 +37,9 @@ void decode_files(const ChildReport& report, const std::vector<std::filesystem::
 }  // namespace
 
 FilesInChild::FilesInChild(std::vector<std::filesystem::path> files, std::string what, Decode decode)
-    : files_(std::move(files)), what_(std::move(what)), decode_(std::move(decode)) {}
+    : files_(std::move(files)), what_(std::move(what)), decode_(std::move(decode)) {
+  if (!files_.empty()) start();
+}
 
 void FilesInChild::start() {
   std::uint64_t largest = 0, all = 0;

@@ -19,6 +19,8 @@ class FilesInChild {
  public:
   /// What becomes of a file's bytes; called in the child. What it throws is why there is nothing.
   using Decode = std::function<decltype(Frame::content)(const std::string& bytes)>;
+  /// Begins with the first file at once: a child of a program whose other threads are at work may find a
+  /// library's lock taken for good.
   /// @param what a file should be, as errors call it: "picture"
   FilesInChild(std::vector<std::filesystem::path> files, std::string what, Decode decode);
 
