@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/mutation/test_stages.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway::mutation {
 namespace {
@@ -47,11 +48,14 @@ std::string to_string(Outcome::Kind kind) {
 }
 
 TestProgram::TestProgram(const fs::path& repository, const fs::path& build, const std::string& floor)
-    : repository_(repository), build_(build), floor_(floor) {
+    : repository_(repository),
+      build_(build),
+      floor_(floor),
+      most_trials_(trials(0, 1) == 0 ? Trials::few : Trials::many) {
   const std::string target = floor + "_tests";
   const fs::path program = build / "bin" / target;
   if (!fs::exists(program)) throw std::runtime_error(program.string() + " is not there, expected it built");
-  digest_ = std::to_string(hash_of(read_whole(program)));
+  digest_ = std::to_string(hash_of(read_whole(program) + (most_trials_ == Trials::many ? "many" : "")));
   load_times();
   const fs::path scratch = build / "mutation" / "commands";
   const Ended commands = run_command("ninja -C " + quoted(build) + " -t commands " + target, scratch, {});
@@ -79,11 +83,12 @@ void TestProgram::add_batch(const fs::path& batch, const std::string& command) {
 }
 
 Ended TestProgram::run(const std::string& program, double usual, const std::string& filter,
-                       const fs::path& folder) const {
+                       const fs::path& folder, Trials trials) const {
   const fs::path scratch = folder / "scratch";
   fs::remove_all(scratch);
   const Limits limits{.cpu = 10.0 + 4.0 * usual, .wall = 60.0 + 10.0 * usual};
-  const std::string data = "CLEARWAY_DATASETS=" + quoted(repository_ / "datasets");
+  const std::string data = "CLEARWAY_DATASETS=" + quoted(repository_ / "datasets") +
+                           " CLEARWAY_TRIALS=" + (trials == Trials::many ? "many" : "few");
   Ended ended =
       run_command("exec env " + data + " " + program + " --gtest_fail_fast --gtest_filter='" + filter + "'",
                   scratch, limits);
@@ -106,7 +111,7 @@ void TestProgram::measure(const std::string& filter, const fs::path& folder) {
       const std::string shard = "GTEST_TOTAL_SHARDS=" + std::to_string(shards) +
                                 " GTEST_SHARD_INDEX=" + std::to_string(i) +
                                 " GTEST_OUTPUT=json:" + quoted(own / "times.json") + " ";
-      ended[i] = run(shard + quoted(program), 600.0, filter, own);
+      ended[i] = run(shard + quoted(program), 600.0, filter, own, most_trials_);
     });
   }
   for (std::thread& thread : threads) thread.join();
@@ -205,18 +210,18 @@ Ended TestProgram::build(const Unit& unit, const fs::path& source, const fs::pat
   return linked;
 }
 
-Outcome TestProgram::tested(const std::vector<std::string>& stages, const fs::path& folder) {
+Outcome TestProgram::tested(const std::vector<std::string>& stages, const fs::path& folder, Trials trials) {
   const fs::path program = folder / "tests";
   for (std::string filter : stages) {
     const double usual = usual_time(filter, folder);
     for (int repeat = 0; repeat < 4; ++repeat) {
-      const Ended ended = run(quoted(program), usual, filter, folder);
+      const Ended ended = run(quoted(program), usual, filter, folder, trials);
       if (ended.is_good()) break;
       const std::string test = failed_test(ended.output);
       if (ended.is_late) return {Outcome::Kind::noticed, test + " (takes too long)"};
       if (ended.signal != 0) return {Outcome::Kind::noticed, test + " (crashes)"};
       if (test.empty()) return {Outcome::Kind::noticed, "the program does not start"};
-      if (!run(quoted(program), usual, test, folder).is_good()) return {Outcome::Kind::noticed, test};
+      if (!run(quoted(program), usual, test, folder, trials).is_good()) return {Outcome::Kind::noticed, test};
       filter +=
           (filter.find('-') == std::string::npos ? "-" : ":") + test;  // it depends on the machine's mood
     }
@@ -235,7 +240,8 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
     // Alone it takes a fraction of the time. What other files of the batch have of it, inlined, is without
     // the fault then: what survives is tried in its batch, and only there by the tests of other folders.
     if (build(unit, faulty, folder, Link::beside_its_batch).is_good()) {
-      const Outcome alone = tested({stages.begin(), stages.begin() + (stages.size() + 1) / 2}, folder);
+      const Outcome alone =
+          tested({stages.begin(), stages.begin() + (stages.size() + 1) / 2}, folder, Trials::few);
       if (alone.kind == Outcome::Kind::noticed) return alone;
     }
     source = folder / "batch.cpp";
@@ -248,7 +254,9 @@ Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
     std::regex_search(built.output, error, std::regex("error: ([^\n]*)"));
     return {Outcome::Kind::not_compiled, error.size() > 1 ? error[1].str() : "compiler ended"};
   }
-  return tested(stages, folder);
+  const Outcome soon = tested(stages, folder, Trials::few);
+  const bool is_all = soon.kind == Outcome::Kind::noticed || most_trials_ == Trials::few;
+  return is_all ? soon : tested(stages, folder, most_trials_);
 }
 
 }  // namespace clearway::mutation

@@ -29,8 +29,9 @@ class TestProgram {
 
   /// Compiles and links the candidate's file with the fault, in `folder`, and runs the floor's tests until
   /// one fails: those of the mirrored file and of files that include its header first, then the others (of
-  /// apps none: they start browsers). What fails must fail again. A program that crashes, or takes far more
-  /// time than without the fault, has been noticed.
+  /// apps none: they start browsers); all of them with few drawn cases first, then, where CLEARWAY_TRIALS
+  /// asks for them, with many. What fails must fail again. A program that crashes, or takes far more time
+  /// than without the fault, has been noticed.
   Outcome tried(const Candidate& candidate, const std::filesystem::path& folder);
 
   /// Of the program as it is: what was found for another one says nothing.
@@ -45,8 +46,9 @@ class TestProgram {
   void load_times();
   /// s of CPU time that these tests take without a fault. @throws as measure
   double usual_time(const std::string& filter, const std::filesystem::path& folder);
+  enum class Trials { few, many };  ///< see tests/worlds/trials.hpp
   Ended run(const std::string& program, double usual, const std::string& filter,
-            const std::filesystem::path& folder) const;
+            const std::filesystem::path& folder, Trials trials) const;
 
   /// What is compiled for a source: itself, or the batch that holds it.
   struct Unit {
@@ -61,10 +63,11 @@ class TestProgram {
   Ended build(const Unit& unit, const std::filesystem::path& source, const std::filesystem::path& folder,
               Link how) const;
   /// What its tests say, by filters of gtest that are run one after the other.
-  Outcome tested(const std::vector<std::string>& stages, const std::filesystem::path& folder);
+  Outcome tested(const std::vector<std::string>& stages, const std::filesystem::path& folder, Trials trials);
 
   std::filesystem::path repository_, build_;
   std::string floor_, link_, digest_;
+  Trials most_trials_;
   std::map<std::string, Unit> units_;  ///< by source, relative
   std::mutex mutex_;
   std::map<std::string, double> times_, usual_;  ///< s, by test, by filter
