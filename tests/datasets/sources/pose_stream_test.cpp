@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace clearway {
@@ -56,6 +57,25 @@ TEST(PoseStream, InAGapThatIsTooLongItSaysNothingHoweverNearAReadingIs) {
   EXPECT_TRUE(stream.at(5.5) && stream.at(6.5));
   for (const double time : {5.2401, 5.2501, 5.4999, 5.5001, 5.6, 6.4, 6.4999})
     EXPECT_FALSE(stream.at(time)) << time;
+}
+
+TEST(PoseStream, NamesTheTimesOfTheReadingsAroundATime) {
+  PoseStream stream(0.25);
+  const auto expect = [&](double time, std::optional<double> before, std::optional<double> after) {
+    const PoseStream::Around around = stream.around(time);
+    EXPECT_EQ(around.before, before) << time;
+    EXPECT_EQ(around.after, after) << time;
+  };
+  expect(5.0, {}, {});
+  for (const double time : {5.0, 5.5, 8.0}) stream.add(time, screw(time));
+  expect(4.5, {}, 5.0);
+  expect(5.0, 5.0, 5.0);
+  expect(5.25, 5.0, 5.5);
+  expect(5.5, 5.5, 5.5);
+  expect(7.0, 5.5, 8.0);  // across a gap, too
+  expect(8.0, 8.0, 8.0);
+  expect(9.0, 8.0, {});
+  expect(NAN, {}, {});
 }
 
 TEST(PoseStream, ReadsTheTumFormat) {

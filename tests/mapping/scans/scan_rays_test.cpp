@@ -220,6 +220,45 @@ TEST(ScanRays, EachSettingOfTheFilterCountsAlone) {
   EXPECT_GT(dropped(filter), 0U);
 }
 
+/// So many scans along x that end far behind it free a voxel just before what an earlier scan hit.
+int scans_until_free(const ScanAgreement& so_far, double most_called_free) {
+  FusedTree tree(0.1);
+  tree.add_agreement(so_far);
+  ScanInsertion insertion{.integration = Integration::safe};
+  insertion.margins.band = 0.1;
+  insertion.margins.most_called_free = most_called_free;
+  ScanWorkspace workspace;
+  ContestedCells contested;
+  const auto look = [&](float range) {
+    Scan scan;
+    scan.map_from_sensor = Eigen::Translation3d(0.05, 0.05, 0.05);
+    scan.points.emplace_back(range, 0.0F, 0.0F);
+    insert_scan(tree, scan, {}, insertion, workspace, &contested);
+  };
+  const auto is_observed = [&](int x) {
+    CellCube cube;
+    const FusedNode* leaf = tree.find_leaf({x, 0, 0}, cube);
+    return leaf != nullptr && leaf->observed();
+  };
+  look(1.0F);
+  EXPECT_TRUE(is_observed(10));
+  EXPECT_FALSE(is_observed(9)) << "the scan itself spares it";
+  for (int scans = 1; scans < 9; ++scans) {
+    look(3.0F);
+    EXPECT_TRUE(is_observed(5));
+    if (is_observed(9)) return scans;
+  }
+  return -1;
+}
+
+TEST(ScanRays, BesideHitsOneLookFreesNothingWhileScansDisagreeMoreThanTheyMay) {
+  EXPECT_EQ(scans_until_free({100, 0}, 0.01), 1);
+  EXPECT_EQ(scans_until_free({100, 1}, 0.01), 1) << "no more than they may";
+  EXPECT_EQ(scans_until_free({100, 2}, 0.01), 2);
+  EXPECT_EQ(scans_until_free({100, 100}, 0.5), 2);
+  EXPECT_EQ(scans_until_free({100, 100}, 1.0), 1) << "never asked for";
+}
+
 TEST(ScanRays, ARangeThatIsNoDistanceIsRefusedAndNotTakenForNoFilter) {
   Scan scan;
   scan.points.emplace_back(1.0f, 0.0f, 0.0f);
