@@ -208,7 +208,7 @@ Times measure_peer(const std::vector<Task>& tasks, double resolution, bool is_co
 std::pair<double, Times> measure_valid_peer(const std::vector<Task>& tasks, const BenchOptions& options) {
   Times times;
   double resolution = 0.01;
-  for (const double finer : {0.004, 0.002, 0.001}) {
+  for (const double finer : {0.002, 0.001}) {
     resolution = finer;
     options.say("peer at " + figure(resolution));
     times = measure_peer(tasks, resolution, false);
