@@ -143,6 +143,12 @@ TEST_F(PickMotions, AreRefusedWhereALegDoesWhatOnlyAnotherMay) {
   refuses("leg carry", [&](Plan& plan) {  // down onto the table and up again
     put_in(plan, ends[carry], there_and_back(ends[carry], ends[lower]));
   });
+  const MotionVerdict both = verdict([&](Plan& plan) {
+    put_in(plan, ends[carry], there_and_back(ends[carry], ends[lower]));
+    put_in(plan, ends[approach], there_and_back(ends[approach], ends[reach]));
+  });
+  EXPECT_EQ(both.leg, 0) << "the first is named";
+  EXPECT_TRUE(both.fault.starts_with("motion: leg approach, ")) << both.fault;
 }
 
 TEST_F(PickMotions, AreRefusedWhereTheHandDoesNotRest) {
