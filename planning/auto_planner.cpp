@@ -18,8 +18,8 @@
 namespace clearway {
 namespace {
 
-/// The planner of each round. Most queries need the first; trees begun anew soon lose more than they gain,
-/// since those of one query need samples of one order, whatever the seed.
+/// The planner of each round. Most queries need the first. Starting new trees early costs more than it gains:
+/// how many samples a query needs depends on the query more than on the seed.
 class Rounds {
  public:
   explicit Rounds(const AutoPlannerOptions& options) : options_(options) {}
