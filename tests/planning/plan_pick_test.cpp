@@ -242,5 +242,29 @@ TEST_F(PlanPick, NotesOfAWaypointOfTwoLegsTheLesserClearance) {
   EXPECT_NEAR(found.clearance[taken], 0.01, 1e-4);
 }
 
+/// On the lift the load's clearance is that from every voxel once its contact is over, at every waypoint's own
+/// place in the list; before, that from all but the layer.
+TEST_F(PlanPick, NotesTheClearanceOfEachWaypointOfTheLift) {
+  const PathVerdict found = verdict([](Plan&) {});
+  ASSERT_TRUE(found.valid) << found.first_contact;
+  const std::vector<Configuration>& lift = plan_->legs[2].waypoints;
+  const Robot loaded = with_load(space_->robot(), plan_->loads.front().load);
+  const Eigen::AlignedBox3d slab = box_of(0.24, -0.46, 0.04, 0.7, 0.46, top),
+                            wall = box_of(0.26, -0.02, top, 0.7, 0.02, 0.26);
+  const std::size_t taken = plan_->legs[0].waypoints.size() + plan_->legs[1].waypoints.size() - 2;
+  const double contact = contact_length(can(), edge, plan_->padding);
+  std::size_t in_contact = 0;
+  for (std::size_t i = 1; i < lift.size(); ++i) {
+    const double from_all = distance_to_voxels(loaded, lift[i], {slab, wall});
+    if (from_all < contact - 1e-6) {
+      EXPECT_GT(found.clearance[taken + i], from_all + 1e-4) << i;
+      ++in_contact;
+    } else {
+      EXPECT_NEAR(found.clearance[taken + i], from_all, 1e-4) << i;
+    }
+  }
+  EXPECT_GT(in_contact, 2U);
+}
+
 }  // namespace plan_pick_test
 }  // namespace clearway
