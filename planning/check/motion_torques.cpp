@@ -25,7 +25,7 @@ KDL::Vector kdl_vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()};
 class MassTree {
  public:
   MassTree(const Robot& robot, const TorqueTerms& terms)
-      : links_(check::links_of_robot(robot)), tree_("robot base") {
+      : model_(check::model_of_robot(robot)), tree_("robot base") {
     for (std::size_t i = 0; i < robot.links.size(); ++i) add(robot, terms, i);
     const JointLoad& load = terms.load;
     if (load.payload > 0.0 && !robot.links.empty()) {
@@ -45,18 +45,17 @@ class MassTree {
     const auto count = static_cast<unsigned>(moved_.size());
     KDL::JntArray position(count), rate(count), change(count), result(count);
     for (unsigned k = 0; k < count; ++k) {
-      const std::size_t link = moved_[k];
-      const int joint = links_.joint[link];
-      position(k) = links_.multiplier[link] * q[joint] + links_.offset[link];
-      rate(k) = links_.multiplier[link] * velocity[joint];
-      change(k) = links_.multiplier[link] * acceleration[joint];
+      const check::KdlLink& link = model_.links[moved_[k]];
+      position(k) = link.value(q);
+      rate(k) = link.multiplier * velocity[link.joint];
+      change(k) = link.multiplier * acceleration[link.joint];
     }
     if (solver_->CartToJnt(position, rate, change, {}, result) < 0)
       throw std::runtime_error("KDL's inverse dynamics refuses the robot");
     Eigen::VectorXd torques = Eigen::VectorXd::Zero(dof_);
     for (unsigned k = 0; k < count; ++k) {
-      const std::size_t link = moved_[k];
-      torques[links_.joint[link]] += links_.multiplier[link] * result(k);
+      const check::KdlLink& link = model_.links[moved_[k]];
+      torques[link.joint] += link.multiplier * result(k);
     }
     return torques;
   }
@@ -66,18 +65,18 @@ class MassTree {
 
   void add(const Robot& robot, const TorqueTerms& terms, std::size_t i) {
     const Link& link = robot.links[i];
-    const KDL::Segment& moved = *links_.segments[i];
+    const KDL::Segment& moved = *model_.links[i].segment;
     const Eigen::Matrix3d& about = terms.inertia[i];
     const KDL::RigidBodyInertia mass(
         link.mass, kdl_vector(link.center_of_mass),
         KDL::RotationalInertia(about(0, 0), about(1, 1), about(2, 2), about(0, 1), about(0, 2), about(1, 2)));
     const KDL::Segment segment(name(i), moved.getJoint(), moved.getFrameToTip(), mass);
-    const int parent = links_.parent[i];
+    const int parent = model_.links[i].parent;
     tree_.addSegment(segment, parent < 0 ? "robot base" : name(static_cast<std::size_t>(parent)));
-    if (links_.joint[i] >= 0) moved_.push_back(i);
+    if (model_.links[i].joint >= 0) moved_.push_back(i);
   }
 
-  check::KdlLinks links_;
+  check::KdlModel model_;
   KDL::Tree tree_;
   std::unique_ptr<KDL::TreeIdSolver_RNE> solver_;
   std::vector<std::size_t> moved_;  ///< the link of each of the tree's joints

@@ -38,41 +38,41 @@ KDL::Segment segment_of(const Robot& robot, const Link& link) {
 
 }  // namespace
 
-KdlLinks links_of_robot(const Robot& robot) {
-  KdlLinks links;
+KdlModel model_of_robot(const Robot& robot) {
+  KdlModel model;
   for (std::size_t i = 0; i < own_links(robot); ++i) {
     const Link& link = robot.links[i];
-    links.segments.push_back(std::make_shared<KDL::Segment>(segment_of(robot, link)));
-    links.parent.push_back(link.parent);
-    links.joint.push_back(link.joint);
-    links.multiplier.push_back(link.multiplier);
-    links.offset.push_back(link.joint < 0 ? 0.0 : link.offset);
-    links.is_held.push_back(link.is_held);
-    links.is_turned.push_back(false);
+    model.links.push_back({.segment = std::make_shared<KDL::Segment>(segment_of(robot, link)),
+                           .parent = link.parent,
+                           .joint = link.joint,
+                           .multiplier = link.multiplier,
+                           .offset = link.joint < 0 ? 0.0 : link.offset,
+                           .is_held = link.is_held});
   }
   for (std::size_t i = 0; i < own_bodies(robot); ++i)
-    links.link_from_body.push_back(robot.bodies[i].link_from_shape);
-  add_loads(robot, links);
-  return links;
+    model.link_from_body.push_back(robot.bodies[i].link_from_shape);
+  add_loads(robot, model);
+  return model;
 }
 
 struct KdlArm::Chains {
-  KdlLinks links;
+  KdlModel model;
   KDL::Frame base;
   std::vector<int> body_link;
   std::vector<KDL::Frame> link_from_body;
   /// For each body and link on its chain: metres a point of the body moves at most per unit of the joint.
   std::vector<std::vector<double>> reach;
 
+  const KdlLink& link(int i) const { return model.links[static_cast<std::size_t>(i)]; }
+
   /// Sum over the links above `body`, without those that are above `other` too.
   double sum(std::size_t body, int other, const Eigen::VectorXd& abs_dq) const {
-    std::vector<bool> shared(links.segments.size(), false);
-    for (int i = other; i >= 0; i = links.parent[static_cast<std::size_t>(i)])
-      shared[static_cast<std::size_t>(i)] = true;
+    std::vector<bool> shared(model.links.size(), false);
+    for (int i = other; i >= 0; i = link(i).parent) shared[static_cast<std::size_t>(i)] = true;
     double total = 0.0;
-    for (int i = body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
-      const auto link = static_cast<std::size_t>(i);
-      if (links.joint[link] >= 0 && !shared[link]) total += reach[body][link] * abs_dq[links.joint[link]];
+    for (int i = body_link[body]; i >= 0; i = link(i).parent) {
+      const auto at = static_cast<std::size_t>(i);
+      if (link(i).joint >= 0 && !shared[at]) total += reach[body][at] * abs_dq[link(i).joint];
     }
     return total;
   }
@@ -82,21 +82,20 @@ struct KdlArm::Chains {
 
   /// @param farthest from the origin of the body's link to its farthest point
   std::vector<double> reach_of(int body_link_index, double farthest, const std::vector<Joint>& joints) const {
-    std::vector<double> result(links.segments.size(), 0.0);
+    std::vector<double> result(model.links.size(), 0.0);
     double from_here = farthest;  // from the origin of the link at hand to the body's farthest point
-    for (int i = body_link_index; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
-      const auto link = static_cast<std::size_t>(i);
-      if (links.joint[link] >= 0) {
-        const Joint& joint = joints[static_cast<std::size_t>(links.joint[link])];
-        const bool turns = links.segments[link]->getJoint().getType() == KDL::Joint::RotAxis;
-        result[link] = std::abs(links.multiplier[link]) * (turns ? from_here : 1.0);
+    for (int i = body_link_index; i >= 0; i = link(i).parent) {
+      const KdlLink& at = link(i);
+      if (at.joint >= 0) {
+        const Joint& joint = joints[static_cast<std::size_t>(at.joint)];
+        const bool turns = at.segment->getJoint().getType() == KDL::Joint::RotAxis;
+        result[static_cast<std::size_t>(i)] = std::abs(at.multiplier) * (turns ? from_here : 1.0);
         if (!turns) {
-          from_here +=
-              std::abs(links.offset[link]) +
-              std::abs(links.multiplier[link]) * std::max(std::abs(joint.lower), std::abs(joint.upper));
+          from_here += std::abs(at.offset) +
+                       std::abs(at.multiplier) * std::max(std::abs(joint.lower), std::abs(joint.upper));
         }
       }
-      from_here += links.segments[link]->pose(links.joint[link] < 0 ? links.offset[link] : 0.0).p.Norm();
+      from_here += at.segment->pose(at.joint < 0 ? at.offset : 0.0).p.Norm();
     }
     return result;
   }
@@ -104,10 +103,10 @@ struct KdlArm::Chains {
 
 KdlArm::KdlArm(const Robot& robot) : chains_(std::make_unique<Chains>()) {
   Chains& chains = *chains_;
-  chains.links = robot.source.empty() ? links_of_robot(robot) : links_of_file(robot);
+  chains.model = robot.source.empty() ? model_of_robot(robot) : model_of_file(robot);
   chains.base = frame_of(robot.map_from_base);
   for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
-    const Eigen::Isometry3d& link_from_body = chains.links.link_from_body[b];
+    const Eigen::Isometry3d& link_from_body = chains.model.link_from_body[b];
     chains.body_link.push_back(robot.bodies[b].link);
     chains.link_from_body.push_back(frame_of(link_from_body));
     chains.reach.push_back(
@@ -119,12 +118,11 @@ KdlArm::KdlArm(const Robot& robot) : chains_(std::make_unique<Chains>()) {
 KdlArm::~KdlArm() = default;
 
 std::vector<KDL::Frame> KdlArm::Chains::place(const KDL::Frame& root, const Eigen::VectorXd& q) const {
-  std::vector<KDL::Frame> frames(links.segments.size());
+  std::vector<KDL::Frame> frames(model.links.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const int parent = links.parent[i], joint = links.joint[i];
-    const KDL::Frame& from_parent = parent < 0 ? root : frames[static_cast<std::size_t>(parent)];
-    const double value = links.offset[i] + (joint < 0 ? 0.0 : links.multiplier[i] * q[joint]);
-    frames[i] = from_parent * links.segments[i]->pose(value);
+    const KdlLink& at = model.links[i];
+    frames[i] =
+        (at.parent < 0 ? root : frames[static_cast<std::size_t>(at.parent)]) * at.segment->pose(at.value(q));
   }
   return frames;
 }
@@ -140,14 +138,9 @@ void KdlArm::place(const Eigen::VectorXd& q, BodyPoses& poses) const {
 }
 
 Eigen::Isometry3d KdlArm::place(const Eigen::VectorXd& q, std::size_t body) const {
-  const KdlLinks& links = chains_->links;
   KDL::Frame frame = chains_->link_from_body[body];
-  for (int i = chains_->body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)]) {
-    const auto link = static_cast<std::size_t>(i);
-    const int joint = links.joint[link];
-    const double value = links.offset[link] + (joint < 0 ? 0.0 : links.multiplier[link] * q[joint]);
-    frame = links.segments[link]->pose(value) * frame;
-  }
+  for (int i = chains_->body_link[body]; i >= 0; i = chains_->link(i).parent)
+    frame = chains_->link(i).segment->pose(chains_->link(i).value(q)) * frame;
   return isometry_of(chains_->base * frame);
 }
 
@@ -159,7 +152,7 @@ void KdlArm::place_on_base(const Eigen::VectorXd& q, std::vector<Eigen::Isometry
   for (const KDL::Frame& frame : frames) links.push_back(isometry_of(frame));
 }
 
-bool KdlArm::is_turned(std::size_t link) const { return chains_->links.is_turned[link]; }
+bool KdlArm::is_turned(std::size_t link) const { return chains_->model.links[link].is_turned; }
 
 double KdlArm::motion(std::size_t body, const Eigen::VectorXd& abs_dq) const {
   return chains_->sum(body, -1, abs_dq);
@@ -170,23 +163,20 @@ double KdlArm::approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs
 }
 
 bool KdlArm::may_touch(std::size_t a, std::size_t b) const {
-  const KdlLinks& links = chains_->links;
-  std::vector<int> between(links.segments.size(), 0);  // a link above both counts twice
+  std::vector<int> between(chains_->model.links.size(), 0);  // a link above both counts twice
   for (const std::size_t body : {a, b})
-    for (int i = chains_->body_link[body]; i >= 0; i = links.parent[static_cast<std::size_t>(i)])
+    for (int i = chains_->body_link[body]; i >= 0; i = chains_->link(i).parent)
       ++between[static_cast<std::size_t>(i)];
-  for (std::size_t link = 0; link < between.size(); ++link)
-    if (between[link] == 1 &&
-        (links.is_held[link] || (links.joint[link] >= 0 && links.multiplier[link] != 0.0)))
-      return true;
+  for (std::size_t i = 0; i < between.size(); ++i) {
+    const KdlLink& at = chains_->model.links[i];
+    if (between[i] == 1 && (at.is_held || (at.joint >= 0 && at.multiplier != 0.0))) return true;
+  }
   return false;
 }
 
 bool KdlArm::is_policed(std::size_t body) const {
-  for (int i = chains_->body_link[body]; i >= 0; i = chains_->links.parent[static_cast<std::size_t>(i)]) {
-    const auto link = static_cast<std::size_t>(i);
-    if (chains_->links.joint[link] >= 0 || chains_->links.is_held[link]) return true;
-  }
+  for (int i = chains_->body_link[body]; i >= 0; i = chains_->link(i).parent)
+    if (chains_->link(i).joint >= 0 || chains_->link(i).is_held) return true;
   return false;
 }
 

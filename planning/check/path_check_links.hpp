@@ -21,16 +21,23 @@ class ModelInterface;
 
 namespace clearway::check {
 
-/// Links as KDL sees them, one for each of Robot::links and in its order, and where the bodies are on them.
-struct KdlLinks {
-  std::vector<std::shared_ptr<const KDL::Segment>> segments;
-  std::vector<int> parent;  ///< -1 for the root
-  std::vector<int> joint;   ///< of the configuration; -1: fixed
-  /// Value of a link's joint = multiplier * q + offset; of one that does not move: offset.
-  std::vector<double> multiplier, offset;
-  std::vector<bool> is_held;  ///< its joint could move, but stands still
+/// A link of Robot::links as KDL sees it.
+struct KdlLink {
+  std::shared_ptr<const KDL::Segment> segment;
+  int parent = -1;  ///< -1 for the root
+  int joint = -1;   ///< of the configuration; -1: fixed
+  /// Value of its joint = multiplier * q + offset; of one that does not move: offset.
+  double multiplier = 1.0, offset = 0.0;
+  bool is_held = false;  ///< its joint could move, but stands still
   /// A mimic joint about another axis than its master's: Robot's frame of the link is turned (read_urdf).
-  std::vector<bool> is_turned;
+  bool is_turned = false;
+
+  double value(const Eigen::VectorXd& q) const { return offset + (joint < 0 ? 0.0 : multiplier * q[joint]); }
+};
+
+/// A robot as KDL sees it: its links in the order of Robot::links, and where the bodies are on them.
+struct KdlModel {
+  std::vector<KdlLink> links;
   std::vector<Eigen::Isometry3d> link_from_body;  ///< of each of Robot::bodies
 };
 
@@ -43,13 +50,13 @@ class FileDisagrees : public std::runtime_error {
 [[noreturn]] void disagree(const Robot& robot, const std::string& what);
 
 /// From the robot's own links, for robots that were made in memory.
-KdlLinks links_of_robot(const Robot& robot);
+KdlModel model_of_robot(const Robot& robot);
 
 /// From the robot's URDF at the robot's scale, read by urdfdom and kdl_parser. Nothing of the robot is used
 /// but the names and the order of its links, joints and bodies.
 /// @throws FileDisagrees for links, joints, limits or bodies that are not those of the robot;
 /// std::invalid_argument when the file can no longer be read.
-KdlLinks links_of_file(const Robot& robot);
+KdlModel model_of_file(const Robot& robot);
 
 /// How many of the robot's links and bodies are its own: its loads' come last.
 std::size_t own_links(const Robot& robot);
@@ -61,7 +68,7 @@ std::size_t own_bodies(const Robot& robot);
 Robot with_stated_loads(const Robot& robot);
 
 /// Adds a fixed link and a body for each load, from Robot::loads alone.
-void add_loads(const Robot& robot, KdlLinks& links);
+void add_loads(const Robot& robot, KdlModel& model);
 
 /// Whether two bodies may touch because one is a load and the other what holds it; none: neither is a load.
 std::optional<bool> is_held(const Robot& robot, std::size_t a, std::size_t b);

@@ -67,17 +67,13 @@ Robot with_stated_loads(const Robot& robot) {
   return stated;
 }
 
-void add_loads(const Robot& robot, KdlLinks& links) {
+void add_loads(const Robot& robot, KdlModel& model) {
   for (const Load& load : robot.loads) {
-    links.segments.push_back(std::make_shared<KDL::Segment>(
-        load.name, KDL::Joint(load.name, KDL::Joint::None), load_frame(load.link_from_load)));
-    links.parent.push_back(link_called(robot, load.link));
-    links.joint.push_back(-1);
-    links.multiplier.push_back(1.0);
-    links.offset.push_back(0.0);
-    links.is_turned.push_back(false);
-    links.is_held.push_back(false);
-    links.link_from_body.push_back(Eigen::Isometry3d::Identity());
+    model.links.push_back(
+        {.segment = std::make_shared<KDL::Segment>(load.name, KDL::Joint(load.name, KDL::Joint::None),
+                                                   load_frame(load.link_from_load)),
+         .parent = link_called(robot, load.link)});
+    model.link_from_body.push_back(Eigen::Isometry3d::Identity());
   }
 }
 

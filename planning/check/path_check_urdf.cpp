@@ -128,26 +128,21 @@ class FileReader {
                           std::to_string(own_links(robot)));
   }
 
-  KdlLinks links() {
+  KdlModel model() {
     for (std::size_t i = 0; i < own_links(robot_); ++i) add_link(robot_.links[i]);
     add_bodies();
-    add_loads(robot_, links_);
+    add_loads(robot_, kdl_);
     require_group();
-    return std::move(links_);
+    return std::move(kdl_);
   }
 
  private:
   void add_link(const Link& link) {
     const auto element = tree_.getSegment(link.name);
     if (element == tree_.getSegments().end()) disagree(robot_, "it has no link " + quote(link.name));
-    links_.segments.push_back(std::make_shared<KDL::Segment>(GetTreeElementSegment(element->second)));
     const bool is_root = element == tree_.getRootSegment();
-    links_.parent.push_back(is_root ? -1 : index_of(GetTreeElementParent(element->second)->first));
-    links_.joint.push_back(-1);
-    links_.multiplier.push_back(1.0);
-    links_.offset.push_back(0.0);
-    links_.is_turned.push_back(false);
-    links_.is_held.push_back(false);
+    kdl_.links.push_back({.segment = std::make_shared<KDL::Segment>(GetTreeElementSegment(element->second)),
+                          .parent = is_root ? -1 : index_of(GetTreeElementParent(element->second)->first)});
     const urdf::JointSharedPtr joint = model_->links_.at(link.name)->parent_joint;
     if (joint && joint->type != urdf::Joint::FIXED) add_joint(*joint);
   }
@@ -187,12 +182,12 @@ class FileReader {
     if ((known == robot_.joints.end() && !is_held) || !model_->getJoint(master))
       disagree(robot_, "joint " + quote(master) + " is none of the robot's");
     if (joint.mimic) {
-      links_.multiplier.back() = end.multiplier;
-      links_.offset.back() = end.offset;
-      links_.is_turned.back() = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
+      kdl_.links.back().multiplier = end.multiplier;
+      kdl_.links.back().offset = end.offset;
+      kdl_.links.back().is_turned = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
     }
     if (is_held) return hold(joint, *held);
-    links_.joint.back() = static_cast<int>(known - robot_.joints.begin());
+    kdl_.links.back().joint = static_cast<int>(known - robot_.joints.begin());
     require_limits(joint, known->lower);
     require_limits(joint, known->upper);
   }
@@ -201,8 +196,8 @@ class FileReader {
   void hold(const urdf::Joint& joint, const HeldJoint& held) {
     const double value = held.value * (joint.type == urdf::Joint::PRISMATIC ? robot_.scale : 1.0);
     require_limits(joint, value);
-    links_.offset.back() += links_.multiplier.back() * value;
-    links_.is_held.back() = true;
+    kdl_.links.back().offset += kdl_.links.back().multiplier * value;
+    kdl_.links.back().is_held = true;
   }
 
   /// Of a robot that plans for a group: its joints that move are the group's as the SRDF says, less those
@@ -226,8 +221,8 @@ class FileReader {
     const bool endless = joint.type == urdf::Joint::REVOLUTE && joint.limits->lower < -endless_turn &&
                          joint.limits->upper > endless_turn;
     if (endless) return;
-    const double factor = links_.multiplier.back();
-    const double value = (factor == 0.0 ? 0.0 : factor * end) + links_.offset.back();
+    const double factor = kdl_.links.back().multiplier;
+    const double value = (factor == 0.0 ? 0.0 : factor * end) + kdl_.links.back().offset;
     if (value >= joint.limits->lower - limit_tolerance && value <= joint.limits->upper + limit_tolerance)
       return;
     std::ostringstream text;
@@ -247,7 +242,7 @@ class FileReader {
       if (number >= collisions.size())
         disagree(robot_,
                  "link " + quote(link) + " has only " + std::to_string(collisions.size()) + " bodies");
-      links_.link_from_body.push_back(isometry(collisions[number]->origin));
+      kdl_.link_from_body.push_back(isometry(collisions[number]->origin));
     }
     for (std::size_t i = 0; i < own_links(robot_); ++i) {
       const auto& collisions = model_->links_.at(robot_.links[i].name)->collision_array;
@@ -260,7 +255,7 @@ class FileReader {
   const Robot& robot_;
   urdf::ModelInterfaceSharedPtr model_;
   KDL::Tree tree_;
-  KdlLinks links_;
+  KdlModel kdl_;
 };
 
 }  // namespace
@@ -272,6 +267,6 @@ void disagree(const Robot& robot, const std::string& what) {
   throw FileDisagrees("robot " + quote(robot.name) + " is not what " + stated + ": " + what);
 }
 
-KdlLinks links_of_file(const Robot& robot) { return FileReader(robot).links(); }
+KdlModel model_of_file(const Robot& robot) { return FileReader(robot).model(); }
 
 }  // namespace clearway::check

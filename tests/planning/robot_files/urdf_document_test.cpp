@@ -89,7 +89,7 @@ TEST_F(UrdfDocumentFile, ARevoluteJointWithGazebosLimitsTurnsWithoutEnd) {
         "accepted");
     const Robot robot = load_robot((folder_.path() / "r.urdf").string());
     EXPECT_TRUE(std::isinf(robot.joints[0].lower) && std::isinf(robot.joints[0].upper));
-    EXPECT_EQ(check::links_of_file(robot).segments.size(), 2u);
+    EXPECT_EQ(check::model_of_file(robot).links.size(), 2u);
   }
 }
 
@@ -218,7 +218,7 @@ TEST_F(UrdfDocumentFile, RobotsOfTheFieldLoad) {
   EXPECT_EQ(folder_.refusal(placed), "accepted");
   const Robot robot = load_robot((folder_.path() / "r.urdf").string());
   EXPECT_EQ(robot.dof(), 3u);
-  EXPECT_EQ(check::links_of_file(robot).segments.size(), robot.links.size());  // the check's own reader
+  EXPECT_EQ(check::model_of_file(robot).links.size(), robot.links.size());  // the check's own reader
   ASSERT_EQ(robot.bodies.size(), 6u);
   EXPECT_NEAR(robot.bodies[3].shape.edges().z(), 0.6, 1e-6);
   EXPECT_EQ(robot.joints[2].lower, 0.0);
@@ -252,7 +252,7 @@ TEST_F(UrdfDocumentFile, ABaseThatFloatsOrDrivesStandsAndNothingElseMayFloat) {
     ASSERT_EQ(robot.dof(), 1U);
     EXPECT_EQ(robot.joints[0].name, "shoulder");
     EXPECT_EQ(forward_kinematics(robot, Configuration::Zero(1))[1].translation(), Eigen::Vector3d(0, 0, 0.7));
-    EXPECT_EQ(check::links_of_file(robot).segments.size(), robot.links.size());  // the check's own reader
+    EXPECT_EQ(check::model_of_file(robot).links.size(), robot.links.size());  // the check's own reader
     EXPECT_EQ(folder_.refusal(text("fixed", base)),
               "r.urdf: joint 'wrist': type '" + std::string(base) +
                   "' is not supported, expected revolute, continuous, prismatic or fixed");
@@ -269,7 +269,7 @@ TEST_F(UrdfDocumentFile, WhatOldAndConvertedFilesHoldIsRead) {
   const std::string plain = "<limit lower='-1' upper='1' effort='9' velocity='2'/>";
   const auto speed = [&](const std::string& before, const std::string& limit) {
     const Robot robot = load_robot(folder_.write("r.urdf", before + text(limit)));
-    EXPECT_EQ(check::links_of_file(robot).segments.size(), robot.links.size());  // the check's own reader
+    EXPECT_EQ(check::model_of_file(robot).links.size(), robot.links.size());  // the check's own reader
     return robot.joints[0].max_velocity;
   };
   EXPECT_EQ(speed("<!-- | made by xacro | -->\n<!-- by hand: <robot> -->\n<?xml version=\"1.0\" ?>\n", plain),
