@@ -25,7 +25,7 @@ void PaintingProbe::validate() const {
     throw std::invalid_argument("probe '" + body.name + "': ball_radius must be > 0 metres");
 }
 
-double painted_radius(double ball_radius, const ErrorBudget& budget, double bound) {
+void validate(const ErrorBudget& budget, double ball_radius) {
   check_error(budget.robot, "robot");
   check_error(budget.tracking, "tracking");
   check_error(budget.modelling, "modelling");
@@ -38,6 +38,10 @@ double painted_radius(double ball_radius, const ErrorBudget& budget, double boun
          << " m (Chong 2008, eq. 3), expected less than its radius";
     throw std::invalid_argument(text.str());
   }
+}
+
+double painted_radius(double ball_radius, const ErrorBudget& budget, double bound) {
+  validate(budget, ball_radius);
   return std::max(0.0, ball_radius - budget.sum(std::isfinite(bound) ? bound : ball_radius));
 }
 

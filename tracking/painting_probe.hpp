@@ -28,9 +28,12 @@ struct ErrorBudget {
   double sum(double bound) const { return robot + (constant_tracking ? tracking : bound) + modelling; }
 };
 
+/// Throws std::invalid_argument when an error is negative or not finite, or when the budget leaves nothing of
+/// the ball whatever the bound.
+void validate(const ErrorBudget& budget, double ball_radius);
+
 /// Eq. 3 of Chong et al. 2008: r0 = r - (robot + tracking + modelling), metres, where `bound` is how far the
-/// sample's centre may be off; 0 when nothing is left of the ball. Throws std::invalid_argument when an error
-/// is negative or not finite, or when the budget leaves nothing of the ball whatever the bound.
+/// sample's centre may be off; 0 when nothing is left of the ball. Throws as validate().
 double painted_radius(double ball_radius, const ErrorBudget& budget, double bound);
 
 /// A sphere of free space in the base frame, metres: S_i(c_i, r0) of Chong 2008, eq. 2.

@@ -60,7 +60,7 @@ Probe::Probe(const Camera& camera, const TagBody& base, const PaintingProbe& pro
       acceptance_(acceptance),
       pose_(pose),
       board_(acceptance.static_board) {
-  painted_radius(probe.ball_radius, budget, 0.0);  // throws when Chong 2008, eq. 3, leaves nothing
+  validate(budget, probe.ball_radius);
   camera.validate();
   base.validate();
   probe.validate();

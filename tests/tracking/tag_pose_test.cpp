@@ -138,6 +138,17 @@ TEST(TagPose, degenerate_corners_give_no_pose) {
   for (const Corners& corners : faults) EXPECT_TRUE(estimate_tag_pose(corners, 0.06, camera).empty());
 }
 
+TEST(TagPose, a_corner_that_turns_by_less_than_a_twentieth_gives_no_pose) {
+  const auto poses = [](double turn) {  // tangent, at the second corner
+    const std::array<Eigen::Vector2d, 4> corners{Eigen::Vector2d(200, 100), Eigen::Vector2d(300, 100),
+                                                 Eigen::Vector2d(400, 100 + 100 * turn),
+                                                 Eigen::Vector2d(300, 300)};
+    return estimate_tag_pose(corners, 0.06, scene::plain_camera()).solutions.size();
+  };
+  EXPECT_EQ(poses(0.048), 0u);
+  EXPECT_GT(poses(0.053), 0u);
+}
+
 TEST(TagPose, random_corners_never_throw_and_never_give_a_pose_behind_the_camera) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> x(-50, 690), y(-50, 530);

@@ -91,7 +91,8 @@ TEST(PoseStream, ReadsTheTumFormat) {
 
 TEST(PoseStream, NamesTheLineThatIsNoPose) {
   for (const char* bad :
-       {"1 2 3\n", "1 0 0 0 0 0 0 2\n", "1 0 0 nan 0 0 0 1\n", "1 0 0 0 0 0 0 1 7\n", "x\n"}) {
+       {"1 2 3\n", "1 0 0 0 0 0 0 2\n", "1 0 0 nan 0 0 0 1\n", "1 0 inf 0 0 0 0 1\n", "1 1e999 0 0 0 0 0 1\n",
+        "infinity 0 0 0 0 0 0 1\n", "1 0 0 0 0 0 0 1 7\n", "x\n"}) {
     try {
       parse_tum_poses(std::string("# ok\n") + bad, "poses 'a.txt'", 1.0);
       FAIL() << bad;

@@ -195,6 +195,11 @@ TEST(PaintedSpace, NothingIsInsideWhereNothingIsPaintedAndABodyMustBeOne) {
   EXPECT_FALSE(space.contains(Sphere{{0, 0, 0}, 0.1}));
   EXPECT_THROW(space.contains(Sphere{{0, 0, 0}, 0.0}), std::invalid_argument);
   EXPECT_THROW(space.contains(Cylinder{{0, 0, 0}, {0, 0, std::nan("")}, 0.1}), std::invalid_argument);
+  const double nan = std::nan("");
+  for (const Capsule& none : {Capsule{{0, nan, 0}, {0, 0, 1}, 0.1}, Capsule{{0, 0, 0}, {nan, 0, 1}, 0.1},
+                              Capsule{{0, 0, 0}, {0, 0, 1}, HUGE_VAL}, Capsule{{0, 0, 0}, {0, 0, 1}, nan},
+                              Capsule{{0, 0, 0}, {0, 0, 1}, 0.0}})
+    EXPECT_THROW(union_contains({}, none, 0.1), std::invalid_argument);
   EXPECT_THROW(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 1}, 0.1}, 0.0), std::invalid_argument);
 }
 
