@@ -85,6 +85,15 @@ void cast_far_rays(const RayStarter& starter, const std::vector<RayEnd>& ends, S
   }
 }
 
+/// Whether to look where rays pass is quicker than to read a whole window: a step of a block's thickness
+/// takes as long as some 80 bytes.
+bool are_few(const RayStarter& starter, const Eigen::AlignedBox3i& box, std::size_t rays) {
+  const Eigen::Vector3i from = starter.origin_cell();
+  const int reach = (from - box.min()).cwiseMax(box.max() - from).maxCoeff();
+  const double steps = static_cast<double>(rays) * (reach / RayWindow::block_edge + 1);
+  return 80.0 * steps < static_cast<double>(RayWindow::bytes_of(box));
+}
+
 /// Rays first..last, through a window that holds all of them.
 void cast_near_rays(const RayStarter& starter, const RayEnd* first, const RayEnd* last, InstructionSet set,
                     RayWindow& window) {
@@ -121,8 +130,9 @@ void collect_tiles(std::vector<RayWindow>& windows, const Eigen::Vector3i& corne
     std::uint64_t row[16] = {};
     bool found = false;
     for (RayWindow& window : windows)
-      found |=
-          collect_words(window.cells() + window.index(cell), window.stride(1), window.stride(2), set, row);
+      if (window.may_be_marked(cell))
+        found |=
+            collect_words(window.cells() + window.index(cell), window.stride(1), window.stride(2), set, row);
     if (!found) continue;
     any = true;
     if (fresh) std::fill_n(words[0], 2 * ScanTile::words, 0U);
@@ -146,13 +156,17 @@ void collect_tiles(std::vector<RayWindow>& windows, const Eigen::Vector3i& corne
 void cast_group(const RayStarter& starter, const Eigen::AlignedBox3i& box, const std::vector<RayEnd>& ends,
                 InstructionSet set, std::vector<RayWindow>& windows, ScanGrid& grid) {
   constexpr std::size_t portion = 1024;  // rays
+  const bool few = are_few(starter, box, ends.size());
   std::atomic<std::size_t> next{0};
   parallel(windows.size(), [&](std::size_t worker) {
-    windows[worker].cover(box);
+    windows[worker].cover(box, few);
     const std::size_t count = ends.size();
-    for (std::size_t i = next.fetch_add(portion); i < count; i = next.fetch_add(portion))
-      cast_near_rays(starter, ends.data() + i, ends.data() + std::min(i + portion, count), set,
-                     windows[worker]);
+    for (std::size_t i = next.fetch_add(portion); i < count; i = next.fetch_add(portion)) {
+      const RayEnd *const first = ends.data() + i, *const last = ends.data() + std::min(i + portion, count);
+      for (const RayEnd* ray = first; few && ray != last; ++ray)
+        windows[worker].expect_ray(starter.origin_cell(), starter.cell(ray->point));
+      cast_near_rays(starter, first, last, set, windows[worker]);
+    }
   });
   std::mutex guard;
   const Eigen::Vector3i tiles = windows[0].size().array() / Eigen::Array3i(64, 32, 32);

@@ -58,10 +58,12 @@ std::int64_t RayWindow::bytes_of(const Eigen::AlignedBox3i& box) {
   return layout.stride_z * layout.size.z();
 }
 
-void RayWindow::cover(const Eigen::AlignedBox3i& box) {
+void RayWindow::cover(const Eigen::AlignedBox3i& box, bool few) {
   const Layout layout = layout_of(box);
   corner_ = layout.corner;
   size_ = layout.size;
+  is_few_ = few;
+  if (few) expected_.assign(static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) / 4096, 0);
   stride_[1] = layout.stride_y;
   stride_[2] = layout.stride_z;
   const std::int64_t bytes = layout.stride_z * size_.z();
@@ -74,6 +76,22 @@ void RayWindow::cover(const Eigen::AlignedBox3i& box) {
   if (cells_ == nullptr) throw std::bad_alloc();
   std::memset(cells_.get(), 0, wanted);
   capacity_ = static_cast<std::int64_t>(wanted);
+}
+
+/// Between two places no farther apart than a block is thick, the line stays in the box of both.
+void RayWindow::expect_ray(const Eigen::Vector3i& from, const Eigen::Vector3i& to) {
+  const Eigen::Vector3d begin = from.cast<double>(), way = (to - from).cast<double>();
+  const int pieces = (to - from).cwiseAbs().maxCoeff() / block_edge + 1;
+  Eigen::Vector3i last = from;
+  for (int i = 1; i <= pieces; ++i) {
+    const Eigen::Vector3i next = (begin + way * (double(i) / pieces)).array().round().matrix().cast<int>();
+    const Eigen::Vector3i low = last.cwiseMin(next).array() - margin,
+                          high = last.cwiseMax(next).array() + margin;
+    for (int z = low.z() & -block_edge; z <= high.z(); z += block_edge)
+      for (int y = low.y() & -block_edge; y <= high.y(); y += block_edge)
+        for (int x = low.x() & -line; x <= high.x(); x += line) expected_[block_of({x, y, z})] = 1;
+    last = next;
+  }
 }
 
 bool collect_words(std::uint8_t* first, std::int64_t stride_y, std::int64_t stride_z, InstructionSet set,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <vector>
 
 #include "mapping/scans/ray_start.hpp"
 #include "mapping/voxels/scan_grid.hpp"
@@ -22,8 +23,16 @@ class RayWindow {
   /// Bytes that a window over `box` (cells, inclusive) takes.
   static std::int64_t bytes_of(const Eigen::AlignedBox3i& box);
 
-  /// Covers the cells of `box` (inclusive) and the margin.
-  void cover(const Eigen::AlignedBox3i& box);
+  /// Covers the cells of `box` (inclusive) and the margin. A window of `few` rays keeps where they pass, so
+  /// that the rest need not be read: each is to be told by expect_ray().
+  void cover(const Eigen::AlignedBox3i& box, bool few = false);
+
+  /// Of few rays: the blocks near the line between the middles of two cells may be marked.
+  void expect_ray(const Eigen::Vector3i& from, const Eigen::Vector3i& to);
+  /// False when no cell of the block of 64 x 8 x 8 cells from `first` on can be marked.
+  bool may_be_marked(const Eigen::Vector3i& first) const {
+    return !is_few_ || expected_[block_of(first)] != 0;
+  }
 
   std::int64_t index(const Eigen::Vector3i& cell) const {
     const Eigen::Vector3i local = cell - corner_;
@@ -31,6 +40,8 @@ class RayWindow {
   }
   std::int64_t stride(std::size_t axis) const { return stride_[axis]; }
   std::uint8_t* cells() { return cells_.get(); }
+
+  static constexpr int block_edge = 8;  ///< along y and z; 64 along x
 
   /// First cell, a multiple of 64 along x and of 32 along y and z; the window holds whole tiles.
   const Eigen::Vector3i& corner() const { return corner_; }
@@ -45,6 +56,14 @@ class RayWindow {
   std::int64_t capacity_ = 0;
   Eigen::Vector3i corner_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();
   std::int64_t stride_[3] = {1, 0, 0};
+  bool is_few_ = false;
+  std::vector<std::uint8_t> expected_;  ///< of each block
+
+  std::size_t block_of(const Eigen::Vector3i& cell) const {
+    const Eigen::Vector3i at = cell - corner_;
+    return static_cast<std::size_t>((at.x() >> 6) +
+                                    (size_.x() >> 6) * ((at.y() >> 3) + (size_.y() >> 3) * (at.z() >> 3)));
+  }
 };
 
 /// Reads the bytes of 64 x 4 x 4 cells from `first` on, clears them, and returns them as 16 words of

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <cmath>
 #include <set>
 #include <tuple>
 
@@ -116,6 +117,24 @@ TEST(RayCast, FewFarRaysPassOctoMapsVoxelsToo) {
   for (int i = 0; i < 100; ++i) rays.ends.push_back({dice.point(1.0).cast<float>()});
   for (int i = 0; i < 4; ++i) rays.ends.push_back({dice.point(60.0).cast<float>()});
   expect_stock_cells(rays, 0.01, workspace);
+}
+
+/// Few rays in a wide window, of which only what they pass is read; a dense scan shows what they left in it.
+TEST(RayCast, TurnsOfALaserPassOctoMapsVoxelsAndLeaveNoMark) {
+  RayWorkspace workspace;
+  Dice dice(31);
+  for (const double tilt : {0.0, 0.01, 0.3}) {
+    ScanRays turn{dice.point(1.0).cast<float>(), {}}, dense{turn.origin, {}};
+    for (int i = 0; i < 90; ++i) {
+      const double angle = i * M_PI / 45.0, range = dice.uniform(0.1, 15.0);
+      turn.ends.push_back({turn.origin + (range * Eigen::Vector3d(std::cos(angle), std::sin(angle),
+                                                                  tilt * std::sin(3.0 * angle)))
+                                             .cast<float>()});
+    }
+    for (int i = 0; i < 2000; ++i) dense.ends.push_back({turn.origin + dice.point(0.8).cast<float>()});
+    expect_stock_cells(turn, 0.04, workspace);
+    expect_stock_cells(dense, 0.04, workspace);
+  }
 }
 
 TEST(RayCast, ADepthFramePassesOctoMapsVoxelsOnBothSidesOfTheLargestWindow) {
