@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "apps/console/commands.hpp"
-#include "apps/inspect/inspect_bag.hpp"
+#include "apps/inspect/inspect_recording.hpp"
 #include "mapping/files/cloud_parser.hpp"
 #include "mapping/scans/cloud_filters.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -47,7 +47,7 @@ std::vector<std::string> own_arguments() {
 
 int run_replay(const ReplayOptions&, Console&) { hand_over(); }
 int run_simulate(const SimulateOptions&, Console&) { hand_over(); }
-int inspect_bag(const InspectOptions&, Console&) { hand_over(); }
+int inspect_recording(const InspectOptions&, Console&) { hand_over(); }
 int run_tags_print(const TagsPrintOptions&, Console&) { hand_over(); }
 int run_calibrate(const CalibrateOptions&, Console&) { hand_over(); }
 int run_teach(const TeachCommand&, Console&) { hand_over(); }

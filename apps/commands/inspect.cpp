@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -9,8 +10,8 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
-#include "apps/inspect/inspect_bag.hpp"
 #include "apps/inspect/inspect_parts.hpp"
+#include "apps/inspect/inspect_recording.hpp"
 #include "apps/inspect/map_folder.hpp"
 #include "apps/inspect/slice_image.hpp"
 #include "apps/pages/map_page.hpp"
@@ -104,10 +105,18 @@ void print_text(const InspectOptions& options, const Json& json, Console& consol
   if (!options.save.empty()) console.out() << "  saved: " << options.save.string() << '\n';
 }
 
+/// Names of what `inspect` lists; other files are maps.
+bool is_recording_name(const std::filesystem::path& file) {
+  const std::string kind = extension_of(file);
+  if (kind == ".gz") return extension_of(file.stem()) == ".rawlog";
+  constexpr std::array<std::string_view, 6> recordings{".rawlog", ".mp4", ".mov", ".mkv", ".webm", ".avi"};
+  return is_bag_file(file) || std::find(recordings.begin(), recordings.end(), kind) != recordings.end();
+}
+
 }  // namespace
 
 int run_inspect(const InspectOptions& options, Console& console) {
-  if (is_bag_file(options.map)) return inspect_bag(options, console);
+  if (is_recording_name(options.map)) return inspect_recording(options, console);
   std::vector<std::pair<SlicePlane, std::filesystem::path>> slices;
   for (const auto& [plane, file] : options.slices) slices.emplace_back(parse_slice(plane), file);
   std::optional<Policy> lines;

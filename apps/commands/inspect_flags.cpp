@@ -9,7 +9,9 @@ namespace clearway {
 Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command = add_command(app, "inspect", "query, draw, compare and edit maps", console);
-  command->add_option("map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
+  command
+      ->add_option("map", options->map,
+                   "folder written by replay, or .ot, .bt, .pcd, .ply; or a bag, rawlog or video, to list it")
       ->required()
       ->type_name("MAP");
   command

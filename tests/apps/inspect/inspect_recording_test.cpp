@@ -1,0 +1,95 @@
+// inspect: what recordings hold.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/sources/recording.hpp"
+#include "tests/apps/run_command.hpp"
+
+namespace clearway {
+namespace inspect_recording_test {
+
+using Json = nlohmann::json;
+
+/// A camera's images, a laser and odometry, from 100 s on.
+void write_rawlog(const std::filesystem::path& file) {
+  RecordingWriter recording(file);
+  recording.write({100.0, "", CommentFrame{"name: kitchen"}});
+  for (int i = 0; i < 5; ++i) {
+    const double time = 100.0 + 0.25 * i;
+    recording.write({time, "base", OdometryFrame{}});
+    recording.write({time, "eye",
+                     ImageFrame{{4, 3, std::vector<std::uint8_t>(12, 7)},
+                                {4, 3, 4, 4, 2, 1.5, {}},
+                                Eigen::Isometry3d::Identity()}});
+    if (i > 2)
+      recording.write(
+          {time, "laser", CloudFrame{{{1, 0, 0}, {2, 0, 0}}, Eigen::Isometry3d::Identity(), 0.0, "points"}});
+  }
+  recording.finish();
+}
+
+TEST(InspectRecording, ListsSensorsWithKindsFramesPointsAndTimes) {
+  const TemporaryFolder folder;
+  write_rawlog(folder.path() / "r.rawlog");
+  const CommandRun run = run_command({"inspect", (folder.path() / "r.rawlog").string(), "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  const Json sensors = Json::parse(run.out).at("sensors");
+  ASSERT_EQ(sensors.size(), 4u);
+  const auto expect = [&](std::size_t at, const std::string& sensor, const std::string& kind, int frames,
+                          int points, double first, double last) {
+    EXPECT_EQ(sensors[at], (Json{{"sensor", sensor},
+                                 {"kind", kind},
+                                 {"frames", frames},
+                                 {"points", points},
+                                 {"first_s", first},
+                                 {"last_s", last}}));
+  };
+  expect(0, "", "comment", 1, 0, 100.0, 100.0);
+  expect(1, "base", "odometry", 5, 0, 100.0, 101.0);
+  expect(2, "eye", "image 4 x 3", 5, 0, 100.0, 101.0);
+  expect(3, "laser", "points", 2, 4, 100.75, 101.0);
+  const CommandRun text = run_command({"inspect", (folder.path() / "r.rawlog").string()});
+  EXPECT_NE(text.out.find("laser"), std::string::npos) << text.out;
+}
+
+TEST(InspectRecording, ListsTheTopicsOfABag) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "b.mcap";
+  McapWriter bag(file);
+  const std::uint16_t tip = bag.add_topic("/tip", "std_msgs/msg/String", "string data\n");
+  bag.add_topic("/idle", "std_msgs/msg/String", "string data\n");
+  for (int i = 0; i < 3; ++i) bag.write(tip, 1.0 + i, std::string("\0\1\0\0\1\0\0\0\0", 9));
+  bag.finish();
+  const CommandRun run = run_command({"inspect", file.string(), "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  EXPECT_EQ(Json::parse(run.out).at("topics"),
+            (Json{{{"name", "/idle"}, {"type", "std_msgs/String"}, {"messages", 0}},
+                  {{"name", "/tip"}, {"type", "std_msgs/String"}, {"messages", 3}}}));
+}
+
+TEST(InspectRecording, ADamagedOneIsListedAsFarAsItGoesAndSaysSo) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "r.rawlog";
+  write_rawlog(file);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) * 2 / 3);
+  const CommandRun run = run_command({"inspect", file.string(), "--json"});
+  EXPECT_EQ(run.status, 3);
+  const Json json = Json::parse(run.out);
+  EXPECT_GT(json.at("sensors").size(), 1u);
+  EXPECT_NE(json.at("damage").get<std::string>().find("r.rawlog"), std::string::npos);
+}
+
+TEST(InspectRecording, WhatOnlyAMapAnswersIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* name : {"r.rawlog", "r.bag", "r.mp4"}) {
+    const CommandRun run = run_command({"inspect", (folder.path() / name).string(), "--holes"});
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find("not a map"), std::string::npos) << run.log;
+  }
+}
+
+}  // namespace inspect_recording_test
+}  // namespace clearway
