@@ -129,20 +129,22 @@ void report_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
 }
 
 void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
-  const auto begin = Clock::now();
-  const ThreadStopwatch cpu(plan.cpu_s);
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {
-    const auto leg_begin = Clock::now();
     const ConfigurationSpace& space = spaces.of(plan.legs.size());
+    planner.prepare(space);
+    const ThreadStopwatch cpu(plan.cpu_s);
+    const auto begin = Clock::now();
     const PathCost cost = path_cost(query, space.robot());
-    plan.legs.push_back(planner.plan(
-        {space, cost, from, goal, query.seed, [&] { return seconds_since(leg_begin) > query.time_limit; }}));
+    plan.legs.push_back(
+        planner.plan({space, cost, from, goal, query.seed,
+                      [&] { return seconds_since(begin) > query.time_limit; }, query.time_limit}));
+    plan.time_s += seconds_since(begin);
+    plan.cpu_s += plan.legs.back().process_cpu;
     report_step_beyond_way(plan.options, plan.legs.back());
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();
   }
-  plan.time_s = seconds_since(begin);
 }
 
 void check_whole_path(const ConfigurationSpace& space, Plan& plan) {

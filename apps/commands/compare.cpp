@@ -81,16 +81,27 @@ Suite chosen_suite(const CompareOptions& options) {
   return suite;
 }
 
+std::vector<ExternalChoice> chosen_externals(const CompareOptions& options) {
+  std::vector<ExternalChoice> externals;
+  for (const std::string& text : options.externals) {
+    const std::size_t equals = text.find('=');
+    externals.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  return externals;
+}
+
 /// Every name of every experiment is looked up before anything runs.
 std::vector<PreparedExperiment> prepare_all(const Suite& suite, const CompareOptions& options) {
   std::set<std::string> planners;
   std::vector<PreparedExperiment> prepared;
+  const std::vector<ExternalChoice> externals = chosen_externals(options);
+  for (const ExternalChoice& external : externals) planners.insert(external.label);
   for (const SuiteExperiment& experiment : suite.experiments) {
     for (const SuitePlanner& planner : experiment.planners) {
       planners.insert(planner.label);
       planners.insert(planner.planner);
     }
-    prepared.push_back(prepare(suite, experiment, options.planners));
+    prepared.push_back(prepare(suite, experiment, options.planners, externals));
   }
   require_known("--planners", options.planners, {planners.begin(), planners.end()});
   std::erase_if(prepared, [](const PreparedExperiment& experiment) { return experiment.planners.empty(); });

@@ -31,6 +31,19 @@ void add_choice_flags(CLI::App& command, CompareOptions& options) {
   add_names(
       "--planners", options.planners,
       "run only these labels or planners; a planner that the suite does not list is added with its defaults");
+  command
+      .add_option("--external", options.externals,
+                  "add a planner in another program, which COMMAND starts: problems in, paths out, as JSON "
+                  "lines (apps/compare/YOUR_PLANNER.md); repeatable")
+      ->allow_extra_args(false)
+      ->take_all()
+      ->check([](const std::string& text) {
+        const std::size_t equals = text.find('=');
+        return equals == 0 || equals + 1 >= text.size() || equals == std::string::npos
+                   ? "expected NAME=COMMAND, got '" + text + "'"
+                   : std::string{};
+      })
+      ->type_name("NAME=COMMAND");
   add_names("--experiments", options.experiments, "run only these experiments");
   command
       .add_option("--seed", options.seed, "random seed of each problem's first run, instead of the suite's")

@@ -6,6 +6,7 @@
 
 #include "apps/compare/compare_run.hpp"
 #include "apps/compare/compare_team.hpp"
+#include "apps/compare/external_planner.hpp"
 #include "apps/query/query.hpp"
 #include "apps/suites/sensed_spaces.hpp"
 #include "apps/suites/suite_teams.hpp"
@@ -82,10 +83,25 @@ bool is_chosen(const SuitePlanner& planner, const std::vector<std::string>& only
          });
 }
 
+void add_externals(const Suite& suite, const std::vector<ExternalChoice>& externals,
+                   const std::vector<std::string>& only, std::set<std::string>& labels,
+                   PreparedExperiment& ready) {
+  const std::string name(ExternalPlanner::planner_name);
+  for (const ExternalChoice& external : externals) {
+    auto made = std::make_unique<ExternalPlanner>(external.command);
+    if (!labels.insert(external.label).second)
+      refuse(suite, ready.setup, "--external: it has a planner '" + external.label + "' already");
+    if (!is_chosen({external.label, name, {}}, only)) continue;
+    ready.planners.push_back({external.label, name, made->options(), false});
+    ready.makers.push_back(std::move(made));
+  }
+}
+
 }  // namespace
 
 PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment,
-                           const std::vector<std::string>& only) {
+                           const std::vector<std::string>& only,
+                           const std::vector<ExternalChoice>& externals) {
   PreparedExperiment ready;
   ready.setup = experiment;
   const double usual_limit = experiment.teams ? std::numeric_limits<double>::infinity() : suite.time_limit;
@@ -123,7 +139,10 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
       ready.makers.push_back(std::move(made));
     }
   }
-  if (!experiment.teams) return ready;
+  if (!experiment.teams) {
+    add_externals(suite, externals, only, labels, ready);
+    return ready;
+  }
   require_teams(suite, experiment, ready.leaders);
   ready.map = reported(suite, experiment, "field 'world'", [&] { return team_map(suite, experiment); });
   if (experiment.teams->sensing) {

@@ -27,11 +27,17 @@ struct PreparedExperiment {
   std::optional<Snapshot> map;                         ///< for teams: of their world
 };
 
+/// A planner in another process, in every experiment but those of teams (external_planner.hpp).
+struct ExternalChoice {
+  std::string label, command;
+};
+
 /// Looks up robot, policies, planners, options and plots of an experiment; `only` keeps the planners with
 /// these labels or names (all when empty). Teams have their map loaded or made, and sensors looked for in it.
 /// @throws std::invalid_argument, one sentence naming experiment, field and what was expected.
 PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment,
-                           const std::vector<std::string>& only);
+                           const std::vector<std::string>& only,
+                           const std::vector<ExternalChoice>& externals = {});
 
 /// How far a run is kept from all others.
 struct CompareIsolation {

@@ -70,7 +70,7 @@ IsolatedEnd end_of(const ChildOutcome& outcome, const CompareIsolation& isolatio
     end.explanation = "The run's process was killed (SIGKILL), as the system does when memory is short.";
   } else {
     end.ended = "crashed";
-    end.explanation = threw ? "The run ended with an error of the program: " + outcome.failure + "."
+    end.explanation = threw ? "The run ended with an error: " + outcome.failure + "."
                             : "The run's process " + end_of_process(outcome.status) + ".";
   }
   return end;

@@ -205,6 +205,7 @@ struct CompareOptions {
   std::vector<std::filesystem::path> what;  ///< a suite; or `merge` and folders; or `diff` and two of them
   std::filesystem::path out;                ///< folder, created
   std::vector<std::string> planners;        ///< only those labels or names; empty: all
+  std::vector<std::string> externals;       ///< "NAME=COMMAND"
   std::vector<std::string> experiments;     ///< only those; empty: all
   int jobs = 1;                             ///< problems at the same time
   std::optional<std::uint64_t> seed;        ///< replaces the suite's

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -28,6 +29,8 @@ struct PlanProblem {
   Configuration goal;
   std::uint64_t seed = 1;
   std::function<bool()> out_of_time = [] { return false; };
+  /// What out_of_time() goes by, s from the call on, for who passes it to another process.
+  double time_limit = std::numeric_limits<double>::infinity();
 };
 
 /// Start, goals and base count as kept within this, in radians and metres; scales within this share.
@@ -49,6 +52,7 @@ struct PlanResult {
   int search_steps = 0;         ///< edges, the last segment not counted
   std::uint64_t configurations_checked = 0;
   std::uint64_t edges_checked = 0;
+  double process_cpu = 0.0;                    ///< s that a process of the planner took beside this one
   std::map<std::string, double> statistics;    ///< planner's own figures, by name
   std::optional<BoundaryPlusStage> solved_by;  ///< none of another planner, and unless solved
 };
@@ -63,6 +67,8 @@ class Planner {
  public:
   virtual ~Planner() = default;
   virtual PlanResult plan(const PlanProblem& problem) const = 0;
+  /// Makes ready for queries in this space, where that is no part of their time: another process starts.
+  virtual void prepare(const ConfigurationSpace& /*space*/) const {}
   const std::string& name() const { return name_; }            ///< in the planner table: "beam"
   const PlannerOptions& options() const { return in_force_; }  ///< all of them, as in force
 

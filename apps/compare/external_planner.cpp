@@ -1,0 +1,144 @@
+#include "apps/compare/external_planner.hpp"
+
+#include <cmath>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "apps/compare/line_process.hpp"
+#include "apps/compare/planner_world.hpp"
+#include "apps/console/stopwatch.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/files/json_field.hpp"
+
+namespace clearway {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+[[noreturn]] void refuse(const std::string& line, const std::string& expected) {
+  throw std::runtime_error("the planner's program answered " + quote(line) + ": expected " + expected);
+}
+
+Json answer_of(const std::string& line) {
+  Json answer = Json::parse(line, nullptr, false);
+  if (!answer.is_object()) refuse(line, "one JSON object on a line");
+  return answer;
+}
+
+std::vector<Configuration> path_of(const Json& path, const PlanProblem& problem, const std::string& line) {
+  const Eigen::Index joints = problem.start.size();
+  const std::string expected =
+      "'path', a list of configurations of " + std::to_string(joints) + " finite numbers";
+  if (!path.is_array() || path.empty()) refuse(line, expected);
+  std::vector<Configuration> waypoints;
+  for (const Json& row : path) {
+    if (!row.is_array() || row.size() != static_cast<std::size_t>(joints)) refuse(line, expected);
+    Configuration q(joints);
+    for (Eigen::Index j = 0; j < joints; ++j) {
+      const Json& value = row[static_cast<std::size_t>(j)];
+      if (!value.is_number() || !std::isfinite(value.get<double>())) refuse(line, expected);
+      q[j] = value.get<double>();
+    }
+    waypoints.push_back(std::move(q));
+  }
+  return waypoints;
+}
+
+bool is_at(const Configuration& a, const Configuration& b) {
+  return (a - b).cwiseAbs().maxCoeff() <= contract_tolerance;
+}
+
+void read_answer(const std::string& line, const PlanProblem& problem, PlanResult& result) {
+  const Json answer = answer_of(line);
+  result.status = PlanStatus::no_path;
+  if (answer.contains("failed")) {
+    result.explanation = answer["failed"].is_string()
+                             ? plain(answer["failed"].get<std::string>().substr(0, 200))
+                             : std::string("The program gives no reason.");
+    return;
+  }
+  if (!answer.contains("path")) refuse(line, "'path' or 'failed'");
+  std::vector<Configuration> waypoints = path_of(answer["path"], problem, line);
+  if (!is_at(waypoints.front(), problem.start) || !is_at(waypoints.back(), problem.goal)) {
+    result.explanation = "The program's path does not lead from the start to the goal.";
+    result.explored = std::move(waypoints);
+    return;
+  }
+  waypoints.front() = problem.start;
+  if (waypoints.size() > 1) waypoints.back() = problem.goal;
+  result.status = PlanStatus::solved;
+  result.waypoints = std::move(waypoints);
+  result.search_steps = static_cast<int>(result.waypoints.size()) - 1;
+  result.cost = problem.cost(result.waypoints);
+}
+
+}  // namespace
+
+struct ExternalPlanner::State {
+  std::string command;
+  std::mutex using_it;
+  const ConfigurationSpace* space = nullptr;  ///< that the program knows
+  std::optional<LineProcess> program;
+
+  void start(const ConfigurationSpace& asked) {
+    if (program && space == &asked) return;
+    space = nullptr;
+    program.emplace(command);
+    const Deadline deadline(patience);
+    const std::string world =
+        Json{{"world", planner_world(asked)}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const std::optional<std::string> line = program->ask(world, [&] { return deadline.is_over(); });
+    if (!line) {
+      program.reset();
+      throw std::runtime_error("the planner's program did not read its world within " + short_text(patience) +
+                               " s");
+    }
+    if (answer_of(*line).value("ready", Json()) != Json(true)) refuse(*line, "{\"ready\": true}");
+    space = &asked;
+  }
+};
+
+ExternalPlanner::ExternalPlanner(const std::string& command)
+    : Planner(planner_name, {{"command", command}}), state_(std::make_unique<State>()) {
+  if (command.find_first_not_of(' ') == std::string::npos || command.find('\n') != std::string::npos)
+    throw std::invalid_argument("command: expected one line that the shell can run");
+  state_->command = command;
+}
+
+ExternalPlanner::~ExternalPlanner() = default;
+
+void ExternalPlanner::prepare(const ConfigurationSpace& space) const {
+  const std::lock_guard lock(state_->using_it);
+  state_->start(space);
+}
+
+PlanResult ExternalPlanner::plan(const PlanProblem& problem) const {
+  PlanResult result = check_ends(problem);
+  if (result.status != PlanStatus::solved) return result;
+  if (problem.start == problem.goal) {  // nobody need be asked
+    result.waypoints = {problem.start};
+    return result;
+  }
+  const std::lock_guard lock(state_->using_it);
+  state_->start(problem.space);
+  LineProcess& program = *state_->program;
+  const double cpu_before = program.cpu_seconds();
+  Json query{{"start", json_of(problem.start)}, {"goal", json_of(problem.goal)}, {"seed", problem.seed}};
+  if (std::isfinite(problem.time_limit)) query["time_limit"] = problem.time_limit;
+  const std::optional<std::string> line = program.ask(Json{{"query", query}}.dump(), problem.out_of_time);
+  if (!line) {
+    result.status = PlanStatus::timed_out;
+    result.explanation = "The program did not answer in time.";
+    result.process_cpu = program.cpu_seconds() - cpu_before;
+    state_->program.reset();  // its late answer is to no other question
+    return result;
+  }
+  result.process_cpu = program.cpu_seconds() - cpu_before;
+  read_answer(*line, problem, result);
+  return result;
+}
+
+}  // namespace clearway

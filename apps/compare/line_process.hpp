@@ -1,0 +1,43 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "mapping/system/file_descriptor.hpp"
+
+namespace clearway {
+
+/// A program of somebody else that reads lines and answers with lines. It runs under `sh`, in a process group
+/// of its own, and dies with the thread that started it; both ends of its talk are one socket. What it writes
+/// to its standard error is kept for the sentence that says how it ended.
+class LineProcess {
+ public:
+  /// @throws std::runtime_error when no process can be started.
+  explicit LineProcess(const std::string& command);
+  ~LineProcess();  ///< ends it and whatever it started
+  LineProcess(const LineProcess&) = delete;
+  LineProcess& operator=(const LineProcess&) = delete;
+
+  /// Sends a line and waits for one; none when `is_late()` says so, which is asked some hundred times a
+  /// second. @throws std::runtime_error when the program ends, closes its output or answers with too much.
+  std::optional<std::string> ask(std::string_view line, const std::function<bool()>& is_late);
+
+  double cpu_seconds() const;  ///< that the program took so far, but not others that it started
+
+ private:
+  void send_some(std::string_view& rest);
+  void receive_some();
+  std::optional<std::string> take_line();
+  void hear_complaints();
+  [[noreturn]] void fail(const std::string& what);
+
+  pid_t process_ = -1;
+  FileDescriptor talk_, complaints_;
+  std::string received_, last_words_;
+};
+
+}  // namespace clearway

@@ -1,0 +1,121 @@
+#include "apps/compare/external_planner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/compare/planner_world.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace external_planner_test {
+
+using Json = nlohmann::ordered_json;
+
+Eigen::Vector3d center_of(const Json& cube) {
+  return {cube[0].get<double>(), cube[1].get<double>(), cube[2].get<double>()};
+}
+
+/// A disc in a map with a wall.
+class ExternalPlannerOf : public ::testing::Test {
+ protected:
+  PlanResult planned(
+      const std::string& answer, const std::function<bool()>& out_of_time = [] { return false; }) {
+    const ExternalPlanner planner("sh -c 'read world; echo \"{\\\"ready\\\": true}\"; read query; echo \"" +
+                                  answer + "\"; read more'");
+    planner.prepare(space_);
+    return planner.plan({space_, cost_, start_, goal_, 1, out_of_time});
+  }
+
+  std::string refusal(const std::string& answer) {
+    try {
+      planned(answer);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const ConfigurationSpace space_{
+      load_robot("point"),
+      VoxelScene{0.05, {box_of(0.9, -0.3, -0.1, 1.0, 0.3, 0.3)}, {}, {}}.snapshot(),
+      {{}, Policy::not_occupied, false},
+      {.padding = 0.001}};
+  const PathCost cost_{space_.robot()};
+  const Configuration start_ = Eigen::Vector2d(0.2, 0.0), goal_ = Eigen::Vector2d(0.5, 0.25);
+};
+
+TEST_F(ExternalPlannerOf, ReturnsThePathWithItsEndsExact) {
+  const PlanResult result = planned("{\\\"path\\\": [[0.2000001, 0], [0.4, 0.1], [0.5, 0.25]]}");
+  ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
+  ASSERT_EQ(result.waypoints.size(), 3u);
+  EXPECT_EQ(result.waypoints.front(), start_);
+  EXPECT_EQ(result.waypoints[1], Configuration(Eigen::Vector2d(0.4, 0.1)));
+  EXPECT_EQ(result.waypoints.back(), goal_);
+  EXPECT_EQ(result.search_steps, 2);
+}
+
+TEST_F(ExternalPlannerOf, TellsWhyThereIsNoPath) {
+  EXPECT_EQ(planned("{\\\"failed\\\": \\\"no luck\\\"}").explanation, "no luck");
+  const PlanResult elsewhere = planned("{\\\"path\\\": [[0.2, 0], [0.6, 0.25]]}");
+  EXPECT_EQ(elsewhere.status, PlanStatus::no_path);
+  EXPECT_NE(elsewhere.explanation.find("from the start to the goal"), std::string::npos);
+  int asked = 0;
+  const ExternalPlanner deaf("sh -c 'read world; echo \"{\\\"ready\\\": true}\"; sleep 1000'");
+  EXPECT_EQ(deaf.plan({space_, cost_, start_, goal_, 1, [&] { return ++asked > 3; }}).status,
+            PlanStatus::timed_out);
+}
+
+TEST_F(ExternalPlannerOf, RefusesAnswersThatAreNone) {
+  for (const auto& [answer, expected] : {std::pair("hello", "one JSON object"),
+                                         {"[1, 2]", "one JSON object"},
+                                         {"{}", "'path' or 'failed'"},
+                                         {"{\\\"path\\\": []}", "2 finite numbers"},
+                                         {"{\\\"path\\\": [[1, 2, 3]]}", "2 finite numbers"},
+                                         {"{\\\"path\\\": [[1, null]]}", "2 finite numbers"}})
+    EXPECT_NE(refusal(answer).find(expected), std::string::npos) << answer << ": " << refusal(answer);
+  EXPECT_THROW(ExternalPlanner(" "), std::invalid_argument);
+}
+
+TEST_F(ExternalPlannerOf, AsksNobodyForTheWayFromAPlaceToItself) {
+  const ExternalPlanner none("/nowhere");
+  EXPECT_EQ(none.plan({space_, cost_, start_, start_, 1}).status, PlanStatus::solved);
+}
+
+/// What blocks a body is among the cubes that the world lists, and nothing else is.
+TEST_F(ExternalPlannerOf, IsToldTheVoxelsThatBlockAndThoseThatDoNot) {
+  const Json world = planner_world(space_);
+  ASSERT_EQ(world["regions"].size(), 1u);
+  const Json& region = world["regions"][0];
+  EXPECT_EQ(region["policy"], "not_occupied");
+  double volume = 0.0;
+  for (const Json& cube : region["blocked"]) {
+    const double edge = cube[3];
+    volume += edge * edge * edge;
+    EXPECT_EQ(space_.map().state(center_of(cube)), VoxelState::occupied);
+  }
+  EXPECT_NEAR(volume, 2 * 12 * 8 * 0.05 * 0.05 * 0.05, 1e-9);
+  VoxelScene scene{0.05, {}, {{{0.0, 0.0, 0.0}, 0.3}}, {}};
+  const ConfigurationSpace inside(load_robot("point"), scene.snapshot(), {}, {});
+  const Json free = planner_world(inside)["regions"][0];
+  EXPECT_EQ(free["policy"], "painted");
+  ASSERT_GT(free["free"].size(), 10u);
+  for (const Json& cube : free["free"]) EXPECT_EQ(inside.map().state(center_of(cube)), VoxelState::painted);
+}
+
+TEST_F(ExternalPlannerOf, IsToldARobotWhoseSpheresHoldItsBodies) {
+  const Robot arm = load_robot("arm6");
+  const ConfigurationSpace space(arm, Snapshot(), {}, {});
+  const Json robot = planner_world(space)["robot"];
+  EXPECT_EQ(robot["joints"].size(), arm.dof());
+  ASSERT_EQ(robot["links"].size(), arm.links.size());
+  EXPECT_EQ(robot["links"][1]["parent_from_link"].size(), 4u);
+  ASSERT_EQ(robot["bodies"].size(), arm.bodies.size());
+  for (std::size_t i = 0; i < arm.bodies.size(); ++i)
+    EXPECT_EQ(robot["bodies"][i]["spheres"].size(), arm.bodies[i].cover.size());
+}
+
+}  // namespace external_planner_test
+}  // namespace clearway

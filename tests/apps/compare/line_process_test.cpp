@@ -1,0 +1,85 @@
+#include "apps/compare/line_process.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace line_process_test {
+
+const auto never = [] { return false; };
+
+/// What the end of a program is told as.
+std::string end_of(const std::string& command) {
+  try {
+    LineProcess(command).ask("line", never);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LineProcess, AnswersLineByLineHoweverLongTheyAre) {
+  LineProcess cat("cat");
+  EXPECT_EQ(cat.ask("one", never), "one");
+  const std::string long_line(std::size_t{3} << 20U, 'x');  // more than any buffer between holds
+  EXPECT_EQ(cat.ask(long_line, never), long_line);
+  EXPECT_EQ(cat.ask("", never), "");
+  EXPECT_GE(cat.cpu_seconds(), 0.0);
+}
+
+TEST(LineProcess, ReadsWhatIsWrittenBeforeItAsksAndAfter) {
+  LineProcess both("sh -c 'while read l; do echo \"$l $l\"; echo more; done'");
+  EXPECT_EQ(both.ask("a", never), "a a");
+  EXPECT_EQ(both.ask("b", never), "more");
+  EXPECT_EQ(both.ask("c", never), "b b");
+}
+
+TEST(LineProcess, GivesUpWhenItIsLate) {
+  LineProcess deaf("sleep 1000");
+  int asked = 0;
+  EXPECT_EQ(deaf.ask("line", [&] { return ++asked > 3; }), std::nullopt);
+}
+
+TEST(LineProcess, SaysHowItEndedAndItsLastLineOfErrors) {
+  EXPECT_EQ(end_of("sh -c 'read l; echo first >&2; echo second >&2; exit 3'"),
+            "the planner's program ended with status 3; its last line of errors: 'second'");
+  EXPECT_EQ(end_of("sh -c 'read l; kill -SEGV $$'"), "the planner's program ended by SIGSEGV");
+  EXPECT_NE(end_of("/nowhere/program").find("ended with status 127; its last line of errors: "),
+            std::string::npos);
+  EXPECT_EQ(end_of("sh -c 'read l; exec 0<&- 1>&-; sleep 1000'"),
+            "the planner's program ended without an answer");
+  const std::string noisy = end_of("sh -c 'read l; seq 100000 >&2'");  // more than a pipe holds
+  EXPECT_EQ(noisy, "the planner's program ended with status 0; its last line of errors: '100000'");
+}
+
+TEST(LineProcess, EndsTheProgramAndWhatThatStarted) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "pids").string();
+  {
+    LineProcess parent("sh -c 'sleep 1000 & echo $$ $! > " + file + "; read l; echo ready; wait'");
+    ASSERT_EQ(parent.ask("line", never), "ready");
+  }
+  std::istringstream pids(read_file(file));
+  int count = 0;
+  for (pid_t pid = 0; pids >> pid; ++count) {
+    bool is_there = true;  // a child of the child is waited for by init, in its own time
+    for (int i = 0; i < 500 && is_there; ++i) {
+      is_there = ::kill(pid, 0) == 0 &&
+                 read_file("/proc/" + std::to_string(pid) + "/stat").find(") Z") == std::string::npos;
+      if (is_there) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_FALSE(is_there) << pid;
+  }
+  EXPECT_EQ(count, 2);
+}
+
+}  // namespace line_process_test
+}  // namespace clearway
