@@ -19,6 +19,7 @@ BenchResult bench_snapshot(const BenchOptions& options);
 BenchResult bench_checks(const BenchOptions& options);
 BenchResult bench_edges(const BenchOptions& options);
 BenchResult bench_plan(const BenchOptions& options);
+BenchResult bench_motion(const BenchOptions& options);
 BenchResult bench_load(const BenchOptions& options);
 BenchResult bench_paint(const BenchOptions& options);
 BenchResult bench_bodies(const BenchOptions& options);

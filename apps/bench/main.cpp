@@ -30,6 +30,7 @@ std::vector<Entry> all_entries() {
        bench_edges},
       {"plan", "whole queries against OMPL's RRT-Connect with FCL on fcl::OcTree, warm and after a change", 3,
        bench_plan},
+      {"motion", "smooth motion along planned paths against the motion edge by edge", 3, bench_motion},
       {"load", "loading a map of 10 million nodes against octomap::OcTree", 6, bench_load},
       {"paint", "painting balls along a stroke against OctoMap's updateNode", 5, bench_paint},
       {"bodies", "bodies in a painted volume: its voxels beside the exact balls", 3, bench_bodies},
