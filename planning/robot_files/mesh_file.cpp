@@ -112,10 +112,16 @@ fs::path in_folder(const fs::path& folder, const fs::path& name, const fs::path&
   return {};
 }
 
-/// What is found above `folder`, else where ROS keeps packages; empty: nowhere.
+/// An empty path, as that of a file given by its bare name, is the folder in which the program runs.
+fs::path whole_path(const fs::path& folder) {
+  std::error_code error;
+  return fs::weakly_canonical(fs::current_path(error) / folder, error);
+}
+
+/// What is found in `folder` or above, else where ROS keeps packages; empty: nowhere.
 fs::path in_packages(const fs::path& folder, const fs::path& name, const fs::path& rest) {
   std::error_code error;
-  for (fs::path at = fs::weakly_canonical(folder, error); !at.empty(); at = at.parent_path()) {
+  for (fs::path at = folder; !at.empty(); at = at.parent_path()) {
     if (fs::path found = in_folder(at, name, rest); !found.empty()) return found;
     if (at == at.parent_path()) break;
   }
@@ -220,9 +226,10 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
                                 quote_path(known->second.string()) + ", the folder given for package " +
                                 quote(package));
   }
-  if (fs::path found = in_packages(folder, package, rest); !rest.empty() && !found.empty()) return found;
+  const fs::path whole = whole_path(folder);
+  if (fs::path found = in_packages(whole, package, rest); !rest.empty() && !found.empty()) return found;
   throw std::invalid_argument("mesh " + quote(name) + " was not found in any folder above " +
-                              quote_path(folder.string()) +
+                              quote_path(whole.string()) +
                               ", nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: --package " +
                               shortened(package) + "=DIR names its folder");
 }

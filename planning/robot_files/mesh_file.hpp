@@ -47,7 +47,7 @@ using PackageFolders = std::map<std::string, std::filesystem::path>;
 /// The file that a URDF mesh name means: `file://` and plain paths relative to `folder`.
 /// `package://NAME/rest` and `model://NAME/rest` are rest in the folder that `packages` gives NAME; else what
 /// is first found of NAME/rest, or rest in a folder called NAME or whose package.xml says so, in the folders
-/// upwards from `folder`;
+/// upwards from `folder` (empty: the one in which the program runs);
 /// NAME/rest in those of $ROS_PACKAGE_PATH and one below; share/NAME/rest in those of $AMENT_PREFIX_PATH.
 /// @throws std::invalid_argument when nothing is found.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,

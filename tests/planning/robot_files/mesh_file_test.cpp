@@ -324,6 +324,21 @@ TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
   EXPECT_THROW(find_mesh("package://arm/" + std::string(100'000, 'x'), from), std::invalid_argument);
 }
 
+/// As of a URDF that is given by its bare name.
+TEST(FindMesh, AnEmptyFolderIsTheOneInWhichTheProgramRuns) {
+  const RobotFolder folder;
+  fs::create_directories(folder.path() / "arm/meshes");
+  fs::create_directories(folder.path() / "arm/urdf");
+  folder.write("arm/meshes/a.stl", "x");
+  const fs::path before = fs::current_path(), mesh = fs::canonical(folder.path()) / "arm/meshes/a.stl";
+  fs::current_path(folder.path() / "arm/urdf");
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", ""), mesh);
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", "."), mesh);
+  fs::current_path(folder.path());
+  EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", "arm/urdf"), mesh);
+  fs::current_path(before);
+}
+
 /// A repository that was unpacked under another name is the package that its package.xml says it is.
 TEST(FindMesh, APackageIsKnownByItsPackageXmlToo) {
   const RobotFolder folder;
