@@ -1,5 +1,6 @@
 #include "apps/problem_sets/planning_scene.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "datasets/descriptions/yaml_fields.hpp"
@@ -227,17 +228,20 @@ class SceneReader {
     return std::move(triangles.corners);
   }
 
+  /// ROS writes points as maps and triangles as maps of `vertex_indices`, Robowflex both as lists.
   static std::vector<Eigen::Vector3d> mesh_inside(const YamlFields& mesh) {
     std::vector<Eigen::Vector3d> vertices, corners;
     if (!mesh.is_list("vertices") || !mesh.is_list("triangles"))
       mesh.fail("vertices", "expected a mesh of 'resource', or of lists 'vertices' and 'triangles'");
-    for (const auto& at : mesh.lists_of_numbers("vertices", {-1e3, 1e3}, 3))
+    for (const auto& at : mesh.rows("vertices", {-1e3, 1e3}, 3, {"x", "y", "z"}))
       vertices.emplace_back(at[0], at[1], at[2]);
-    for (const YamlFields& triangle : mesh.list_of_maps("triangles")) {
-      const Bounds indices{0, static_cast<double>(vertices.size()) - 1};
-      for (const double index : triangle.numbers("vertex_indices", indices, 3))
+    if (vertices.empty()) mesh.fail("vertices", "expected at least one");
+    const Bounds indices{0, static_cast<double>(vertices.size()) - 1};
+    for (const auto& triangle : mesh.rows("triangles", indices, 3, {"vertex_indices"}))
+      for (const double index : triangle) {
+        if (index != std::floor(index)) mesh.fail("triangles", "expected whole numbers");
         corners.push_back(vertices[static_cast<std::size_t>(index)]);
-    }
+      }
     if (corners.empty()) mesh.fail("triangles", "expected at least one");
     return corners;
   }

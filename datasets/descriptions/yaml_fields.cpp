@@ -255,6 +255,43 @@ std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string&
   return result;
 }
 
+std::vector<double> YamlFields::row_of(const YAML::Node& node, const std::string& key, Bounds bounds,
+                                       const std::vector<std::string>& names) const {
+  if (!node.IsMap()) return numbers_of(node, key, bounds);
+  std::vector<double> row;
+  for (const std::string& name : names) {
+    const YAML::Node value = node[name];
+    if (!value.IsDefined()) fail(key, "expected " + quote(name) + " in each of its maps");
+    const std::vector<double> more = value.IsSequence() ? numbers_of(value, key, bounds)
+                                                        : std::vector<double>{number_of(value, key, bounds)};
+    row.insert(row.end(), more.begin(), more.end());
+  }
+  return row;
+}
+
+std::vector<std::vector<double>> YamlFields::rows(const std::string& key, Bounds bounds, size_t size,
+                                                  const std::vector<std::string>& names) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence()) fail(key, "expected a list of rows of numbers, got " + shown_node(node));
+  std::vector<std::vector<double>> result;
+  if (node.size() > 0 && node.begin()->IsScalar()) {
+    const std::vector<double> all = numbers_of(node, key, bounds);
+    if (all.size() % size != 0)
+      fail(key,
+           "expected " + std::to_string(size) + " numbers for each row, got " + std::to_string(all.size()));
+    for (auto at = all.begin(); at != all.end(); at += static_cast<std::ptrdiff_t>(size))
+      result.emplace_back(at, at + static_cast<std::ptrdiff_t>(size));
+    return result;
+  }
+  for (const auto& item : node) {
+    result.push_back(row_of(item, key, bounds, names));
+    if (result.back().size() != size)
+      fail(key, "expected " + std::to_string(size) + " numbers in each of its rows, got " +
+                    std::to_string(result.back().size()));
+  }
+  return result;
+}
+
 Eigen::Vector3d YamlFields::vector(const std::string& key) const {
   return Eigen::Vector3d(numbers(key, within_reach, 3).data());
 }

@@ -55,6 +55,10 @@ class YamlFields {
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
   std::vector<double> numbers(const std::string& key, Bounds, size_t size) const;
   std::vector<std::vector<double>> lists_of_numbers(const std::string& key, Bounds, size_t size) const;
+  /// Rows of `size` numbers, each a list or a map with `names`, which hold a number or a list of them; or one
+  /// list with the numbers of all rows.
+  std::vector<std::vector<double>> rows(const std::string& key, Bounds, size_t size,
+                                        const std::vector<std::string>& names) const;
   Eigen::Vector3d vector(const std::string& key) const;
   /// Angles in radians under `key`, or in degrees under `key`_deg.
   std::vector<double> angles(const std::string& key) const;
@@ -82,6 +86,8 @@ class YamlFields {
   YAML::Node required(const std::string& key) const;
   double number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
   std::vector<double> numbers_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
+  std::vector<double> row_of(const YAML::Node& node, const std::string& key, Bounds bounds,
+                             const std::vector<std::string>& names) const;
   std::string checked_text(const std::string& text, const std::string& key, size_t longest) const;
   std::string degrees_key(const std::string& key) const;
   void check_map() const;

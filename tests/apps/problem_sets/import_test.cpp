@@ -202,6 +202,25 @@ TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
   EXPECT_NE(import("scene", {old_form}).log.find("holds an import already"), std::string::npos);
 }
 
+/// As Robowflex and ROS write them, and as plain arrays.
+TEST_F(Import, MeshesInsideAreReadInEachFormOfVerticesWithEachOfTriangles) {
+  for (const char* vertices :
+       {"[[0.05, 0.05, 3.05], [0.33, 0.05, 3.05], [0.05, 0.33, 3.05]]",
+        "[{x: 0.05, y: 0.05, z: 3.05}, {x: 0.33, y: 0.05, z: 3.05}, [0.05, 0.33, 3.05]]",
+        "[0.05, 0.05, 3.05, 0.33, 0.05, 3.05, 0.05, 0.33, 3.05]"}) {
+    for (const char* triangles : {"[[0, 2, 1]]", "[{vertex_indices: [0, 2, 1]}]",
+                                  "[{vertex_indices: [0, 2, 1]}, [0, 1, 2]]", "[0, 2, 1]"}) {
+      std::filesystem::remove_all(folder_ / "out");
+      const std::string scene = folder_.write(
+          "s.yaml", "world: {collision_objects: [{id: a, meshes: [{vertices: " + std::string(vertices) +
+                        ", triangles: " + triangles + "}]}]}");
+      const CommandRun run = import("mbm", {scene});
+      ASSERT_EQ(run.status, exit_done) << run.log << vertices << triangles;
+      EXPECT_EQ(map("s").counts().occupied, 10U);  // 4 + 3 + 2 + 1 voxels
+    }
+  }
+}
+
 TEST_F(Import, AppearsWholeOrNotAtAllBesideWhatIsThere) {
   const std::string scene = folder_.write(
       "old.scene", "(noname)\n* the box\n1\nbox\n0.18 0.18 0.18\n1.1 0.1 0.1\n0 0 0 1\n0 0 0 0\n.\n");
@@ -332,6 +351,18 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
           "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{orientation: [1, 1, 1, 1]}]}]}",
       "expected a unit quaternion");
   expect_refused("mbm", "a.yaml", object + "meshes: [{resource: no.stl}]}]}", "no.stl");
+  const std::string triangle = object + "meshes: [{vertices: [[0, 0, 0], [1, 0, 0], {x: 0, y: 1, z: 0}], ";
+  for (const auto& [triangles, expected] :
+       {std::pair{"[0, 1]", "expected 3 numbers for each row, got 2"},
+        std::pair{"[[0, 1]]", "expected 3 numbers in each of its rows, got 2"},
+        std::pair{"[[0, 1, 3]]", "expected a number from 0 to 2, got '3'"},
+        std::pair{"[[0, 1, 0.5]]", "expected whole numbers"},
+        std::pair{"[{indices: [0, 1, 2]}]", "expected 'vertex_indices' in each of its maps"},
+        std::pair{"[[0, 1, 2], 0]", "expected a list of numbers, got '0'"},
+        std::pair{"[]", "expected at least one"}})
+    expect_refused("mbm", "a.yaml", triangle + "triangles: " + triangles + "}]}]}", expected);
+  expect_refused("mbm", "a.yaml", object + "meshes: [{vertices: [], triangles: []}]}]}",
+                 "expected at least one");
   expect_refused("mbm", "a.yaml", arm_request, "no file is a scene");
   expect_refused("scene", "a.scene", "name\n* a\n1\nbox\n1 1\n.\n",
                  "line 6: expected a size in metres, got '.'");
