@@ -1,6 +1,8 @@
 #include "apps/problem_sets/planning_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "datasets/descriptions/yaml_fields.hpp"
@@ -70,6 +72,33 @@ std::map<std::string, double> joints_of(const YamlFields& state) {
   return values;
 }
 
+bool is_true(const std::string& word) { return word == "true" || word == "True" || word == "1"; }
+
+/// What moveit_msgs/AllowedCollisionMatrix allows to collide of scene objects and what is none.
+struct AllowedPairs {
+  AllowedPairs(const YamlFields& matrix, const std::set<std::string>& objects) {
+    const auto names = matrix.texts("entry_names");
+    const auto rows = matrix.lists_of_texts("entry_values", "enabled");
+    const auto allows = [&](std::size_t i, std::size_t k) {
+      return i < rows.size() && k < rows[i].size() && is_true(rows[i][k]);
+    };
+    std::vector<bool> is_object;
+    for (const std::string& name : names) is_object.push_back(objects.contains(name));
+    for (std::size_t i = 0; i < names.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) {
+        if (is_object[i] == is_object[k] || !(allows(i, k) || allows(k, i))) continue;
+        if (count++ == 0) first = quote(names[k]) + " with " + quote(names[i]);
+      }
+    const auto defaults = matrix.texts("default_entry_names"), values = matrix.texts("default_entry_values");
+    for (std::size_t i = 0; i < std::min(defaults.size(), values.size()); ++i)
+      if (objects.contains(defaults[i]) && is_true(values[i])) by_default.push_back(defaults[i]);
+  }
+
+  std::size_t count = 0;
+  std::string first;
+  std::vector<std::string> by_default;  ///< objects that may collide with whatever no pair names
+};
+
 class SceneReader {
  public:
   SceneReader(const std::string& text, const std::filesystem::path& file, const SceneContext& context,
@@ -88,6 +117,10 @@ class SceneReader {
       leave_attached(scene_.map("robot_state"));
       world_.joints = joints_of(scene_.map("robot_state"));
     }
+    leave_robot_name();
+    leave_allowed_pairs();
+    leave_link_sizes("link_padding", "padding", 0.0);
+    leave_link_sizes("link_scale", "scale", 1.0);
     return std::move(world_);
   }
 
@@ -130,8 +163,35 @@ class SceneReader {
     }
   }
 
+  void leave_robot_name() {
+    const std::string name = scene_.text("robot_model_name", "");
+    if (name.empty() || context_.robot_names.empty() || context_.robot_names.contains(name)) return;
+    leave("its robot_model_name, " + quote(name) + ", which is not the robot's name");
+  }
+
+  /// Links may touch the objects with which these pairs name them; pairs of links are the SRDF's, and those
+  /// of objects say nothing of the robot.
+  void leave_allowed_pairs() {
+    if (!scene_.has("allowed_collision_matrix")) return;
+    const AllowedPairs pairs(scene_.map("allowed_collision_matrix"), objects_);
+    if (pairs.count > 0)
+      leave("its allowed_collision_matrix: " + std::to_string(pairs.count) +
+            " pairs with an object that may collide, the first " + pairs.first);
+    if (!pairs.by_default.empty())
+      leave("its allowed_collision_matrix: objects that may collide with everything: " +
+            listed(pairs.by_default));
+  }
+
+  void leave_link_sizes(const std::string& key, const std::string& field, double usual) {
+    std::vector<std::string> links;
+    for (const YamlFields& entry : scene_.list_of_maps(key))
+      if (entry.number(field, within_reach, usual) != usual) links.push_back(entry.text("link_name", ""));
+    if (!links.empty()) leave("its " + key + " of " + listed(links));
+  }
+
   void add_object(const YamlFields& object) {
     const std::string name = object.text("id");
+    objects_.insert(name);
     const std::string operation = object.has("operation") ? object.text("operation") : "0";
     if (operation != "0" && operation != "add" && operation != "append" && operation != "2")
       return leave("object " + quote(name) + ", which is not added (operation " + quote(operation) + ")");
@@ -251,6 +311,7 @@ class SceneReader {
   const SceneContext& context_;
   std::vector<std::string>& left_out_;
   std::map<std::string, Eigen::Isometry3d> frames_;
+  std::set<std::string> objects_;  ///< names
   ForeignWorld world_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 
 #include "apps/problem_sets/problem_set.hpp"
@@ -13,6 +14,7 @@ namespace clearway {
 struct SceneContext {
   std::map<std::string, Eigen::Isometry3d> frames;  ///< where they stand in the map; "" and "world" at 0
   PackageFolders packages;                          ///< of meshes
+  std::set<std::string> robot_names = {};           ///< what scenes may call the robot; empty: anything
 };
 
 /// A file of YAML: a scene has `world`, a motion request has `goal_constraints` or `start_state`.
@@ -21,7 +23,8 @@ bool is_request_text(const std::string& text, const std::filesystem::path& file)
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
 /// Robowflex write them: world.collision_objects of primitives and meshes. Planes, octomaps, attached bodies,
-/// objects that are not added, and objects in frames that are not the map's are left out, and reported.
+/// objects that are not added, objects in frames that are not the map's, pairs of links and objects that may
+/// collide, paddings and scales of links, and the name of another robot are left out, and reported.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);

@@ -210,14 +210,30 @@ std::string YamlFields::text_or_numbers(const std::string& key) const {
   return result;
 }
 
-std::vector<std::string> YamlFields::texts(const std::string& key) const {
-  std::vector<std::string> result;
-  if (!has(key)) return result;
-  const YAML::Node node = find(key);
+std::vector<std::string> YamlFields::texts_of(const YAML::Node& node, const std::string& key) const {
   if (!node.IsSequence()) fail(key, "expected a list of words, got " + shown_node(node));
+  std::vector<std::string> result;
   for (const auto& item : node) {
     if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown_node(item) + " in it");
     result.push_back(checked_text(item.Scalar(), key, 80));
+  }
+  return result;
+}
+
+std::vector<std::string> YamlFields::texts(const std::string& key) const {
+  return has(key) ? texts_of(find(key), key) : std::vector<std::string>();
+}
+
+std::vector<std::vector<std::string>> YamlFields::lists_of_texts(const std::string& key,
+                                                                 const std::string& name) const {
+  std::vector<std::vector<std::string>> result;
+  if (!has(key)) return result;
+  const YAML::Node node = find(key);
+  if (!node.IsSequence()) fail(key, "expected a list of lists of words, got " + shown_node(node));
+  for (const auto& item : node) {
+    const YAML::Node list = item.IsMap() ? item[name] : item;
+    if (!list.IsDefined()) fail(key, "expected " + quote(name) + " in each of its maps");
+    result.push_back(texts_of(list, key));
   }
   return result;
 }

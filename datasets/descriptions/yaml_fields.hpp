@@ -50,8 +50,10 @@ class YamlFields {
   std::string text(const std::string& key, const std::string& otherwise) const;
   std::string file(const std::string& key) const;  ///< a path, at most 255 characters of the same kind
   std::string prose(const std::string& key, const std::string& otherwise) const;  ///< lines; up to 10,000
-  std::string text_or_numbers(const std::string& key) const;          ///< of a list of numbers: "0.1, 0.2"
-  std::vector<std::string> texts(const std::string& key) const;       ///< a list, empty when absent
+  std::string text_or_numbers(const std::string& key) const;     ///< of a list of numbers: "0.1, 0.2"
+  std::vector<std::string> texts(const std::string& key) const;  ///< a list, empty when absent
+  /// Lists of words, each as it is or under `name` in a map of its own; empty when absent.
+  std::vector<std::vector<std::string>> lists_of_texts(const std::string& key, const std::string& name) const;
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
   std::vector<double> numbers(const std::string& key, Bounds, size_t size) const;
   std::vector<std::vector<double>> lists_of_numbers(const std::string& key, Bounds, size_t size) const;
@@ -85,6 +87,7 @@ class YamlFields {
   YAML::Node find(const std::string& key) const;
   YAML::Node required(const std::string& key) const;
   double number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
+  std::vector<std::string> texts_of(const YAML::Node& node, const std::string& key) const;
   std::vector<double> numbers_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
   std::vector<double> row_of(const YAML::Node& node, const std::string& key, Bounds bounds,
                              const std::vector<std::string>& names) const;

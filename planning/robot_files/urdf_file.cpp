@@ -32,7 +32,7 @@ class Reader {
   Reader(const std::filesystem::path& file, const UrdfDocument& document, const urdf::ModelInterface& model,
          const PackageFolders& packages)
       : file_(file), document_(document), model_(model), packages_(packages) {
-    robot_.name = model.getName();
+    robot_.name = robot_.model = model.getName();
     robot_.source = file;
     robot_.only_seen = document.only_seen;
   }

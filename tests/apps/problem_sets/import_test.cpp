@@ -308,6 +308,45 @@ TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
   EXPECT_NE(run.log.find("expected the robot's base at the map's origin"), std::string::npos) << run.log;
 }
 
+/// Both as ROS writes it and as Robowflex does.
+TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
+  const auto left_out_of = [&](const std::string& more) {
+    std::filesystem::remove_all(folder_ / "out");
+    const std::string scene = folder_.write(
+        "s.yaml", more +
+                      "\nworld: {collision_objects: [{id: mug, primitives: [{type: sphere, dimensions: "
+                      "[0.01]}]}, {id: pan, primitives: [{type: sphere, dimensions: [0.01]}]}]}");
+    const CommandRun run = import("mbm", {scene}, {"--json"});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    const Json left = Json::parse(run.out)["left_out"];
+    EXPECT_EQ(Json::parse(read_file(folder_.file("out/import.json")))["left_out"], left);
+    return left;
+  };
+  const std::string rows[] = {"[false, true, true, true]", "[true, False, true, true]",
+                              "[true, true, false, false]", "[true, false, false, false]"};
+  for (const bool is_ros : {true, false}) {
+    std::string values;
+    for (const std::string& row : rows)
+      values += (values.empty() ? "" : ", ") + (is_ros ? "{enabled: " + row + "}" : row);
+    EXPECT_EQ(
+        left_out_of("allowed_collision_matrix: {entry_names: [upper, mug, pan, lower], entry_values: [" +
+                    values + "], default_entry_names: [pan, upper], default_entry_values: [true, true]}"),
+        (Json{"s.yaml: its allowed_collision_matrix: 3 pairs with an object that may collide, the first "
+              "'upper' with 'mug'",
+              "s.yaml: its allowed_collision_matrix: objects that may collide with everything: pan"}));
+  }
+  EXPECT_EQ(left_out_of("link_padding: [{link_name: upper, padding: 0}, {link_name: lower, padding: 0.01}]\n"
+                        "link_scale: [{link_name: upper, scale: 1.1}, {link_name: lower, scale: 1}]"),
+            (Json{"s.yaml: its link_padding of lower", "s.yaml: its link_scale of upper"}));
+  EXPECT_EQ(left_out_of("robot_model_name: leg"),
+            (Json{"s.yaml: its robot_model_name, 'leg', which is not the robot's name"}));
+  EXPECT_EQ(left_out_of("robot_model_name: arm\nallowed_collision_matrix: {entry_names: [upper, lower], "
+                        "entry_values: [[false, true], [true, false]]}"),
+            Json::array());
+  robot_ = folder_.write("mine.urdf", worlds::arm_with_finger());
+  EXPECT_EQ(left_out_of("robot_model_name: arm"), Json::array());  // by the name inside the URDF
+}
+
 TEST_F(Import, ARequestForAnotherRobotIsRefusedWithTheJointThatItNames) {
   const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
   const std::string request = folder_.write(
