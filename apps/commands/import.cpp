@@ -38,7 +38,8 @@ ForeignSet read_json_sets(const ImportOptions& options) {
 
 /// Where the robot's links stand that no joint moves, and what its SRDF calls the world.
 SceneContext scene_context(const RobotRequest& request) {
-  const Robot robot = load_robot(RobotRequest{request.robot, request.srdf, "", {}, request.packages});
+  const Robot robot =
+      load_robot(RobotRequest{request.robot, request.srdf, "", {}, request.packages, request.xacro});
   SceneContext context{{}, request.packages, {robot.name, robot.model}};
   if (!robot.srdf.empty())
     for (const std::string& frame : read_srdf(robot.srdf).outer_frames)

@@ -109,7 +109,7 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
   if (!experiment.teams) {
     ready.robot = reported(suite, experiment, "field 'robot'", [&] {
       Robot robot = load_robot(RobotRequest{experiment.robot, experiment.srdf, experiment.group,
-                                            experiment.fixed, experiment.packages});
+                                            experiment.fixed, experiment.packages, experiment.xacro});
       return experiment.scale ? scaled(robot, *experiment.scale / robot.scale) : robot;
     });
     ready.policies = suite_policies(suite, experiment, ready.robot);

@@ -33,6 +33,7 @@ struct RobotChoice {
   std::string group = {};                  ///< empty: the robot's own, else all joints
   std::vector<std::string> fixed = {};     ///< "JOINT=VALUE"
   std::vector<std::string> packages = {};  ///< "NAME=DIR"
+  std::vector<std::string> xacro = {};     ///< "NAME:=VALUE"
 };
 
 /// Flags that `plan` and `check` share about loads on the joints: path costs and torques follow from them.

@@ -118,6 +118,12 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->type_name("NAME=DIR")
       ->allow_extra_args(false)
       ->take_all();
+  command
+      .add_option("--xacro", choice.xacro,
+                  "argument of a robot's .xacro file, passed on to the program xacro; repeatable")
+      ->type_name("NAME:=VALUE")
+      ->allow_extra_args(false)
+      ->take_all();
 }
 
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {

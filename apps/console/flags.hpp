@@ -46,7 +46,7 @@ void add_planning_flags(CLI::App& command, std::uint64_t& seed, double& time_lim
 /// --seen-within, seconds. @param note of its default
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
 
-/// --robot, --srdf, --group, --fix, --package: which robot, and what of it moves.
+/// --robot, --srdf, --group, --fix, --package, --xacro: which robot, and what of it moves.
 void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
 /// The same and --scale, --base, --policy, --padding, --seen-within, as `plan` and

@@ -265,6 +265,7 @@ class SuiteWriter {
     if (!motion.fixed.empty()) json["fixed"] = motion.fixed;
     for (const auto& [package, folder] : import_.robot.packages)
       json["packages"][package] = fs::weakly_canonical(folder).string();
+    for (const auto& [argument, value] : import_.robot.xacro) json["xacro"][argument] = value;
     json["policies"] = {{"default", "not_occupied"}};
     json["padding"] = 0;
     json["problems"] = "problems/" + name + ".yaml";

@@ -12,6 +12,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/held_joints.hpp"
+#include "planning/robot_files/xacro_file.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
@@ -40,6 +41,15 @@ RobotRequest robot_request(const RobotChoice& choice) {
       throw std::invalid_argument("--package " + quote(text.substr(0, equals)) + ": there is no folder " +
                                   quote_path(folder.string()));
     request.packages[text.substr(0, equals)] = folder;
+  }
+  for (const std::string& text : choice.xacro) {
+    const std::size_t sign = text.find(":=");
+    const std::string name = text.substr(0, sign);
+    if (sign == std::string::npos || !is_xacro_name(name))
+      throw std::invalid_argument(
+          "--xacro: expected NAME:=VALUE with a name of letters, digits and underscores, got " + quote(text));
+    if (!request.xacro.emplace(name, text.substr(sign + 2)).second)
+      throw std::invalid_argument("--xacro: argument " + quote(name) + " is given twice, expected it once");
   }
   return request;
 }

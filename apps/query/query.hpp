@@ -14,7 +14,8 @@
 namespace clearway {
 
 /// The robot that a command line asks for, as load_robot takes it. @throws std::invalid_argument for a --fix
-/// that is no JOINT=VALUE, or a joint twice.
+/// that is no JOINT=VALUE, or a joint twice; a --package that is no NAME=DIR; a --xacro that is no
+/// NAME:=VALUE.
 RobotRequest robot_request(const RobotChoice& choice);
 
 /// Loads the robot and applies the choices of a command line: group, held joints, scale and base.

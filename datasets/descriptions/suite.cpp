@@ -201,7 +201,7 @@ void read_tasks(const YamlFields& fields, const Suite& suite, const std::filesys
 /// What of the robot moves, and where its files are.
 void read_robot_terms(const YamlFields& fields, const std::filesystem::path& folder,
                       SuiteExperiment& experiment) {
-  for (const char* key : {"srdf", "group", "fixed", "packages"})
+  for (const char* key : {"srdf", "group", "fixed", "packages", "xacro"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
   if (fields.has("srdf")) experiment.srdf = folder / fields.file("srdf");
   if (fields.has("group")) experiment.group = fields.text("group");
@@ -222,6 +222,10 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.paper = fields.prose("paper", "");
   experiment.notes = fields.prose("notes", "");
   experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
+  if (fields.has("xacro")) {
+    const YamlFields xacro = fields.map("xacro");
+    for (const std::string& name : xacro.keys()) experiment.xacro[name] = xacro.prose(name, "");
+  }
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, folder, experiment);

@@ -87,6 +87,7 @@ struct SuiteExperiment {
   std::map<std::string, std::filesystem::path> packages{};  ///< folders of packages of meshes
   std::optional<double> scale;
   double payload = 0;  ///< kg at the tip, full size, for the path cost; of teams beside each robot
+  std::map<std::string, std::string> xacro{};               ///< arguments of the robot's .xacro
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
   std::string
       world;  ///< of the explicit problems that name none; for teams it may be empty: nothing but the robots

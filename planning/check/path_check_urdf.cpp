@@ -51,7 +51,7 @@ bool is_of_base(const tinyxml2::XMLElement& joint) {
 /// The file's joints and links alone. A body's shape becomes a sphere, because urdfdom knows no capsules and
 /// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
 std::string bare_text(const Robot& robot) {
-  const std::string text = read_text(file_of(robot));
+  const std::string text = read_text(file_of(robot), robot.xacro);
   tinyxml2::XMLDocument xml;
   xml.Parse(text.data(), text.size());
   tinyxml2::XMLElement* root = xml.FirstChildElement("robot");

@@ -92,8 +92,9 @@ struct Robot {
   double position_accuracy = default_position_accuracy;  ///< metres, at this scale: the default padding
   double scale = 1.0;  ///< against the full-size robot of the URDF; path costs are of the full-size robot
   std::filesystem::path source;
-  std::string model{};                   ///< its name inside the URDF
-  std::filesystem::path srdf{};          ///< that was read with it; empty: none
+  std::string model{};                         ///< its name inside the URDF
+  std::map<std::string, std::string> xacro{};  ///< arguments with which its .xacro was expanded
+  std::filesystem::path srdf{};                ///< that was read with it; empty: none
   std::string group{};                   ///< planning group of the SRDF whose joints move; empty: all joints
   std::vector<HeldJoint> held{};         ///< the others, by name
   std::vector<NamedState> states{};      ///< of the SRDF, by name

@@ -54,6 +54,19 @@ std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSet
   return pairs;
 }
 
+/// Of what both state, what was asked for counts. Settings that lie beside a .urdf may be those of the
+/// .xacro from which it was made.
+std::map<std::string, std::string> xacro_arguments(const RobotRequest& request, const RobotSettings& settings,
+                                                   const fs::path& file, const fs::path& urdf) {
+  if (extension_of(urdf) != ".xacro" && is_urdf_name(file) && request.xacro.empty()) return {};
+  std::map<std::string, std::string> arguments = request.xacro;
+  arguments.insert(settings.xacro.begin(), settings.xacro.end());
+  if (!arguments.empty() && extension_of(urdf) != ".xacro")
+    throw std::invalid_argument(urdf.string() + ": is no .xacro file, expected one for xacro argument " +
+                                quote(arguments.begin()->first));
+  return arguments;
+}
+
 /// The SRDF that was asked for, that the settings name, or that lies beside the URDF; empty: none.
 fs::path srdf_of(const RobotRequest& request, const RobotSettings& settings, const fs::path& settings_file,
                  const fs::path& urdf) {
@@ -198,7 +211,7 @@ Robot load_robot(const RobotRequest& request) {
   if (!is_urdf || fs::is_regular_file(settings_file)) settings = read_robot_settings(settings_file);
   const fs::path urdf = urdf_of(file, settings);
 
-  Robot robot = read_urdf(urdf, request.packages);
+  Robot robot = read_urdf(urdf, request.packages, xacro_arguments(request, settings, file, urdf));
   apply_settings(settings, settings_file, robot);
   robot.name = file.stem().string();
   robot.source = file;

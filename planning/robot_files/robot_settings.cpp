@@ -12,6 +12,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 #include "planning/robot_files/urdf_numbers.hpp"
+#include "planning/robot_files/xacro_file.hpp"
 
 namespace clearway {
 namespace {
@@ -137,11 +138,22 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
   return result;
 }
 
+std::map<std::string, std::string> xacro_of(const std::filesystem::path& file, const YAML::Node& node) {
+  const Section section(file, "xacro.", node, {});
+  std::map<std::string, std::string> arguments;
+  for (const auto& entry : node) {
+    const std::string name = entry.first.as<std::string>("");
+    if (!is_xacro_name(name)) section.refuse(name, "named by letters, digits and underscores");
+    arguments[name] = section.text(name, "");
+  }
+  return arguments;
+}
+
 RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& root) {
   const Section section(file, "", root,
                         {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
                          "max_acceleration", "max_jerk", "position_accuracy", "inverse_kinematics", "exempt",
-                         "srdf", "group", "fixed"});
+                         "srdf", "group", "fixed", "xacro"});
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
@@ -183,6 +195,7 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
       settings.fixed[joint] = fixed.any_number(joint, entry.second);
     }
   }
+  if (section.has("xacro")) settings.xacro = xacro_of(file, section.node("xacro"));
   return settings;
 }
 

@@ -33,9 +33,10 @@ struct RobotSettings {
   double position_accuracy = default_position_accuracy;
   std::string inverse_kinematics = "numeric";
   std::optional<std::vector<std::pair<std::string, std::string>>> exempt;  ///< pairs of parts
-  std::filesystem::path srdf;           ///< beside the settings; empty: the URDF's name
-  std::string group;                    ///< planning group of the SRDF; empty: all joints
-  std::map<std::string, double> fixed;  ///< joints that stand still, rad or m
+  std::filesystem::path srdf;                ///< beside the settings; empty: the URDF's name
+  std::string group;                         ///< planning group of the SRDF; empty: all joints
+  std::map<std::string, double> fixed;       ///< joints that stand still, rad or m
+  std::map<std::string, std::string> xacro;  ///< arguments of the .xacro
 };
 
 /// Reads a robot's .yaml. @throws std::invalid_argument naming file, key and what was expected; an unknown

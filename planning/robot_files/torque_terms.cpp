@@ -61,7 +61,7 @@ TorqueTerms torque_terms(const Robot& robot, const JointLoad& load) {
                     Eigen::VectorXd::Constant(dof, std::numeric_limits<double>::infinity()), load};
   if (robot.source.empty()) return terms;
   const std::filesystem::path file = urdf_of_robot(robot);
-  const std::string text = read_text(file);
+  const std::string text = read_text(file, robot.xacro);
   tinyxml2::XMLDocument xml;
   xml.Parse(text.data(), text.size());
   const XMLElement* root = xml.FirstChildElement("robot");

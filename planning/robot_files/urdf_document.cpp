@@ -144,15 +144,15 @@ void blank_late_declaration(std::string& text) {
 
 }  // namespace
 
-std::string read_text(const std::filesystem::path& file) {
+std::string read_text(const std::filesystem::path& file, const XacroArguments& arguments) {
   std::string text = read_input(file, "robot file", most_bytes_of_robot);
-  if (extension_of(file) == ".xacro") text = expanded_xacro(file, most_bytes_of_robot);
+  if (extension_of(file) == ".xacro") text = expanded_xacro(file, most_bytes_of_robot, arguments);
   blank_late_declaration(text);
   return text;
 }
 
-UrdfDocument read_urdf_document(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+UrdfDocument read_urdf_document(const std::filesystem::path& file, const XacroArguments& arguments) {
+  const std::string text = read_text(file, arguments);
   const Place place{file, ""};
   tinyxml2::XMLDocument xml;
   if (const auto error = xml.Parse(text.data(), text.size()); error == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {

@@ -18,11 +18,14 @@ struct UrdfDocument {
   std::vector<std::string> only_seen;                   ///< links with a <visual> and no <collision>
 };
 
+/// @param xacro arguments of a .xacro file
 /// @throws std::invalid_argument in one sentence naming file, element and what was expected.
-UrdfDocument read_urdf_document(const std::filesystem::path& file);
+UrdfDocument read_urdf_document(const std::filesystem::path& file,
+                                const std::map<std::string, std::string>& xacro = {});
 
-/// The whole file as text; of a .xacro what the program `xacro` makes of it. @throws std::invalid_argument
-/// when it is missing, unreadable or above 16 MB.
-std::string read_text(const std::filesystem::path& file);
+/// The whole file as text; of a .xacro what the program `xacro` makes of it with these arguments.
+/// @throws std::invalid_argument when it is missing, unreadable or above 16 MB.
+std::string read_text(const std::filesystem::path& file,
+                      const std::map<std::string, std::string>& xacro = {});
 
 }  // namespace clearway

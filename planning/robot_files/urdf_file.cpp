@@ -203,8 +203,9 @@ class Reader {
 
 }  // namespace
 
-Robot read_urdf(const std::filesystem::path& file, const PackageFolders& packages) {
-  const UrdfDocument document = read_urdf_document(file);
+Robot read_urdf(const std::filesystem::path& file, const PackageFolders& packages,
+                const XacroArguments& arguments) {
+  const UrdfDocument document = read_urdf_document(file, arguments);
   if (document.joint_order.empty()) throw std::invalid_argument(file.string() + ": has no joints");
   const KeptMessages messages;  // dropped: they name urdfdom's functions
   urdf::ModelInterfaceSharedPtr model;
@@ -214,7 +215,9 @@ Robot read_urdf(const std::filesystem::path& file, const PackageFolders& package
   }
   if (!model || !model->getRoot())
     throw std::invalid_argument(file.string() + ": is not a URDF of links, joints and shapes");
-  return Reader(file, document, *model, packages).robot();
+  Robot robot = Reader(file, document, *model, packages).robot();
+  robot.xacro = arguments;
+  return robot;
 }
 
 }  // namespace clearway

@@ -14,7 +14,9 @@ namespace clearway {
 /// A mimic joint whose axis differs from its master's gets its link frame turned so that the axes agree.
 /// @throws std::invalid_argument in one sentence naming file, element and what was expected.
 /// @param packages folders of packages, as find_mesh takes them
+/// @param xacro arguments of a .xacro file
 Robot read_urdf(const std::filesystem::path& file,
-                const std::map<std::string, std::filesystem::path>& packages = {});
+                const std::map<std::string, std::filesystem::path>& packages = {},
+                const std::map<std::string, std::string>& xacro = {});
 
 }  // namespace clearway

@@ -5,21 +5,28 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <stdexcept>
+#include <vector>
 
 #include "mapping/system/child_process.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr int no_such_program = 127;
 
-[[noreturn]] void become_xacro(int output, const std::string& file) {
+/// @param words of its command line, the program first
+[[noreturn]] void become_xacro(int output, std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::dup2(output, STDOUT_FILENO);
-  ::execlp("xacro", "xacro", file.c_str(), nullptr);
+  ::execvp("xacro", arguments.data());
   ::_exit(errno == ENOENT ? no_such_program : 1);
 }
 
@@ -37,12 +44,12 @@ std::string read_up_to(int descriptor, std::size_t most) {
 }
 
 /// Runs in the child, which its limits hold: the exit status as one byte, and what xacro wrote.
-std::string run_xacro(const std::string& file, std::size_t largest) {
+std::string run_xacro(std::vector<std::string> words, std::size_t largest) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) return "\1";
   const pid_t xacro = ::fork();
   if (xacro < 0) return "\1";
-  if (xacro == 0) become_xacro(ends[1], file);
+  if (xacro == 0) become_xacro(ends[1], words);
   ::close(ends[1]);
   const std::string text = read_up_to(ends[0], largest);
   if (text.size() > largest) ::kill(xacro, SIGKILL);
@@ -54,10 +61,24 @@ std::string run_xacro(const std::string& file, std::size_t largest) {
 
 }  // namespace
 
-std::string expanded_xacro(const std::filesystem::path& file, std::size_t largest) {
-  const std::string name = std::filesystem::absolute(file).string();
+bool is_xacro_name(const std::string& name) {
+  const auto is_part = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  return !name.empty() && std::all_of(name.begin(), name.end(), is_part);
+}
+
+std::string expanded_xacro(const std::filesystem::path& file, std::size_t largest,
+                           const XacroArguments& arguments) {
+  std::vector<std::string> words{"xacro", std::filesystem::absolute(file).string()};
+  for (const auto& [name, value] : arguments) {
+    if (!is_xacro_name(name))
+      throw std::invalid_argument(file.string() + ": xacro argument " + quote(name) +
+                                  ": expected a name of letters, digits and underscores");
+    words.push_back(name + ":=" + value);
+  }
   const ChildOutcome run =
-      run_in_child([&] { return run_xacro(name, largest); },
+      run_in_child([&] { return run_xacro(words, largest); },
                    {.memory = std::size_t{1} << 30U, .output = largest + 1, .seconds = 20});
   if (!run.finished || run.parts.empty() || run.parts.front().empty())
     throw std::invalid_argument(file.string() + ": xacro could not expand it: " + run.failure);
@@ -65,11 +86,12 @@ std::string expanded_xacro(const std::filesystem::path& file, std::size_t larges
   if (answer.front() == no_such_program)
     throw std::invalid_argument(file.string() +
                                 ": the program 'xacro' is not installed, expected it or a .urdf that it made "
-                                "(xacro FILE > robot.urdf)");
+                                "(xacro FILE NAME:=VALUE > robot.urdf)");
   if (answer.front() != 0)
     throw std::invalid_argument(file.string() +
-                                ": xacro could not expand it, expected a xacro file that "
-                                "needs no arguments and whose includes are found");
+                                ": xacro could not expand it, expected a xacro file whose includes are "
+                                "found and whose arguments --xacro NAME:=VALUE or the settings' xacro: "
+                                "give");
   return answer.substr(1);
 }
 

@@ -875,6 +875,7 @@ def load_robot(
     group: str = ...,
     fixed: dict[str, float] = ...,
     packages: dict[str, _FilePath] = ...,
+    xacro: dict[str, str] = ...,
     scale: float | None = ...,
     map_from_base: ArrayLike | None = ...,
 ) -> Robot: ...

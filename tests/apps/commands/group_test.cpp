@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "mapping/files/map_file.hpp"
@@ -136,6 +138,40 @@ TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
   expect_refused({"--srdf", folder_.file("no.srdf"), "--start", "home", "--goal", "ready"}, "no.srdf");
   expect_refused({"--package", "a", "--start", "home", "--goal", "ready"},
                  "--package: expected NAME=DIR, got 'a'");
+  for (const char* text : {"side", "side=left", ":=left", "si-de:=left"})
+    expect_refused({"--xacro", text, "--start", "home", "--goal", "ready"},
+                   "--xacro: expected NAME:=VALUE with a name of letters, digits and underscores, got '" +
+                       std::string(text) + "'");
+  expect_refused({"--xacro", "side:=left", "--xacro", "side:=", "--start", "home", "--goal", "ready"},
+                 "--xacro: argument 'side' is given twice");
+  expect_refused({"--xacro", "side:=left", "--start", "home", "--goal", "ready"}, "is no .xacro file");
+}
+
+/// A stand-in for xacro, which makes the robot for one argument alone.
+TEST_F(Group, ArgumentsOfXacroReachTheProgramFromPlanAndCheck) {
+  const std::string program =
+      folder_.write("xacro", "#!/bin/sh\n[ \"$2\" = side:=left ] && cat " + folder_.file("made.urdf") + "\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  std::filesystem::rename(folder_ / "arm.urdf", folder_ / "made.urdf");
+  folder_.write("arm.urdf.xacro", "<robot name='arm'/>");
+  const std::string before = std::getenv("PATH") ? std::getenv("PATH") : "";
+  ::setenv("PATH", (folder_.path().string() + ":/usr/bin:/bin").c_str(), 1);
+  const Arguments robot{"--map",    folder_.file("map"), "--robot", folder_.file("arm.urdf.xacro"),
+                        "--policy", "not_occupied",      "--group", "arm"};
+  Arguments plan{"plan",    "--planner", "rrtconnect", "--out", folder_.file("plan.json"),
+                 "--start", "home",      "--goal",     "ready"};
+  Arguments check{"check", folder_.file("plan.json")};
+  for (Arguments* arguments : {&plan, &check})
+    arguments->insert(arguments->end(), robot.begin(), robot.end());
+  const CommandRun without = run_command(plan);
+  EXPECT_EQ(without.status, exit_bad_input);
+  EXPECT_NE(without.log.find("--xacro NAME:=VALUE"), std::string::npos) << without.log;
+  for (Arguments* arguments : {&plan, &check}) {
+    arguments->insert(arguments->end(), {"--xacro", "side:=left"});
+    const CommandRun with = run_command(*arguments);
+    EXPECT_EQ(with.status, exit_done) << with.out << with.log;
+  }
+  ::setenv("PATH", before.c_str(), 1);
 }
 
 TEST_F(Group, APoseOfTheTipIsReachedWithinTheGroupAndCheckedAsAnyGoal) {

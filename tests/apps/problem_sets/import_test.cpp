@@ -1,6 +1,7 @@
 // `clearway import`: scenes, requests and problem sets that are written out here by hand.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "datasets/descriptions/suite.hpp"
@@ -345,6 +346,25 @@ TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
             Json::array());
   robot_ = folder_.write("mine.urdf", worlds::arm_with_finger());
   EXPECT_EQ(left_out_of("robot_model_name: arm"), Json::array());  // by the name inside the URDF
+}
+
+TEST_F(Import, ArgumentsOfXacroAreTheSuitesToo) {
+  const std::string program =
+      folder_.write("xacro", "#!/bin/sh\n[ \"$2\" = side:=left ] && cat " + robot_ + "\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  robot_ = folder_.write("arm.urdf.xacro", "<robot name='arm'/>");
+  const std::string before = std::getenv("PATH") ? std::getenv("PATH") : "";
+  ::setenv("PATH", (folder_.path().string() + ":/usr/bin:/bin").c_str(), 1);
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const CommandRun run =
+      import("mbm", {scene, folder_.write("b.yaml", arm_request)}, {"--xacro", "side:=left"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(load_suite(folder_ / "out/suite.yaml").experiments[0].xacro,
+            (std::map<std::string, std::string>{{"side", "left"}}));
+  const CommandRun compared =
+      run_command({"compare", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
+  EXPECT_EQ(compared.status, exit_done) << compared.log;
+  ::setenv("PATH", before.c_str(), 1);
 }
 
 TEST_F(Import, ARequestForAnotherRobotIsRefusedWithTheJointThatItNames) {

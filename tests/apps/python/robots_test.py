@@ -1,5 +1,6 @@
 """Robots from Python, against kinematics in NumPy that read the URDF themselves, and the command line program."""
 
+import os
 import unittest
 import xml.etree.ElementTree as xml
 
@@ -133,6 +134,22 @@ class Facts(unittest.TestCase):
         np.testing.assert_array_equal(robot.tip_pose("bent"), robot.tip_pose(robot.configuration("bent")))
         with self.assertRaisesRegex(ValueError, "no state 'straight', expected one of bent"):
             robot.configuration("straight")
+
+    def test_arguments_of_xacro_reach_the_program(self):
+        before = os.environ["PATH"]
+        with worlds.folder() as folder:
+            with open(f"{folder}/xacro", "w", encoding="utf-8") as program:  # a stand-in
+                program.write(f'#!/bin/sh\n[ "$2" = side:=left ] && cat {cw.datasets_folder()}/robots/planar2.urdf\n')
+            os.chmod(f"{folder}/xacro", 0o700)
+            with open(f"{folder}/two.urdf.xacro", "w", encoding="utf-8") as robot:
+                robot.write('<robot name="two"/>')
+            os.environ["PATH"] = f"{folder}:{before}"
+            try:
+                self.assertEqual(cw.load_robot(f"{folder}/two.urdf.xacro", xacro={"side": "left"}).dof, 2)
+                with self.assertRaisesRegex(ValueError, "xacro could not expand it"):
+                    cw.load_robot(f"{folder}/two.urdf.xacro", xacro={"side": "right"})
+            finally:
+                os.environ["PATH"] = before
 
     def test_mistakes_are_one_sentence(self):
         for make in (

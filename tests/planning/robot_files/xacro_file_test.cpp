@@ -4,8 +4,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 
 #include "planning/check/path_check.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 
 namespace clearway {
@@ -29,9 +31,12 @@ class XacroFile : public ::testing::Test {
     std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   }
 
-  std::string refusal() const {
+  std::string refusal(const std::map<std::string, std::string>& arguments = {},
+                      const std::string& name = "two.urdf.xacro") const {
     try {
-      load_robot(folder_.file("two.urdf.xacro"));
+      RobotRequest request{folder_.file(name)};
+      request.xacro = arguments;
+      load_robot(request);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -49,6 +54,41 @@ TEST_F(XacroFile, WhatTheProgramMakesIsTheRobotForPlannersAndCheck) {
   EXPECT_EQ(robot.dof(), 1U);
   const std::string said = check_path(robot, Snapshot(), {}, 0.0, {Configuration::Zero(1)}).first_contact;
   EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
+}
+
+/// The stand-in wants exactly these words, in the order of the names.
+TEST_F(XacroFile, ArgumentsArePassedOnForPlannersTorquesAndCheckAlike) {
+  make_program("[ \"$2 $3\" = 'far:=1 side:=left arm' ] || exit 2; cat '" + folder_.file("expanded") + "'");
+  EXPECT_NE(refusal().find("--xacro NAME:=VALUE"), std::string::npos) << refusal();
+  RobotRequest request{folder_.file("two.urdf.xacro")};
+  request.xacro = {{"side", "left arm"}, {"far", "1"}};
+  const Robot robot = load_robot(request);
+  EXPECT_EQ(robot.xacro, request.xacro);
+  EXPECT_NO_THROW(torque_terms(robot, {}));
+  const std::string said = check_path(robot, Snapshot(), {}, 0.0, {Configuration::Zero(1)}).first_contact;
+  EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
+
+  folder_.write("two.yaml", "xacro: {side: right, far: 1}\n");
+  request.xacro = {{"side", "left arm"}};  // goes before the settings'
+  EXPECT_EQ(load_robot(request).xacro, robot.xacro);
+  folder_.write("two.yaml", "xacro: {si-de: right}\n");
+  EXPECT_NE(refusal().find("'xacro.si-de' must be named by letters, digits and underscores"),
+            std::string::npos)
+      << refusal();
+}
+
+TEST_F(XacroFile, ArgumentsOfNoNameOrForAnotherKindOfFileAreRefused) {
+  make_program("cat '" + folder_.file("expanded") + "'");
+  for (const char* name : {"", "a b", "-x", "a:"})
+    EXPECT_NE(refusal({{name, "1"}}).find("expected a name of letters, digits and underscores"),
+              std::string::npos)
+        << refusal({{name, "1"}});
+  folder_.write("plain.urdf", two_links(sphere_collision(), "revolute", free_turn()));
+  folder_.write("plain.yaml", "xacro: {side: left}\n");  // of a plain.urdf.xacro, perhaps
+  EXPECT_EQ(refusal({}, "plain.urdf"), "accepted");
+  EXPECT_NE(refusal({{"side", "left"}}, "plain.urdf").find("is no .xacro file, expected one"),
+            std::string::npos);
+  EXPECT_NE(refusal({}, "plain.yaml").find("is no .xacro file, expected one"), std::string::npos);
 }
 
 TEST_F(XacroFile, ARefusalOrAMissingProgramIsReportedInOurWords) {
