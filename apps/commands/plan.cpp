@@ -20,6 +20,7 @@
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot/goal_configurations.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 
@@ -109,7 +110,8 @@ void report_degrees(const PlanOptions& options, const Robot& robot, const Config
 /// Where the legs end: for each pose the nearest configuration that is free, else the nearest.
 std::vector<Configuration> goals_at_poses(const PlanOptions& options, const ConfigurationSpace& space,
                                           const Configuration& start) {
-  const Robot robot = options.tip.empty() ? space.robot() : with_tip(space.robot(), options.tip);
+  const Robot robot =
+      options.tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), options.tip));
   std::vector<Configuration> goals;
   for (const std::string& text : options.goal_poses) {
     const Eigen::Isometry3d pose = pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose");
@@ -180,7 +182,7 @@ int run_plan(const PlanOptions& options, Console& console) {
     throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
   if (!options.tip.empty() && options.goal_poses.empty())
     throw std::invalid_argument("--tip: expected --goal-pose with it");
-  if (!options.tip.empty()) with_tip(robot, options.tip);
+  if (!options.tip.empty()) with_tip(robot, link_of_tip(robot, options.tip));
   std::vector<Configuration> goals;
   for (const std::string& goal : options.goals) {
     goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));

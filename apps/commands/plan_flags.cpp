@@ -35,7 +35,10 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("POSE")
       ->allow_extra_args(false)
       ->take_all();
-  command->add_option("--tip", options->tip, "link that --goal-pose refers to; default: the robot's own tip")
+  command
+      ->add_option(
+          "--tip", options->tip,
+          "link, or end effector of the SRDF, that --goal-pose refers to; default: the robot's own tip")
       ->type_name("LINK");
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")

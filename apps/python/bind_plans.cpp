@@ -10,6 +10,7 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot/goal_configurations.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 namespace {
@@ -37,7 +38,7 @@ std::string option_text(const std::string& name, py::object value) {
 std::vector<Configuration> goals_at(const ConfigurationSpace& space,
                                     const std::vector<Eigen::Isometry3d>& poses, const std::string& tip,
                                     const Configuration& start) {
-  const Robot robot = tip.empty() ? space.robot() : with_tip(space.robot(), tip);
+  const Robot robot = tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), tip));
   std::vector<Configuration> goals;
   for (const Eigen::Isometry3d& pose : poses) {
     const auto found = goal_configurations(robot, pose, goals.empty() ? start : goals.back());

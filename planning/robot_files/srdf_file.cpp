@@ -270,6 +270,14 @@ std::string tip_of_group(const Srdf& srdf, const std::string& group) {
   return found->second.chains.front().second;
 }
 
+std::string link_of_tip(const Robot& robot, const std::string& name) {
+  const auto is_called = [&](const auto& named) { return named.name == name; };
+  if (robot.srdf.empty() || std::any_of(robot.links.begin(), robot.links.end(), is_called)) return name;
+  const Srdf srdf = read_srdf(robot.srdf);
+  const auto effector = std::find_if(srdf.end_effectors.begin(), srdf.end_effectors.end(), is_called);
+  return effector == srdf.end_effectors.end() ? name : effector->parent_link;
+}
+
 std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group) {
   std::map<std::string, NamedState> states;
   for (const bool is_own : {true, false}) {

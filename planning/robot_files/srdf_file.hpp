@@ -58,6 +58,10 @@ std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, cons
 /// the tip of the group's only chain; empty when the SRDF says neither.
 std::string tip_of_group(const Srdf& srdf, const std::string& group);
 
+/// The link that a tip's name means: where the end effector of that name hangs on, in the robot's SRDF; else
+/// the name itself, as of a link. @throws as read_srdf
+std::string link_of_tip(const Robot& robot, const std::string& name);
+
 /// One state for each name, sorted. Where several groups have a state of one name, their values add up; of
 /// what both state, the planning group's own counts.
 std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group);

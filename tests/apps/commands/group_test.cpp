@@ -29,6 +29,7 @@ class Group : public ::testing::Test {
         "<joint name='elbow' value='0.1'/></group_state>"
         "<group_state name='ready' group='arm'><joint name='shoulder' value='0.5'/>"
         "<joint name='elbow' value='-0.1'/></group_state>"
+        "<end_effector name='gripper' parent_link='finger' group='hand' parent_group='arm'/>"
         "<group_state name='half' group='arm'><joint name='elbow' value='-0.1'/></group_state></robot>");
     FreeSpaceMap map({.resolution = 0.05});
     Scan scan;
@@ -182,6 +183,9 @@ TEST_F(Group, APoseOfTheTipIsReachedWithinTheGroupAndCheckedAsAnyGoal) {
       plan({"--fix", "grip=0", "--start", "home", "--tip", "finger", "--goal-pose=" + pose});
   ASSERT_EQ(run.status, exit_done) << run.out << run.log;
   const Json goal = written()["goals"][0];
+  ASSERT_EQ(plan({"--fix", "grip=0", "--start", "home", "--tip", "gripper", "--goal-pose=" + pose}).status,
+            exit_done);
+  EXPECT_EQ(written()["goals"][0], goal);
   EXPECT_NEAR(goal[0].get<double>(), 0.5, 1e-4);
   EXPECT_NEAR(goal[1].get<double>(), -0.1, 1e-4);
   EXPECT_EQ(check().status, exit_done);

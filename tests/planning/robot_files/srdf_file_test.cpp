@@ -142,6 +142,19 @@ TEST_F(SrdfFile, StatesTipsAndPairsAreRead) {
   EXPECT_EQ(std::count(left.exempt.begin(), left.exempt.end(), pair), 1);
 }
 
+TEST_F(SrdfFile, ATipMayBeCalledByItsEndEffectorUnlessALinkHasThatName) {
+  const Robot left = robot("left");
+  EXPECT_EQ(link_of_tip(left, "gripper"), "l2");
+  EXPECT_EQ(link_of_tip(left, "palm"), "palm");
+  EXPECT_EQ(link_of_tip(left, "gripped"), "gripped");
+  folder_.write("two.srdf",
+                "<robot name='two'><end_effector name='palm' parent_link='l2' group='hand'/></robot>");
+  EXPECT_EQ(link_of_tip(left, "palm"), "palm");
+  Robot alone = left;
+  alone.srdf.clear();
+  EXPECT_EQ(link_of_tip(alone, "gripper"), "gripper");
+}
+
 TEST_F(SrdfFile, ALinkOffByDefaultMeetsOnlyWhatIsEnabledAgain) {
   const auto exempt = [&](const std::string& text) {
     const std::string srdf = folder_.write("pairs.srdf", "<robot name='two'>" + text + "</robot>");
