@@ -84,19 +84,34 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
   return result;
 }
 
+namespace {
+
+/// Refuses a state, as that of a subgroup, that leaves joints of the robot's configurations open.
+void require_all_joints(const Robot& robot, const NamedState& state) {
+  std::vector<std::string> unsaid;
+  for (const Joint& joint : robot.joints)
+    if (!state.values.contains(joint.name)) unsaid.push_back(joint.name);
+  if (unsaid.empty()) return;
+  const bool is_one = unsaid.size() == 1;
+  const std::string whole = robot.group.empty() ? "all joints" : "the whole group " + quote(robot.group);
+  throw std::invalid_argument(
+      "state " + quote(state.name) + " of " + robot.srdf.string() + " says nothing of " +
+      (is_one ? "joint " + quote(unsaid.front()) : "joints " + listed(unsaid)) + ", expected a state of " +
+      whole + ", or --fix JOINT=VALUE for " + (is_one ? "that joint" : "each of them"));
+}
+
+}  // namespace
+
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state) {
   const auto found = std::find_if(robot.states.begin(), robot.states.end(),
                                   [&](const NamedState& known) { return known.name == state; });
   if (found == robot.states.end()) return std::nullopt;
+  require_all_joints(robot, *found);
   Configuration q(static_cast<Eigen::Index>(robot.dof()));
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const Joint& joint = robot.joints[j];
-    const auto value = found->values.find(joint.name);
-    if (value == found->values.end())
-      throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() +
-                                  " says nothing of joint " + quote(joint.name));
     const double unit = joint.kind == JointKind::prismatic ? robot.scale : 1.0;
-    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, value->second * unit, unit);
+    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, found->values.at(joint.name) * unit, unit);
   }
   if (const std::string why = limit_violation(robot, q); !why.empty())
     throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() + ": " + why);

@@ -130,7 +130,8 @@ TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
   };
   expect_refused({"--group", "arm", "--start", "hom", "--goal", "ready"}, "half, home, ready");
   expect_refused({"--group", "arm", "--start", "half", "--goal", "ready"},
-                 "says nothing of joint 'shoulder'");
+                 "says nothing of joint 'shoulder', expected a state of the whole group 'arm', or --fix "
+                 "JOINT=VALUE for that joint (states of");
   expect_refused({"--fix", "grip", "--start", "home", "--goal", "ready"},
                  "--fix: expected JOINT=VALUE, got 'grip'");
   expect_refused({"--fix", "grip=x", "--start", "home", "--goal", "ready"},

@@ -155,6 +155,29 @@ TEST_F(SrdfFile, ATipMayBeCalledByItsEndEffectorUnlessALinkHasThatName) {
   EXPECT_EQ(link_of_tip(alone, "gripper"), "gripper");
 }
 
+TEST_F(SrdfFile, AStateThatLeavesJointsOpenIsRefusedWithTheRemedy) {
+  const auto refused = [&](const Robot& robot) {
+    try {
+      named_configuration(robot, "home");
+    } catch (const std::invalid_argument& error) {
+      const std::string text = error.what();
+      return text.substr(text.find(" says"));
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refused(robot("all", {{"waist", 0.0}})), "accepted");
+  EXPECT_EQ(
+      refused(robot("", {{"waist", 0.0}})),
+      " says nothing of joint 'fj1', expected a state of all joints, or --fix JOINT=VALUE for that joint");
+  EXPECT_EQ(
+      refused(robot("")),
+      " says nothing of joints waist, fj1, expected a state of all joints, or --fix JOINT=VALUE for each "
+      "of them");
+  EXPECT_EQ(refused(robot("hand")),
+            " says nothing of joint 'fj1', expected a state of the whole group 'hand', or --fix JOINT=VALUE "
+            "for that joint");
+}
+
 TEST_F(SrdfFile, ALinkOffByDefaultMeetsOnlyWhatIsEnabledAgain) {
   const auto exempt = [&](const std::string& text) {
     const std::string srdf = folder_.write("pairs.srdf", "<robot name='two'>" + text + "</robot>");
