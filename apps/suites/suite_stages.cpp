@@ -15,6 +15,8 @@
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot/held_joints.hpp"
 
 namespace clearway {
 namespace {
@@ -113,9 +115,25 @@ const Generator& generator_of(const Suite& suite, const SuiteExperiment& experim
              experiment.generate->kind + "'");
 }
 
-StageProblem stage_problem(const SuiteProblem& problem) {
-  StageProblem ready{problem.name, configuration(problem.start), {}};
-  for (const auto& goal : problem.goals) ready.goals.push_back(configuration(goal));
+/// These numbers, or those of the robot's state of that name.
+Configuration place_of(const Robot& robot, const std::vector<double>& values, const std::string& state) {
+  if (state.empty()) return configuration(values);
+  if (const auto q = named_configuration(robot, state)) return *q;
+  std::vector<std::string> names;
+  for (const NamedState& known : robot.states) names.push_back(known.name);
+  throw std::invalid_argument("robot " + quote(robot.name) + " has no state " + quote(state) + ", expected " +
+                              (names.empty() ? "a number for each joint" : "one of " + listed(names)));
+}
+
+/// Empty: the goal has numbers.
+std::string state_of_goal(const SuiteProblem& problem, std::size_t goal) {
+  return goal < problem.goal_states.size() ? problem.goal_states[goal] : std::string();
+}
+
+StageProblem stage_problem(const SuiteProblem& problem, const Robot& robot) {
+  StageProblem ready{problem.name, place_of(robot, problem.start, problem.start_state), {}};
+  for (std::size_t i = 0; i < problem.goals.size(); ++i)
+    ready.goals.push_back(place_of(robot, problem.goals[i], state_of_goal(problem, i)));
   for (const LoadSetup& load : problem.loads) ready.loads.push_back(leg_load(load));
   ready.view = problem.view;
   return ready;
@@ -130,25 +148,31 @@ SuiteStage stage_of(const SuiteWorld& world, const Robot& robot) {
 }
 
 void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
-  const auto check = [&](const SuiteProblem& problem, const std::vector<double>& q,
-                         const std::string& field) {
-    if (q.size() == robot.dof()) return;
+  const auto check = [&](const SuiteProblem& problem, const std::vector<double>& values,
+                         const std::string& state, const std::string& field) {
+    const std::string where = "problem '" + problem.name + "', field '" + field + "': ";
+    std::size_t size = 0;
+    try {
+      size = static_cast<std::size_t>(place_of(robot, values, state).size());
+    } catch (const std::invalid_argument& error) {
+      refuse(suite, experiment, where + error.what());
+    }
+    if (size == robot.dof()) return;
     refuse(suite, experiment,
-           "problem '" + problem.name + "', field '" + field + "': got " + std::to_string(q.size()) +
-               " values, expected " + std::to_string(robot.dof()) + ", one for each joint of robot '" +
-               robot.name + "'");
+           where + "got " + std::to_string(size) + " values, expected " + std::to_string(robot.dof()) +
+               ", one for each joint of robot '" + robot.name + "'");
   };
   for (const SuiteProblem& problem : experiment.problems) {
-    check(problem, problem.start, "start");
+    check(problem, problem.start, problem.start_state, "start");
     for (std::size_t i = 0; i < problem.goals.size(); ++i)
-      check(problem, problem.goals[i], "goals[" + std::to_string(i) + "]");
+      check(problem, problem.goals[i], state_of_goal(problem, i), "goals[" + std::to_string(i) + "]");
   }
 }
 
 void require_loads(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
   for (const SuiteProblem& problem : experiment.problems) {
     try {
-      with_all_loads(robot, stage_problem(problem).loads);
+      with_all_loads(robot, stage_problem(problem, robot).loads);
     } catch (const std::invalid_argument& error) {
       refuse(suite, experiment, "problem '" + problem.name + "', field 'loads': " + error.what());
     }
@@ -225,7 +249,8 @@ SuiteStage SuiteStages::make(std::size_t index) const {
   }
   SuiteStage stage = stage_of(world_of(suite_, experiment_, worlds_[index]), robot_);
   for (const SuiteProblem& problem : experiment_.problems)
-    if (world_name(experiment_, problem) == worlds_[index]) stage.problems.push_back(stage_problem(problem));
+    if (world_name(experiment_, problem) == worlds_[index])
+      stage.problems.push_back(stage_problem(problem, robot_));
   return stage;
 }
 

@@ -113,6 +113,19 @@ std::vector<LoadSetup> read_leg_loads(const YamlFields& fields, const std::files
   return loads;
 }
 
+/// Start and goals, each numbers or the name of a state of the robot's SRDF.
+void read_ways(const YamlFields& fields, SuiteProblem& problem) {
+  if (fields.is_word("start"))
+    problem.start_state = fields.text("start");
+  else
+    problem.start = fields.angles("start");
+  problem.goals = fields.lists_among("goals");
+  problem.goal_states = fields.words_among("goals");
+  if (problem.start.empty() && problem.start_state.empty())
+    fields.fail("start", "expected a number for each joint, or the name of a state");
+  if (problem.goals.empty()) fields.fail("goals", "expected at least one goal");
+}
+
 /// A list, or the name of a file beside the suite that holds one under `problems`.
 std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& suite,
                                         const std::filesystem::path& folder, const std::string& usual_world) {
@@ -134,7 +147,7 @@ std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& su
     } else if (usual_world.empty()) {
       entry.fail("world", "expected one here, or one for the whole experiment");
     }
-    read_legs(entry, problem.start, problem.goals);
+    read_ways(entry, problem);
     problem.loads = read_leg_loads(entry, folder, problem.goals.size());
     if (entry.has("view")) problem.view = read_view(entry.map("view"));
     entry.finish();
@@ -209,6 +222,10 @@ void read_robot_terms(const YamlFields& fields, const std::filesystem::path& fol
     const YamlFields fixed = fields.map("fixed");
     for (const std::string& joint : fixed.keys()) experiment.fixed[joint] = fixed.number(joint, within_reach);
   }
+  if (fields.has("xacro")) {
+    const YamlFields xacro = fields.map("xacro");
+    for (const std::string& name : xacro.keys()) experiment.xacro[name] = xacro.prose(name, "");
+  }
   if (!fields.has("packages")) return;
   const YamlFields packages = fields.map("packages");
   for (const std::string& name : packages.keys()) experiment.packages[name] = folder / packages.file(name);
@@ -222,10 +239,6 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.paper = fields.prose("paper", "");
   experiment.notes = fields.prose("notes", "");
   experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
-  if (fields.has("xacro")) {
-    const YamlFields xacro = fields.map("xacro");
-    for (const std::string& name : xacro.keys()) experiment.xacro[name] = xacro.prose(name, "");
-  }
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, folder, experiment);

@@ -52,11 +52,13 @@ struct SuiteView {
 /// A query of a suite: one path, through each goal in turn.
 struct SuiteProblem {
   std::string name;
-  std::vector<double> start;               ///< rad and m
-  std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn
+  std::vector<double> start;               ///< rad and m; empty: the state of that name
+  std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn; empty the same
   std::string world{};                     ///< empty: the experiment's
   std::vector<LoadSetup> loads{};          ///< that ride on the robot, on some legs or all
   SuiteView view{};
+  std::string start_state{};               ///< of the robot's SRDF; empty: `start` has the numbers
+  std::vector<std::string> goal_states{};  ///< one for each goal, the same
 };
 
 /// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/FORMAT.md.
@@ -85,9 +87,9 @@ struct SuiteExperiment {
   std::string group{};                    ///< planning group of the SRDF; empty: the robot's own
   std::map<std::string, double> fixed{};  ///< joints that stand still, rad or m at full size
   std::map<std::string, std::filesystem::path> packages{};  ///< folders of packages of meshes
+  std::map<std::string, std::string> xacro{};               ///< arguments of the robot's .xacro
   std::optional<double> scale;
   double payload = 0;  ///< kg at the tip, full size, for the path cost; of teams beside each robot
-  std::map<std::string, std::string> xacro{};               ///< arguments of the robot's .xacro
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
   std::string
       world;  ///< of the explicit problems that name none; for teams it may be empty: nothing but the robots

@@ -108,6 +108,22 @@ bool YamlFields::is_list(const std::string& key) const {
   return node.IsDefined() && node.IsSequence();
 }
 
+bool YamlFields::is_word(const std::string& key) const {
+  const YAML::Node node = find(key);
+  return node.IsDefined() && node.IsScalar() && !parsed_number(node);
+}
+
+std::vector<std::string> YamlFields::words_among(const std::string& key) const {
+  std::vector<std::string> words;
+  const std::string given = degrees_key(key);
+  if (!is_list(given)) return words;
+  for (const auto& item : find(given)) {
+    const bool is_word = item.IsScalar() && !parsed_number(item);
+    words.push_back(is_word ? checked_text(item.Scalar(), given, 80) : "");
+  }
+  return words;
+}
+
 bool YamlFields::has(const std::string& key) const {
   const YAML::Node node = find(key);
   return node.IsDefined() && !node.IsNull();

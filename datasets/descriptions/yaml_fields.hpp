@@ -37,6 +37,7 @@ class YamlFields {
 
   bool has(const std::string& key) const;
   bool is_list(const std::string& key) const;  ///< false for what is absent, too
+  bool is_word(const std::string& key) const;  ///< a scalar that is no number
   double number(const std::string& key, Bounds bounds) const;
   double number(const std::string& key, Bounds bounds, double otherwise) const;
   std::optional<double> optional_number(const std::string& key, Bounds bounds) const;
@@ -65,6 +66,10 @@ class YamlFields {
   /// Angles in radians under `key`, or in degrees under `key`_deg.
   std::vector<double> angles(const std::string& key) const;
   std::vector<std::vector<double>> lists_of_angles(const std::string& key) const;
+  /// Of a list whose items may be words in place of lists: the word of each item, else "", and the list of
+  /// each, else an empty one.
+  std::vector<std::string> words_among(const std::string& key) const;
+  std::vector<std::vector<double>> lists_among(const std::string& key) const;
   double angle(const std::string& key, double otherwise) const;
   bool has_angles(const std::string& key) const;
   /// [x, y, z, roll, pitch, yaw]: metres and Rz(yaw) Ry(pitch) Rx(roll); angles as in `angles`.
@@ -89,6 +94,8 @@ class YamlFields {
   double number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
   std::vector<std::string> texts_of(const YAML::Node& node, const std::string& key) const;
   std::vector<double> numbers_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
+  std::vector<double> angles_of(const YAML::Node& node, const std::string& key,
+                                const std::string& given) const;
   std::vector<double> row_of(const YAML::Node& node, const std::string& key, Bounds bounds,
                              const std::vector<std::string>& names) const;
   std::string checked_text(const std::string& text, const std::string& key, size_t longest) const;

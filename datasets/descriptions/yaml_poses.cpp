@@ -27,12 +27,17 @@ std::string YamlFields::degrees_key(const std::string& key) const {
 
 bool YamlFields::has_angles(const std::string& key) const { return has(degrees_key(key)); }
 
-std::vector<double> YamlFields::angles(const std::string& key) const {
-  const std::string given = degrees_key(key);
-  auto result = numbers(given, within_reach);
+std::vector<double> YamlFields::angles_of(const YAML::Node& node, const std::string& key,
+                                          const std::string& given) const {
+  std::vector<double> result = numbers_of(node, given, within_reach);
   if (given != key)
     for (double& value : result) value *= degree;
   return result;
+}
+
+std::vector<double> YamlFields::angles(const std::string& key) const {
+  const std::string given = degrees_key(key);
+  return angles_of(required(given), key, given);
 }
 
 std::vector<std::vector<double>> YamlFields::lists_of_angles(const std::string& key) const {
@@ -40,11 +45,17 @@ std::vector<std::vector<double>> YamlFields::lists_of_angles(const std::string& 
   const YAML::Node node = required(given);
   if (!node.IsSequence()) fail(given, "expected a list of lists of numbers, got " + shown_node(node));
   std::vector<std::vector<double>> result;
-  for (const auto& item : node) {
-    result.push_back(numbers_of(item, given, within_reach));
-    if (given != key)
-      for (double& value : result.back()) value *= degree;
-  }
+  for (const auto& item : node) result.push_back(angles_of(item, key, given));
+  return result;
+}
+
+std::vector<std::vector<double>> YamlFields::lists_among(const std::string& key) const {
+  const std::vector<std::string> words = words_among(key);
+  if (words.empty()) return lists_of_angles(key);
+  const std::string given = degrees_key(key);
+  std::vector<std::vector<double>> result;
+  for (const auto& item : required(given))
+    result.push_back(words[result.size()].empty() ? angles_of(item, key, given) : std::vector<double>());
   return result;
 }
 

@@ -98,6 +98,44 @@ TEST(SuiteStages, WhatDoesNotFitTheRobotIsRefused) {
       << refusal(replaced(held, "link: tool", "link: tol"), "puma560");
 }
 
+TEST(SuiteStages, StatesOfTheRobotStandForTheirNumbers) {
+  Robot robot = load_robot("planar2");
+  robot.states = {{"home", {}}, {"half", {}}};
+  for (const Joint& joint : robot.joints) robot.states[0].values[joint.name] = 0.25;
+  const auto suite = [](const std::string& ways) {
+    return parse_suite(
+        "worlds: [{name: w, resolution: 0.1, volumes: [{label: v, strokes: [{balls: [[0, 0, 0, 0.3]]}]}]}]\n"
+        "planners: [{planner: beam}]\nexperiments: [{name: e, robot: planar2, world: w, problems: [{name: "
+        "p, " +
+            ways + "}]}]",
+        "s.yaml");
+  };
+  const Suite named = suite("start: home, goals: [[0.5, 0], home]");
+  const StageProblem problem = SuiteStages(named, named.experiments[0], robot).make(0).problems.at(0);
+  EXPECT_EQ(problem.start, Configuration::Constant(2, 0.25));
+  EXPECT_EQ(problem.goals.at(0), Configuration(Eigen::Vector2d(0.5, 0.0)));
+  EXPECT_EQ(problem.goals.at(1), Configuration::Constant(2, 0.25));
+  const auto refusal = [&](const std::string& ways) -> std::string {
+    const Suite wrong = suite(ways);
+    try {
+      SuiteStages(wrong, wrong.experiments[0], robot);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("start: hom, goals: [home]"),
+            "suite 's', experiment 'e', problem 'p', field 'start': robot 'planar2' has no state 'hom', "
+            "expected one of home, half");
+  EXPECT_NE(refusal("start: home, goals: [half]").find("field 'goals[0]': state 'half' of  says nothing of"),
+            std::string::npos)
+      << refusal("start: home, goals: [half]");
+  robot.states.clear();
+  EXPECT_NE(
+      refusal("start: home, goals: [half]").find("has no state 'home', expected a number for each joint"),
+      std::string::npos);
+}
+
 const std::string drawn = R"(
 experiments:
   - name: drawn

@@ -115,6 +115,34 @@ TEST(Suite, EveryKeyIsRead) {
   EXPECT_EQ(drawn.gravity, Eigen::Vector3d(0, 0, -9.81));
 }
 
+TEST(Suite, StatesOfTheRobotMayStandForNumbers) {
+  const auto problem = [](const std::string& ways) {
+    return parse_suite(
+               "worlds: [{name: w, map: m}]\nplanners: [{planner: beam}]\nexperiments: [{name: e, robot: r, "
+               "xacro: {side: left, none: ''}, world: w, problems: [{name: p, " +
+                   ways + "}]}]",
+               "s.yaml")
+        .experiments.at(0);
+  };
+  const SuiteExperiment named = problem("start: home, goals_deg: [ready, [180, 0]]");
+  EXPECT_EQ(named.xacro, (std::map<std::string, std::string>{{"side", "left"}, {"none", ""}}));
+  EXPECT_EQ(named.problems[0].start_state, "home");
+  EXPECT_EQ(named.problems[0].start, std::vector<double>());
+  EXPECT_EQ(named.problems[0].goal_states, (std::vector<std::string>{"ready", ""}));
+  EXPECT_EQ(named.problems[0].goals, (std::vector<std::vector<double>>{{}, {M_PI, 0}}));
+  EXPECT_EQ(problem("start: [1], goals: [[2]]").problems[0].start_state, "");
+  EXPECT_EQ(complaint([&] { problem("start: 1, goals: [[2]]"); }),
+            "suite 's.yaml', line 3, experiments[0].problems[0].start: expected a list of numbers, got '1'.");
+  EXPECT_EQ(complaint([&] { problem("start: home, goals: [2]"); }),
+            "suite 's.yaml', line 3, experiments[0].problems[0].goals: expected a list of numbers, got '2'.");
+  EXPECT_EQ(complaint([&] { problem("start: home, goals: ready"); }),
+            "suite 's.yaml', line 3, experiments[0].problems[0].goals: expected a list of lists of numbers, "
+            "got 'ready'.");
+  EXPECT_EQ(complaint([&] { problem("start: [], goals: [ready]"); }),
+            "suite 's.yaml', line 3, experiments[0].problems[0].start: expected a number for each joint, or "
+            "the name of a state.");
+}
+
 TEST(Suite, AnExactWorldIsItsSolidsAlone) {
   const auto world = [](const std::string& more) {
     return "worlds: [{name: w, exact: true, " + more +
