@@ -200,6 +200,7 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   for (const Joint& joint : robot.joints) plan.joints.push_back(joint.name);
   plan.group = robot.group;
   for (const HeldJoint& joint : robot.held) plan.held[joint.name] = joint.value;
+  plan.xacro = robot.xacro;
   plan.planner = planner.name();
   plan.options = planner.options();
   plan.seed = query.seed;

@@ -273,6 +273,19 @@ void note_held(const CheckOptions& options, const Contract& contract, const Robo
   }
 }
 
+/// The robot is the user's word, with what its .xacro was expanded with; a plan of another one is judged for
+/// it, and the user told.
+void note_xacro(const Robot& robot, const Plan& plan, std::vector<std::string>& notes) {
+  if (plan.xacro == robot.xacro) return;
+  const auto told = [](const std::map<std::string, std::string>& arguments) {
+    std::string text;
+    for (const auto& [name, value] : arguments) text += (text.empty() ? "" : " ") + name + ":=" + value;
+    return text.empty() ? std::string("none") : shortened(text);
+  };
+  notes.push_back("the plan was made with other xacro arguments (" + told(plan.xacro) +
+                  ") than those of the robot that is checked (" + told(robot.xacro) + ")");
+}
+
 TermSource source_of(const CheckOptions& options, const Plan& plan, const HeldJoint& joint) {
   if (joint.source != HoldSource::asked) return TermSource::by_default;
   return robot_request(options.robot).fixed.contains(joint.name) || !plan.held.contains(joint.name)
@@ -331,6 +344,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   for (const HeldJoint& joint : robot.held)
     contract.held[joint.name] = {joint.value, source_of(options, plan, joint)};
   note_held(options, contract, robot, contract.notes);
+  note_xacro(robot, plan, contract.notes);
   contract.scale = statement.scale();
   contract.map_from_base = statement.base(contract.notes);
   contract.pick = statement.pick();

@@ -254,6 +254,7 @@ std::string to_json(const Plan& plan) {
   if (plan.pick) json["pick"] = json_of(*plan.pick);
   if (!plan.group.empty()) json["group"] = plan.group;
   if (!plan.held.empty()) json["held"] = plan.held;
+  if (!plan.xacro.empty()) json["xacro"] = plan.xacro;
   if (!plan.query.empty()) json["query"] = plan.query;
   if (plan.start.size() > 0) json["start"] = json_of(plan.start);
   if (plan.seen_within > 0.0) json["seen_within_s"] = plan.seen_within;

@@ -36,6 +36,7 @@ struct Plan {
   std::vector<std::string> joints;
   std::string group{};                   ///< planning group of the SRDF; empty: all joints but those held
   std::map<std::string, double> held{};  ///< joints that stood still, rad or m at full size
+  std::map<std::string, std::string> xacro{};  ///< arguments that the robot's .xacro was expanded with
   std::string planner;
   PlannerOptions options;
   std::uint64_t seed = 1;

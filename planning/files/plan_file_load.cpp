@@ -156,6 +156,9 @@ Plan read_plan(const JsonField& root) {
   if (root.has("held")) {
     for (const auto& [joint, value] : root.at("held").members()) plan.held[joint] = value.number();
   }
+  if (root.has("xacro")) {
+    for (const auto& [name, value] : root.at("xacro").members()) plan.xacro[name] = value.text();
+  }
   plan.planner = root.at("planner").text();
   for (const auto& [name, value] : root.at("options").members()) plan.options[name] = value.text();
   plan.seed = root.at("seed").count();

@@ -172,7 +172,17 @@ TEST_F(Group, ArgumentsOfXacroReachTheProgramFromPlanAndCheck) {
     arguments->insert(arguments->end(), {"--xacro", "side:=left"});
     const CommandRun with = run_command(*arguments);
     EXPECT_EQ(with.status, exit_done) << with.out << with.log;
+    EXPECT_EQ(with.out.find("other xacro arguments"), std::string::npos) << with.out;
   }
+  EXPECT_EQ(written()["xacro"], (Json{{"side", "left"}}));
+  folder_.write("xacro", "#!/bin/sh\ncat " + folder_.file("made.urdf") + "\n");  // whatever is asked
+  check.resize(check.size() - 2);
+  const CommandRun other = run_command(check);
+  EXPECT_NE((other.out + other.log)
+                .find("other xacro arguments (side:=left) than those of the robot that is "
+                      "checked (none)"),
+            std::string::npos)
+      << other.out << other.log;
   ::setenv("PATH", before.c_str(), 1);
 }
 
