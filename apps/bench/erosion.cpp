@@ -10,8 +10,8 @@
 #include "apps/bench/judges/ghosts.hpp"
 #include "apps/bench/judges/held_out.hpp"
 #include "apps/bench/judges/room_truth.hpp"
-#include "apps/bench/scan_source.hpp"
 #include "apps/bench/worlds/noise_laws.hpp"
+#include "apps/bench/worlds/scan_source.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/scan_source.hpp"
 #include "apps/bench/worlds/room_scans.hpp"
+#include "apps/bench/worlds/scan_source.hpp"
 #include "datasets/simulation/room.hpp"
 #include "mapping/field/blocked_field.hpp"
 #include "mapping/free_space_map.hpp"

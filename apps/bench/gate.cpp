@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/live_world.hpp"
 #include "apps/bench/worlds/arm_damper.hpp"
 #include "apps/bench/worlds/arm_worlds.hpp"
-#include "apps/bench/worlds/live_world.hpp"
 #include "planning/gate/gate.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/insert_heap.hpp"
-#include "apps/bench/scan_source.hpp"
+#include "apps/bench/worlds/scan_source.hpp"
 #include "mapping/scans/scan_rays.hpp"
 
 namespace clearway::bench {

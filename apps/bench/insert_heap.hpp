@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/bench/scan_source.hpp"
+#include "apps/bench/worlds/scan_source.hpp"
 
 namespace clearway::bench {
 

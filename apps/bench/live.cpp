@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/live_world.hpp"
 #include "apps/bench/worlds/arm_damper.hpp"
-#include "apps/bench/worlds/live_world.hpp"
 
 namespace clearway::bench {
 namespace {

@@ -1,11 +1,12 @@
-#include "apps/bench/scan_source.hpp"
+#include "apps/bench/worlds/scan_source.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 
-#include "apps/bench/bench.hpp"
+#include "apps/bench/page/measure.hpp"
+#include "apps/bench/page/result.hpp"
 #include "apps/bench/worlds/room_scans.hpp"
 #include "datasets/descriptions/random_numbers.hpp"
 #include "datasets/sources/recording.hpp"

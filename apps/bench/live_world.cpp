@@ -1,4 +1,4 @@
-#include "apps/bench/worlds/live_world.hpp"
+#include "apps/bench/live_world.hpp"
 
 #include <algorithm>
 #include <stdexcept>
