@@ -25,39 +25,42 @@ struct Task {
   Plan plan;
 };
 
-void add_tasks(const Suite& suite, const SuiteExperiment& experiment,
-               const std::shared_ptr<const Planner>& planner, std::vector<Task>& tasks) {
-  const Robot robot = load_robot(experiment.robot);
-  const SuiteStages stages(suite, experiment, robot);
-  const std::size_t wanted = std::min(problems_of_each, stages.size());
-  for (std::size_t i = 0; i < wanted; ++i) {
-    const SuiteStage stage = stages.make(i * stages.size() / wanted);
-    const auto space = std::make_shared<const ConfigurationSpace>(
-        robot, stage.map, suite_policies(suite, experiment, robot),
-        SpaceOptions{.padding = experiment.padding.value_or(robot.position_accuracy)});
-    const StageProblem& problem = stage.problems.front();
-    Plan plan = plan_and_check({.space = *space,
-                                .start = problem.start,
-                                .goals = problem.goals,
-                                .planner = planner,
-                                .time_limit = limit,
-                                .survey = std::nullopt,
-                                .advice_time = 0.0});
-    if (plan.is_proved()) tasks.push_back({space, std::move(plan)});
-  }
+/// Proved paths of one planner.
+struct Tasks {
+  std::shared_ptr<const Planner> planner;
+  std::vector<Task> tasks = {};
+};
+
+void plan_task(const std::shared_ptr<const ConfigurationSpace>& space, const StageProblem& problem,
+               Tasks& of) {
+  Plan plan = plan_and_check({.space = *space,
+                              .start = problem.start,
+                              .goals = problem.goals,
+                              .planner = of.planner,
+                              .time_limit = limit,
+                              .survey = std::nullopt,
+                              .advice_time = 0.0});
+  if (plan.is_proved()) of.tasks.push_back({space, std::move(plan)});
 }
 
-std::vector<Task> draw_tasks(const std::shared_ptr<const Planner>& planner, const BenchOptions& options) {
-  std::vector<Task> tasks;
+void draw_tasks(const BenchOptions& options, Tasks& trees, Tasks& boundary) {
   for (const char* name : {"quick.yaml", "local.yaml", "guided.yaml"}) {
     const Suite suite = load_suite(datasets_folder() / "suites" / name);
     for (const SuiteExperiment& experiment : suite.experiments) {
       if (experiment.teams) continue;
-      options.say(planner->name() + ": drawing " + experiment.name);
-      add_tasks(suite, experiment, planner, tasks);
+      options.say("drawing " + experiment.name);
+      const Robot robot = load_robot(experiment.robot);
+      const SuiteStages stages(suite, experiment, robot);
+      const std::size_t wanted = std::min(problems_of_each, stages.size());
+      for (std::size_t i = 0; i < wanted; ++i) {
+        const SuiteStage stage = stages.make(i * stages.size() / wanted);
+        const auto space = std::make_shared<const ConfigurationSpace>(
+            robot, stage.map, suite_policies(suite, experiment, robot),
+            SpaceOptions{.padding = experiment.padding.value_or(robot.position_accuracy)});
+        for (Tasks* of : {&trees, &boundary}) plan_task(space, stage.problems.front(), *of);
+      }
     }
   }
-  return tasks;
 }
 
 /// Of one planner's paths.
@@ -126,8 +129,10 @@ nlohmann::ordered_json reported(const Motions& motions) {
 }  // namespace
 
 BenchResult bench_motion(const BenchOptions& options) {
-  const Motions trees = measure_all(draw_tasks(std::make_shared<AutoPlanner>(), options), options);
-  const Motions boundary = measure_all(draw_tasks(std::make_shared<BoundaryPlus>(), options), options);
+  Tasks by_trees{std::make_shared<AutoPlanner>()}, by_boundary{std::make_shared<BoundaryPlus>()};
+  draw_tasks(options, by_trees, by_boundary);
+  const Motions trees = measure_all(by_trees.tasks, options),
+                boundary = measure_all(by_boundary.tasks, options);
   BenchResult result{median(trees.ours),
                      median(trees.peer),
                      "edge by edge, stops and jumps in acceleration",
