@@ -78,9 +78,9 @@ std::string section(const Outcome& outcome) {
   text += wrapped(result.compared) + '\n';
   for (const Table& table : result.tables) text += '\n' + to_markdown(table);
   if (!result.no_ratio.empty()) text += '\n' + wrapped("No ratio: " + result.no_ratio) + '\n';
-  return text + "\n" + std::to_string(result.runs) + " runs, " + figure(outcome.seconds) + " s; load " +
-         load_text(outcome.before, outcome.after) + ", stolen " + stolen_text(outcome.before, outcome.after) +
-         ".\n";
+  return text + "\n" + std::to_string(result.runs) + (result.runs == 1 ? " run, " : " runs, ") +
+         figure(outcome.seconds) + " s; load " + load_text(outcome.before, outcome.after) + ", stolen " +
+         stolen_text(outcome.before, outcome.after) + ".\n";
 }
 
 std::string whole_page(const Origin& origin, const std::vector<Outcome>& outcomes) {
