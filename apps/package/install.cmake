@@ -12,7 +12,8 @@ install(FILES ${PROJECT_BINARY_DIR}/clearway-config.cmake ${PROJECT_BINARY_DIR}/
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/datasets/robots ${PROJECT_SOURCE_DIR}/datasets/scenes
   ${PROJECT_SOURCE_DIR}/datasets/setups ${PROJECT_SOURCE_DIR}/datasets/suites
   DESTINATION ${CMAKE_INSTALL_DATADIR}/clearway)
-install(FILES LICENSE CHANGELOG.md TRUST.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE CHANGELOG.md TRUST.md SECURITY.md apps/compare/SWEEPS.md apps/compare/YOUR_PLANNER.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES apps/examples/planner/rrt_connect.py DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
 if(CLEARWAY_APPS)
   install(TARGETS clearway)
