@@ -242,8 +242,8 @@ TEST_F(PlanPick, NotesOfAWaypointOfTwoLegsTheLesserClearance) {
   EXPECT_NEAR(found.clearance[taken], 0.01, 1e-4);
 }
 
-/// On the lift the load's clearance is that from every voxel once its contact is over, at every waypoint's own
-/// place in the list; before, that from all but the layer.
+/// On the lift the load's clearance is that from every voxel once its contact is over, at every waypoint's
+/// own place in the list; before, that from all but the layer.
 TEST_F(PlanPick, NotesTheClearanceOfEachWaypointOfTheLift) {
   const PathVerdict found = verdict([](Plan&) {});
   ASSERT_TRUE(found.valid) << found.first_contact;
