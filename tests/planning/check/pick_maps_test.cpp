@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planning/problem/pick.hpp"
+#include "tests/worlds/slide_robot.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway::check {
@@ -15,23 +16,10 @@ namespace pick_maps_test {
 constexpr double edge = 0.05, padding = 0.002;
 constexpr int far = 7;  ///< voxels to each side of the origin, all occupied
 
-/// A slide that carries a box of 0.2 x 0.1 x 0.15 m, in a block of voxels.
+/// A carriage that takes a box of 0.2 x 0.1 x 0.15 m, in a block of voxels.
 class PickMaps : public ::testing::Test {
  protected:
   PickMaps() {
-    robot_.name = "slide";
-    robot_.joints.emplace_back().name = "x";
-    robot_.joints[0].kind = JointKind::prismatic;
-    robot_.joints[0].upper = 1.0;
-    robot_.links.resize(2);
-    robot_.links[0].name = "rail";
-    robot_.links[1].name = "carriage";
-    robot_.links[1].parent = robot_.links[1].joint = 0;
-    robot_.bodies.resize(1);
-    robot_.bodies[0].part = "carriage";
-    robot_.bodies[0].link = 1;
-    robot_.bodies[0].shape = Shape::box({0.1, 0.1, 0.1});
-    robot_.tip_link = 1;
     pick_.object.name = "box";
     pick_.object.link = "carriage";
     pick_.object.shape = Shape::box(size_);
@@ -61,7 +49,7 @@ class PickMaps : public ::testing::Test {
       {box_of(-far * edge, -far* edge, -far* edge, far* edge, far* edge, far* edge)},
       {},
       {}}.snapshot();
-  Robot robot_;
+  const Robot robot_ = worlds::slide_robot();
   Pick pick_;
 };
 

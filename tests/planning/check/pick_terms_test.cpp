@@ -6,29 +6,10 @@
 #include <cmath>
 
 #include "mapping/free_space_map.hpp"
+#include "tests/worlds/slide_robot.hpp"
 
 namespace clearway::check {
 namespace pick_terms_test {
-
-/// A slide that carries a box; at 0 every frame of it is the map's.
-Robot slide() {
-  Robot robot;
-  robot.name = "slide";
-  robot.joints.emplace_back().name = "x";
-  robot.joints[0].kind = JointKind::prismatic;
-  robot.joints[0].axis = Eigen::Vector3d::UnitX();
-  robot.joints[0].upper = 1.0;
-  robot.links.resize(2);
-  robot.links[0].name = "rail";
-  robot.links[1].name = "carriage";
-  robot.links[1].parent = robot.links[1].joint = 0;
-  robot.bodies.resize(1);
-  robot.bodies[0].part = "carriage";
-  robot.bodies[0].link = 1;
-  robot.bodies[0].shape = Shape::box({0.1, 0.1, 0.1});
-  robot.tip_link = 1;
-  return robot;
-}
 
 Eigen::Isometry3d along(double metres) { return Eigen::Isometry3d(Eigen::Translation3d(0.0, metres, 0.0)); }
 
@@ -68,7 +49,7 @@ class PickTermsOf : public ::testing::Test {
     return "";
   }
 
-  const Robot robot_ = slide();
+  const Robot robot_ = worlds::slide_robot();
   const Snapshot snapshot_ = FreeSpaceMap({.resolution = 0.1}).snapshot();
   Pick pick_;
 };
