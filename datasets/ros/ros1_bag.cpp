@@ -29,7 +29,9 @@ class Ros1Bag final : public MessageBag {
       throw std::runtime_error(
           "it has no index, as its recorder was ended: expected it after `rosbag reindex`");
     } catch (const std::exception&) {
-      throw std::runtime_error("it is no ROS 1 bag of format 2.0, or its index is damaged");
+      throw std::runtime_error(
+          "it is no ROS 1 bag of format 2.0, or it is cut or its index is damaged: expected it after `rosbag "
+          "reindex`");
     }
   }
 

@@ -110,6 +110,14 @@ TEST(Bag, ReadsARos1BagThatRosbagWrote) {
   }
 }
 
+TEST(Bag, ACutRos1BagIsRefusedWithTheProgramThatMendsIt) {
+  const TemporaryFolder folder;
+  worlds::write_ros1_bag(folder / "a.bag", bag("ros1_none.mcap"), false);
+  fs::resize_file(folder / "a.bag", fs::file_size(folder / "a.bag") / 2);
+  const std::string sentence = complaint([&] { list_bag(folder / "a.bag"); });
+  EXPECT_NE(sentence.find("expected it after `rosbag reindex`"), std::string::npos) << sentence;
+}
+
 TEST(Bag, ListsTopicsTypesAndMessages) {
   for (const char* name : {"cdr_zstd.mcap", "ros1_none.mcap", "cdr_zstd_unended.mcap"}) {
     SCOPED_TRACE(name);
