@@ -52,6 +52,8 @@ std::string fate_of_scans(const FusionCounts& counts) {
     if (count > 0) fate += (fate.empty() ? "" : ", ") + grouped(count) + " " + what;
   };
   add(counts.scans_without_pose, "scans have no pose at their time");
+  add(counts.scans_without_joints, "scans have no joints of the robot at their time" +
+                                       (counts.joint_gap.empty() ? "" : " (" + counts.joint_gap + ")"));
   add(counts.scans_refused, "scans start outside the map's range");
   add(counts.points.dropped_invalid, "points are not finite or outside the map's range");
   add(counts.points.dropped_filter,

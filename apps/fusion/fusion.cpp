@@ -42,8 +42,10 @@ void warn_of_leftovers(Fusion& fusion) {
                               "gripper in them is");
   }
   if (counts.scans_without_joints > 0) {
-    fusion.warnings.push_back(std::to_string(counts.scans_without_joints) +
-                              " scans were left out: at their time the robot's joints are not known");
+    fusion.warnings.push_back(
+        std::to_string(counts.scans_without_joints) +
+        " scans were left out: at their time the robot's joints are not known; of the first, " +
+        counts.joint_gap);
   }
   if (counts.scans_refused > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_refused) +

@@ -39,6 +39,7 @@ struct FusionCounts {
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out
   std::size_t scans_without_joints = 0;  ///< at their time nothing shows where the robot was: left out
+  std::string joint_gap;                 ///< of the first of these: why its joints are not known
   std::size_t scans_refused = 0;         ///< whose origin was outside the map's key range
   double painted_radius = 0.0;           ///< r0 of Chong 2008, eq. 3, metres; mean over the accepted samples
   double smallest_radius = 0.0;          ///< of these, metres

@@ -46,6 +46,8 @@ class MovingRobot {
 
   /// map_from_link of all links; empty where the joints are not known at that time.
   std::optional<LinkPoses> poses(double time) const;
+  /// Why `poses` is empty, as a clause.
+  std::string why_unknown(double time) const { return joints_.why_unknown(names_, time); }
 
   /// How far a point of a link may have been from its place there, as the setup's latency leaves it open:
   /// metres, and radians that the link turned; at most, to first order.

@@ -151,7 +151,7 @@ void ScanInserter::insert(Waiting& waiting) {
   if (moving_robot_ != nullptr) {
     const auto own = moving_robot_->take_out(scan);
     if (!own) {
-      ++counts_.scans_without_joints;
+      if (counts_.scans_without_joints++ == 0) counts_.joint_gap = moving_robot_->why_unknown(scan.time);
       return;
     }
     counts_.points.dropped_filter += *own;

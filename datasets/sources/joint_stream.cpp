@@ -8,6 +8,7 @@
 
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -55,6 +56,24 @@ std::optional<std::vector<double>> JointStream::at(const std::vector<std::string
     positions.push_back(*position);
   }
   return positions;
+}
+
+std::string JointStream::why_unknown(const std::vector<std::string>& names, double time) const {
+  for (const std::string& name : names) {
+    const auto joint = readings_.find(name);
+    if (joint == readings_.end()) return "joint " + quote(name) + " has no reading";
+    if (position_at(joint->second, time)) continue;
+    const Readings& readings = joint->second;
+    const auto after = readings.lower_bound(time);
+    if (after == readings.end() || after == readings.begin())
+      return "readings of joint " + quote(name) + " go from " + short_text(readings.begin()->first, 15) +
+             " to " + short_text(readings.rbegin()->first, 15) + " s, this is at " + short_text(time, 15) +
+             " s";
+    return "readings of joint " + quote(name) + " lie " +
+           short_text(after->first - std::prev(after)->first, 6) + " s apart, expected at most " +
+           short_text(max_gap_, 6) + " s";
+  }
+  return "";
 }
 
 std::vector<double> JointStream::deviations(const std::vector<std::string>& names, double time,

@@ -27,6 +27,10 @@ class JointStream {
   /// far as readings go on without a gap. @pre at(names, time) has them
   std::vector<double> deviations(const std::vector<std::string>& names, double time, double span) const;
 
+  /// Why `at` is empty, as a clause: the gap that is too wide, or that the readings begin later or end
+  /// earlier.
+  std::string why_unknown(const std::vector<std::string>& names, double time) const;
+
   std::vector<std::string> names() const;  ///< sorted
   /// At which each of these joints was read itself, rising.
   std::vector<double> times(const std::vector<std::string>& names) const;

@@ -67,6 +67,16 @@ TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
             std::string::npos);
 }
 
+TEST_F(Emptiness, JointsWhoseReadingsLieTooFarApartAreReported) {
+  write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
+  folder_.write("joints.csv", "time,shoulder,elbow\n9.5,0,0\n11.5,0,0\n");
+  EXPECT_NE(
+      refusal("r.rawlog", "robot: {name: planar2, joint_file: joints.csv}\n")
+          .find("1 scans have no joints of the robot at their time (readings of joint 'shoulder' lie 2 s "
+                "apart, expected at most 0.5 s)"),
+      std::string::npos);
+}
+
 TEST_F(Emptiness, ImagesWithoutAProbeAreReported) {
   write_stroke();
   const std::string without = small_setup.substr(0, small_setup.find("probe: {board"));
