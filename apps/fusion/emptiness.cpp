@@ -62,15 +62,25 @@ std::string fate_of_scans(const FusionCounts& counts) {
   return scans + (fate.empty() ? "they hold no points" : fate);
 }
 
+/// What the source says it left out, as one clause; "" when it left nothing out.
+std::string left_out_of(const Fusion& fusion) {
+  std::string clause;
+  for (const std::string& warning : fusion.warnings)
+    clause += (clause.empty() ? "" : "; ") + warning.substr(0, warning.size() - warning.ends_with('.'));
+  return clause;
+}
+
 std::string reason_for_nothing(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
   const std::string no_ball = fusion.setup.probe ? "no ball was painted (" + refusals_of(counts) + ")" : "";
   if (counts.scans > 0) return fate_of_scans(counts) + (no_ball.empty() ? "" : "; " + no_ball);
   if (!no_ball.empty()) return no_ball;
+  const std::string left_out = left_out_of(fusion);
   if (counts.images > 0)
-    return "its " + grouped(counts.images) + " images put nothing into a map without a probe in the setup (" +
-           fusion.setup_source + ")";
-  return "it holds no image and no scan";
+    return (left_out.empty() ? "" : left_out + "; ") + "its " + grouped(counts.images) +
+           " images put nothing into a map without a probe in the setup (" + fusion.setup_source + ")";
+  return left_out.empty() ? "it holds no image and no scan"
+                          : "no image and no scan of it can be used: " + left_out;
 }
 
 }  // namespace

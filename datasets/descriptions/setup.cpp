@@ -118,6 +118,7 @@ BagTopics read_bag(const YamlFields& fields) {
                                                         {"fixed_frame", &bag.fixed_frame}};
   for (const auto& [key, name] : names)
     if (fields.has(key)) *name = fields.text(key);
+  if (bag.fixed_frame.starts_with('/')) bag.fixed_frame.erase(0, 1);  // as of frames in messages
   bag.clouds = fields.texts("clouds");
   bag.scans = fields.texts("scans");
   fields.finish();

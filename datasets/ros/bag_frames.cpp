@@ -18,6 +18,16 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// Some of the frames that transforms join, for a sentence.
+std::string list_of(const std::vector<std::string>& frames) {
+  constexpr std::size_t enough = 12;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(frames.size(), enough); ++i)
+    list += (i > 0 ? ", " : "") + quote(frames[i]);
+  if (frames.size() > enough) list += " and " + std::to_string(frames.size() - enough) + " more";
+  return list.empty() ? "none" : list;
+}
+
 /// A message's own time, or that of its recording where it has none.
 double time_of(const RosHeader& header, double recorded) {
   return std::isfinite(header.time) && header.time > 0.0 ? header.time : recorded;
@@ -118,11 +128,19 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
   const auto pose = transforms_.root_from_frame(bag.fixed_frame, header.frame, frame.time);
   if (!pose)
     throw std::runtime_error("frame " + quote(header.frame) + " is not known in " + quote(bag.fixed_frame) +
-                             " at its time");
+                             why_unknown(header.frame));
   const Eigen::Isometry3d world_from_sensor = *pose * message_from_sensor;
   if (auto* picture = std::get_if<ImageFrame>(&frame.content)) picture->world_from_sensor = world_from_sensor;
   if (auto* cloud = std::get_if<CloudFrame>(&frame.content)) cloud->world_from_sensor = world_from_sensor;
   return frame;
+}
+
+std::string BagFrames::why_unknown(const std::string& frame) const {
+  const std::vector<std::string> frames = transforms_.frames();
+  for (const std::string& name : {options_.bag.fixed_frame, frame})
+    if (!holds(frames, name))
+      return ": no transform has " + quote(name) + "; frames of the bag: " + list_of(frames);
+  return " at its time";
 }
 
 std::vector<std::string> BagFrames::left_out() const {

@@ -30,6 +30,8 @@ class BagFrames {
   };
   void learn();
   std::optional<Frame> frame_of(const BagMessage& message) const;
+  /// The end of the clause that says that a frame has no pose.
+  std::string why_unknown(const std::string& frame) const;
 
   MessageBag& bag_;
   const SourceOptions& options_;

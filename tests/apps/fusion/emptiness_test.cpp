@@ -67,6 +67,17 @@ TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
             std::string::npos);
 }
 
+TEST_F(Emptiness, AWrongFixedFrameOfABagIsReportedWithTheFramesThatItHas) {
+  std::filesystem::copy_file(
+      std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/cdr_none.mcap",
+      folder_ / "b.mcap");
+  const std::string sentence = refusal("b.mcap", "source: {bag: {scans: [/scan], fixed_frame: nope}}\n");
+  EXPECT_NE(sentence.find("no image and no scan of it can be used"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("no transform has 'nope'; frames of the bag: 'base'"), std::string::npos)
+      << sentence;
+  EXPECT_EQ(refusal("b.mcap", "source: {bag: {scans: [/scan], fixed_frame: /map}}\n"), "");
+}
+
 TEST_F(Emptiness, JointsWhoseReadingsLieTooFarApartAreReported) {
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
   folder_.write("joints.csv", "time,shoulder,elbow\n9.5,0,0\n11.5,0,0\n");
