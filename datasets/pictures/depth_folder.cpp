@@ -17,6 +17,7 @@
 #include "datasets/sources/lens.hpp"
 #include "datasets/sources/pose_stream.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -95,6 +96,10 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& camera
   return cloud;
 }
 
+std::string span_text(double first, double last) {
+  return "from " + short_text(first, 15) + " to " + short_text(last, 15) + " s";
+}
+
 /// Where the camera was: a file of poses in time, or a matrix for each picture.
 class CameraPoses {
  public:
@@ -106,6 +111,11 @@ class CameraPoses {
     nearest_.emplace(load_tum_poses(file, options.tolerance));
   }
   bool are_there() const { return between_ || !folder_.empty(); }
+  /// Times of the first and last pose, for a sentence; "" where each picture has a file of its own.
+  std::string span() const {
+    return between_ && between_->first_time() ? span_text(*between_->first_time(), *between_->last_time())
+                                              : "";
+  }
 
   /// world_from_camera, optical frame.
   std::optional<Eigen::Isometry3d> of(const TimedFile& picture) const {
@@ -170,10 +180,7 @@ class DepthFolder final : public FrameSource {
   }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
-    if (unposed_ > 0)
-      sentences.push_back(std::to_string(unposed_) + " of " + std::to_string(timed_.files.size()) +
-                          " depth pictures have no pose within " + std::to_string(options_.depth.tolerance) +
-                          " s of their time, or none of their name, and were left out");
+    if (unposed_ > 0) sentences.push_back(unposed());
     if (colour_)
       for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
     return sentences;
@@ -199,6 +206,16 @@ class DepthFolder final : public FrameSource {
       return Frame{picture.time, "depth", std::move(cloud), picture.file.filename().string()};
     }
     return std::nullopt;
+  }
+
+  std::string unposed() const {
+    const std::string within = short_text(options_.depth.tolerance) + " s";
+    if (unposed_ == timed_.files.size() && !poses_.span().empty())
+      return "no depth picture has a pose within " + within + ": pictures " +
+             span_text(timed_.files.front().time, timed_.files.back().time) + ", poses " + poses_.span();
+    return std::to_string(unposed_) + " of " + std::to_string(timed_.files.size()) +
+           " depth pictures have no pose within " + within +
+           " of their time, or none of their name, and were left out";
   }
 
   std::optional<Eigen::Isometry3d> pose_of(const TimedFile& picture) {

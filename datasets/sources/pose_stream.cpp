@@ -81,6 +81,11 @@ PoseStream::Around PoseStream::around(double time) const {
   return result;
 }
 
+std::optional<double> PoseStream::first_time() const {
+  if (state_->poses.empty()) return std::nullopt;
+  return mrpt::Clock::toDouble(state_->poses.begin()->first);
+}
+
 std::optional<double> PoseStream::last_time() const {
   if (state_->poses.empty()) return std::nullopt;
   return mrpt::Clock::toDouble(state_->poses.rbegin()->first);

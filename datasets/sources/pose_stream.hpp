@@ -36,7 +36,8 @@ class PoseStream {
   };
   Around around(double time) const;
 
-  /// Time of the last reading; empty without one.
+  /// Times of the first and of the last reading; empty without one.
+  std::optional<double> first_time() const;
   std::optional<double> last_time() const;
   std::size_t size() const;
 

@@ -7,6 +7,7 @@
 #include "datasets/simulation/simulate.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
@@ -76,6 +77,25 @@ TEST_F(Emptiness, AWrongFixedFrameOfABagIsReportedWithTheFramesThatItHas) {
   EXPECT_NE(sentence.find("no transform has 'nope'; frames of the bag: 'base'"), std::string::npos)
       << sentence;
   EXPECT_EQ(refusal("b.mcap", "source: {bag: {scans: [/scan], fixed_frame: /map}}\n"), "");
+}
+
+TEST_F(Emptiness, DepthPicturesOfAnotherTimeThanTheirPosesAreReported) {
+  std::filesystem::create_directories(folder_ / "d/depth");
+  std::filesystem::create_directories(folder_ / "d/rgb");
+  for (const char* time : {"10.0", "11.0"}) {
+    folder_.write(std::string("d/depth/") + time + ".png",
+                  picture_bytes(cv::Mat(12, 16, CV_16UC1, cv::Scalar(1000)), ".png"));
+    folder_.write(std::string("d/rgb/") + time + ".png",
+                  picture_bytes(cv::Mat(12, 16, CV_8UC1, cv::Scalar(9)), ".png"));
+  }
+  folder_.write("d/groundtruth.txt", "500 0 0 0 0 0 0 1\n501.5 0 0 0 0 0 0 1\n");
+  const std::string sentence =
+      refusal("d", "camera: {width: 16, height: 12, fx: 16, fy: 16, cx: 8, cy: 6}\n");
+  EXPECT_NE(
+      sentence.find("no depth picture has a pose within 0.02 s: pictures from 10 to 11 s, poses from 500 "
+                    "to 501.5 s; its 2 images put nothing"),
+      std::string::npos)
+      << sentence;
 }
 
 TEST_F(Emptiness, JointsWhoseReadingsLieTooFarApartAreReported) {
