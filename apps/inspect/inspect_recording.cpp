@@ -49,6 +49,16 @@ Json topics_of(const InspectOptions& options, std::vector<std::vector<std::strin
   return topics;
 }
 
+Json frames_of(const InspectOptions& options, std::vector<std::vector<std::string>>& rows) {
+  Json frames = Json::array();
+  rows = {{"frame", "parent", "moves"}};
+  for (const BagFrame& frame : list_frames(options.map)) {
+    frames.push_back({{"name", frame.name}, {"parent", frame.parent}, {"moves", !frame.is_fixed}});
+    rows.push_back({plain(frame.name), plain(frame.parent), frame.is_fixed ? "no" : "yes"});
+  }
+  return frames;
+}
+
 Json sensors_of(FrameSource& frames, std::vector<std::vector<std::string>>& rows) {
   std::map<std::pair<std::string, std::string>, Taken> sensors;  // by label and kind
   double begin = HUGE_VAL;
@@ -83,12 +93,13 @@ int inspect_recording(const InspectOptions& options, Console& console) {
       options.holes)
     throw std::invalid_argument(quote_path(name) +
                                 " is a recording, not a map: expected no other flag than --json beside it");
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<std::string>> rows, frame_rows;
   Json json;
   std::optional<std::string> damage;
   if (is_bag_file(options.map)) {
     json["bag"] = name;
     json["topics"] = topics_of(options, rows);
+    json["frames"] = frames_of(options, frame_rows);
   } else {
     const std::unique_ptr<FrameSource> frames = open_frames(options.map, {});
     json["recording"] = name;
@@ -101,6 +112,7 @@ int inspect_recording(const InspectOptions& options, Console& console) {
     console.out() << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else {
     print_table(console.out(), rows);
+    if (frame_rows.size() > 1) print_table(console.out() << '\n', frame_rows);
   }
   if (damage) console.warn(*damage);
   return damage ? exit_damaged : exit_done;

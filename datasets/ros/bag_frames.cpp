@@ -14,6 +14,11 @@ bool is_transforms(const BagTopic& topic) {
   return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
 }
 
+void add_transforms(const BagTopic& topic, WireReader& in, TransformTree& tree) {
+  const bool is_fixed = topic.name.ends_with("tf_static");
+  for (const RosTransform& transform : read_transforms(in)) tree.add(transform, is_fixed);
+}
+
 bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -57,8 +62,7 @@ void BagFrames::learn() {
     try {
       WireReader in(message.bytes, *topic.wire);
       if (is_transforms(topic)) {
-        const bool is_fixed = topic.name.ends_with("tf_static");
-        for (const RosTransform& transform : read_transforms(in)) transforms_.add(transform, is_fixed);
+        add_transforms(topic, in, transforms_);
       } else if (!cameras_.contains(topic.name)) {
         cameras_.emplace(topic.name, intrinsics_of(read_camera_info(in)));
       }
@@ -154,6 +158,22 @@ std::vector<std::string> BagFrames::left_out() const {
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, or give a frame another parent");
   return clauses;
+}
+
+std::vector<BagFrame> frames_of(MessageBag& bag) {
+  TransformTree tree;
+  std::vector<bool> wanted;
+  for (const BagTopic& topic : bag.topics()) wanted.push_back(topic.wire && is_transforms(topic));
+  bag.visit(wanted, [&](const BagMessage& message) {
+    const BagTopic& topic = bag.topics()[message.topic];
+    try {
+      WireReader in(message.bytes, *topic.wire);
+      add_transforms(topic, in, tree);
+    } catch (const std::runtime_error&) {
+    }
+    return true;
+  });
+  return tree.edges();
 }
 
 void visit_joints(MessageBag& bag, const std::string& topic,

@@ -40,6 +40,9 @@ class BagFrames {
   std::map<std::string, Missing> left_out_;          ///< of the topic
 };
 
+/// The frames that the transforms of a bag join; leaves out damaged ones.
+std::vector<BagFrame> frames_of(MessageBag& bag);
+
 /// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out
 /// damaged ones.
 void visit_joints(MessageBag& bag, const std::string& topic,

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 #include "datasets/ros/bag_frames.hpp"
@@ -158,18 +159,26 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
                            ": expected 'depth_camera_info' in 'source: bag:' of the setup"));
 }
 
-}  // namespace
+/// What the child says of one topic or frame.
+struct Line {
+  char mark = '0';
+  std::string first, second;
+  std::uint64_t number = 0;
+};
+/// Takes a mark, a text, a line break and a text.
+using Tell = std::function<void(std::uint64_t number, const std::string& line)>;
 
-std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
+/// What `work` tells of a bag, which it reads in a child process with limits.
+std::vector<Line> ask(const std::filesystem::path& file,
+                      const std::function<void(MessageBag& bag, const Tell& tell)>& work) {
   const InputFile input(file, "bag");
   DecodingChild child(
       limits_of(input.size()), input.descriptor(), [&](const ChildReport& report, int descriptor) {
         try {
           const std::unique_ptr<MessageBag> bag = open_messages(file, descriptor, input.size());
-          for (const BagTopic& topic : bag->topics()) {
-            const char wire = topic.wire == RosWire::ros1 ? '1' : topic.wire == RosWire::cdr ? '2' : '0';
-            report.send(ChildMessage::skipped, topic.count, wire + topic.type + '\n' + topic.name);
-          }
+          work(*bag, [&](std::uint64_t number, const std::string& line) {
+            report.send(ChildMessage::skipped, number, line);
+          });
           report.send(ChildMessage::end, 0, "");
         } catch (const std::bad_alloc&) {
           report.send(ChildMessage::damage, 0, "asks for more memory than it may take");
@@ -177,23 +186,47 @@ std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
           report.send(ChildMessage::damage, 0, std::string("cannot be read: ") + error.what());
         }
       });
-  std::vector<BagTopic> topics;
+  std::vector<Line> lines;
   for (;;) {
     const ChildMessage message = child.receive();
-    const std::size_t line = message.text.find('\n');
-    if (message.kind == ChildMessage::end) break;
-    if (message.kind != ChildMessage::skipped || line == std::string::npos || line == 0)
+    const std::size_t end = message.text.find('\n');
+    if (message.kind == ChildMessage::end) return lines;
+    if (message.kind != ChildMessage::skipped || end == std::string::npos || end == 0)
       throw std::invalid_argument(
           sentence(file, message.kind == ChildMessage::damage ? message.text : "cannot be read"));
-    BagTopic topic{message.text.substr(line + 1), message.text.substr(1, line - 1), std::nullopt,
-                   message.offset};
-    if (message.text[0] == '1') topic.wire = RosWire::ros1;
-    if (message.text[0] == '2') topic.wire = RosWire::cdr;
-    topics.push_back(std::move(topic));
+    lines.push_back(
+        {message.text[0], message.text.substr(1, end - 1), message.text.substr(end + 1), message.offset});
+  }
+}
+
+}  // namespace
+
+std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    for (const BagTopic& topic : bag.topics()) {
+      const char wire = topic.wire == RosWire::ros1 ? '1' : topic.wire == RosWire::cdr ? '2' : '0';
+      tell(topic.count, wire + topic.type + '\n' + topic.name);
+    }
+  });
+  std::vector<BagTopic> topics;
+  for (const Line& line : lines) {
+    topics.push_back({line.second, line.first, std::nullopt, line.number});
+    if (line.mark == '1') topics.back().wire = RosWire::ros1;
+    if (line.mark == '2') topics.back().wire = RosWire::cdr;
   }
   std::sort(topics.begin(), topics.end(),
             [](const BagTopic& a, const BagTopic& b) { return a.name < b.name; });
   return topics;
+}
+
+std::vector<BagFrame> list_frames(const std::filesystem::path& file) {
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    for (const BagFrame& frame : frames_of(bag))
+      tell(0, (frame.is_fixed ? '1' : '0') + frame.parent + '\n' + frame.name);
+  });
+  std::vector<BagFrame> frames;
+  for (const Line& line : lines) frames.push_back({line.second, line.first, line.mark == '1'});
+  return frames;
 }
 
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "datasets/ros/message_bag.hpp"
+#include "datasets/ros/transform_tree.hpp"
 #include "datasets/sources/frame_source.hpp"
 #include "datasets/sources/joint_stream.hpp"
 #include "mapping/system/input_file.hpp"
@@ -20,6 +21,9 @@ inline bool is_bag_file(const std::filesystem::path& file) {
 /// What a bag holds, in the order of names. A bag that is damaged has what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
+
+/// The frames that its transforms join, in the order of names. @throws std::invalid_argument as list_bag.
+std::vector<BagFrame> list_frames(const std::filesystem::path& file);
 
 /// The topics of a bag that the options name, as frames in the order of their recording, in tf's
 /// poses; the time of a frame is that of its header, where it has one. Sensors are called like their topics.

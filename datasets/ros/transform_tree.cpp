@@ -67,6 +67,12 @@ std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::strin
   return from_root->inverse() * *from_frame;
 }
 
+std::vector<BagFrame> TransformTree::edges() const {
+  std::vector<BagFrame> frames;
+  for (const auto& [child, edge] : edges_) frames.push_back({child, edge.parent, edge.is_fixed});
+  return frames;
+}
+
 std::vector<std::string> TransformTree::frames() const {
   std::set<std::string> names;
   for (const auto& [child, edge] : edges_) names.insert({child, edge.parent});

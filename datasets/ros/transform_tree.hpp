@@ -10,6 +10,12 @@
 
 namespace clearway {
 
+/// A frame of a bag's transforms.
+struct BagFrame {
+  std::string name, parent;
+  bool is_fixed = false;  ///< by /tf_static
+};
+
 /// Where the frames of a recording are in one another, by its transforms, as tf2 has it: each frame has one
 /// parent, fixed to it or with poses at times.
 class TransformTree {
@@ -27,6 +33,7 @@ class TransformTree {
                                                    double time) const;
 
   std::vector<std::string> frames() const;  ///< sorted
+  std::vector<BagFrame> edges() const;      ///< in the order of the children's names
   std::size_t left_out() const { return left_out_; }
 
   static constexpr double max_gap = 1.0;  ///< s between two poses that are interpolated

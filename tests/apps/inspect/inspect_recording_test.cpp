@@ -69,6 +69,18 @@ TEST(InspectRecording, ListsTheTopicsOfABag) {
                   {{"name", "/tip"}, {"type", "std_msgs/String"}, {"messages", 3}}}));
 }
 
+TEST(InspectRecording, ListsTheFramesOfABagWithTheirParents) {
+  const std::string bag = CLEARWAY_SOURCE_DIR "/tests/datasets/ros/bags/cdr_none.mcap";
+  const CommandRun run = run_command({"inspect", bag, "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  const Json frames = Json::parse(run.out).at("frames");
+  ASSERT_GE(frames.size(), 2U);
+  EXPECT_EQ(frames[0], (Json{{"name", "base"}, {"parent", "map"}, {"moves", true}}));
+  EXPECT_EQ(frames[1], (Json{{"name", "camera"}, {"parent", "base"}, {"moves", false}}));
+  const CommandRun text = run_command({"inspect", bag});
+  EXPECT_NE(text.out.find("parent"), std::string::npos) << text.out;
+}
+
 TEST(InspectRecording, ADamagedOneIsListedAsFarAsItGoesAndSaysSo) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "r.rawlog";
