@@ -263,6 +263,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("source"))
     setup.source = read_source(fields.map("source"), std::filesystem::path(name).parent_path());
   setup.source.camera = setup.camera;
+  for (const SensorSetup& sensor : setup.sensors) setup.source.placed.push_back(sensor.name);
   setup.source.places_depth = setup.sensor("depth", "depth") != nullptr;
   if (fields.has("robot"))
     setup.robot = read_robot(fields.map("robot"), std::filesystem::path(name).parent_path());

@@ -81,11 +81,20 @@ void BagFrames::visit(const std::function<void(const Frame&)>& take) {
     wanted.push_back(topic.wire && (topic.name == bag.images || topic.name == bag.depth ||
                                     holds(bag.clouds, topic.name) || holds(bag.scans, topic.name)));
   }
+  const bool are_frames_unused = takes_sensors_to_stand();
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (are_frames_unused && bag_.topics()[i].wire && is_transforms(bag_.topics()[i])) wanted[i] = true;
   bag_.visit(wanted, [&](const BagMessage& message) {
+    const BagTopic& topic = bag_.topics()[message.topic];
     try {
+      if (is_transforms(topic)) {
+        WireReader in(message.bytes, *topic.wire);
+        add_transforms(topic, in, transforms_);
+        return true;
+      }
       if (const auto frame = frame_of(message)) take(*frame);
     } catch (const std::runtime_error& error) {
-      Missing& missing = left_out_[bag_.topics()[message.topic].name];
+      Missing& missing = left_out_[topic.name];
       if (missing.count++ == 0) missing.first = error.what();
     }
     return true;
@@ -139,6 +148,19 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
   return frame;
 }
 
+bool BagFrames::takes_sensors_to_stand() const {
+  const BagTopics& bag = options_.bag;
+  if (!bag.fixed_frame.empty()) return false;
+  const auto is_placed = [&](const std::string& topic, const char* kind) {
+    return holds(options_.placed, topic) || holds(options_.placed, kind);
+  };
+  return (!bag.depth.empty() && !is_placed(bag.depth, "depth")) ||
+         !std::all_of(bag.clouds.begin(), bag.clouds.end(),
+                      [&](const std::string& topic) { return is_placed(topic, "points"); }) ||
+         !std::all_of(bag.scans.begin(), bag.scans.end(),
+                      [&](const std::string& topic) { return is_placed(topic, "laser2d"); });
+}
+
 std::string BagFrames::why_unknown(const std::string& frame) const {
   const std::vector<std::string> frames = transforms_.frames();
   for (const std::string& name : {options_.bag.fixed_frame, frame})
@@ -154,6 +176,11 @@ std::vector<std::string> BagFrames::left_out() const {
                       (missing.count == 1 ? "" : "s") + " in topic " + quote(topic) +
                       " that cannot be used: " + missing.first);
   }
+  if (options_.bag.fixed_frame.empty() && !transforms_.frames().empty())
+    clauses.push_back(
+        "has transforms, but its sensors are taken to stand still: the setup names no "
+        "'source: bag: fixed_frame'; frames of the bag: " +
+        list_of(transforms_.frames()));
   if (transforms_.left_out() > 0)
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, or give a frame another parent");

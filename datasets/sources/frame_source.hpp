@@ -49,8 +49,9 @@ struct SourceOptions {
   std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
   BagTopics bag = {};
   DepthOptions depth;
-  double camera_seconds = 10.0;  ///< how long a live camera is watched
-  bool places_depth = false;     ///< the setup's sensors say where the sensor "depth" is
+  double camera_seconds = 10.0;     ///< how long a live camera is watched
+  std::vector<std::string> placed;  ///< sensors, or kinds of clouds, whose place the setup says
+  bool places_depth = false;        ///< the setup's sensors say where the sensor "depth" is
 };
 
 }  // namespace clearway

@@ -186,6 +186,21 @@ TEST(Bag, FramesWithoutAPoseAreLeftOutAndReported) {
       << reading.warnings[0];
 }
 
+TEST(Bag, SensorsThatAreTakenToStandStillAlthoughThereAreFramesAreReported) {
+  SourceOptions options;
+  options.bag.scans = {"/scan"};
+  const Reading reading = read(bag("cdr_none.mcap"), options);
+  EXPECT_EQ(reading.frames.size(), 4U);
+  ASSERT_EQ(reading.warnings.size(), 1U);
+  EXPECT_NE(
+      reading.warnings[0].find("are taken to stand still: the setup names no 'source: bag: fixed_frame'; "
+                               "frames of the bag: 'base', 'camera', 'laser', 'map'"),
+      std::string::npos)
+      << reading.warnings[0];
+  options.placed = {"laser2d"};
+  EXPECT_TRUE(read(bag("cdr_none.mcap"), options).warnings.empty()) << "the setup says where it is";
+}
+
 RosTransform transform(double time, const std::string& parent, const std::string& child,
                        const Eigen::Isometry3d& pose) {
   return {{time, parent}, child, pose.translation(), Eigen::Quaterniond(pose.linear())};
