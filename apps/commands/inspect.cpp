@@ -110,7 +110,7 @@ bool is_recording_name(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
   if (kind == ".gz") return extension_of(file.stem()) == ".rawlog";
   constexpr std::array<std::string_view, 6> recordings{".rawlog", ".mp4", ".mov", ".mkv", ".webm", ".avi"};
-  return is_bag_file(file) || std::find(recordings.begin(), recordings.end(), kind) != recordings.end();
+  return is_bag(file) || std::find(recordings.begin(), recordings.end(), kind) != recordings.end();
 }
 
 }  // namespace

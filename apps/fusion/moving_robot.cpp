@@ -58,7 +58,7 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
   if (!setup.robot) return std::nullopt;
   if (!setup.robot->joint_file.empty()) return load_joint_states(setup.robot->joint_file, max_gap);
   if (setup.robot->joint_topic.empty()) return std::nullopt;
-  if (!is_bag_file(recording))
+  if (!is_bag(recording))
     throw std::invalid_argument("setup, robot, field 'joint_topic': expected a bag as recording, got " +
                                 quote_path(recording.string()));
   return read_joints(recording, setup.robot->joint_topic, max_gap);

@@ -119,6 +119,7 @@ void take_as_rendered(Setup& setup) {
 
 std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const SourceOptions& options) {
   std::error_code error;
+  if (is_bag_folder(recording)) return open_bag(recording, options);
   if (fs::is_directory(recording, error)) return open_folder(recording, options);
   if (is_camera_name(recording)) return open_camera(recording, options);
   const bool is_file = fs::is_regular_file(recording, error);

@@ -21,7 +21,8 @@ inline constexpr const char* kinds_of_recordings =
 /// - a folder of .pcd and .ply files, or one of them: scans of kind "points", each seen from the file's
 ///   viewpoint, which is in the same frame as its points. Their time is the number that is their name (as the
 ///   TUM benchmark names them), else 0, 1, 2, ... s;
-/// - a .bag or .mcap file: topics that the setup names (datasets/ros/bag_source.hpp);
+/// - a .bag or .mcap file, or the folder that `ros2 bag record` makes: topics that the setup names
+/// (datasets/ros/bag_source.hpp);
 /// - else an MRPT rawlog.
 /// Sensors are called like the folder, or the single file.
 /// @throws std::invalid_argument in one sentence when it is none of these.

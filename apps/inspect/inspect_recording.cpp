@@ -96,7 +96,7 @@ int inspect_recording(const InspectOptions& options, Console& console) {
   std::vector<std::vector<std::string>> rows, frame_rows;
   Json json;
   std::optional<std::string> damage;
-  if (is_bag_file(options.map)) {
+  if (is_bag(options.map)) {
     json["bag"] = name;
     json["topics"] = topics_of(options, rows);
     json["frames"] = frames_of(options, frame_rows);

@@ -181,6 +181,14 @@ std::vector<TimedFile> together(const std::vector<fs::path>& files, const std::v
   return timed;
 }
 
+std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) {
+  std::vector<double> times(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) times[i] = static_cast<double>(i) / rate;
+  return together(files, times);
+}
+
+}  // namespace
+
 std::vector<fs::path> in_order_of_names(std::vector<fs::path> files) {
   const bool are_numbers = name_times(files).has_value();
   std::sort(files.begin(), files.end(), [are_numbers](const fs::path& a, const fs::path& b) {
@@ -189,14 +197,6 @@ std::vector<fs::path> in_order_of_names(std::vector<fs::path> files) {
   });
   return files;
 }
-
-std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) {
-  std::vector<double> times(files.size());
-  for (std::size_t i = 0; i < files.size(); ++i) times[i] = static_cast<double>(i) / rate;
-  return together(files, times);
-}
-
-}  // namespace
 
 void make_seconds(std::vector<double>& times) {
   const double largest = times.empty() ? 0.0 : *std::max_element(times.begin(), times.end());

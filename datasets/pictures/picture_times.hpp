@@ -32,6 +32,9 @@ void make_seconds(std::vector<double>& times);
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
                                                              const std::string& name);
 
+/// In the order of names: of the numbers that they are, else with numbers within names by their value.
+std::vector<std::filesystem::path> in_order_of_names(std::vector<std::filesystem::path> files);
+
 /// Files in the order of their names, numbers within names by their value (a9 before a10), each with its
 /// time: its name, where all are numbers of a clock (make_seconds) and none is there twice, else its place in
 /// that order, one a second.

@@ -30,7 +30,7 @@ class BagFrames {
   };
   void learn();
   std::optional<Frame> frame_of(const BagMessage& message) const;
-  /// Whether something says where no sensor of points is: neither the setup nor transforms.
+  /// Whether neither the setup nor transforms say where some sensor of points is.
   bool takes_sensors_to_stand() const;
   /// The end of the clause that says that a frame has no pose.
   std::string why_unknown(const std::string& frame) const;

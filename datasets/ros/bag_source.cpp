@@ -6,6 +6,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_frames.hpp"
 #include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/decoding_child.hpp"
@@ -36,6 +37,111 @@ std::string sentence(const std::filesystem::path& file, const std::string& claus
   return "bag " + quote_path(file.string()) + " " + clause;
 }
 
+/// The files of a folder with this end of their names, in the order of names, numbers by value.
+std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder, const std::string& kind) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (extension_of(entry.path()) == kind) files.push_back(entry.path());
+  return in_order_of_names(files);
+}
+
+/// Several bags, one after the other, as one. In the child.
+class JoinedBag final : public MessageBag {
+ public:
+  explicit JoinedBag(const std::vector<std::filesystem::path>& files) {
+    for (const std::filesystem::path& file : files) add(file);
+  }
+
+  void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
+    done_ = 0;
+    bool goes_on = true;
+    for (at_ = 0; at_ < parts_.size() && goes_on; ++at_) {
+      const Part& part = parts_[at_];
+      std::vector<bool> of_part;
+      for (const std::size_t topic : part.topics) of_part.push_back(wanted[topic]);
+      part.bag->visit(of_part, [&](BagMessage message) {
+        message.topic = part.topics[message.topic];
+        return goes_on = take(message);
+      });
+      note_damage(part);
+      done_ += part.input->size();
+    }
+  }
+  std::uint64_t offset() const override {
+    return done_ + (at_ < parts_.size() ? parts_[at_].bag->offset() : 0);
+  }
+
+ private:
+  struct Part {
+    std::string name;
+    std::unique_ptr<InputFile> input;
+    std::unique_ptr<MessageBag> bag;
+    std::vector<std::size_t> topics;  ///< numbers of its topics here
+  };
+
+  void add(const std::filesystem::path& file) {
+    Part part{quote_path(file.filename().string()), std::make_unique<InputFile>(file, "bag"), nullptr, {}};
+    try {
+      part.bag = open_messages(file, part.input->descriptor(), part.input->size());
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error("of its " + part.name + ": " + error.what());
+    }
+    for (const BagTopic& topic : part.bag->topics()) part.topics.push_back(number_of(topic));
+    note_damage(part);
+    parts_.push_back(std::move(part));
+  }
+  std::size_t number_of(const BagTopic& topic) {
+    const auto found = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& known) {
+      return known.name == topic.name && known.type == topic.type && known.wire == topic.wire;
+    });
+    if (found == topics_.end()) {
+      topics_.push_back(topic);
+      return topics_.size() - 1;
+    }
+    found->count += topic.count;
+    return static_cast<std::size_t>(found - topics_.begin());
+  }
+  void note_damage(const Part& part) {
+    if (damage_.empty() && !part.bag->damage().empty())
+      damage_ = "of its " + part.name + ": " + part.bag->damage();
+  }
+
+  std::vector<Part> parts_;
+  std::size_t at_ = 0;
+  std::uint64_t done_ = 0;  ///< bytes of the parts before
+};
+
+/// The files of a bag: one, or those of a folder. @throws std::invalid_argument when there is none to read.
+class BagFiles {
+ public:
+  explicit BagFiles(const std::filesystem::path& bag) : files_{bag} {
+    const bool is_folder = is_bag_folder(bag);
+    const bool is_sqlite = is_folder ? !files_with(bag, ".db3").empty() : extension_of(bag) == ".db3";
+    if (is_sqlite)
+      throw std::invalid_argument(sentence(
+          bag, "is SQLite (.db3), which is not read here: expected MCAP, which `ros2 bag convert` makes"));
+    if (is_folder) files_ = files_with(bag, ".mcap");
+    for (const std::filesystem::path& file : files_) {
+      inputs_.push_back(std::make_unique<InputFile>(file, "bag"));
+      size_ += inputs_.back()->size();
+    }
+  }
+
+  std::uint64_t size() const { return size_; }
+  int descriptor() const { return inputs_.front()->descriptor(); }
+  /// In the child. @param descriptor of the first file
+  std::unique_ptr<MessageBag> open(int descriptor) const {
+    if (files_.size() > 1) return std::make_unique<JoinedBag>(files_);
+    return open_messages(files_.front(), descriptor, size_);
+  }
+
+ private:
+  std::vector<std::filesystem::path> files_;
+  std::vector<std::unique_ptr<InputFile>> inputs_;
+  std::uint64_t size_ = 0;
+};
+
 std::string list_of(const std::vector<BagTopic>& topics) {
   std::string list;
   constexpr std::size_t enough = 12;
@@ -49,10 +155,10 @@ class BagSource final : public FrameSource {
  public:
   BagSource(const std::filesystem::path& file, const SourceOptions& options)
       : file_(file),
-        input_(file, "bag"),
+        input_(file),
         child_(limits_of(input_.size()), input_.descriptor(),
-               [file, size = input_.size(), options](const ChildReport& report, int descriptor) {
-                 work(file, size, options, report, descriptor);
+               [this, options](const ChildReport& report, int descriptor) {
+                 work(input_, options, report, descriptor);
                }) {}
 
   std::optional<Frame> next() override {
@@ -80,18 +186,18 @@ class BagSource final : public FrameSource {
   }
 
  private:
-  static void work(const std::filesystem::path& file, std::uint64_t size, const SourceOptions& options,
-                   const ChildReport& report, int descriptor) {
+  static void work(const BagFiles& files, const SourceOptions& options, const ChildReport& report,
+                   int descriptor) {
     std::unique_ptr<MessageBag> bag;
     try {
-      bag = open_messages(file, descriptor, size);
+      bag = files.open(descriptor);
       BagFrames frames(*bag, options);
       frames.visit([&](const Frame& frame) {
         report.send(ChildMessage::frame, bag->offset(), frame_to_bytes({frame, true}));
       });
       for (const std::string& what : frames.left_out())
         report.send(ChildMessage::skipped, bag->offset(), what);
-      if (bag->damage().empty()) return report.send(ChildMessage::end, size, "");
+      if (bag->damage().empty()) return report.send(ChildMessage::end, files.size(), "");
       report.send(ChildMessage::damage, bag->offset(), bag->damage());
     } catch (const std::bad_alloc&) {
       report.send(ChildMessage::damage, 0, "it asks for more memory than it may take");
@@ -106,7 +212,7 @@ class BagSource final : public FrameSource {
   }
 
   std::filesystem::path file_;
-  InputFile input_;
+  BagFiles input_;
   DecodingChild child_;
   std::vector<std::string> warnings_;
   std::optional<std::string> damage_;
@@ -171,11 +277,11 @@ using Tell = std::function<void(std::uint64_t number, const std::string& line)>;
 /// What `work` tells of a bag, which it reads in a child process with limits.
 std::vector<Line> ask(const std::filesystem::path& file,
                       const std::function<void(MessageBag& bag, const Tell& tell)>& work) {
-  const InputFile input(file, "bag");
+  const BagFiles input(file);
   DecodingChild child(
       limits_of(input.size()), input.descriptor(), [&](const ChildReport& report, int descriptor) {
         try {
-          const std::unique_ptr<MessageBag> bag = open_messages(file, descriptor, input.size());
+          const std::unique_ptr<MessageBag> bag = input.open(descriptor);
           work(*bag, [&](std::uint64_t number, const std::string& line) {
             report.send(ChildMessage::skipped, number, line);
           });
@@ -236,24 +342,24 @@ std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const S
 
 JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap) {
   require_topic(file, list_bag(file), topic, "robot: joint_topic", {"sensor_msgs/JointState"});
-  const InputFile input(file, "bag");
-  DecodingChild child(
-      limits_of(input.size()), input.descriptor(), [&](const ChildReport& report, int descriptor) {
-        try {
-          const std::unique_ptr<MessageBag> bag = open_messages(file, descriptor, input.size());
-          visit_joints(*bag, topic, [&](double time, const RosJointState& state) {
-            WireWriter out;
-            out.number(time);
-            out.length(state.names.size());
-            for (const std::string& name : state.names) out.text(name);
-            out.numbers(state.positions);
-            report.send(ChildMessage::skipped, 0, out.message());
-          });
-          report.send(ChildMessage::end, 0, "");
-        } catch (const std::exception&) {
-          report.send(ChildMessage::damage, 0, "");
-        }
-      });
+  const BagFiles input(file);
+  DecodingChild child(limits_of(input.size()), input.descriptor(),
+                      [&](const ChildReport& report, int descriptor) {
+                        try {
+                          const std::unique_ptr<MessageBag> bag = input.open(descriptor);
+                          visit_joints(*bag, topic, [&](double time, const RosJointState& state) {
+                            WireWriter out;
+                            out.number(time);
+                            out.length(state.names.size());
+                            for (const std::string& name : state.names) out.text(name);
+                            out.numbers(state.positions);
+                            report.send(ChildMessage::skipped, 0, out.message());
+                          });
+                          report.send(ChildMessage::end, 0, "");
+                        } catch (const std::exception&) {
+                          report.send(ChildMessage::damage, 0, "");
+                        }
+                      });
   JointStream stream(max_gap);
   for (;;) {
     const ChildMessage message = child.receive();

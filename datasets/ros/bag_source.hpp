@@ -12,13 +12,27 @@
 
 namespace clearway {
 
-/// True for names that end in .mcap and .bag, in small or capital letters.
+/// True for names that end in .mcap and .bag, in small or capital letters, and in .db3, which is refused.
 inline bool is_bag_file(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
-  return kind == ".mcap" || kind == ".bag";
+  return kind == ".mcap" || kind == ".bag" || kind == ".db3";
 }
 
-/// What a bag holds, in the order of names. A bag that is damaged has what could be read.
+/// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3.
+inline bool is_bag_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder / "metadata.yaml", error)) return false;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string kind = extension_of(entry.path());
+    if (kind == ".mcap" || kind == ".db3") return true;
+  }
+  return false;
+}
+
+inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path) || is_bag_folder(path); }
+
+/// What a bag holds (a file, or a folder of MCAP files, which are read in the order of their names), in the
+/// order of names. A bag that is damaged has what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
 

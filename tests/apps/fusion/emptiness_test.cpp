@@ -79,6 +79,19 @@ TEST_F(Emptiness, AWrongFixedFrameOfABagIsReportedWithTheFramesThatItHas) {
   EXPECT_EQ(refusal("b.mcap", "source: {bag: {scans: [/scan], fixed_frame: /map}}\n"), "");
 }
 
+TEST_F(Emptiness, TheFolderOfARecorderIsReplayedAndSqliteIsRefused) {
+  std::filesystem::create_directory(folder_ / "r");
+  folder_.write("r/metadata.yaml", "rosbag2_bagfile_information:\n  version: 9\n");
+  std::filesystem::copy_file(
+      std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/cdr_none.mcap",
+      folder_ / "r/r_0.mcap");
+  const std::string setup = "source: {bag: {scans: [/scan], fixed_frame: map}}\n";
+  EXPECT_EQ(refusal("r", setup), "");
+  std::filesystem::remove_all(folder_ / "out");
+  folder_.write("r/r_0.db3", "SQLite format 3");
+  EXPECT_NE(refusal("r", setup).find("`ros2 bag convert`"), std::string::npos);
+}
+
 TEST_F(Emptiness, DepthPicturesOfAnotherTimeThanTheirPosesAreReported) {
   std::filesystem::create_directories(folder_ / "d/depth");
   std::filesystem::create_directories(folder_ / "d/rgb");

@@ -81,6 +81,16 @@ TEST(InspectRecording, ListsTheFramesOfABagWithTheirParents) {
   EXPECT_NE(text.out.find("parent"), std::string::npos) << text.out;
 }
 
+TEST(InspectRecording, TheFolderOfARecorderIsListedAsABagIs) {
+  const TemporaryFolder folder;
+  folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 9\n");
+  std::filesystem::copy_file(CLEARWAY_SOURCE_DIR "/tests/datasets/ros/bags/cdr_none.mcap",
+                             folder / "r_0.mcap");
+  const CommandRun run = run_command({"inspect", folder.path().string(), "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  EXPECT_EQ(Json::parse(run.out).at("topics").size(), 8U);
+}
+
 TEST(InspectRecording, ADamagedOneIsListedAsFarAsItGoesAndSaysSo) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "r.rawlog";

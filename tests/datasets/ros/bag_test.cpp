@@ -118,6 +118,34 @@ TEST(Bag, ACutRos1BagIsRefusedWithTheProgramThatMendsIt) {
   EXPECT_NE(sentence.find("expected it after `rosbag reindex`"), std::string::npos) << sentence;
 }
 
+TEST(Bag, TheFolderOfARecorderIsReadFileByFileInTheOrderOfNumbers) {
+  const TemporaryFolder folder;
+  folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 9\n");
+  fs::copy_file(bag("cdr_none.mcap"), folder / "r_2.mcap");
+  EXPECT_TRUE(is_bag_folder(folder.path()));
+  expect_the_written(read(folder.path(), all_topics()));
+  fs::copy_file(bag("cdr_zstd_unended.mcap"), folder / "r_10.mcap");
+  const Reading both = read(folder.path(), all_topics());
+  EXPECT_EQ(both.frames.size(), 32U);
+  ASSERT_TRUE(both.damage);
+  EXPECT_NE(both.damage->find("of its 'r_10.mcap': "), std::string::npos) << *both.damage;
+  const std::vector<BagTopic> topics = list_bag(folder.path());
+  ASSERT_EQ(topics.size(), 8U);
+  EXPECT_EQ(topics[6].count, 18U);
+  folder.write("r_1.mcap", "no bag");
+  EXPECT_NE(complaint([&] { list_bag(folder.path()); }).find("of its 'r_1.mcap': "), std::string::npos);
+}
+
+TEST(Bag, SqliteIsRefusedWithTheProgramThatConvertsIt) {
+  const TemporaryFolder folder;
+  folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 9\n");
+  folder.write("r_0.db3", "SQLite format 3");
+  for (const fs::path& path : {folder.path(), folder / "r_0.db3"}) {
+    const std::string sentence = complaint([&] { open_bag(path, all_topics()); });
+    EXPECT_NE(sentence.find("expected MCAP, which `ros2 bag convert` makes"), std::string::npos) << sentence;
+  }
+}
+
 TEST(Bag, ListsTopicsTypesAndMessages) {
   for (const char* name : {"cdr_zstd.mcap", "ros1_none.mcap", "cdr_zstd_unended.mcap"}) {
     SCOPED_TRACE(name);
