@@ -167,6 +167,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (painter) painter->finish();
   if (body) counts.body_spheres = body->spheres();
   fusion.damage = frames->damage();
+  if (fusion.damage && fusion.counts.frames == 0)
+    throw std::invalid_argument(*fusion.damage + "; nothing gets into the map");
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
   if (!fusion.damage) require_content(fusion, recording);

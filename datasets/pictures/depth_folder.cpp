@@ -1,21 +1,17 @@
 #include "datasets/pictures/depth_folder.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
-#include <locale>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
-#include "datasets/sources/pose_stream.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -28,15 +24,37 @@ namespace fs = std::filesystem;
 constexpr std::uint16_t no_depth = 65535;
 
 /// What is called like a picture; one that is no file is refused when it is read.
-std::vector<fs::path> pictures_in(const fs::path& folder, const std::string& end = "") {
+std::vector<fs::path> pictures_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   if (!fs::is_directory(folder, error)) return files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (is_picture_file(entry.path()) && entry.path().stem().string().ends_with(end))
-      files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_picture_file(entry.path())) files.push_back(entry.path());
+  return files;
+}
+
+/// The pictures whose names begin or end in the first of these words that any does.
+std::vector<fs::path> called(const std::vector<fs::path>& pictures,
+                             std::initializer_list<const char*> words) {
+  std::vector<fs::path> files;
+  for (const char* word : words) {
+    std::copy_if(pictures.begin(), pictures.end(), std::back_inserter(files),
+                 [word](const fs::path& file) { return name_beside(file, word).has_value(); });
+    if (!files.empty()) break;
   }
   return files;
+}
+
+/// The one file of the folder with this end of its name; empty when there are several or none.
+fs::path only_file(const fs::path& folder, const std::string& kind) {
+  fs::path found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (extension_of(entry.path()) != kind) continue;
+    if (!found.empty()) return {};
+    found = entry.path();
+  }
+  return found;
 }
 
 /// The first of these names that is there.
@@ -47,10 +65,11 @@ fs::path first_there(const fs::path& folder, std::initializer_list<const char*> 
   return {};
 }
 
-/// "frame-000012" of frame-000012.depth.png and of frame-000012.pose.txt.
-std::string first_part(const fs::path& file) {
-  const std::string name = file.filename().string();
-  return name.substr(0, name.find('.'));
+/// Whether any file is called like the pose of one picture.
+bool has_pose_files(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (extension_of(entry.path()) == ".txt" && name_beside(entry.path(), "pose")) return true;
+  return false;
 }
 
 /// The rays (1, y, z) of all pixels, row by row: x forward, y left, z up.
@@ -100,43 +119,6 @@ std::string span_text(double first, double last) {
   return "from " + short_text(first, 15) + " to " + short_text(last, 15) + " s";
 }
 
-/// Where the camera was: a file of poses in time, or a matrix for each picture.
-class CameraPoses {
- public:
-  CameraPoses(const DepthLayout& layout, const DepthOptions& options) : folder_(layout.pose_folder) {
-    const fs::path file = options.poses.empty() ? layout.poses : options.poses;
-    if (file.empty()) return;
-    // Between two poses at most twice the tolerance apart each time has one within the tolerance.
-    between_.emplace(load_tum_poses(file, 2.0 * options.tolerance));
-    nearest_.emplace(load_tum_poses(file, options.tolerance));
-  }
-  bool are_there() const { return between_ || !folder_.empty(); }
-  /// Times of the first and last pose, for a sentence; "" where each picture has a file of its own.
-  std::string span() const {
-    return between_ && between_->first_time() ? span_text(*between_->first_time(), *between_->last_time())
-                                              : "";
-  }
-
-  /// world_from_camera, optical frame.
-  std::optional<Eigen::Isometry3d> of(const TimedFile& picture) const {
-    if (between_) {
-      const auto pose = between_->at(picture.time);
-      return pose ? pose : nearest_->nearest(picture.time);
-    }
-    std::error_code error;
-    for (const char* end : {".txt", ".pose.txt"}) {
-      const fs::path file = folder_ / (first_part(picture.file) + end);
-      if (!fs::exists(fs::symlink_status(file, error))) continue;
-      return parse_pose_matrix(read_input(file, "pose", 64U << 10U), "pose " + quote_path(file.string()));
-    }
-    return std::nullopt;
-  }
-
- private:
-  fs::path folder_;
-  std::optional<PoseStream> between_, nearest_;
-};
-
 Eigen::Isometry3d optical_from_sensor() {
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   turn.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -160,7 +142,8 @@ class DepthFolder final : public FrameSource {
  public:
   DepthFolder(const DepthLayout& layout, const CameraIntrinsics& camera, const SourceOptions& options)
       : options_(options),
-        poses_(layout, options.depth),
+        poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
+               in_order_of_names(layout.depth), options.depth.tolerance),
         timed_(times_of_files(layout.depth, options.rate)),
         depth_(names_of(timed_), "depth picture", depth_decoder(camera, options.depth)) {
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
@@ -182,7 +165,9 @@ class DepthFolder final : public FrameSource {
     std::vector<std::string> sentences = timed_.warnings;
     if (unposed_ > 0) sentences.push_back(unposed());
     if (colour_)
-      for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
+      for (const std::string& warning : colour_->warnings())
+        if (std::find(sentences.begin(), sentences.end(), warning) == sentences.end())
+          sentences.push_back(warning);
     return sentences;
   }
   double progress() const override {
@@ -210,9 +195,11 @@ class DepthFolder final : public FrameSource {
 
   std::string unposed() const {
     const std::string within = short_text(options_.depth.tolerance) + " s";
-    if (unposed_ == timed_.files.size() && !poses_.span().empty())
+    const auto span = poses_.span();
+    if (unposed_ == timed_.files.size() && span)
       return "no depth picture has a pose within " + within + ": pictures " +
-             span_text(timed_.files.front().time, timed_.files.back().time) + ", poses " + poses_.span();
+             span_text(timed_.files.front().time, timed_.files.back().time) + ", poses " +
+             span_text(span->first, span->second);
     return std::to_string(unposed_) + " of " + std::to_string(timed_.files.size()) +
            " depth pictures have no pose within " + within +
            " of their time, or none of their name, and were left out";
@@ -230,7 +217,7 @@ class DepthFolder final : public FrameSource {
   }
 
   SourceOptions options_;
-  CameraPoses poses_;
+  PicturePoses poses_;
   TimedFiles timed_;
   FilesInChild depth_;
   std::unique_ptr<FrameSource> colour_;
@@ -243,47 +230,28 @@ class DepthFolder final : public FrameSource {
 
 std::optional<DepthLayout> depth_layout(const fs::path& folder) {
   DepthLayout layout;
-  layout.depth = pictures_in(folder, ".depth");
+  layout.depth = pictures_in(folder / "depth");
   if (!layout.depth.empty()) {
-    layout.colour = pictures_in(folder, ".color");
-    std::error_code error;
-    if (fs::exists(folder / (first_part(layout.depth.front()) + ".pose.txt"), error))
-      layout.pose_folder = folder;
-  } else {
-    layout.depth = pictures_in(folder / "depth");
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
     if (!colour.empty()) layout.colour = pictures_in(colour);
     layout.pose_folder = first_there(folder, {"pose", "poses"});
+  } else {
+    for (const fs::path& flat : {folder, folder / "results"}) {
+      const std::vector<fs::path> pictures = pictures_in(flat);
+      layout.depth = called(pictures, {"depth"});
+      if (layout.depth.empty()) continue;
+      layout.colour = called(pictures, {"color", "colour", "rgb", "image", "frame"});
+      layout.pose_folder = first_there(folder, {"pose", "poses"});
+      if (layout.pose_folder.empty() && has_pose_files(flat)) layout.pose_folder = flat;
+      break;
+    }
   }
   if (layout.depth.empty()) return std::nullopt;
-  layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt"});
+  layout.poses =
+      first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log", "traj.txt"});
+  for (const char* kind : {".log", ".freiburg"})
+    if (layout.poses.empty()) layout.poses = only_file(folder, kind);
   return layout;
-}
-
-std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name) {
-  std::istringstream words(text);
-  words.imbue(std::locale::classic());
-  Eigen::Matrix4d matrix;
-  std::string word;
-  int count = 0;
-  bool are_numbers = true;
-  for (; are_numbers && words >> word; ++count) {
-    if (word.find("inf") != std::string::npos || word.find("nan") != std::string::npos) return std::nullopt;
-    std::istringstream number(word);
-    number.imbue(std::locale::classic());
-    double value = 0.0;
-    are_numbers = count < 16 && number >> value && number.eof();
-    if (are_numbers) matrix(count / 4, count % 4) = value;
-  }
-  const bool whole = count == 16 && are_numbers;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  if (whole) pose.matrix() = matrix;
-  const Eigen::Matrix3d turn = pose.linear();
-  if (!whole || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !pose.matrix().allFinite() ||
-      !(turn * turn.transpose()).isIdentity(1e-3) || turn.determinant() < 0.0)
-    throw std::invalid_argument(name + ": expected four rows of four numbers, a rigid transform");
-  pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
-  return pose;
 }
 
 std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const DepthLayout& layout,
@@ -298,8 +266,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +
-        " has no poses of its depth pictures: expected groundtruth.txt, poses.txt or "
-        "trajectory.txt (TUM), a folder pose/ of matrices, `poses` of `source: {depth: …}`, "
+        " has no poses of its depth pictures: expected groundtruth.txt, poses.txt, trajectory.txt (TUM) or "
+        "trajectory.log (Redwood), a folder pose/ of matrices, `poses` of `source: {depth: …}`, "
         "or the sensor 'depth' in the setup's `sensors`");
   return source;
 }

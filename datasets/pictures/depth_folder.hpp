@@ -11,19 +11,17 @@ namespace clearway {
 /// Where a folder keeps its depth pictures, colour pictures and poses.
 struct DepthLayout {
   std::vector<std::filesystem::path> depth, colour;  ///< colour may be empty
-  std::filesystem::path poses;                       ///< TUM text; empty: none
+  std::filesystem::path poses;                       ///< TUM text or numbered poses; empty: none
   std::filesystem::path pose_folder;                 ///< of a matrix for each depth picture; empty: none
 };
 
-/// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`,
-/// with `groundtruth.txt`, `poses.txt` or `trajectory.txt`, or a folder `pose/` or `poses/` (TUM, ICL-NUIM,
-/// ScanNet); or files NAME.depth.png, NAME.color.png, NAME.pose.txt (7-Scenes). None when it holds no depth
-/// pictures. @throws std::filesystem::filesystem_error when one of the folders cannot be read
+/// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`
+/// (TUM, ICL-NUIM, ScanNet, Redwood), or in it or its folder `results/` pictures whose names begin or end in
+/// "depth" beside others of "color", "rgb", "image" or "frame" (7-Scenes, Replica); with `groundtruth.txt`,
+/// `poses.txt`, `trajectory.txt`, `trajectory.log`, `traj.txt` or the one file `.log` or `.freiburg`, or a
+/// folder `pose/` or `poses/`, or NAME.pose.txt. None when it holds no depth pictures.
+/// @throws std::filesystem::filesystem_error when one of the folders cannot be read
 std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder);
-
-/// Four rows of four numbers, world_from_camera, m; empty when they are not finite (the data sets' way to say
-/// that it is not known). @throws std::invalid_argument naming `name` when they are no rigid transform
-std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name);
 
 /// Depth pictures (16-bit PNG: the distance along the optical axis, 0 and 65535: none) as scans of kind and
 /// sensor "depth", colour pictures as images of sensor "colour", in the order of their times. Scans for which

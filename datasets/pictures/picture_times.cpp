@@ -24,13 +24,19 @@ namespace fs = std::filesystem;
 constexpr std::size_t largest_table = 64U << 20U;
 constexpr std::size_t exif_reach = 256U << 10U;  ///< bytes of a file within which its EXIF must lie
 
-/// The first two fields of a line, apart by commas, semicolons or blanks.
-std::vector<std::string> two_fields(const std::string& line) {
+constexpr double clock_begins = 1e9;  ///< s since 1970, which no number of a picture reaches
+
+constexpr char no_times[] =
+    "the pictures have no times: they are taken as one a second, or by the numbers in their names; a table, or "
+    "`rate` of `source` in the setup, gives true ones";
+
+/// The first fields of a line, apart by commas, semicolons or blanks.
+std::vector<std::string> fields_of(const std::string& line, std::size_t most) {
   std::vector<std::string> fields;
   const std::string apart = line.find(',') != std::string::npos   ? ",\r"
                             : line.find(';') != std::string::npos ? ";\r"
                                                                   : " \t\r";
-  for (std::size_t at = 0; at < line.size() && fields.size() < 2;) {
+  for (std::size_t at = 0; at < line.size() && fields.size() < most;) {
     const std::size_t end = std::min(line.find_first_of(apart, at), line.size());
     std::string field = line.substr(at, end - at);
     field.erase(0, field.find_first_not_of(" \t\""));
@@ -87,10 +93,13 @@ std::optional<fs::path> table_in(const fs::path& folder) {
   return std::nullopt;
 }
 
-TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& table) {
+using Parse = std::vector<std::pair<std::string, double>> (*)(const std::string&, const std::string&);
+
+TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& table,
+                          Parse parse = parse_file_times) {
   const std::string name = "times " + quote_path(table.string());
   std::map<std::string, double> times;
-  for (const auto& [file, time] : parse_file_times(read_input(table, "times", largest_table), name))
+  for (const auto& [file, time] : parse(read_input(table, "times", largest_table), name))
     times.emplace(file, time);
   TimedFiles result;
   for (const fs::path& file : files) {
@@ -105,24 +114,38 @@ TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& ta
   if (without_time > 0)
     result.warnings.push_back(name + " has no time for " + std::to_string(without_time) + " of " +
                               std::to_string(files.size()) + " pictures, which are left out");
-  if (missing > 0)
+  if (missing > 0 && parse == parse_file_times)  // associations name those of another camera, too
     result.warnings.push_back(name + " names " + std::to_string(missing) + " pictures that are not there");
   return result;
 }
 
-/// What FOLDER.csv or FOLDER.txt beside the folder says, if it is about these files.
-std::optional<TimedFiles> times_by_neighbour(const std::vector<fs::path>& files, const fs::path& folder) {
+/// What the first of these tables says that is there and about these files.
+std::optional<TimedFiles> times_by_first(const std::vector<fs::path>& files,
+                                         const std::vector<fs::path>& tables, Parse parse) {
   std::error_code error;
-  const fs::path whole = fs::weakly_canonical(folder.empty() ? "." : folder, error);
-  for (const char* end : {".csv", ".txt"}) {
-    const fs::path beside = whole.parent_path() / (whole.filename().string() + end);
-    if (!fs::is_regular_file(beside, error)) continue;
+  for (const fs::path& table : tables) {
+    if (!fs::is_regular_file(table, error)) continue;
     try {
-      return times_by_table(files, beside);
+      return times_by_table(files, table, parse);
     } catch (const std::invalid_argument&) {  // it is about something else
     }
   }
   return std::nullopt;
+}
+
+/// What FOLDER.csv or FOLDER.txt beside the folder says, if it is about these files.
+std::optional<TimedFiles> times_by_neighbour(const std::vector<fs::path>& files, const fs::path& folder) {
+  const std::string beside = folder.string();
+  return times_by_first(files, {beside + ".csv", beside + ".txt"}, parse_file_times);
+}
+
+/// What TUM's associations in the folder or beside it say, if they are about these files.
+std::optional<TimedFiles> times_by_associations(const std::vector<fs::path>& files, const fs::path& folder) {
+  std::vector<fs::path> tables;
+  for (const fs::path& place : {folder, folder.parent_path()})
+    for (const char* name : {"associations.txt", "association.txt", "associate.txt", "associated.txt"})
+      tables.push_back(place / name);
+  return times_by_first(files, tables, parse_associations);
 }
 
 std::string beginning_of(const fs::path& file) {
@@ -168,11 +191,19 @@ std::optional<std::vector<double>> exif_times(const std::vector<fs::path>& files
 std::optional<std::vector<double>> name_times(const std::vector<fs::path>& files) {
   std::vector<double> times;
   for (const fs::path& file : files) {
-    const auto number = finite_number(file.stem().string());
-    if (!number) return std::nullopt;
-    times.push_back(*number);
+    const auto time = time_in_name(file.stem().string());
+    if (!time) return std::nullopt;
+    times.push_back(*time);
   }
   return times;
+}
+
+/// Whether names say when a picture was taken; frames that are numbered do not.
+bool are_clock(const std::vector<fs::path>& files) {
+  const auto times = name_times(files);
+  return times && are_distinct(*times) &&
+         (*std::max_element(times->begin(), times->end()) >= clock_begins ||
+          std::any_of(times->begin(), times->end(), [](double time) { return time != std::floor(time); }));
 }
 
 std::vector<TimedFile> together(const std::vector<fs::path>& files, const std::vector<double>& times) {
@@ -190,10 +221,10 @@ std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) 
 }  // namespace
 
 std::vector<fs::path> in_order_of_names(std::vector<fs::path> files) {
-  const bool are_numbers = name_times(files).has_value();
-  std::sort(files.begin(), files.end(), [are_numbers](const fs::path& a, const fs::path& b) {
-    if (!are_numbers) return comes_before(a.filename().string(), b.filename().string());
-    return std::pair(*finite_number(a.stem().string()), a) < std::pair(*finite_number(b.stem().string()), b);
+  const bool are_times = name_times(files).has_value();
+  std::sort(files.begin(), files.end(), [are_times](const fs::path& a, const fs::path& b) {
+    if (!are_times) return comes_before(a.filename().string(), b.filename().string());
+    return std::pair(*time_in_name(a.stem().string()), a) < std::pair(*time_in_name(b.stem().string()), b);
   });
   return files;
 }
@@ -215,7 +246,7 @@ std::vector<std::pair<std::string, double>> parse_file_times(const std::string& 
   for (std::string line; std::getline(lines, line);) {
     ++number;
     line.resize(std::min(line.find('#'), line.size()));
-    const std::vector<std::string> fields = two_fields(line);
+    const std::vector<std::string> fields = fields_of(line, 2);
     if (fields.empty()) continue;
     const auto first = finite_number(fields[0]);
     const auto second = fields.size() == 2 ? finite_number(fields[1]) : std::nullopt;
@@ -235,6 +266,52 @@ std::vector<std::pair<std::string, double>> parse_file_times(const std::string& 
   return pairs;
 }
 
+std::vector<std::pair<std::string, double>> parse_associations(const std::string& text,
+                                                               const std::string& name) {
+  std::istringstream lines(text);
+  std::vector<std::string> files;
+  std::vector<double> times;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    line.resize(std::min(line.find('#'), line.size()));
+    const std::vector<std::string> fields = fields_of(line, 5);
+    if (fields.empty()) continue;
+    for (const std::size_t at : {0U, 2U}) {
+      const auto time = fields.size() == 4 ? finite_number(fields[at]) : std::nullopt;
+      if (!time)
+        throw std::invalid_argument(name + ", line " + std::to_string(number) +
+                                    ": expected a time and a file's name twice, got " + quote(line));
+      files.push_back(fs::path(fields[at + 1]).filename().string());
+      times.push_back(*time);
+    }
+  }
+  make_seconds(times);
+  std::vector<std::pair<std::string, double>> pairs;
+  for (std::size_t i = 0; i < files.size(); ++i) pairs.emplace_back(files[i], times[i]);
+  return pairs;
+}
+
+std::optional<double> time_in_name(const std::string& stem) {
+  if (const auto number = finite_number(stem)) return number;
+  constexpr char digits[] = "0123456789", digits_and_point[] = "0123456789.";
+  const std::size_t dash = stem.find('-');
+  if (dash != std::string::npos && dash > 0 && stem.size() == dash + 13 &&
+      stem.find_first_not_of(digits) == dash && stem.find_first_not_of(digits, dash + 1) == std::string::npos)
+    return 1e-6 * finite_number(stem.substr(dash + 1)).value_or(0.0);
+  std::string end = stem.substr(stem.find_last_not_of(digits_and_point) + 1);
+  end.erase(0, end.find_first_not_of('.'));
+  std::string beginning = stem.substr(0, stem.find_first_not_of(digits_and_point));
+  beginning.erase(beginning.find_last_not_of('.') + 1);
+  for (const std::string& text : {end, beginning}) {
+    const std::size_t whole = std::min(text.find('.'), text.size());
+    const bool is_clock = whole < text.size() ? whole == 10 : whole == 13 || whole == 16 || whole == 19;
+    if (is_clock)
+      if (const auto number = finite_number(text)) return number;
+  }
+  return std::nullopt;
+}
+
 std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
   const std::vector<fs::path> files = in_order_of_names(given);
   auto times = name_times(files);
@@ -248,15 +325,21 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
   if (rate) return {counted(files, *rate), {}};
 
   TimedFiles result;
-  const fs::path folder = files.front().parent_path();
-  if (const auto table = table_in(folder)) {
+  std::error_code error;
+  const fs::path parent = files.front().parent_path();
+  const fs::path folder = fs::weakly_canonical(parent.empty() ? "." : parent, error);
+  const bool is_clock = are_clock(files);
+  if (const auto table = table_in(parent)) {
     result = times_by_table(files, *table);
   } else if (auto neighbour = times_by_neighbour(files, folder)) {
     result = std::move(*neighbour);
   } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
     result.files = together(files, *exif);
+  } else if (auto associated = is_clock ? std::nullopt : times_by_associations(files, folder)) {
+    result = std::move(*associated);
   } else {
     result.files = times_of_names(files);
+    if (!is_clock && files.size() > 1) result.warnings.push_back(no_times);
   }
   std::stable_sort(result.files.begin(), result.files.end(),
                    [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });

@@ -21,6 +21,7 @@
 #include "datasets/descriptions/suite.hpp"
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
+#include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_source.hpp"
 #include "datasets/sources/pose_stream.hpp"
@@ -289,6 +290,8 @@ TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
   };
   expect_read_or_refused("depth/1.png", depth, read);
   expect_read_or_refused("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
+  expect_read_or_refused("depth/trajectory.log", "0 0 1\n1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n",
+                         [](const auto& file) { PicturePoses(file, "", "depth", {"1.png"}, 0.02); });
 }
 
 TEST_F(MutatedReaders, streams_of_poses) {

@@ -96,7 +96,7 @@ TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
     }
   }
   EXPECT_EQ(sensors, (std::vector<std::string>{"colour", "depth", "colour"}));
-  EXPECT_NE(source->warnings().at(0).find("1 of 2 depth pictures"), std::string::npos);
+  EXPECT_NE(source->warnings().at(1).find("1 of 2 depth pictures"), std::string::npos);
 }
 
 TEST_F(DepthFolders, RefusesWhatNamesNoCameraOrNoPoses) {
@@ -151,15 +151,49 @@ TEST_F(DepthFolders, PicturesOfAnotherKindOrSizeAreDamaged) {
             std::string::npos);
 }
 
-TEST(PoseMatrix, IsRigidOrRefusedOrUnknown) {
-  EXPECT_FALSE(parse_pose_matrix("nan nan nan nan 0 1 0 0 0 0 1 0 0 0 0 1", "m"));
-  const auto turned = parse_pose_matrix("0 -1 0 1  1 0 0 2  0 0 1 3  0 0 0 1\n", "m");
-  EXPECT_LT((*turned * Eigen::Vector3d::UnitX() - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
-  for (const char* wrong : {"", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 7", "1 0 0 0 0 1 0 0 0 0 1 0", "x",
-                            "1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1"})
-    EXPECT_NE(complaint([&] { parse_pose_matrix(wrong, "pose 'm'"); }).find("pose 'm': expected four rows"),
-              std::string::npos)
-        << wrong;
+TEST_F(DepthFolders, LayoutsOfPublishedDataAreFound) {
+  const auto colour = picture_bytes(cv::Mat(36, 48, CV_8UC3, cv::Scalar(9, 9, 9)), ".png");
+  const std::string log = "0 0 1\n1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  const std::vector<std::vector<std::pair<std::string, std::string>>> published{
+      {{"depth/0000001-000000500000.png", depth_png(1000)},  // Redwood
+       {"rgb/0000001-000000507000.png", colour},
+       {"trajectory.log", log}},
+      {{"results/depth000000.png", depth_png(1000)},  // Replica
+       {"results/frame000000.png", colour},
+       {"traj.txt", "1 0 0 0.5 0 1 0 0 0 0 1 0 0 0 0 1\n"}},
+      {{"depth_00007.png", depth_png(1000)},  // a script
+       {"rgb_00007.png", colour},
+       {"poses/00007.txt", "1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"}},
+      {{"depth/0.png", depth_png(1000)},  // ICL-NUIM
+       {"rgb/0.png", colour},
+       {"associations.txt", "0 depth/0.png 0 rgb/0.png\n"},
+       {"living_room.gt.freiburg", "0 0.5 0 0 0 0 0 1\n"}},
+      {{"depth/d.png", depth_png(1000)},  // TUM's associations of pictures called otherwise
+       {"rgb/c.png", colour},
+       {"associations.txt", "1305031102.16 depth/d.png 1305031102.17 rgb/c.png\n"},
+       {"groundtruth.txt", "1305031102.15 0.5 0 0 0 0 0 1\n"}}};
+  const std::vector<double> times{0.5, 0.0, 0.0, 0.0, 1305031102.16};
+  for (std::size_t i = 0; i < published.size(); ++i) {
+    const TemporaryFolder folder;
+    for (const auto& [name, bytes] : published[i]) {
+      std::filesystem::create_directories((folder / name).parent_path());
+      folder.write(name, bytes);
+    }
+    const auto layout = depth_layout(folder.path());
+    ASSERT_TRUE(layout) << i;
+    const auto source = open_depth_folder(folder.path(), *layout, options(0.001));
+    std::vector<std::string> sensors;
+    while (const auto frame = source->next()) {
+      sensors.push_back(frame->sensor);
+      if (frame->sensor != "depth") continue;
+      EXPECT_NEAR(frame->time, times[i], 1e-9) << i;
+      const auto& cloud = std::get<CloudFrame>(frame->content);
+      EXPECT_LT((cloud.world_from_sensor.translation() - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-12) << i;
+    }
+    std::sort(sensors.begin(), sensors.end());
+    EXPECT_EQ(sensors, (std::vector<std::string>{"colour", "depth"})) << i;
+    EXPECT_TRUE(source->warnings().empty()) << i << source->warnings().front();
+  }
 }
 
 }  // namespace depth_folder_test

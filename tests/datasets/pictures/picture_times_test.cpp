@@ -48,6 +48,38 @@ TEST_F(PictureTimes, NamesThatAreNumbersAreTimesInSecondsOrFinerUnits) {
   EXPECT_NEAR(fine[1].second - fine[0].second, 0.05, 1e-6);
 }
 
+TEST_F(PictureTimes, ClocksWithinNamesAreTimesAndOtherNumbersAreNot) {
+  for (const auto& [stem, time] : {std::pair<const char*, double>{"depth_1305031102.160", 1305031102.16},
+                                   {"1305031102.160-left", 1305031102.16},
+                                   {"cam0_1403636579763555584", 1403636579763555584.0},
+                                   {"0000012-000000400000", 0.4},
+                                   {"-3.5", -3.5},
+                                   {"frame_000012", -1},
+                                   {"IMG_20261123071530", -1},
+                                   {"0000012-00000040000", -1},
+                                   {"v1.2", -1},
+                                   {"", -1}})
+    EXPECT_DOUBLE_EQ(time_in_name(stem).value_or(-1), time) << stem;
+  add("l_1305031102.50.png");
+  add("l_1305031102.25.png");
+  EXPECT_EQ(times(), (Names{{"l_1305031102.25.png", 1305031102.25}, {"l_1305031102.50.png", 1305031102.5}}));
+  EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(PictureTimes, ThatNothingSaysAreReported) {
+  for (const char* name : {"7.png", "9.png"}) add(name);
+  EXPECT_EQ(times(), (Names{{"7.png", 7}, {"9.png", 9}}));
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("have no times"), std::string::npos);
+  times(15.0);
+  EXPECT_TRUE(warnings_.empty());
+  folder_.write("associations.txt", "100 rgb/1.png 100.1 shots/7.png\n200 rgb/2.png 200.1 shots/9.png\n");
+  EXPECT_EQ(times(), (Names{{"7.png", 100.1}, {"9.png", 200.1}}));
+  EXPECT_TRUE(warnings_.empty());
+  EXPECT_NE(complaint([] { parse_associations("1 a.png 2\n", "times 'a'"); }).find("times 'a', line 1"),
+            std::string::npos);
+}
+
 TEST(MakeSeconds, TakesADateForNoClock) {
   for (const double last : {1e9, 202611230715.0, 20261123071531.0, 20261123071531000.0}) {
     std::vector<double> times{last - 8.0, last};

@@ -1,0 +1,218 @@
+#include "datasets/pictures/picture_poses.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "datasets/sources/finite_number.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t largest_pose_file = 256U << 20U;
+constexpr char expected_matrix[] = "expected four rows of four numbers, a rigid transform";
+
+/// "frame-000012" of frame-000012.depth.png and of frame-000012.pose.txt.
+std::string first_part(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.substr(0, name.find('.'));
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// True for "nan", "-inf" and "Infinity".
+bool is_unknown(const std::string& word) {
+  const std::string text = lower_case(word);
+  return text.find("inf") != std::string::npos || text.find("nan") != std::string::npos;
+}
+
+/// The pose of 12 or 16 words, rows of its matrix; empty when they say that it is not known.
+/// @throws std::invalid_argument without a name when they are no rigid transform
+std::optional<Eigen::Isometry3d> pose_of(const std::vector<std::string>& words) {
+  if (std::any_of(words.begin(), words.end(), is_unknown)) return std::nullopt;
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  bool whole = words.size() == 12 || words.size() == 16;
+  for (std::size_t i = 0; whole && i < words.size(); ++i) {
+    const auto number = finite_number(words[i].starts_with('+') ? words[i].substr(1) : words[i]);
+    whole = number.has_value();
+    if (whole) matrix(static_cast<int>(i) / 4, static_cast<int>(i) % 4) = *number;
+  }
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  if (whole) pose.matrix() = matrix;
+  const Eigen::Matrix3d turn = pose.linear();
+  if (!whole || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !pose.matrix().allFinite() ||
+      !(turn * turn.transpose()).isIdentity(1e-3) || turn.determinant() < 0.0)
+    throw std::invalid_argument("");
+  pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
+  return pose;
+}
+
+/// A line that holds something, and its number in the file.
+struct Line {
+  int number;
+  std::vector<std::string> words;
+};
+
+std::vector<Line> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<Line> lines;
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    line.resize(std::min(line.find('#'), line.size()));
+    if (auto words = words_of(line); !words.empty()) lines.push_back({number, std::move(words)});
+  }
+  return lines;
+}
+
+/// @throws std::invalid_argument naming the line and what was expected
+std::optional<Eigen::Isometry3d> pose_at(const std::string& name, const Line& line,
+                                         const std::vector<std::string>& words, const char* expected) {
+  try {
+    return pose_of(words);
+  } catch (const std::invalid_argument&) {
+    throw std::invalid_argument(name + ", line " + std::to_string(line.number) + ": " + expected);
+  }
+}
+
+NumberedPoses poses_of_log(const std::vector<Line>& lines, const std::string& name) {
+  constexpr double most_pictures = 1e9;
+  NumberedPoses numbered{{}, true};
+  for (std::size_t at = 0; at < lines.size(); at += 5) {
+    const auto refuse = [&](const std::string& what) {
+      throw std::invalid_argument(name + ", line " + std::to_string(lines[at].number) + ": " + what);
+    };
+    const auto number = finite_number(lines[at].words.front());
+    if (lines[at].words.size() != 3 || !number || *number < 0 || *number > most_pictures ||
+        *number != static_cast<double>(static_cast<std::size_t>(*number)))
+      refuse("expected three whole numbers, the first of them the picture's");
+    std::vector<std::string> words;
+    for (std::size_t row = at + 1; row < std::min(at + 5, lines.size()); ++row)
+      words.insert(words.end(), lines[row].words.begin(), lines[row].words.end());
+    if (words.size() != 16) refuse("expected four rows of four numbers after it");
+    const auto pose = pose_at(name, lines[at], words, expected_matrix);
+    if (!numbered.poses.emplace(static_cast<std::size_t>(*number), pose).second)
+      refuse("picture " + lines[at].words.front() + " has a second pose");
+  }
+  return numbered;
+}
+
+bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name) {
+  const std::vector<std::string> words = words_of(text);
+  try {
+    if (words.size() == 16 || std::any_of(words.begin(), words.end(), is_unknown)) return pose_of(words);
+  } catch (const std::invalid_argument&) {
+  }
+  throw std::invalid_argument(name + ": " + expected_matrix);
+}
+
+std::optional<NumberedPoses> parse_numbered_poses(const std::string& text, const std::string& name) {
+  const std::vector<Line> lines = lines_of(text);
+  const std::size_t width = lines.empty() ? 0 : lines.front().words.size();
+  if (width == 3) return poses_of_log(lines, name);
+  if (width != 12 && width != 16) return std::nullopt;
+  const char* const expected = width == 12 ? "expected 12 numbers, the three rows of a rigid transform"
+                                           : "expected 16 numbers, the four rows of a rigid transform";
+  NumberedPoses numbered;
+  for (const Line& line : lines) {
+    const bool is_whole = line.words.size() == width;
+    const auto pose = pose_at(name, line, is_whole ? line.words : std::vector<std::string>(), expected);
+    numbered.poses.emplace(numbered.poses.size(), pose);
+  }
+  return numbered;
+}
+
+std::optional<std::string> name_beside(const fs::path& file, const std::string& word) {
+  const std::string stem = file.stem().string(), low = lower_case(stem);
+  if (low.size() <= word.size()) return std::nullopt;
+  if (low.ends_with(word) && is_part(low[low.size() - word.size() - 1])) {
+    const std::string rest = stem.substr(0, stem.size() - word.size() - 1);
+    if (!rest.empty()) return rest;
+  }
+  const char next = low[word.size()];
+  if (!low.starts_with(word) || !(is_part(next) || std::isdigit(static_cast<unsigned char>(next)) != 0))
+    return std::nullopt;
+  std::string rest = stem.substr(word.size() + (is_part(next) ? 1U : 0U));
+  if (rest.empty()) return std::nullopt;
+  return rest;
+}
+
+PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string word,
+                           const std::vector<fs::path>& pictures, double tolerance)
+    : folder_(std::move(folder)), word_(std::move(word)) {
+  if (file.empty()) return;
+  folder_.clear();
+  const std::string name = "poses " + quote_path(file.string());
+  const std::string text = read_input(file, "poses", largest_pose_file);
+  if (auto numbered = parse_numbered_poses(text, name)) {
+    number(std::move(*numbered), pictures, name);
+    return;
+  }
+  // Between two poses at most twice the tolerance apart each time has one within the tolerance.
+  between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance));
+  nearest_.emplace(parse_tum_poses(text, name, tolerance));
+}
+
+void PicturePoses::number(NumberedPoses numbered, const std::vector<fs::path>& pictures,
+                          const std::string& name) {
+  auto& poses = numbered.poses;
+  const bool are_as_many = poses.size() == pictures.size();
+  if (!are_as_many && (!numbered.have_numbers || poses.rbegin()->first >= pictures.size()))
+    throw std::invalid_argument(
+        name + ": it has " + std::to_string(poses.size()) + " poses" +
+        (numbered.have_numbers ? ", numbers up to " + std::to_string(poses.rbegin()->first) : "") + ", for " +
+        std::to_string(pictures.size()) + " depth pictures; expected one for each");
+  std::size_t next = 0;
+  for (auto& [at, pose] : poses) by_file_[pictures[are_as_many ? next++ : at]] = pose;
+}
+
+std::optional<std::pair<double, double>> PicturePoses::span() const {
+  if (!between_ || !between_->first_time()) return std::nullopt;
+  return std::pair(*between_->first_time(), *between_->last_time());
+}
+
+std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) const {
+  if (between_) {
+    const auto pose = between_->at(picture.time);
+    return pose ? pose : nearest_->nearest(picture.time);
+  }
+  if (!by_file_.empty()) {
+    const auto found = by_file_.find(picture.file);
+    return found == by_file_.end() ? std::nullopt : found->second;
+  }
+  std::vector<std::string> names{first_part(picture.file) + ".txt", first_part(picture.file) + ".pose.txt"};
+  if (const auto beside = name_beside(picture.file, word_))
+    for (const char* form :
+         {"@.txt", "@.pose.txt", "pose_@.txt", "pose-@.txt", "pose@.txt", "@_pose.txt", "@-pose.txt"})
+      names.push_back(std::string(form).replace(std::string(form).find('@'), 1, *beside));
+  std::error_code error;
+  for (const std::string& name : names) {
+    const fs::path file = folder_ / name;
+    if (!fs::exists(fs::symlink_status(file, error))) continue;
+    return parse_pose_matrix(read_input(file, "pose", 64U << 10U), "pose " + quote_path(file.string()));
+  }
+  return std::nullopt;
+}
+
+}  // namespace clearway

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/pictures/picture_times.hpp"
+#include "datasets/sources/pose_stream.hpp"
+
+namespace clearway {
+
+/// Four rows of four numbers, world_from_camera, m; empty when they are not finite (the data sets' way to say
+/// that it is not known). @throws std::invalid_argument naming `name` when they are no rigid transform
+std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name);
+
+/// Poses by the number of their picture; empty where one is not known.
+struct NumberedPoses {
+  std::map<std::size_t, std::optional<Eigen::Isometry3d>> poses;
+  bool have_numbers = false;  ///< false: the numbers are their places, from 0
+};
+
+/// Poses that have no times, world_from_camera, m: a line of 12 or 16 numbers for each picture, the rows of
+/// its matrix (KITTI, Replica), or of five lines, three numbers of which the first is the picture's and the
+/// four rows of a matrix (Redwood's and Open3D's `.log`). Nothing for a text whose first line is of another
+/// kind.
+/// @throws std::invalid_argument naming `name`, the line and what was expected.
+std::optional<NumberedPoses> parse_numbered_poses(const std::string& text, const std::string& name);
+
+/// What stands of a file's name beside one of these words at its beginning or end, without what parts them:
+/// "000012" of depth_000012.png, of depth000012.png and of 000012-depth.png, "frame-000012" of
+/// frame-000012.depth.png. Empty for another name. Small and capital letters count alike.
+std::optional<std::string> name_beside(const std::filesystem::path& file, const std::string& word);
+
+/// Where the camera was at each of a folder's pictures: poses in time, poses by number, or a file for each.
+class PicturePoses {
+ public:
+  /// @param file TUM text or numbered poses, told apart by its first line; empty: none
+  /// @param folder of a matrix for each picture, looked at when there is no `file`: NAME.txt, NAME.pose.txt,
+  /// or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
+  /// @param pictures all of them in the order of names, the first of which has the number 0. Of as many poses
+  /// each belongs to one in their order, whatever their numbers
+  /// @param tolerance s between a picture and its pose, as in DepthOptions
+  /// @throws std::invalid_argument when the file cannot be read, or numbered poses are not for these pictures
+  PicturePoses(const std::filesystem::path& file, std::filesystem::path folder, std::string word,
+               const std::vector<std::filesystem::path>& pictures, double tolerance);
+
+  bool are_there() const { return between_ || !by_file_.empty() || !folder_.empty(); }
+
+  /// Times of the first and of the last pose; empty where poses have no times.
+  std::optional<std::pair<double, double>> span() const;
+
+  /// world_from_camera, optical frame; empty where none is known. @throws std::invalid_argument for a file
+  /// that is no rigid transform
+  std::optional<Eigen::Isometry3d> of(const TimedFile& picture) const;
+
+ private:
+  void number(NumberedPoses numbered, const std::vector<std::filesystem::path>& pictures,
+              const std::string& name);
+
+  std::filesystem::path folder_;
+  std::string word_;
+  std::optional<PoseStream> between_, nearest_;
+  std::map<std::filesystem::path, std::optional<Eigen::Isometry3d>> by_file_;
+};
+
+}  // namespace clearway
