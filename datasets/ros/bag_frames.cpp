@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -110,9 +111,15 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
   RosHeader header;
   Eigen::Isometry3d message_from_sensor = Eigen::Isometry3d::Identity();
   if (topic.name == bag.depth) {
-    const RosImage image = read_image(in);
-    header = image.header;
-    frame.content = depth_cloud(image, cameras_.at(bag.depth_camera_info));
+    UnpackedDepth unpacked;
+    if (topic.type == "sensor_msgs/CompressedImage")
+      unpacked = unpack_depth(read_compressed_image(in));
+    else
+      unpacked.image = read_image(in);
+    header = unpacked.image.header;
+    const auto& given = options_.depth.camera ? options_.depth.camera : options_.camera;
+    frame.content = depth_cloud(
+        unpacked.image, bag.depth_camera_info.empty() ? given.value() : cameras_.at(bag.depth_camera_info));
     message_from_sensor = optical_from_sensor();
   } else if (topic.name == bag.images) {
     ImageFrame picture;

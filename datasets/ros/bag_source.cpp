@@ -251,7 +251,7 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
                      list_of(topics)));
   require(bag.images, "images", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
   require(bag.camera_info, "camera_info", {"sensor_msgs/CameraInfo"});
-  require(bag.depth, "depth", {"sensor_msgs/Image"});
+  require(bag.depth, "depth", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
   require(bag.depth_camera_info, "depth_camera_info", {"sensor_msgs/CameraInfo"});
   for (const std::string& name : bag.clouds) require(name, "clouds", {"sensor_msgs/PointCloud2"});
   for (const std::string& name : bag.scans) require(name, "scans", {"sensor_msgs/LaserScan"});
@@ -259,10 +259,11 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
     throw std::invalid_argument(
         sentence(file, "needs the camera of topic " + quote(bag.images) +
                            ": expected 'camera_info' in 'source: bag:' or 'camera:' in the setup"));
-  if (!bag.depth.empty() && bag.depth_camera_info.empty())
+  if (!bag.depth.empty() && bag.depth_camera_info.empty() && !options.depth.camera && !options.camera)
     throw std::invalid_argument(
         sentence(file, "needs the camera of topic " + quote(bag.depth) +
-                           ": expected 'depth_camera_info' in 'source: bag:' of the setup"));
+                           ": expected 'depth_camera_info' in 'source: bag:', or 'camera' of 'depth' "
+                           "in 'source:', in the setup"));
 }
 
 /// What the child says of one topic or frame.
