@@ -165,10 +165,11 @@ class DepthFolder final : public FrameSource {
     std::vector<std::string> sentences = timed_.warnings;
     if (unposed_ > 0) sentences.push_back(unposed());
     if (colour_)
-      for (const std::string& warning : colour_->warnings())
-        if (std::find(sentences.begin(), sentences.end(), warning) == sentences.end())
-          sentences.push_back(warning);
+      for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
     return sentences;
+  }
+  std::string time_caveat() const override {
+    return timed_.time_caveat.empty() && colour_ ? colour_->time_caveat() : timed_.time_caveat;
   }
   double progress() const override {
     return static_cast<double>(at_) / static_cast<double>(timed_.files.size());

@@ -46,6 +46,7 @@ class ImageFolder final : public FrameSource {
     return damage_.sentence(timed_.files.size(), "pictures");
   }
   std::vector<std::string> warnings() const override { return timed_.warnings; }
+  std::string time_caveat() const override { return timed_.time_caveat; }
   double progress() const override {
     return static_cast<double>(at_) / static_cast<double>(timed_.files.size());
   }

@@ -27,7 +27,8 @@ constexpr std::size_t exif_reach = 256U << 10U;  ///< bytes of a file within whi
 constexpr double clock_begins = 1e9;  ///< s since 1970, which no number of a picture reaches
 
 constexpr char no_times[] =
-    "the pictures have no times: they are taken as one a second, or by the numbers in their names; a table, or "
+    "the pictures have no times: they are taken as one a second, or by the numbers in their names; a table, "
+    "or "
     "`rate` of `source` in the setup, gives true ones";
 
 /// The first fields of a line, apart by commas, semicolons or blanks.
@@ -322,7 +323,7 @@ std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
 
 TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<double> rate) {
   const std::vector<fs::path> files = in_order_of_names(given);
-  if (rate) return {counted(files, *rate), {}};
+  if (rate) return {counted(files, *rate), {}, ""};
 
   TimedFiles result;
   std::error_code error;
@@ -339,7 +340,7 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
     result = std::move(*associated);
   } else {
     result.files = times_of_names(files);
-    if (!is_clock && files.size() > 1) result.warnings.push_back(no_times);
+    if (!is_clock && files.size() > 1) result.time_caveat = no_times;
   }
   std::stable_sort(result.files.begin(), result.files.end(),
                    [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });

@@ -19,6 +19,7 @@ struct TimedFile {
 struct TimedFiles {
   std::vector<TimedFile> files;
   std::vector<std::string> warnings;
+  std::string time_caveat;  ///< one sentence when nothing says their times; else ""
 };
 
 /// Numbers of a clock as seconds: those of 19 digits are taken for nanoseconds since 1970, of 16 for
@@ -52,8 +53,7 @@ std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& 
 /// The first of these that gives every file a time, none of them twice: the table of times beside them; their
 /// EXIF; their names, as times_of_names reads them. A rate goes before all of them. The table is the one .csv
 /// file in the folder, FOLDER.csv or FOLDER.txt beside it, or TUM's associations.txt in or beside it, unless
-/// names are a clock's; files that it does not name are left out and reported. So are times that nothing
-/// says.
+/// names are a clock's; files that it does not name are left out and reported.
 /// @param files of one folder, at least one
 /// @throws std::invalid_argument for a table that cannot be read or names none of the files.
 TimedFiles times_of_files(const std::vector<std::filesystem::path>& files, std::optional<double> rate);

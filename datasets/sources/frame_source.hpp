@@ -19,6 +19,8 @@ class FrameSource {
   virtual std::optional<std::string> damage() const = 0;
   /// One sentence for each kind of thing that was left out.
   virtual std::vector<std::string> warnings() const = 0;
+  /// One sentence when nothing says the frames' times and they are made up; else "".
+  virtual std::string time_caveat() const { return ""; }
   virtual double progress() const = 0;  ///< how much has been read, 0 to 1
   /// Whether frames come as they are taken: who reads ahead waits for what has not happened yet.
   virtual bool is_live() const { return false; }

@@ -96,7 +96,7 @@ TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
     }
   }
   EXPECT_EQ(sensors, (std::vector<std::string>{"colour", "depth", "colour"}));
-  EXPECT_NE(source->warnings().at(1).find("1 of 2 depth pictures"), std::string::npos);
+  EXPECT_NE(source->warnings().at(0).find("1 of 2 depth pictures"), std::string::npos);
 }
 
 TEST_F(DepthFolders, RefusesWhatNamesNoCameraOrNoPoses) {
