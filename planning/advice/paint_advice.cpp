@@ -122,10 +122,10 @@ std::string PaintAdvice::sentence() const {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << std::fixed;
-  if (way_exists) text << "beam_guided finds a path that needs no more paint.";
-  if (spheres.empty()) return text.str();
-  if (way_exists) text << ' ';
-  text << "Painting would connect start and goal: ";
+  if (way_exists) text << "beam_guided finds a path that needs no more paint";
+  if (spheres.empty()) return text.str() + (way_exists ? "." : "");
+  text << (way_exists ? "; for this planner painting would connect start and goal: "
+                      : "Painting would connect start and goal: ");
   std::size_t strokes = 0;
   for (std::size_t i = 0; i < spheres.size();) {  // spheres that follow each other and overlap are one stroke
     std::size_t last = i;

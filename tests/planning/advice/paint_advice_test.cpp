@@ -67,6 +67,19 @@ TEST(PaintAdvice, CutsTheNameOfAPartThatIsLongerThanASentence) {
   EXPECT_NE(advice.sentence().find("for xxx"), std::string::npos);
 }
 
+TEST(PaintAdvice, SaysWhetherPaintIsNeededByAllOrByThisPlanner) {
+  PaintAdvice advice;
+  EXPECT_EQ(advice.sentence(), "");
+  advice.way_exists = true;
+  EXPECT_EQ(advice.sentence(), "beam_guided finds a path that needs no more paint.");
+  advice.spheres = {{{Eigen::Vector3d::Zero(), 0.1}, "hand"}};
+  EXPECT_TRUE(advice.sentence().starts_with(
+      "beam_guided finds a path that needs no more paint; for this planner painting would connect"))
+      << advice.sentence();
+  advice.way_exists = false;
+  EXPECT_TRUE(advice.sentence().starts_with("Painting would connect start and goal: ")) << advice.sentence();
+}
+
 TEST(PaintAdvice, JoinsTwoVolumesAndNamesThePlaceBetweenThem) {
   const Robot robot = load_robot("puma560");
   const PathCost cost(robot);
