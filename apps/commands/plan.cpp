@@ -19,7 +19,7 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
-#include "planning/robot/goal_configurations.hpp"
+#include "planning/pose_goals.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -107,25 +107,25 @@ void report_degrees(const PlanOptions& options, const Robot& robot, const Config
   if (!hint.empty()) console.warn(hint);
 }
 
-/// Where the legs end: for each pose the nearest configuration that is free, else the nearest.
-std::vector<Configuration> goals_at_poses(const PlanOptions& options, const ConfigurationSpace& space,
-                                          const Configuration& start) {
-  const Robot robot =
-      options.tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), options.tip));
-  std::vector<Configuration> goals;
+/// What --goal-pose asks for. Flags that do not go with it, or without it, are refused.
+std::vector<NamedGoalPose> goal_poses_of(const PlanOptions& options, const Robot& robot) {
+  if (!options.goals.empty() && !options.goal_poses.empty())
+    throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
+  for (const auto& [is_given, flag] : {std::pair{!options.tip.empty(), "--tip"},
+                                       std::pair{options.position_tolerance > 0.0, "--position-tolerance"},
+                                       std::pair{options.turn_tolerance > 0.0, "--turn-tolerance"},
+                                       std::pair{!options.free_axis.empty(), "--free-axis"}})
+    if (is_given && options.goal_poses.empty())
+      throw std::invalid_argument(std::string(flag) + ": expected --goal-pose with it");
+  if (!options.tip.empty()) with_tip(robot, link_of_tip(robot, options.tip));
+  std::vector<NamedGoalPose> poses;
   for (const std::string& text : options.goal_poses) {
-    const Eigen::Isometry3d pose = pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose");
-    const auto found = goal_configurations(robot, pose, goals.empty() ? start : goals.back());
-    if (found.empty())
-      throw std::invalid_argument("--goal-pose " + text + ": no configuration of robot '" + robot.name +
-                                  "' within its limits was found that puts link '" +
-                                  robot.links[static_cast<std::size_t>(robot.tip_link)].name +
-                                  "' there, expected a pose within reach");
-    const auto free =
-        std::find_if(found.begin(), found.end(), [&](const Configuration& q) { return space.is_free(q); });
-    goals.push_back(free == found.end() ? found.front() : *free);
+    GoalPose pose{pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose"),
+                  options.position_tolerance, options.turn_tolerance};
+    if (!options.free_axis.empty()) pose.free_axis = options.free_axis.front() - 'x';
+    poses.push_back({pose, "--goal-pose " + text});
   }
-  return goals;
+  return poses;
 }
 
 /// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is
@@ -178,11 +178,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
   rate_limits(robot, options.scales);
   const Configuration start = choose_configuration(options.start, "--start", robot, options.degrees);
-  if (!options.goals.empty() && !options.goal_poses.empty())
-    throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
-  if (!options.tip.empty() && options.goal_poses.empty())
-    throw std::invalid_argument("--tip: expected --goal-pose with it");
-  if (!options.tip.empty()) with_tip(robot, link_of_tip(robot, options.tip));
+  const std::vector<NamedGoalPose> goal_poses = goal_poses_of(options, robot);
   std::vector<Configuration> goals;
   for (const std::string& goal : options.goals) {
     goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
@@ -204,7 +200,11 @@ int run_plan(const PlanOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const ConfigurationSpace space =
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
-  if (goals.empty() && !options.goal_poses.empty()) goals = goals_at_poses(options, space, start);
+  std::optional<PoseGoals> at_poses;
+  if (!goal_poses.empty()) {
+    at_poses.emplace(space, options.tip, goal_poses, start);
+    goals = at_poses->goals();
+  }
   PlanQuery query{.space = space,
                   .start = start,
                   .goals = goals,
@@ -219,7 +219,9 @@ int run_plan(const PlanOptions& options, Console& console) {
                   .map_file = options.map,
                   .map_digest = map_sha256(options.map)};
   if (!options.dynamics.gravity.empty()) query.gravity = Eigen::Vector3d(options.dynamics.gravity.data());
-  Plan plan = pick ? plan_pick(query, *pick) : plan_and_check(query);
+  Plan plan = pick       ? plan_pick(query, *pick)
+              : at_poses ? plan_to_poses(query, *at_poses)
+                         : plan_and_check(query);
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);
   const std::string text = to_json(plan_to_file(options, plan));

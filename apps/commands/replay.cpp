@@ -25,6 +25,8 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/pose_goals.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
@@ -93,6 +95,7 @@ class QueryRunner {
     robot_.map_from_base = setup_.robot->map_from_base;
     for (const QuerySetup& query : setup_.queries) {
       require_file_name(query.name);
+      require_tip(query);
       loads_.push_back(loads_of(query));
       picks_.push_back(pick_of(query));
       const std::vector<LegLoad> riding = riding_of(loads_.size() - 1);
@@ -119,7 +122,8 @@ class QueryRunner {
           robot_, map_, own,
           SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
                        .seen_within = seen_within(query)}));
-      record.queries.push_back(terms_of(query, *spaces_.back()));
+      goals_.push_back(goals_of(query, *spaces_.back()));
+      record.queries.push_back(terms_of(query, *spaces_.back(), goals_.back()));
       record.queries.back().loads = loads_[i];
       record.queries.back().pick = picks_[i];
       record.queries.back().policies = loaded_policies(*spaces_.back(), riding_of(i), of_loads);
@@ -128,12 +132,11 @@ class QueryRunner {
     for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
       const QuerySetup& query = setup_.queries[i];
       const Configuration start = configuration(query.start);
-      const std::vector<Configuration> goals = configurations(query.goals);
       for (const std::string& planner : planners(query)) {
         console.log("planning '" + query.name + "' with " + planner);
         const PlanQuery asked{.space = *spaces_[i],
                               .start = start,
-                              .goals = goals,
+                              .goals = goals_[i],
                               .planner = make_planner(planner, planner_options(query, planner)),
                               .seed = options_.seed,
                               .time_limit = options_.time_limit,
@@ -168,9 +171,10 @@ class QueryRunner {
     for (const LoadSetup& load : query.loads) {
       loads.push_back(leg_load(load));
       for (const int leg : load.legs)
-        if (leg > static_cast<int>(query.goals.size()))
+        if (const std::size_t legs = query.goals.size() + query.goal_poses.size();
+            leg > static_cast<int>(legs))
           throw std::invalid_argument("load '" + load.name + "': leg " + std::to_string(leg) +
-                                      ", expected legs from 1 to " + std::to_string(query.goals.size()));
+                                      ", expected legs from 1 to " + std::to_string(legs));
     }
     return loads;
   } catch (const std::invalid_argument& error) {
@@ -197,7 +201,25 @@ class QueryRunner {
     return parted_policies(choose_policies(policy_texts(query), with_all_loads(robot_, loads)), loads);
   }
 
-  QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space) const {
+  void require_tip(const QuerySetup& query) const try {
+    if (!query.tip.empty()) with_tip(robot_, link_of_tip(robot_, query.tip));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("setup, query '" + query.name + "', field 'tip': " + error.what());
+  }
+
+  /// Of goals that are poses the best configurations, which are the same for all planners.
+  static std::vector<Configuration> goals_of(const QuerySetup& query, const ConfigurationSpace& space) {
+    if (query.goal_poses.empty()) return configurations(query.goals);
+    std::vector<NamedGoalPose> poses;
+    for (const GoalPoseSetup& goal : query.goal_poses)
+      poses.push_back(
+          {{goal.map_from_tip, goal.position_tolerance, goal.turn_tolerance, goal.free_axis},
+           "setup, query '" + query.name + "', goal_poses[" + std::to_string(poses.size()) + "]"});
+    return PoseGoals(space, query.tip, poses, configuration(query.start)).goals();
+  }
+
+  QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space,
+                      const std::vector<Configuration>& goals) const {
     return {.name = query.name,
             .robot = setup_.robot->name,
             .scale = robot_.scale,
@@ -207,7 +229,7 @@ class QueryRunner {
             .seen_within = space.options().seen_within,
             .allow_outside = query.allow_outside,
             .start = configuration(query.start),
-            .goals = configurations(query.goals),
+            .goals = goals,
             .payload = setup_.robot->payload,
             .gravity = setup_.robot->gravity};
   }
@@ -251,6 +273,7 @@ class QueryRunner {
   std::vector<std::vector<LegLoad>> loads_;  ///< of each query
   std::vector<std::optional<Pick>> picks_;   ///< the same
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
+  std::vector<std::vector<Configuration>> goals_;
   double motion_s_ = 0.0;
 };
 

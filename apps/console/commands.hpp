@@ -111,6 +111,9 @@ struct PlanOptions {
   std::vector<std::string> goals;
   std::vector<std::string> goal_poses;  ///< "x,y,z[,roll,pitch,yaw]" of the tip, map frame; instead of goals
   std::string tip;                      ///< link whose frame the poses place; empty: the robot's own tip
+  double position_tolerance = 0.0;      ///< m, of the poses
+  double turn_tolerance = 0.0;          ///< rad, the same
+  std::string free_axis;                ///< x, y or z of the tip, about which it may turn; empty: none
   std::vector<std::filesystem::path> attach = {};  ///< files of loads
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: none
   std::string place = {};                          ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's

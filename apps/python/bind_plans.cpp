@@ -9,8 +9,7 @@
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
-#include "planning/robot/goal_configurations.hpp"
-#include "planning/robot_files/srdf_file.hpp"
+#include "planning/pose_goals.hpp"
 
 namespace clearway {
 namespace {
@@ -34,50 +33,56 @@ std::string option_text(const std::string& name, py::object value) {
                               "': expected a number, a truth value, a text or a list of numbers");
 }
 
-/// For each pose the nearest configuration that is free, else the nearest.
-std::vector<Configuration> goals_at(const ConfigurationSpace& space,
-                                    const std::vector<Eigen::Isometry3d>& poses, const std::string& tip,
-                                    const Configuration& start) {
-  const Robot robot = tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), tip));
-  std::vector<Configuration> goals;
-  for (const Eigen::Isometry3d& pose : poses) {
-    const auto found = goal_configurations(robot, pose, goals.empty() ? start : goals.back());
-    if (found.empty())
-      throw std::invalid_argument("goal_poses[" + std::to_string(goals.size()) +
-                                  "]: no configuration of robot '" + robot.name +
-                                  "' within its limits was found that puts its tip there");
-    const auto free =
-        std::find_if(found.begin(), found.end(), [&](const Configuration& q) { return space.is_free(q); });
-    goals.push_back(free == found.end() ? found.front() : *free);
-  }
-  return goals;
-}
-
 struct Goals {
   std::vector<Configuration> configurations;
-  std::vector<Eigen::Isometry3d> poses;
+  std::vector<NamedGoalPose> poses;
   std::string tip;
 };
 
+/// What of goal poses may differ.
+struct GoalTolerances {
+  double position = 0.0, turn = 0.0;
+  std::string free_axis;
+};
+
 Goals goals_from(const py::object& goals, const py::object& poses, const std::string& tip,
-                 const Robot& robot) {
+                 const GoalTolerances& tolerances, const Robot& robot) {
   if (goals.is_none() == poses.is_none())
     throw std::invalid_argument("goals: expected either goals or goal_poses");
   if (poses.is_none() && !tip.empty()) throw std::invalid_argument("tip: expected goal_poses with it");
-  if (poses.is_none()) return {configurations_from(goals, "goals", robot), {}, {}};
-  return {{}, poses_from(poses, "goal_poses"), tip};
+  const auto& [position, turn, axis] = tolerances;
+  if (!(position >= 0.0 && turn >= 0.0 && turn <= 3.1416))
+    throw std::invalid_argument(
+        "position_tolerance, turn_tolerance: expected metres from 0, radians from 0 to pi");
+  if (!axis.empty() && axis != "x" && axis != "y" && axis != "z")
+    throw std::invalid_argument("free_axis: expected 'x', 'y' or 'z', got '" + axis + "'");
+  if (poses.is_none()) {
+    if (position > 0.0 || turn > 0.0 || !axis.empty())
+      throw std::invalid_argument(
+          "position_tolerance, turn_tolerance, free_axis: expected goal_poses with them");
+    return {configurations_from(goals, "goals", robot), {}, {}};
+  }
+  Goals wanted{{}, {}, tip};
+  for (const Eigen::Isometry3d& pose : poses_from(poses, "goal_poses")) {
+    GoalPose goal{pose, position, turn};
+    if (!axis.empty()) goal.free_axis = axis.front() - 'x';
+    wanted.poses.push_back({goal, "goal_poses[" + std::to_string(wanted.poses.size()) + "]"});
+  }
+  return wanted;
 }
 
 Plan plan(const NamedSpace& space, const py::object& start, const py::object& goals,
-          const py::object& goal_poses, const std::string& tip, const std::string& planner,
-          std::uint64_t seed, double time_limit, double payload, const py::object& gravity,
+          const py::object& goal_poses, const std::string& tip, double position_tolerance,
+          double turn_tolerance, const std::string& free_axis, const std::string& planner, std::uint64_t seed,
+          double time_limit, double payload, const py::object& gravity,
           const std::vector<std::string>& allow_outside, bool strict, double advice_time,
           const std::vector<LegLoad>& loads, const std::optional<Pick>& pick, const py::dict& load_policies,
           const py::kwargs& options) {
   PlanQuery query{.space = *space, .start = configuration_from(start, "start", space->robot()), .goals = {}};
   Goals wanted;
   if (!pick || !goals.is_none() || !goal_poses.is_none())
-    wanted = goals_from(goals, goal_poses, tip, space->robot());
+    wanted =
+        goals_from(goals, goal_poses, tip, {position_tolerance, turn_tolerance, free_axis}, space->robot());
   if (pick && !loads.empty())
     throw std::invalid_argument("loads: expected none beside a pick, whose object is the one load");
   if (pick && wanted.configurations.size() + wanted.poses.size() > 1)
@@ -104,9 +109,12 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
   query.map_file = space.map_file;
   query.map_digest = space.map_digest;
   return without_lock([&] {
-    query.goals = wanted.poses.empty() ? wanted.configurations
-                                       : goals_at(*space, wanted.poses, wanted.tip, query.start);
-    return pick ? plan_pick(query, *pick) : plan_and_check(query);
+    query.goals = wanted.configurations;
+    if (wanted.poses.empty()) return pick ? plan_pick(query, *pick) : plan_and_check(query);
+    const PoseGoals at_poses(*space, wanted.tip, wanted.poses, query.start);
+    if (!pick) return plan_to_poses(query, at_poses);
+    query.goals = at_poses.goals();
+    return plan_pick(query, *pick);
   });
 }
 
@@ -231,7 +239,8 @@ void bind_plans(py::module_& module) {
   bind_plan(module);
   module.def(
       "plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
-      py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("planner") = "auto",
+      py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("position_tolerance") = 0.0,
+      py::arg("turn_tolerance") = 0.0, py::arg("free_axis") = "", py::arg("planner") = "auto",
       py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
       py::arg("gravity") = py::none(), py::arg("allow_outside") = std::vector<std::string>{},
       py::arg("strict") = false, py::arg("advice_time") = 5.0, py::arg("loads") = std::vector<LegLoad>{},
@@ -241,7 +250,10 @@ void bind_plans(py::module_& module) {
           "dof) or a list.\n\n"
           "goal_poses: instead of goals, map_from_tip as 4x4 or (n, 4, 4): of each the nearest "
           "configuration that "
-          "is free. tip: the link whose frame they place.\n\nplanner: a name in available_planners(); "
+          "is free, and others when no path leads there. tip: the link whose frame they place. "
+          "position_tolerance (m), turn_tolerance (rad), free_axis ('x', 'y' or 'z' of the tip): what of "
+          "them "
+          "may differ.\n\nplanner: a name in available_planners(); "
           "its options "
           "are further keywords, as width=20.\n\npayload: kg at the tip; gravity: m/s^2, map "
           "frame.\n\nallow_outside: "

@@ -25,14 +25,6 @@ std::optional<double> read_padding(const YamlFields& fields) {
   return fields.number("padding", paddings);
 }
 
-void read_legs(const YamlFields& fields, std::vector<double>& start,
-               std::vector<std::vector<double>>& goals) {
-  start = fields.angles("start");
-  goals = fields.lists_of_angles("goals");
-  if (start.empty()) fields.fail("start", "expected a number for each joint");
-  if (goals.empty()) fields.fail("goals", "expected at least one goal");
-}
-
 void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
                const std::string& key) {
   std::string plain = name;

@@ -29,8 +29,4 @@ void take_name(std::set<std::string>& taken, const std::string& name, const Yaml
 /// @throws std::invalid_argument
 std::optional<double> read_padding(const YamlFields& fields);
 
-/// start(_deg) and goals(_deg). Whether there are as many numbers as the robot has joints is for those to say
-/// who know the robot. @throws std::invalid_argument
-void read_legs(const YamlFields& fields, std::vector<double>& start, std::vector<std::vector<double>>& goals);
-
 }  // namespace clearway

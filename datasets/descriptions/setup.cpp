@@ -12,6 +12,8 @@
 namespace clearway {
 namespace {
 
+constexpr double half_turn = 3.1416;  ///< rad, with what a person rounds
+
 MapSetup read_map(const YamlFields& fields) {
   MapSetup map;
   map.resolution = fields.optional_number("resolution", {1e-4, 100});
@@ -167,14 +169,47 @@ void require_joints(const YamlFields& fields, const Setup& setup) {
                                  "' is on a link: expected `robot` with joint_file or " + "joint_topic");
 }
 
+GoalPoseSetup read_goal_pose(const YamlFields& fields) {
+  GoalPoseSetup goal;
+  goal.map_from_tip = fields.pose("pose");
+  goal.position_tolerance = fields.number("position_tolerance", {0.0, 10.0}, 0.0);
+  goal.turn_tolerance = fields.angle("turn_tolerance", 0.0);
+  if (!(goal.turn_tolerance >= 0.0 && goal.turn_tolerance <= half_turn))
+    fields.fail("turn_tolerance", "expected an angle from 0 to a half turn");
+  if (fields.has("free_axis")) {
+    const std::string axis = fields.text("free_axis");
+    if (axis != "x" && axis != "y" && axis != "z")
+      fields.fail("free_axis", "expected x, y or z, got " + quote(axis));
+    goal.free_axis = axis.front() - 'x';
+  }
+  fields.finish();
+  return goal;
+}
+
+void read_goals(const YamlFields& fields, QuerySetup& query) {
+  if (fields.has("goal_poses")) {
+    if (fields.has_angles("goals")) fields.fail("goal_poses", "expected either goals or goal_poses");
+    for (const YamlFields& goal : fields.list_of_maps("goal_poses"))
+      query.goal_poses.push_back(read_goal_pose(goal));
+    if (query.goal_poses.empty()) fields.fail("goal_poses", "expected at least one goal");
+    query.tip = fields.text("tip", "");
+  } else if (fields.has("tip")) {
+    fields.fail("tip", "expected goal_poses beside it");
+  } else if (fields.has_angles("goals") || !fields.has("pick")) {
+    query.goals = fields.lists_of_angles("goals");
+    if (query.goals.empty() && !fields.has("pick")) fields.fail("goals", "expected at least one goal");
+  }
+}
+
 /// Start and goals; of a pick the goal afterwards may be left out.
 void read_ways(const YamlFields& fields, const std::filesystem::path& folder, QuerySetup& query) {
-  if (!fields.has("pick")) return read_legs(fields, query.start, query.goals);
-  query.pick = read_pick(fields.map("pick"), folder);
   query.start = fields.angles("start");
   if (query.start.empty()) fields.fail("start", "expected a number for each joint");
-  if (fields.has_angles("goals")) query.goals = fields.lists_of_angles("goals");
-  if (query.goals.size() > 1) fields.fail("goals", "expected at most one with a pick");
+  read_goals(fields, query);
+  if (!fields.has("pick")) return;
+  query.pick = read_pick(fields.map("pick"), folder);
+  if (query.goals.size() + query.goal_poses.size() > 1)
+    fields.fail(query.goals.empty() ? "goal_poses" : "goals", "expected at most one with a pick");
   if (fields.has("loads")) fields.fail("loads", "expected none beside a pick");
   if (!query.pick->map_from_place)
     fields.fail("pick", "expected 'place', where " + query.pick->name + " goes");

@@ -177,11 +177,21 @@ struct RobotSetup {
   std::vector<std::string> paints;   ///< parts that paint where they are led, as far as the joints are known
 };
 
+/// A goal of a query that is a pose of the tip, and what of it may differ.
+struct GoalPoseSetup {
+  Eigen::Isometry3d map_from_tip = Eigen::Isometry3d::Identity();
+  double position_tolerance = 0;  ///< m
+  double turn_tolerance = 0;      ///< rad
+  std::optional<int> free_axis;   ///< 0, 1, 2: the tip's x, y or z, about which it may turn
+};
+
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.
 struct QuerySetup {
   std::string name;
   std::vector<double> start;
   std::vector<std::vector<double>> goals;
+  std::vector<GoalPoseSetup> goal_poses;        ///< instead of goals
+  std::string tip;                              ///< link that they place; empty: the robot's own tip
   std::vector<std::string> planners;            ///< empty: the command's default
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
   std::map<std::string, std::string> options;   ///< "key" for each planner, "planner.key" for one

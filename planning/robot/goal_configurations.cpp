@@ -34,7 +34,64 @@ Configuration random_start(const Robot& robot, const Configuration& near, std::m
   return q;
 }
 
+constexpr double least_difference = 1e-5;  ///< m and rad, of poses that count as the same
+
+/// Number `index` of the Halton sequence of this base, in (0, 1).
+double halton(int index, int base) {
+  double value = 0.0, share = 1.0;
+  for (; index > 0; index /= base) {
+    share /= base;
+    value += share * (index % base);
+  }
+  return value;
+}
+
+/// A vector within the ball of radius 1, evenly spread over three numbers from 0 to 1.
+Eigen::Vector3d within_ball(double along, double around, double out) {
+  const double z = 2.0 * along - 1.0, angle = 2.0 * std::numbers::pi * around;
+  const double width = std::sqrt(1.0 - z * z);
+  return std::cbrt(out) * Eigen::Vector3d(width * std::cos(angle), width * std::sin(angle), z);
+}
+
+Eigen::Isometry3d turned(const Eigen::Isometry3d& pose, const Eigen::Vector3d& by) {
+  Eigen::Isometry3d result = pose;
+  if (by.norm() > 0.0) result.linear() = pose.linear() * Eigen::AngleAxisd(by.norm(), by.normalized());
+  return result;
+}
+
 }  // namespace
+
+bool reaches(const GoalPose& goal, const Eigen::Isometry3d& map_from_tip) {
+  if ((map_from_tip.translation() - goal.map_from_tip.translation()).norm() >
+      goal.position_tolerance + least_difference)
+    return false;
+  const Eigen::Matrix3d apart = goal.map_from_tip.linear().transpose() * map_from_tip.linear();
+  double turn = Eigen::AngleAxisd(apart).angle();
+  if (goal.free_axis) {  // what is left when the tip has turned back about its axis as far as it helps
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(*goal.free_axis);
+    turn = std::atan2(axis.cross(apart * axis).norm(), axis.dot(apart * axis));
+  }
+  return turn <= goal.turn_tolerance + least_difference;
+}
+
+std::vector<Eigen::Isometry3d> poses_of(const GoalPose& goal, int count) {
+  constexpr int steps = 24;
+  std::vector<Eigen::Isometry3d> poses{goal.map_from_tip};
+  const Eigen::Vector3d axis = Eigen::Vector3d::Unit(goal.free_axis.value_or(0));
+  for (int i = 2; goal.free_axis && i <= steps; ++i) {
+    const double turn = 2.0 * std::numbers::pi / steps * (i / 2) * (i % 2 == 0 ? 1.0 : -1.0);
+    poses.push_back(turned(goal.map_from_tip, turn * axis));
+  }
+  if (goal.position_tolerance == 0.0 && goal.turn_tolerance == 0.0) return poses;
+  for (int i = 1; i <= count; ++i) {
+    const Eigen::Vector3d tilt = within_ball(halton(i, 7), halton(i, 11), halton(i, 13));
+    Eigen::Isometry3d pose = turned(goal.map_from_tip, goal.turn_tolerance * tilt);
+    if (goal.free_axis) pose = turned(pose, 2.0 * std::numbers::pi * halton(i, 17) * axis);
+    pose.translation() += goal.position_tolerance * within_ball(halton(i, 2), halton(i, 3), halton(i, 5));
+    poses.push_back(pose);
+  }
+  return poses;
+}
 
 Robot with_tip(const Robot& robot, const std::string& link) {
   std::vector<std::string> names;

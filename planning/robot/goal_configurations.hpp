@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,24 @@ namespace clearway {
 /// are made for the tip of the robot's settings. @throws std::invalid_argument for a link that it does not
 /// have, naming the nearest one, or one that no joint moves.
 Robot with_tip(const Robot& robot, const std::string& link);
+
+/// Where the tip shall be, and what of it may differ.
+struct GoalPose {
+  Eigen::Isometry3d map_from_tip = Eigen::Isometry3d::Identity();
+  double position_tolerance = 0.0;  ///< m, >= 0, how far from there the tip's origin may be
+  double turn_tolerance = 0.0;      ///< rad, 0 to pi, the angle by which its orientation may differ
+  std::optional<int> free_axis{};   ///< 0, 1, 2: the tip's own x, y or z, about which it may turn as it likes
+
+  bool is_exact() const { return position_tolerance == 0.0 && turn_tolerance == 0.0 && !free_axis; }
+};
+
+/// Whether a tip there keeps what the goal asks for: within 1e-5 m and rad.
+bool reaches(const GoalPose& goal, const Eigen::Isometry3d& map_from_tip);
+
+/// Poses that keep what the goal asks for, itself first: then, about its free axis, turns 15 degrees apart,
+/// the least first; then, within its tolerances, `count` that are spread evenly (Halton). The same at each
+/// call.
+std::vector<Eigen::Isometry3d> poses_of(const GoalPose& goal, int count = 96);
 
 /// Configurations within limits that put the tip at `map_from_tip`: all branches of a PUMA-like arm, else
 /// those that damped least squares find from `near` and from `starts` seeded random configurations, each once

@@ -226,6 +226,16 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
        "expected one"},
       {"queries: [{name: q, start: [1, 2], goals: [[1]]}]", "line 1", "queries[0]",
        "the start has 2 numbers and goals[0] has 1, expected as many numbers in both"},
+      {"queries: [{name: q, start: [1], goals: [[1]], goal_poses: [{pose: [0, 0, 0, 0, 0, 0]}]}]", "line 1",
+       "queries[0].goal_poses", "expected either goals or goal_poses"},
+      {"queries: [{name: q, start: [1], goals: [[1]], tip: hand}]", "line 1", "queries[0].tip",
+       "expected goal_poses beside it"},
+      {"queries: [{name: q, start: [1], goal_poses: []}]", "line 1", "queries[0].goal_poses", "at least one"},
+      {"queries: [{name: q, start: [1], goal_poses: [{pose: [0, 0, 0, 0, 0, 0], free_axis: w}]}]", "line 1",
+       "queries[0].goal_poses[0].free_axis", "expected x, y or z, got 'w'"},
+      {"queries: [{name: q, start: [1], goal_poses: [{pose: [0, 0, 0, 0, 0, 0], turn_tolerance: 4}]}]",
+       "line 1", "queries[0].goal_poses[0].turn_tolerance", "from 0 to a half turn"},
+      {"queries: [{name: q, start: [1]}]", "line 1", "queries[0].goals", "missing"},
       {"queries: [{name: q, start: [1], goals: [[1]], padding: 1e9}]", "line 1", "queries[0].padding",
        "expected a number from 0 to 100, got '1e9'"},
       {"queries: [{name: q, start: [1], goals: [[1]], options: {step: [0.1, x]}}]", "line 1",
@@ -245,6 +255,24 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0);
     EXPECT_TRUE(message.ends_with(".")) << message;
   }
+}
+
+TEST(Setup, GoalsMayBePosesOfALinkWithWhatMayDiffer) {
+  const auto setup = parse_setup(
+      "queries:\n  - {name: q, start: [1, 2], tip: hand, goal_poses: [{pose: [1, 2, 3, 0, 0, 0.5]}, "
+      "{pose_deg: [0, 0, 0, 0, 90, 0], position_tolerance: 0.01, turn_tolerance_deg: 90, free_axis: z}]}\n",
+      "s.yaml");
+  const QuerySetup& query = setup.queries.at(0);
+  EXPECT_TRUE(query.goals.empty());
+  EXPECT_EQ(query.tip, "hand");
+  ASSERT_EQ(query.goal_poses.size(), 2U);
+  EXPECT_EQ(query.goal_poses[0].map_from_tip.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(query.goal_poses[0].map_from_tip.linear()(1, 0), std::sin(0.5), 1e-15);
+  EXPECT_EQ(query.goal_poses[0].position_tolerance + query.goal_poses[0].turn_tolerance, 0.0);
+  EXPECT_FALSE(query.goal_poses[0].free_axis);
+  EXPECT_EQ(query.goal_poses[1].position_tolerance, 0.01);
+  EXPECT_NEAR(query.goal_poses[1].turn_tolerance, M_PI / 2, 1e-15);
+  EXPECT_EQ(query.goal_poses[1].free_axis, 2);
 }
 
 TEST(Setup, DeepAndRandomYamlNeverCrashes) {

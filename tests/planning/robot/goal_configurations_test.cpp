@@ -65,6 +65,55 @@ TEST(GoalConfigurations, NothingIsFoundOutOfReach) {
   EXPECT_TRUE(goal_configurations(robot, far, Configuration::Zero(7), 4).empty());
 }
 
+TEST(GoalPose, PosesOfItKeepWhatItAsksForAndSpreadOverIt) {
+  Random random(5);
+  for (int round = 0; round < 40; ++round) {
+    GoalPose goal{random.pose(1.0), round % 2 * 0.05 * random.unit(), round % 3 * random.unit()};
+    if (round % 5 > 1) goal.free_axis = round % 3;
+    const auto poses = poses_of(goal);
+    EXPECT_TRUE(poses.front().isApprox(goal.map_from_tip, 0.0));
+    EXPECT_EQ(poses.size(), 1U + (goal.free_axis ? 23U : 0U) +
+                                (goal.position_tolerance > 0.0 || goal.turn_tolerance > 0.0 ? 96U : 0U));
+    double farthest = 0.0, widest = 0.0, most = 0.0;
+    for (const Eigen::Isometry3d& pose : poses) {
+      EXPECT_TRUE(reaches(goal, pose));
+      EXPECT_TRUE((pose.linear() * pose.linear().transpose()).isIdentity(1e-9));
+      farthest = std::max(farthest, (pose.translation() - goal.map_from_tip.translation()).norm());
+      const Eigen::Matrix3d apart = goal.map_from_tip.linear().transpose() * pose.linear();
+      most = std::max(most, Eigen::AngleAxisd(apart).angle());
+      if (!goal.free_axis) continue;
+      const int axis = *goal.free_axis;  // the angle between the axis here and there
+      widest = std::max(widest, std::acos(std::clamp(apart(axis, axis), -1.0, 1.0)));
+    }
+    EXPECT_GE(farthest, 0.9 * goal.position_tolerance);
+    EXPECT_LE(farthest, goal.position_tolerance + 1e-12);
+    if (goal.free_axis) {
+      EXPECT_LE(widest, goal.turn_tolerance + 1e-7);
+      EXPECT_GT(most, 3.1) << "half a turn about the axis";
+    } else {
+      EXPECT_LE(most, goal.turn_tolerance + 1e-7);
+      EXPECT_GE(most, 0.9 * goal.turn_tolerance);
+    }
+  }
+}
+
+TEST(GoalPose, WhatLiesBeyondItsTolerancesIsNotReached) {
+  GoalPose goal{Eigen::Isometry3d::Identity(), 0.01, 0.1};
+  const auto tip = [](double x, double angle, const Eigen::Vector3d& axis) {
+    Eigen::Isometry3d pose(Eigen::AngleAxisd(angle, axis));
+    pose.translation().x() = x;
+    return pose;
+  };
+  EXPECT_TRUE(reaches(goal, tip(0.0099, 0.099, Eigen::Vector3d::UnitX())));
+  EXPECT_FALSE(reaches(goal, tip(0.0101, 0.0, Eigen::Vector3d::UnitX())));
+  EXPECT_FALSE(reaches(goal, tip(0.0, 0.101, Eigen::Vector3d::UnitZ())));
+  goal.free_axis = 2;
+  EXPECT_TRUE(reaches(goal, tip(0.0, 3.0, Eigen::Vector3d::UnitZ())));
+  EXPECT_FALSE(reaches(goal, tip(0.0, 0.101, Eigen::Vector3d::UnitY())));
+  goal.free_axis = 1;
+  EXPECT_FALSE(reaches(goal, tip(0.0, 3.0, Eigen::Vector3d::UnitZ())));
+}
+
 TEST(GoalConfigurations, AnotherTipIsALinkOfTheRobotThatMoves) {
   const Robot robot = load_robot("panda");
   const Robot other = with_tip(robot, "link5");

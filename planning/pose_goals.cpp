@@ -1,0 +1,109 @@
+#include "planning/pose_goals.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/srdf_file.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t most_choices = 16;  ///< of one goal
+constexpr int starts_of_variant = 8;      ///< of inverse kinematics, for poses that are not the goal itself
+
+double largest_apart(const Configuration& a, const Configuration& b) {
+  return (a - b).lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace
+
+PoseGoals::PoseGoals(const ConfigurationSpace& space, const std::string& tip,
+                     std::vector<NamedGoalPose> poses, Configuration start)
+    : space_(space),
+      robot_(tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), tip))),
+      poses_(std::move(poses)),
+      start_(std::move(start)) {
+  choose_from(0);
+}
+
+std::vector<Configuration> PoseGoals::goals() const {
+  std::vector<Configuration> goals;
+  for (const Choices& choices : choices_) goals.push_back(choices.configurations[choices.at]);
+  return goals;
+}
+
+bool PoseGoals::choose_next(std::size_t goal) {
+  Choices& choices = choices_[goal];
+  if (choices.at + 1 >= choices.free) return false;
+  ++choices.at;
+  choose_from(goal + 1);
+  return true;
+}
+
+void PoseGoals::choose_from(std::size_t goal) {
+  choices_.resize(goal);
+  for (; goal < poses_.size(); ++goal) choices_.push_back(choices_of(goal));
+}
+
+PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
+  const GoalPose& wanted = poses_[goal].pose;
+  const Configuration near = goal == 0 ? start_ : choices_[goal - 1].configurations[choices_[goal - 1].at];
+  const std::vector<Eigen::Isometry3d> poses = poses_of(wanted);
+  const std::size_t exact = poses_of({wanted.map_from_tip, 0.0, 0.0, wanted.free_axis}).size();
+  Choices choices;
+  std::vector<Configuration> blocked;
+  for (std::size_t i = 0; i < poses.size() && choices.free < most_choices; ++i) {
+    if (i >= exact && choices.free > 0) break;  // elsewhere is for goals that cannot be reached exactly
+    const auto found = i == 0 ? goal_configurations(robot_, poses[i], near)
+                              : goal_configurations(robot_, poses[i], near, starts_of_variant);
+    for (const Configuration& q : found) {
+      if (!space_.is_free(q)) {
+        blocked.push_back(q);
+      } else if (choices.free < most_choices) {
+        choices.configurations.push_back(q);
+        ++choices.free;
+      }
+    }
+  }
+  const auto is_nearer = [&](const Configuration& a, const Configuration& b) {
+    return largest_apart(a, near) < largest_apart(b, near);
+  };
+  std::stable_sort(choices.configurations.begin(), choices.configurations.end(), is_nearer);
+  std::stable_sort(blocked.begin(), blocked.end(), is_nearer);
+  if (choices.free == 0) choices.configurations = std::move(blocked);
+  if (choices.configurations.empty())
+    throw std::invalid_argument(poses_[goal].name + ": no configuration of robot " + quote(robot_.name) +
+                                " within its limits was found that puts link " +
+                                quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) +
+                                " there, expected a pose within reach");
+  return choices;
+}
+
+Plan plan_to_poses(PlanQuery query, PoseGoals goals) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  query.goals = goals.goals();
+  Plan first = plan_and_check(query);
+  Plan plan = first;
+  query.advice_time = 0.0;
+  int others = 0;
+  while (plan.status() != PlanStatus::solved) {
+    const bool is_out_of_time =
+        std::chrono::duration<double>(Clock::now() - begin).count() > query.time_limit;
+    if (is_out_of_time || plan.legs.empty() || !goals.choose_next(plan.legs.size() - 1)) {
+      if (others > 0)
+        first.legs.back().explanation += " " + std::to_string(others) + " other configuration" +
+                                         (others == 1 ? "" : "s") + " at the goal's pose did no better.";
+      return first;
+    }
+    query.goals = goals.goals();
+    plan = plan_and_check(query);
+    ++others;
+  }
+  return plan;
+}
+
+}  // namespace clearway

@@ -1,0 +1,131 @@
+#include "planning/pose_goals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "mapping/free_space_map.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "planning/sampling/rrtconnect.hpp"
+#include "tests/worlds/beam_world.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace pose_goals_test {
+
+/// Some voxels round an arm, none near its base.
+Snapshot clutter(Random& random, int voxels) {
+  FreeSpaceMap map({.resolution = 0.05});
+  for (int placed = 0; placed < voxels;) {
+    const Eigen::Vector3d at = random.point(0.9);
+    if (at.head<2>().norm() < 0.25) continue;
+    occupy(map, at);
+    ++placed;
+  }
+  return map.snapshot();
+}
+
+ConfigurationSpace space_of(const char* robot, const Snapshot& map) {
+  return {load_robot(robot), map, anywhere_but_occupied()};
+}
+
+Configuration free_configuration(Random& random, const ConfigurationSpace& space) {
+  for (;;) {
+    const Configuration q = random.configuration(space.robot());
+    if (space.is_free(q)) return q;
+  }
+}
+
+TEST(PoseGoals, ChooseFreeConfigurationsThatReachThem) {
+  Random random(11);
+  int turned = 0, elsewhere = 0, blocked = 0;
+  for (int round = 0; round < 60; ++round) {
+    const ConfigurationSpace space = space_of(round % 2 == 0 ? "arm6" : "puma560", clutter(random, 60));
+    const Configuration start = free_configuration(random, space),
+                        there = random.configuration(space.robot());
+    const GoalPose exact{tip_pose(space.robot(), there)};
+    GoalPose loose = exact;
+    if (round % 3 > 0) loose.free_axis = round % 3;
+    if (round % 4 > 1) loose.position_tolerance = 0.05, loose.turn_tolerance = 0.2;
+    const PoseGoals goals(space, "", {{loose, "a"}, {exact, "b"}}, start);
+    const std::vector<Configuration> chosen = goals.goals();
+    ASSERT_EQ(chosen.size(), 2U);
+    EXPECT_TRUE(reaches(loose, tip_pose(space.robot(), chosen[0])));
+    EXPECT_TRUE(reaches(exact, tip_pose(space.robot(), chosen[1])));
+    // Whatever is free and exact is preferred, and the nearest of it.
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Configuration& q : goal_configurations(space.robot(), exact.map_from_tip, start))
+      if (space.is_free(q)) nearest = std::min(nearest, (q - start).lpNorm<Eigen::Infinity>());
+    const bool is_exact = reaches(exact, tip_pose(space.robot(), chosen[0]));
+    if (std::isfinite(nearest)) {
+      EXPECT_TRUE(space.is_free(chosen[0]));
+      EXPECT_LE((chosen[0] - start).lpNorm<Eigen::Infinity>(), nearest + 1e-9);
+    } else if (space.is_free(chosen[0])) {
+      EXPECT_FALSE(is_exact);
+      elsewhere += !loose.free_axis.has_value();
+      turned += loose.free_axis.has_value();
+    } else {
+      ++blocked;
+    }
+  }
+  EXPECT_GT(turned, 0);
+  EXPECT_GT(elsewhere, 0);
+  EXPECT_GT(blocked, 0);
+}
+
+TEST(PoseGoals, AreOfAnyLinkAndNamedWhenOutOfReach) {
+  const ConfigurationSpace space = space_of("panda", FreeSpaceMap({.resolution = 0.05}).snapshot());
+  Random random(3);
+  const Configuration q = free_configuration(random, space);
+  const Eigen::Isometry3d there = tip_pose(with_tip(space.robot(), "link5"), q);
+  const PoseGoals goals(space, "link5", {{{there}, "a"}}, Configuration::Zero(7));
+  EXPECT_TRUE(tip_pose(with_tip(space.robot(), "link5"), goals.goals()[0]).isApprox(there, 1e-4));
+  Eigen::Isometry3d far = Eigen::Isometry3d::Identity();
+  far.translation().z() = 9.0;
+  try {
+    PoseGoals(space, "", {{{there}, "--goal-pose 1"}, {{far}, "--goal-pose 2"}}, q);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("--goal-pose 2: no configuration of robot 'panda'"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+/// A branch that is free and that no path reaches, which the next one does.
+TEST(PlanToPoses, GoesToAnotherBranchWhenNoPathLeadsToTheNearest) {
+  Random random(17);
+  const auto planner = std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = 3000});
+  int others = 0, failed = 0;
+  for (int round = 0; round < 80 && others < 2; ++round) {
+    const ConfigurationSpace space = space_of("arm6", clutter(random, 240));
+    const Configuration start = free_configuration(random, space), there = free_configuration(random, space);
+    const GoalPose pose{tip_pose(space.robot(), there)};
+    const PoseGoals goals(space, "", {{pose, "a"}}, start);
+    const PlanQuery query{
+        .space = space, .start = start, .goals = {}, .planner = planner, .advice_time = 0.0};
+    const Plan plan = plan_to_poses(query, goals);
+    PlanQuery nearest = query;
+    nearest.goals = goals.goals();
+    const Plan alone = plan_and_check(nearest);
+    ASSERT_EQ(plan.goals.size(), 1U);
+    EXPECT_TRUE(reaches(pose, tip_pose(space.robot(), plan.goals[0])));
+    if (alone.status() == PlanStatus::solved) {
+      EXPECT_EQ(plan.waypoints(), alone.waypoints());
+    } else if (plan.status() == PlanStatus::solved) {
+      EXPECT_TRUE(plan.is_proved());
+      EXPECT_EQ(plan.waypoints().back(), plan.goals[0]);
+      EXPECT_NE(plan.goals[0], nearest.goals[0]);
+      ++others;
+    } else {
+      EXPECT_EQ(plan.goals, nearest.goals);
+      ++failed;
+    }
+  }
+  EXPECT_GE(others, 2) << failed;
+}
+
+}  // namespace pose_goals_test
+}  // namespace clearway
